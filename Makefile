@@ -7,9 +7,6 @@ BIN := $(VENV)/bin
 CONSTRAINTS ?= constraints/current.txt
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(CONSTRAINTS)
 
-# The cache of derived and compiled code that runs of the tests share; `make clean` deletes it.
-KEPT := SLIP_TO_ROLL_CACHE=$(CURDIR)/$(VENV)/kept
-
 # Where this is set, each of the many processes of a report or a test compiles all its imports again: 9 s of CPU, not 3.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -27,12 +24,12 @@ quick: $(VENV)/installed $(WANTED)
 
 # Three processes on two cores: many tests wait for a disk, a time limit or another process.
 test: $(VENV)/installed
-	$(KEPT) $(BIN)/python -m pytest -n 3 --dist loadfile
+	$(BIN)/python -m pytest -n 3 --dist loadfile
 
 # Tests that measure times run alone, at the end.
 test-all: $(VENV)/installed
-	$(KEPT) $(BIN)/python -m pytest -n 2 --dist loadfile -m "not timed"
-	$(KEPT) $(BIN)/python -m pytest -m timed
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not timed"
+	$(BIN)/python -m pytest -m timed
 
 # Every installed Python, lowest and newest versions, with and without heyoka: takes hours, writes a table in docs/install.md.
 # An interrupted run continues where it stopped; make matrix ONLY="3.13 lowest" runs the environments so named.
@@ -43,11 +40,11 @@ matrix:
 SMOKE := tests/test_architecture.py tests/test_import_layers.py tests/reference/test_reference_exact.py
 
 smoke: $(VENV)/installed
-	$(KEPT) $(BIN)/python -m pytest -q $(SMOKE)
+	$(BIN)/python -m pytest -q $(SMOKE)
 
 # The README's commands, with the wheel in an empty environment and an empty folder. About 80 s of CPU time.
 walk: $(VENV)/installed
-	$(KEPT) $(BIN)/python -m pytest -q -m "slow or not slow" tests/walk -k "readme or wheel"
+	$(BIN)/python -m pytest -q -m "slow or not slow" tests/walk -k "readme or wheel"
 
 # Style and types, for contributors.
 check: $(VENV)/checkers
@@ -57,7 +54,7 @@ check: $(VENV)/checkers
 
 # The site: site/index.html. It runs the gallery.
 docs: $(VENV)/documented
-	$(KEPT) NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
 	@echo site/index.html
 
 $(VENV)/documented: $(VENV)/installed

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import cases
-from cases import Case, CaseError, compile_cache, lookup
+from cases import Case, CaseError, lookup
 from cases.command_line import status
 
 from . import options
@@ -249,7 +249,6 @@ def _write(
         "options": _options(plan),
         "settings": f"effort {plan.effort}, {plan.jobs} at a time, {plan.limit:g} s a run; {calls.store.taken_words()}",
         "store": calls.store.summary(),
-        "compiled": compile_cache.words(),
         "ladders": plan.ladders() or "All settings of all ladders.",
         "limit_seconds": plan.limit,
         "cases": {case.label: dict(case.parameters) for case in experiment.cases},
@@ -336,7 +335,6 @@ def _summary(
     store = calls.store
     lines += [
         f"store: {store.taken_words()}; {store.size_words()}",
-        f"cache: {compile_cache.place() or 'off'}; {compile_cache.words()}",
     ]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
     lines += [phase_times.words(calls.times.phases)]

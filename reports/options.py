@@ -6,7 +6,6 @@ All functions here are fast; slow modules are imported when they are needed.
 from __future__ import annotations
 
 import argparse
-import os
 import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import adapters
 import cases
-from cases import BadValue, Case, compile_cache, lookup
+from cases import BadValue, Case, lookup
 from cases.command_line import Parser
 from cases.errors import unknown_name
 from cases.owned_folder import OwnedFolder, TemporaryFolder
@@ -128,13 +127,6 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 }
 
 
-class _NoCache(argparse.Action):
-    """Turns off the compile cache for this process and its workers."""
-
-    def __call__(self, parser, namespace, values, option_string=None):
-        os.environ[compile_cache.VARIABLE] = compile_cache.OFF
-
-
 def parser(
     command: str,
     description: str,
@@ -161,12 +153,6 @@ def parser(
         if words and len(words) > 1 and how.get("nargs") == "+":
             how |= {"nargs": None, "action": "append"}
         (effort if option in ("quick", "full") else parser).add_argument(f"--{option.replace('_', '-')}", **how)
-    parser.add_argument(
-        "--no-cache",
-        action=_NoCache,
-        nargs=0,
-        help=f"do not use derivations and compiled code cached on disk ({compile_cache.VARIABLE}=off does the same)",
-    )
     for name, text in (words or {}).items():
         parser.add_argument(name.strip("*"), metavar=name.strip("*"), help=text, nargs="*" if "*" in name else None)
     return parser

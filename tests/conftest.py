@@ -14,7 +14,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import cases
-from cases import Case, CaseError, compile_cache, lookup
+from cases import Case, CaseError, lookup
+from reports.running import cache_folder
 
 _PROPERTY = "accuracy"
 _COLUMNS = ("case", "solver", "route", "quantity", "error", "tolerance")
@@ -34,11 +35,8 @@ QUICK = "not slow and not timed"  # the default choice of pyproject.toml
 
 
 def pytest_configure(config):
-    """Choose what is drawn; load the case files, and tell in one line what is wrong with one.
-
-    What was compiled is taken from disk only where the environment names a folder, as `make test` does.
-    """
-    os.environ.setdefault(compile_cache.VARIABLE, compile_cache.OFF)
+    """Choose what is drawn; load the case files, and tell in one line what is wrong with one."""
+    os.environ.setdefault(cache_folder.VARIABLE, cache_folder.OFF)
     gc.disable()  # what is collected stays to the end: looking through it for garbage finds none and takes seconds
     quick = config.option.markexpr == QUICK and config.getoption("--hypothesis-seed", None) is None
     settings.load_profile("same" if quick else "other")

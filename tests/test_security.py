@@ -11,7 +11,7 @@ import pytest
 
 import cases
 from adapters.common import motion_file
-from cases import CaseError, Curve, Load, compile_cache, lookup, trial
+from cases import CaseError, Curve, Load, lookup, trial
 from cases.effects import MOTION
 from cases.owned_folder import LIST, digest
 from reports import compare_builds
@@ -195,22 +195,6 @@ def test_a_record_says_nothing_about_what_code_runs(mark):
     for kind in (float, tuple[float, ...], cases.Transition):
         with pytest.raises((ValueError, TypeError, KeyError)):
             packing.unpack(kind, said, [])
-
-
-@pytest.mark.parametrize("open_to", [0o777, 0o770, 0o707])
-def test_what_others_could_have_put_into_the_cache_is_not_read(mark, tmp_path, monkeypatch, open_to, caplog):
-    cache = tmp_path / "cache"
-    cache.mkdir(mode=0o700)
-    monkeypatch.setenv(compile_cache.VARIABLE, str(cache))
-    made = compile_cache.cached("jet", ("a secret", open_to), Path(compile_cache.__file__).parent, lambda: 1.0)
-    assert made == 1.0
-    (file,) = cache.glob("*.kept")
-    content = pickle.dumps(Bomb(mark))
-    import hashlib
-
-    file.write_bytes(hashlib.sha256(content).digest() + content)
-    file.chmod(0o600 | open_to)
-    assert compile_cache.cached("jet", ("a secret", open_to), Path(compile_cache.__file__).parent, lambda: 2.0) == 2.0
 
 
 def test_text_is_inert_in_tables(mark, tmp_path):

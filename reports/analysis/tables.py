@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from math import isfinite, nan
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import reference
-from cases.compile_cache import cached
 
 from ..judging.grades import Grade
 from ..running.records import Experiment, Run, default, finest, first_error, is_truth, routes
 from ..running.solvers import NOT_INSTALLED
-from ..running.storage.fingerprint import installed_packages
 from . import levels
 from .convergence import convergence_rows
 
@@ -27,18 +22,15 @@ OUTCOMES = ("answered", "unsupported", "crashed", "timed_out", NOT_INSTALLED)
 
 
 def errata_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """The paper's misprints, each formula evaluated; the same for every experiment, and cached."""
+    """The paper's misprints, each formula evaluated; the same for every experiment."""
 
-    def make() -> list[dict[str, Any]]:
-        from reference.errata import errata  # it imports SciPy's integrators, a quarter of a second
+    from reference.errata import errata  # it imports SciPy's integrators, a quarter of a second
 
-        # The column `verdict` of an erratum would be mistaken for the table `verdict`.
-        return [
-            {"finding" if name == "verdict" else name: value for name, value in erratum._asdict().items()}
-            for erratum in errata()
-        ]
-
-    return cached("errata", (installed_packages("scipy"),), Path(reference.__file__).parent, make)
+    # The column `verdict` of an erratum would be mistaken for the table `verdict`.
+    return [
+        {"finding" if name == "verdict" else name: value for name, value in erratum._asdict().items()}
+        for erratum in errata()
+    ]
 
 
 def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:

@@ -173,7 +173,6 @@ def provenance(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
         "packages",
         "settings",
         "ladders",
-        "compiled",
     ):
         value = manifest.get(key)
         if value:

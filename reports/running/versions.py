@@ -22,9 +22,10 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.version import InvalidVersion, Version
 
-from cases import BadValue, compile_cache, owned_folder
+from cases import BadValue, owned_folder
 from cases.errors import UnknownName
 
+from . import cache_folder
 from .records import REFERENCE, legible
 from .storage import source_code
 
@@ -65,10 +66,9 @@ def needs(name: str) -> Requirement:
 def check(name: str) -> None:
     """Raise BadValue if a solver with a version cannot be used. Installs nothing."""
     package = needs(name)
-    if not _is_here(package) and compile_cache.place() is None:
+    if not _is_here(package) and cache_folder.place() is None:
         raise BadValue(
-            f"{name} needs an environment, and the cache is off; leave --no-cache out, and set "
-            f"{compile_cache.VARIABLE} to a folder of your own"
+            f"{name} needs an environment, and the cache is off; set {cache_folder.VARIABLE} to a folder of your own"
         )
 
 
@@ -125,7 +125,7 @@ def _folder(name: str) -> Path | None:
     """
     if not split_version(name)[1]:
         return None
-    cache = compile_cache.place()
+    cache = cache_folder.place()
     if cache is None:
         return None
     package = str(needs(name)).replace("==", "-")

@@ -7,7 +7,7 @@ import pytest
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, compile_cache, disc, library
+from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, disc, library
 
 # MB that a process may grow by once its caches are full: a tenth of what the second half would add at the least rate
 # that a leak of one small object in each scene has been seen to have (0.02 MB), and above what allocators scatter.
@@ -50,16 +50,3 @@ def test_a_process_does_not_grow_once_its_caches_are_full(scene, first, count):
     for i in range(first, count):
         scene(i)
     assert resident() - before < GROWTH
-
-
-def test_the_folder_of_compiled_parts_holds_so_many_files_and_no_scratch(tmp_path, monkeypatch):
-    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path / "cache"))
-    monkeypatch.setattr(compile_cache, "MOST_FILES", 40)
-    monkeypatch.setattr(compile_cache, "_LOOK_FILES", 10)
-    folder = compile_cache.place()
-    scratch = folder / f".slip-to-roll-{16 * '0'}.partial"
-    scratch.write_bytes(b"half")
-    for i in range(200):
-        compile_cache.cached("test", ("many", i), Path(compile_cache.__file__).parent, lambda i=i: i)
-    assert len(list(folder.iterdir())) <= 50
-    assert not scratch.exists()

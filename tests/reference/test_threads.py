@@ -18,7 +18,7 @@ import pytest
 
 import cases
 import reference
-from cases import Load, State, Trajectory, compile_cache, features
+from cases import Load, State, Trajectory, features
 from reference.minimal.integrators.pool import IntegratorPool
 from reference.solve import METHODS
 from tests.reference.test_sweep import FAMILIES as SWEPT
@@ -112,8 +112,7 @@ def test_threads_that_derive_everything_at_once(tmp_path):
     )
     run = subprocess.run(
         [sys.executable, "-c", program, json.dumps(labels)],
-        env=os.environ | {compile_cache.VARIABLE: compile_cache.OFF}, capture_output=True, text=True, check=True,
-        timeout=120,
+        capture_output=True, text=True, check=True, timeout=120,
     )  # fmt: skip
     alone = {label: bits.of_label(label) for label in labels}
     assert [label for label, answer in json.loads(run.stdout) if answer != alone[label]] == []

@@ -8,7 +8,6 @@ import pytest
 
 import cases
 from adapters import Setting
-from cases import compile_cache
 from reports.running.timing import clock
 from reports.running.timing.clock import ClockEntry, Contestant
 
@@ -90,13 +89,6 @@ def test_no_garbage_is_collected_on_the_clock_and_it_is_again_afterwards(watch):
 
     timed(watch, entry(run=run))
     assert seen and not any(seen) and gc.isenabled()
-
-
-def test_nothing_compiled_is_taken_from_disk(watch, monkeypatch, tmp_path):
-    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path))
-    places = []
-    timed(watch, entry(lambda: places.append(compile_cache.place()), works(watch, 0.04)))
-    assert places and set(places) == {None} and compile_cache.place() == tmp_path
 
 
 def test_what_an_engine_started_is_gone_before_the_next_repeat(watch, monkeypatch):

@@ -12,7 +12,6 @@ import pytest
 
 import cases
 from adapters import Setting
-from cases import compile_cache
 from reports.running.timing import cold_start
 from reports.running.timing.clock import Contestant
 
@@ -85,16 +84,6 @@ def test_it_is_the_median_of_three(here, monkeypatch):
     engine(monkeypatch, adapter)
     found = first_call(*who(1.0))
     assert (found.build_s, found.run_s) == pytest.approx((2.0, 6.0))
-
-
-def test_nothing_compiled_is_taken_from_disk(here, monkeypatch, tmp_path):
-    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path))
-    places = []
-    adapter = here.engine(BUILD, RUN, READ)
-    adapter.run = lambda model: places.append(compile_cache.place())
-    engine(monkeypatch, adapter)
-    first_call(*who(1.0))
-    assert places == [None] * cold_start.LEAST_REPEATS and compile_cache.place() == tmp_path
 
 
 @pytest.mark.parametrize("slow", [0, 1])

@@ -11,7 +11,7 @@ import pytest
 
 import cases
 from adapters import Setting
-from cases import Mode, Transition, compile_cache
+from cases import Mode, Transition
 from reports import studies
 from reports.running import calls, experiment, tasks
 from reports.running.calls import Calls
@@ -266,15 +266,3 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
     assert told() == before
     (package / "_knobs.py").write_text("h = 0.2\n")
     assert told() != before
-
-
-def test_code_says_the_same_whether_it_is_parsed_or_was_kept(tmp_path, monkeypatch):
-    def told(cache: str) -> str:
-        monkeypatch.setenv(compile_cache.VARIABLE, cache)
-        for cached in (fingerprint.adapter_sources, source_code.of, source_code._of_suite):
-            cached.cache_clear()
-        return fingerprint.adapter_sources("pymunk")
-
-    first = told(str(tmp_path))
-    assert list(tmp_path.glob("*.kept"))
-    assert first == told(str(tmp_path)) == told(compile_cache.OFF)

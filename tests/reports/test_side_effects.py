@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 
 import cases
-from cases import compile_cache
 from reports.running import experiment, solvers, tasks
 from reports.running.calls import Calls
 from reports.running.canary import Canary
@@ -68,12 +67,10 @@ def test_what_an_adapter_does_to_its_process_reaches_no_other_row(install):
 
 
 @pytest.mark.slow
-def test_no_side_effect_of_an_adapter_reaches_another_row(install, tmp_path, monkeypatch):
+def test_no_side_effect_of_an_adapter_reaches_another_row(install):
     names, others = tuple(side_effects.EFFECTS), ("reference", "pymunk", "exudyn")
     assert len(names) >= 40
     undisturbed = rows(others)
-    # What the adapters' processes compile is taken from here by the others'.
-    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path / "kept"))
     install(names)
     runs = rows((*names, *others)).runs
     for name in names:
@@ -132,14 +129,3 @@ def test_settings_of_the_process_are_restored_after_an_engines_code(tmp_path):
         np.seterr(all="raise")
         assert all(now != then for now, then in zip(settings(), before, strict=True))
     assert settings() == before
-
-
-@pytest.mark.parametrize("trusted", [True, False])
-def test_what_is_compiled_after_an_engines_code_is_kept_only_when_it_is_trusted(trusted, tmp_path, monkeypatch):
-    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path / "kept"))
-    with compile_cache.withheld() as write:
-        assert compile_cache.cached("a test", "of this", tmp_path, lambda: 7) == 7
-        assert not list((tmp_path / "kept").iterdir())
-        if trusted:
-            write()
-    assert len(list((tmp_path / "kept").iterdir())) == trusted

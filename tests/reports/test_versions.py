@@ -8,10 +8,10 @@ from packaging.requirements import Requirement
 
 import adapters
 import cases
-from cases import BadValue, CaseError, compile_cache
+from cases import BadValue, CaseError
 from reports import build, compare_builds, options
 from reports.analysis.columns import with_version
-from reports.running import experiment, versions
+from reports.running import cache_folder, experiment, versions
 from reports.running.calls import Calls
 from reports.running.processes.workers import WorkerPool
 from reports.running.solvers import groups_of
@@ -26,8 +26,8 @@ BOTH = ("pymunk@6.11.1", "pymunk@7.3.1")
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
     """A cache folder of the test's own."""
-    monkeypatch.setenv(compile_cache.VARIABLE, str(tmp_path / "cache"))
-    return compile_cache.place()
+    monkeypatch.setenv(cache_folder.VARIABLE, str(tmp_path / "cache"))
+    return cache_folder.place()
 
 
 @pytest.fixture
@@ -71,7 +71,7 @@ def test_what_cannot_be_asked_for_is_refused_in_a_sentence(name, hint, cache, tm
 
 
 def test_without_a_cache_only_what_is_here_can_be_asked_for(monkeypatch):
-    monkeypatch.setenv(compile_cache.VARIABLE, compile_cache.OFF)
+    monkeypatch.setenv(cache_folder.VARIABLE, cache_folder.OFF)
     options.choose_solvers([f"pymunk@{version('pymunk')}"])
     with pytest.raises(BadValue, match="the cache is off"):
         options.choose_solvers(["pymunk@6.99"])
@@ -154,14 +154,6 @@ def test_tables_of_solvers_tell_their_versions():
     assert list(told.columns) == ["case", "solver", "version", "error"]
     assert list(told["version"]) == ["1 (beta)", "", ""]
     assert with_version(frame[["case"]], {}).columns == ["case"]
-
-
-def test_environments_outlive_what_is_trimmed_of_the_cache(cache, monkeypatch):
-    (cache / "versions").mkdir()
-    (cache / f"{64 * '0'}.kept").write_bytes(b"x" * 100)
-    monkeypatch.setattr(compile_cache, "LARGEST_BYTES", 1)
-    compile_cache._trim(cache)
-    assert [path.name for path in cache.iterdir()] == ["versions"]
 
 
 @pytest.mark.slow

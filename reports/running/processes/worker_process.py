@@ -27,7 +27,6 @@ from typing import Any
 import numpy as np
 
 from adapters.common import supervision
-from cases import compile_cache
 
 from ..records import legible
 from ..third_party import LIMITS
@@ -104,15 +103,10 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
         signal.alarm(int(limit) + 10)
         before, state = _numerics(), _required_state()
         folder = Path(tempfile.mkdtemp(dir=scratch))
-        with compile_cache.withheld() as write:
-            answer = _call(function, args, folder)
-            change = canary.change() if canary else ""
-            if change:
-                answer = CallResult(
-                    "raised", reason=f"it left its process changed, so its result is not used: {change}"
-                )
-            else:
-                write()
+        answer = _call(function, args, folder)
+        change = canary.change() if canary else ""
+        if change:
+            answer = CallResult("raised", reason=f"it left its process changed, so its result is not used: {change}")
         signal.alarm(0)
         retire = (
             bool(change)
@@ -122,10 +116,10 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
             or _has_leftovers()
         )
         try:
-            message = dumps((number, answer, retire, compile_cache.counters()))
+            message = dumps((number, answer, retire))
         except Exception as problem:  # a solver's object can raise anything when it is pickled
             answer = CallResult("raised", reason=legible(f"its result cannot be pickled: {problem}"))
-            message = dumps((number, answer, retire, compile_cache.counters()))
+            message = dumps((number, answer, retire))
         pipe.send_bytes(message)
 
 

@@ -24,7 +24,7 @@ from types import ModuleType
 from typing import Any
 
 from adapters.common.supervision import TOO_MUCH_MEMORY
-from cases import compile_cache, owned_folder
+from cases import owned_folder
 
 from .. import versions
 from ..records import legible
@@ -228,9 +228,7 @@ class _Worker:
             if result == START_MESSAGE:
                 self.has_begun, self.deadline = True, time.monotonic() + self.limit
                 return None
-            retire, (hits, misses) = more
-            compile_cache.hits.update(hits)
-            compile_cache.misses.update(misses)
+            (retire,) = more
         except Exception as problem:  # the bytes of a broken answer can raise anything
             result, retire = CallResult("raised", reason=legible(f"its answer cannot be read: {problem}")), True
         if retire:

@@ -11,14 +11,12 @@ import importlib.machinery
 import importlib.util
 import os
 from collections.abc import Container
-from contextlib import suppress
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
 from adapters.lookup import GROUP, NO_ADAPTERS, executables
-from cases import compile_cache
 
 # The suite's packages.
 SUITE = ("adapters", "cases", "reference", "reports")
@@ -159,27 +157,7 @@ def _files_in(package: str) -> dict[str, Path]:
 def of(path: Path) -> str:
     """Digest of a file's syntax; layout and comments do not count."""
     content = path.read_bytes()
-    bare = hashlib.sha256(content).hexdigest()
-    return (_of_suite().get(bare) or _syntax_digest(content)) if path.suffix == ".py" else bare
-
-
-@lru_cache(maxsize=1)
-def _of_suite() -> dict[str, str]:
-    """Digests of the syntax of the suite's files by the digests of their contents; cached, because parsing takes longer
-    than a small report's other work."""
-    if compile_cache.place() is None:
-        return {}
-    contents = [path.read_bytes() for room in SUITE for path in _files_in(room).values()]
-    digests = [hashlib.sha256(content).hexdigest() for content in contents]
-
-    def make() -> dict[str, str]:
-        result = {}
-        for digest, content in zip(digests, contents, strict=True):
-            with suppress(SyntaxError, ValueError):  # the error is raised when the file is requested
-                result[digest] = _syntax_digest(content)
-        return result
-
-    return compile_cache.cached("code", tuple(digests), Path(__file__).parent, make)
+    return _syntax_digest(content) if path.suffix == ".py" else hashlib.sha256(content).hexdigest()
 
 
 def _syntax_digest(content: bytes) -> str:

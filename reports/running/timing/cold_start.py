@@ -2,7 +2,7 @@
 
 Each repeat is a child process, forked from one that has imported all modules of the call and has compiled nothing. A
 first call of each route shows which modules these are: engines import late, and imports are not part of a simulation.
-That call is discarded unless it imported nothing. Nothing compiled is read from disk.
+That call is discarded unless it imported nothing.
 """
 
 from __future__ import annotations
@@ -19,8 +19,6 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
-
-from cases import compile_cache
 
 from ..solvers import solver
 from .clock import LEAST_REPEATS, Contestant, Key, calibrate, is_slow_loop
@@ -136,15 +134,14 @@ def _import_all(contestants: Sequence[Contestant]) -> list[_ColdEntry]:
 
 def _call(one: Contestant) -> _ColdRepeat:
     before, loop, module = set(sys.modules), calibrate(), solver(one.solver)
-    with compile_cache.off():
-        marks = [time.process_time()]
-        model = module.build(one.case, one.route, one.setting)
-        marks.append(time.process_time())
-        module.run(model)
-        marks.append(time.process_time())
-        # Access to the samples is timed too: the reference computes them on access.
-        _ = module.read(model).t
-        marks.append(time.process_time())
+    marks = [time.process_time()]
+    model = module.build(one.case, one.route, one.setting)
+    marks.append(time.process_time())
+    module.run(model)
+    marks.append(time.process_time())
+    # Access to the samples is timed too: the reference computes them on access.
+    _ = module.read(model).t
+    marks.append(time.process_time())
     build, run, read = (after - before for before, after in zip(marks, marks[1:], strict=False))
     # A module without a spec was created at run time, not imported.
     new_modules = (m for m in sorted(set(sys.modules) - before) if getattr(sys.modules[m], "__spec__", None))

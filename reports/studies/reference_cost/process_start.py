@@ -1,14 +1,12 @@
-"""The cost of a new process: import of the reference, and its first motion, with and without a cache on disk."""
+"""The cost of a new process: import of the reference, and its first motion."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
 from pathlib import Path
-from typing import NamedTuple
 
 import cases
-from cases import compile_cache
 
 _IMPORT = "import time; began = time.process_time(); import reference; print(time.process_time() - began)"
 _FIRST = """
@@ -24,13 +22,6 @@ PROCESSES = 3
 _HOME = Path(cases.__file__).parents[1]
 
 
-class ProcessStart(NamedTuple):
-    """CPU seconds of the first motion of a new process after the imports: without a cache on disk, and with one."""
-
-    without_s: float
-    warm_s: float
-
-
 def _measure(program: str, *words: str) -> float:
     argv = [sys.executable, "-c", program, *words]
     process = subprocess.run(argv, check=True, capture_output=True, text=True, cwd=_HOME)
@@ -42,15 +33,9 @@ def import_seconds() -> float:
     return min(_measure(_IMPORT) for _ in range(PROCESSES))
 
 
-def first_motion(label: str) -> ProcessStart:
-    """The cost of a case's first motion in new processes."""
-    with compile_cache.off():
-        without = _measure(_FIRST, label)
-    # NaN if this machine has no cache.
-    if compile_cache.place() is None:
-        return ProcessStart(without, float("nan"))
-    _measure(_FIRST, label)
-    return ProcessStart(without, min(_measure(_FIRST, label) for _ in range(PROCESSES)))
+def first_motion(label: str) -> float:
+    """CPU seconds of a case's first motion in a new process, after the imports."""
+    return min(_measure(_FIRST, label) for _ in range(PROCESSES))
 
 
 def labels(full: bool) -> list[str]:

@@ -20,7 +20,7 @@ WORDS = (
     "--jobs=two", "--jobs=99999999999", "@file", "numpy", "cases", "random", "cos", "x" * 5000, "a\0b",
     "~nosuchuser", "--force",
     "/proc", "/proc/self/mem", "loop", "--trajectory", "--vary", "mu=0.1:0.3:3", "mu=0:nan:3", "--rtol", "--sample",
-    "--engine", "--submissions", "a=b.csv", "<b>=b.csv", "a@disc_on_line=/dev/null", "--no-cache",
+    "--engine", "--submissions", "a=b.csv", "<b>=b.csv", "a@disc_on_line=/dev/null",
     "\ud800", "١", "valid_name", "--store=loop", "--out=~nosuchuser/r", "disc_on_line[v0=1e308]",
 )  # fmt: skip
 COMMANDS = {
