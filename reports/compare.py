@@ -12,7 +12,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cases import Case, lookup
+from cases import Case, DoesNotFit, lookup
 from cases.command_line import status
 from cases.user_files import existing
 
@@ -21,6 +21,7 @@ from . import options
 if TYPE_CHECKING:
     from cases import Trajectory
 
+    from .judging.diagnosis import Columns
     from .running.records import Run
 
 COMMAND = "reports.compare"
@@ -44,9 +45,21 @@ def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
     from .running.tasks import find_truth
 
     table = read_table(path)
-    motion = trajectory_of(case, table, creep)
+    try:
+        motion = trajectory_of(case, table, creep)
+    except DoesNotFit as problem:
+        raise DoesNotFit("; ".join([str(problem), *_probable_mistakes(case, columns_of(table))])) from problem
     row = Run(case.label, Path(path).name, "", Setting.of(), 0, outcome="")
     return _text(case, motion, judge_external(row, case, motion, find_truth(case), columns_of(table)))
+
+
+def _probable_mistakes(case: Case, columns: Columns) -> list[str]:
+    """What is probably wrong with a table that is no motion of the case; empty if there is no truth to compare with."""
+    from .judging.diagnosis import mistakes
+    from .running.tasks import find_truth, true_motion
+
+    truth = find_truth(case)
+    return [] if truth.failure else mistakes(case, columns, true_motion(case, truth.method))
 
 
 def _text(case: Case, motion: Trajectory, run: Run) -> str:

@@ -173,7 +173,9 @@ def check_start(case: Case, table: pd.DataFrame) -> None:
         )
     turn = (first["theta"] - start.theta + pi) % (2 * pi) - pi
     if abs(turn) > LOOSE:
-        raise DoesNotFit(f"theta starts at {first['theta']:.6g}, the case's at {start.theta:.6g} rad; give radians")
+        in_degrees = abs(np.radians(first["theta"]) - start.theta) <= LOOSE * abs(start.theta)
+        advice = "give radians" if in_degrees else f"subtract {turn:.6g} rad, so that it begins as the case does"
+        raise DoesNotFit(f"theta starts at {first['theta']:.6g}, the case's at {start.theta:.6g} rad; {advice}")
 
 
 def _frame(first: pd.Series, start: MotionPoint, reach: float) -> str:

@@ -121,8 +121,7 @@ def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, colum
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
     true = true_motion(case, truth.method)
     run = judge(row, case, motion, true, truth)
-    remarks = [run.reason, diagnosis.half_step(columns), diagnosis.slip_half_a_step_beside(case, motion)]
-    remarks += [diagnosis.mirror_axis(columns, true), diagnosis.other_unit(columns, true)]
+    remarks = [run.reason, *diagnosis.mistakes(case, columns, true), diagnosis.slip_half_a_step_beside(case, motion)]
     return replace(run, reason="; ".join(text for text in remarks if text))
 
 

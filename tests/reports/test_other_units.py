@@ -102,4 +102,4 @@ def test_a_unit_is_noticed_of_a_plate_that_does_not_turn():
     table = as_an_engine_tells_it(truth)
     noise = 1e-6 * np.random.default_rng(3).standard_normal(len(table))  # of single precision
     columns = motion_file.columns_of(table.assign(x=1e3 * table.x, theta=table.theta + noise))
-    assert "x seems to be in millimetres" in diagnosis.other_unit(columns, truth)
+    assert "x seems to be in millimetres" in diagnosis.pose_mistake(case, columns, truth)
