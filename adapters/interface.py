@@ -28,6 +28,14 @@ Optional, for the time breakdown:
     ENGINE: str                                     without that function: the Python package with the engine's compiled
                                                     code, for a profile, if it is not called NAME
 
+Optional, for the range of errors with default settings:
+
+    default_grid(case, route) -> tuple[Setting, ...]
+                                                    the default settings and their neighbours: all combinations of a few
+                                                    usual values of parameters that the engine leaves to its user, such
+                                                    as step, facets and stiffness (`Setting.combined`). The first one is
+                                                    the first of the ladder
+
 Optional, for the comparison of the ladder with other settings (`reports.study settings`):
 
     wide_grid(case, route) -> tuple[Setting, ...]   like `grid`, as wide as the ladder, in the same order for all cases
@@ -51,8 +59,9 @@ The first setting of a ladder has the engine's default settings and is marked: `
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 from cases import Case
@@ -64,7 +73,7 @@ PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version
 DEFAULTS = "defaults"
 
 # The functions of an adapter, with the optional ones.
-FUNCTIONS = {"refuses", "ladder", "grid", "wide_grid", "build", "run", "read", "version", "bare_run"}
+FUNCTIONS = {"refuses", "ladder", "default_grid", "grid", "wide_grid", "build", "run", "read", "version", "bare_run"}
 
 
 class EngineFailure(RuntimeError):
@@ -131,6 +140,12 @@ class Setting:
         """A copy with some knobs changed or added, in the same order; None removes a knob."""
         knobs = dict(self.values) | values
         return Setting.of(**{name: value for name, value in knobs.items() if value is not None})
+
+    def combined(self, **values: Sequence[float | int]) -> tuple[Setting, ...]:
+        """All combinations of some knobs' values, the other knobs as they are; this setting is the first. Knobs that it
+        does not have are left out."""
+        own = {name: dict.fromkeys((self[name], *some)) for name, some in values.items() if name in self}
+        return tuple(self.but(**dict(zip(own, chosen, strict=True))) for chosen in product(*own.values()))
 
     @property
     def is_default(self) -> bool:

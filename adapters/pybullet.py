@@ -81,6 +81,11 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     return (DEFAULTS, *(Setting.of(h=h * stretch, erp=1.0, slop=0.0, residual=0.0, damping=0.0) for h in STEPS))
 
 
+def default_grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """The default settings with usual steps."""
+    return DEFAULTS.combined(h=(1 / 240, 1 / 120, 1 / 60))
+
+
 @dataclass
 class PybulletModel:
     """One run: the case, the step (s) and number of steps, the engine's object numbers, and the recorded rows."""

@@ -16,6 +16,7 @@ import json
 import re
 import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from io import StringIO
 from pathlib import Path
@@ -28,6 +29,7 @@ from cases.errors import finite
 from cases.owned_folder import digest, write
 
 from . import options
+from .judging.grades import percent
 from .page import folder
 from .page.manifest import FORMAT
 
@@ -213,25 +215,42 @@ def _constraints(manifest: Mapping[str, Any]) -> str:
 
 def headline(place: Path) -> str:
     """The README's picture and numbers from a published report."""
-    when, bar, pymunk, exudyn = numbers(place)
     at = f"docs/results/{place.name}"
     alt = "Slip velocity of a disc inside a circle, and the error of each solver"
-    lines = (
-        f"{BEGIN}\n![{alt}]({at}/{PICTURE})\n",
-        f"A disc released inside a circle starts to roll after {when} s; the error bar is {bar} s. With default",
-        f"settings, pymunk is {pymunk} ms off and Exudyn {exudyn} ms: see [the page]({at}/index.html) and",
-        f"[all tables]({at}/tables) of version {place.name}.\n{END}",
-    )
-    return "\n".join(lines)
+    picture = f"![{alt}]({at}/{PICTURE})"
+    see = f"[The page]({at}/index.html) and [all tables]({at}/tables) are of version {place.name}."
+    text = textwrap.fill(f"{numbers(place)} {see}", 120, break_long_words=False, break_on_hyphens=False)
+    return f"{BEGIN}\n{picture}\n\n{text}\n{END}"
 
 
-def numbers(place: Path) -> tuple[str, str, str, str]:
-    """The time (s) at which the paper's disc starts to roll and its error bar (s), and the errors (ms) of pymunk and
-    Exudyn, native with default settings."""
+# Engines of the README, and what the grid of their default settings combines.
+_ENGINES = {"pymunk": ("pymunk", "steps and facets"), "exudyn": ("Exudyn", "steps, stiffnesses and regularisations")}
+
+
+def numbers(place: Path) -> str:
+    """Sentences with the time at which the paper's disc starts to roll, and the errors of two engines, native, with
+    default settings."""
     when, bar = (_number(place, "truth", name, case=CASE, event="1") for name in ("time", "truth_error_bar"))
-    error = {"table": "headline", "column": "default_first_error", "case": CASE, "route": "native"}
-    pymunk, exudyn = (abs(_number(place, **error, solver=name)) for name in ("pymunk", "exudyn"))
-    return f"{when:.9f}", f"{bar:.0e}", f"{1e3 * pymunk:.2g}", f"{1e3 * exudyn:.2g}"
+    start = f"A disc released inside a circle starts to roll after {when:.9f} s; the error bar is {bar:.0e} s."
+    if _manifest(place).get("format", 1) == 1:  # up to version 0.1.0: one default setting, errors of the time in s
+        keys = {"case": CASE, "route": "native"}
+        late = [abs(_number(place, "headline", "default_first_error", solver=name, **keys)) for name in _ENGINES]
+        words = (
+            f"{name} is {1e3 * error:.2g} ms off" for (name, _), error in zip(_ENGINES.values(), late, strict=True)
+        )
+        return f"{start} With default settings, {' and '.join(words)}."
+    engines = " and ".join(_default_words(place, *engine) for engine in _ENGINES.items())
+    return f"{start} With default settings, {engines} (100 % off: as bad as ignoring friction's law)."
+
+
+def _default_words(place: Path, solver: str, words: tuple[str, str]) -> str:
+    """An engine's off with default settings: the median and range over its grid of usual values."""
+    columns = ("default_off", "default_off_best", "default_off_worst", "default_settings")
+    keys = {"case": CASE, "solver": solver, "route": "native"}
+    median, low, high, count = (_number(place, "headline", column, **keys) for column in columns)
+    bounds = f"{percent(low).removesuffix(' %')} to {percent(high)}"
+    name, parameters = words
+    return f"{name} is {percent(median)} off (median; {bounds} over {count:.0f} usual combinations of {parameters})"
 
 
 def _number(place: Path, table: str, column: str, **keys: str) -> float:

@@ -107,6 +107,11 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     )
 
 
+def default_grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """The default settings with usual steps and numbers of facets."""
+    return ladder(case, route)[0].combined(h=(1 / 60, 1 / 120), facets=(32, 64, 128))
+
+
 def grid(case: Case, route: str) -> tuple[Setting, ...]:
     """Combinations of step and model: facets and corners, or without any the contact's stiffness."""
     models = [shapes.corners(case, h) for h in GRID_STEPS]

@@ -14,7 +14,20 @@ sys.exudynFast = True  # type: ignore[attr-defined]
 with redirect_stdout(StringIO()):  # the import prints which build it is
     import exudyn as _  # noqa: F401
 
-from .adapter import NAME, build, grid, ladder, read, refuses, routes, run, version, wide_grid  # noqa: E402
+from .adapter import NAME, build, default_grid, grid, ladder, read, refuses, routes, run, version, wide_grid  # noqa: E402
 from .meanings import MEANINGS  # noqa: E402
 
-__all__ = ["MEANINGS", "NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version", "wide_grid"]
+__all__ = [
+    "MEANINGS",
+    "NAME",
+    "build",
+    "default_grid",
+    "grid",
+    "ladder",
+    "read",
+    "refuses",
+    "routes",
+    "run",
+    "version",
+    "wide_grid",
+]

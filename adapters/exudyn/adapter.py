@@ -34,7 +34,19 @@ from . import constraints, integrator, native
 from .reader import ExudynModel, read
 from .system import scales
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "version", "wide_grid"]
+__all__ = [
+    "NAME",
+    "build",
+    "default_grid",
+    "grid",
+    "ladder",
+    "read",
+    "refuses",
+    "routes",
+    "run",
+    "version",
+    "wide_grid",
+]
 
 NAME = "exudyn"
 routes = ("native", "integrator")
@@ -136,6 +148,20 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 def _uses_constraint(case: Case, route: str) -> bool:
     return route == "native" and constraints.suits(case)
+
+
+# The engine leaves stiffness and regularisation (m/s) to its user, and its hundred steps are few for a long motion.
+USUAL_STIFFNESSES, USUAL_VREGS, USUAL_STEPS = (1.0, 10.0), (1e-3, 1e-2), (1.0, 0.5)
+
+
+def default_grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """The default settings with usual steps, stiffnesses and regularisations; of a constraint the steps only."""
+    defaults = ladder(case, route)[0]
+    return defaults.combined(
+        h=[defaults["h"] * share for share in USUAL_STEPS],
+        k=[_round(defaults.get("k", 1.0) * factor) for factor in USUAL_STIFFNESSES],
+        vreg=USUAL_VREGS,
+    )
 
 
 def grid(case: Case, route: str) -> tuple[Setting, ...]:

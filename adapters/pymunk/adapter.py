@@ -27,7 +27,20 @@ from ..interface import EngineFailure, Setting
 from . import assisted, native
 from .load import Drive
 
-__all__ = ["NAME", "build", "grid", "ladder", "read", "refuses", "routes", "run", "bare_run", "version", "wide_grid"]
+__all__ = [
+    "NAME",
+    "build",
+    "default_grid",
+    "grid",
+    "ladder",
+    "read",
+    "refuses",
+    "routes",
+    "run",
+    "bare_run",
+    "version",
+    "wide_grid",
+]
 
 NAME = "pymunk"
 routes = ("native", "assisted")
@@ -101,6 +114,15 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
         return (defaults, *(Setting.of(h=h, iterations=assisted.iterations(case)) for h in steps))
     defaults = Setting.of(rung="defaults", h=first, **native.shape_knobs(case, None))
     return (defaults, *(Setting.of(h=h, **native.shape_knobs(case, h), **native.space_knobs(case)) for h in steps))
+
+
+# Usual steps of games, and usual numbers of facets of a first-time user.
+USUAL_STEPS, USUAL_FACETS = (1 / 60, 1 / 120), (32, 64, 128)
+
+
+def default_grid(case: Case, route: str) -> tuple[Setting, ...]:
+    """The default settings with usual steps and numbers of facets."""
+    return ladder(case, route)[0].combined(h=USUAL_STEPS, facets=USUAL_FACETS)
 
 
 # The grid's steps, coarse to fine: a typical one of games, and those at which facets, corners and iterations matter.

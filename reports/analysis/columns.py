@@ -84,7 +84,9 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "unsupported": ("number of them that the route does not support", ""),
     "crashed": ("number of them in which it crashed", ""),
     "timed_out": ("number of them in which it exceeded the time limit", ""),
+    "default_off_best": ("the smallest off with default settings: usual values of step, facets, stiffness", "1"),
     "default_off_worst": ("the largest off with default settings", "1"),
+    "default_settings": ("number of default settings run: combinations of usual values", ""),
     "finest_off_worst": ("the largest off at the finest setting run", "1"),
     "median_grade": ("the grade of the median off at the finest setting run", ""),
     **{f"{name}_cases": (f"number of them in which the ladder stays within {share} off from a setting on", "")
@@ -105,12 +107,14 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "slip_rms": ("root-mean-square difference of the slip velocity", "m/s"),
     **_QUANTITIES,
     # the headline
-    **{f"{name}_{column}": (f"{meaning} {where}", unit) for name, where in (
-        ("default", "with default settings"), ("finest", "at the finest setting run")) for column, meaning, unit in (
-        ("off", "off", "1"), ("off_doubt", "doubt of off", "1"), ("grade", "grade", ""),
-        ("friction_factor", "friction and other losses over those of the law", "1"),
-        ("first_error", "error of the first transition's time, signed,", "s"),
-        ("centre_max", "largest distance of the centre", "m"))},
+    # With default settings all but off and its doubt are those of the first setting of the grid.
+    **{f"{name}_{column}": (f"{meaning} {where}", unit)
+       for name, where in (("default", "with default settings"), ("finest", "at the finest setting run"))
+       for column, meaning, unit in (
+           ("off", "median off", "1"), ("off_doubt", "largest doubt of off", "1"), ("grade", "grade of off", ""),
+           ("friction_factor", "friction and other losses over those of the law", "1"),
+           ("first_error", "error of the first transition's time, signed,", "s"),
+           ("centre_max", "largest distance of the centre", "m"))},
     "default_outcome": ("outcome with default settings; empty: the route has no such setting", ""),
     "finest_outcome": ("outcome at the finest setting that gave a motion", ""),
     "finest_setting": ("that setting", ""),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from math import isfinite, nan
+from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from ..judging.grades import Grade
-from ..running.records import Experiment, Run, default, finest, first_error, is_truth, routes
+from ..judging.grades import Grade, grade
+from ..running.records import Experiment, Run, default, defaults, finest, first_error, is_truth, routes
 from ..running.solvers import NOT_INSTALLED
 from . import levels
 from .convergence import convergence_rows
@@ -133,6 +135,17 @@ def _score_columns(run: Run) -> dict[str, Any]:
     }
 
 
+def _off_columns(name: str, runs: Sequence[Run]) -> dict[str, Any]:
+    """Median off of some runs with its grade, and their largest doubt."""
+    scores = [run.score for run in runs if run.score]
+    off = median(score.off for score in scores) if scores else nan
+    return {
+        f"{name}_off": off,
+        f"{name}_off_doubt": max((score.doubt for score in scores), default=nan),
+        f"{name}_grade": str(grade(off)) if scores else "",
+    }
+
+
 def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
     """One row per case and route: grade and errors with default settings and at the finest setting run, and the
     smallest level that the ladder reaches."""
@@ -146,20 +159,20 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
         reached.setdefault(one[:3], []).append(one)
     rows = []
     for key, group in routes(experiment.runs).items():
-        fine, own, truth = finest(group), default(group), experiment.truths[key[0]]
+        fine, own, truth, grid = finest(group), default(group), experiment.truths[key[0]], defaults(group)
         row: dict[str, Any] = dict(zip(("case", "solver", "route"), key, strict=True))
         row["level"], row["settings_within"] = levels.finest_level(reached.get(key, ()))
         for name, run in (("default", own), ("finest", fine)):
-            score = run.score if run else None
             row |= {
-                f"{name}_off": score.off if score else nan,
-                f"{name}_off_doubt": score.doubt if score else nan,
-                f"{name}_grade": str(run.grade) if run else "",
+                **_off_columns(name, grid if name == "default" else [run] if run else []),
                 f"{name}_friction_factor": run.friction_factor if run else nan,
                 f"{name}_first_error": first_error(run),
                 f"{name}_centre_max": run.distance.centre_max if run else nan,
             }
         row |= {
+            "default_off_best": min((run.score.off for run in grid if run.score), default=nan),
+            "default_off_worst": max((run.score.off for run in grid if run.score), default=nan),
+            "default_settings": len(grid),
             "default_outcome": own.outcome if own else "",
             "finest_outcome": fine.outcome if fine else group[-1].outcome,
             "finest_setting": str(fine.setting) if fine else "",

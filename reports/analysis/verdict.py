@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from itertools import chain
 from math import hypot, inf, isfinite, log, nan
 from statistics import median
 from typing import Any
@@ -16,7 +17,7 @@ from ..judging.friction_sensitivity import LEAST
 from ..judging.grades import LIMITS, Grade, grade, percent
 from ..judging.ranking import TIE, Standing, ranking
 from ..judging.score import Score
-from ..running.records import REFERENCE, Experiment, Run, default, routes
+from ..running.records import REFERENCE, Experiment, Run, defaults, routes
 from .levels import ONE_SETTING, levels_reached
 from .number_format import seconds
 from .time_to_accuracy import TIMED, cost
@@ -26,9 +27,9 @@ HOLDS = (
 )
 COLUMNS = (
     "digits_rank", "solver", "route", "our_part", "friction_cases", "answered", "unsupported", "crashed", "timed_out",
-    "default_off", "default_off_worst", "finest_off", "finest_off_worst", "median_grade", "good_cases",
-    "good_one_setting", "excellent_cases", "excellent_one_setting", "worst_friction_factor", "digits", "digits_doubt",
-    "cost_case", "good_first_s", "good_thousand_s",
+    "default_off", "default_off_best", "default_off_worst", "finest_off", "finest_off_worst", "median_grade",
+    "good_cases", "good_one_setting", "excellent_cases", "excellent_one_setting", "worst_friction_factor", "digits",
+    "digits_doubt", "cost_case", "good_first_s", "good_thousand_s",
 )  # fmt: skip
 _NOT_ANSWERED = ("unsupported", "crashed", "timed_out")
 # Levels whose cases are counted, and what their columns are called.
@@ -116,9 +117,9 @@ def _row(
 ) -> dict[str, Any]:
     mine = [group[case] for case in cases if case in group]
     last = [run for runs in mine if (run := _finest(runs)) is not None]
-    first = [run for runs in mine if (run := default(runs)) is not None and run.score is not None]
+    grids = [grid for runs in mine if (grid := defaults(runs))]
     missing = Counter(runs[-1].outcome for runs in mine if _finest(runs) is None)
-    finest, defaults = _offs(last), _offs(first)
+    finest, of_defaults = _offs(last), [_offs(grid) for grid in grids]
     middle = median(finest) if finest else nan
     return {
         "digits_rank": standing.rank or nan,
@@ -128,12 +129,13 @@ def _row(
         "friction_cases": len(cases),
         "answered": len(last),
         **{outcome: missing[outcome] for outcome in _NOT_ANSWERED},
-        "default_off": median(defaults) if defaults else nan,
-        "default_off_worst": max(defaults, default=nan),
+        "default_off": median(map(median, of_defaults)) if of_defaults else nan,
+        "default_off_best": min(map(min, of_defaults), default=nan),
+        "default_off_worst": max(map(max, of_defaults), default=nan),
         "finest_off": middle,
         "finest_off_worst": max(finest, default=nan),
         "median_grade": str(grade(middle)) if finest else "",
-        "worst_friction_factor": _worst_friction([*first, *last]),
+        "worst_friction_factor": _worst_friction([*chain(*grids), *last]),
         "digits": standing.digits,
         "digits_doubt": standing.doubt,
     }
@@ -189,7 +191,7 @@ def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     digits = f"{row['digits']:.2f} ± {row['digits_doubt']:.2f}" if isfinite(row["digits"]) else "–"
     return {
         "answered": (count, ", ".join(lacking)),
-        "default": (_percent(row["default_off"]), _worst(row["default_off_worst"])),
+        "default": (_percent(row["default_off"]), _range(row)),
         "finest": (_percent(row["finest_off"]), _worst(row["finest_off_worst"])),
         "grade": (row["median_grade"] or "–", ""),
         **{f"≤ {percent(level)}": _count(row, name) for name, level in _COUNTED.items()},
@@ -215,6 +217,12 @@ def _percent(off: float) -> str:
     return percent(off).replace("less than ", "< ") if isfinite(off) else "–"
 
 
+def _range(row: Mapping[str, Any]) -> str:
+    """The range of off over all cases and default settings."""
+    low, high = row["default_off_best"], row["default_off_worst"]
+    return f"{_percent(low)} to {_percent(high)}" if isfinite(high) else ""
+
+
 def _worst(off: float) -> str:
     return f"worst {_percent(off)}" if isfinite(off) else ""
 
@@ -236,7 +244,7 @@ def notes(table: Sequence[Mapping[str, Any]]) -> list[str]:
     parts = {f"{row['solver']} {row['route']}": row["our_part"] for row in table if row["our_part"]}
     return [
         "default, finest: error (off) with default settings and at the finest setting run, in",
-        "percent of the error of ignoring friction's law; medians of the cases answered",
+        "percent of the error of ignoring friction's law; medians of the cases answered (default: and of usual values)",
         f"cases: those where 1 % of friction makes an off of {LEAST:g} at least; ≤ 1 %, ≤ 0.01 %: number of cases in",
         "which off + doubt stays within that from a setting on",
         "friction ×: farthest from 1; digits: mean of all cases at the finest setting run, 0 if not answered",

@@ -16,7 +16,7 @@ from ..running.records import REFERENCE, Experiment, finest, routes
 from ..running.solvers import NOT_INSTALLED
 from . import motions
 from .fragments import command_of, picture, records, switch, table, verbatim
-from .text import first_error_text, level_text, off_text
+from .text import default_text, first_error_text, level_text, off_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -131,8 +131,7 @@ def _cell(row: dict[str, Any] | None, solver: str, route: str) -> dict[str, Any]
     cell["text"] = off_text(row, "finest")
     if isfinite(row["finest_off"]):
         cell["order"] = repr(float(row["finest_off"]))
-        default = off_text(row, "default")
-        texts = [level_text(row), first_error_text(row, "finest"), f"default: {default}" if default else ""]
+        texts = [level_text(row), first_error_text(row, "finest"), default_text(row)]
         # Single words, so that no line break splits a number.
         cell["small"] = [verbatim(text).split(" ") for text in texts if text and not row["is_truth"]]
     return cell

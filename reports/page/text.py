@@ -54,6 +54,16 @@ def off_text(row: Mapping[str, Any], which: str) -> str:
     return percent(off).replace("less than ", "< ") if isfinite(off) else row[f"{which}_outcome"].replace("_", " ")
 
 
+def default_text(row: Mapping[str, Any]) -> str:
+    """Off of a headline row with default settings, and its range if there are several; ""
+    if there is none."""
+    median = off_text(row, "default")
+    if row["default_settings"] < 2:
+        return f"default: {median}" if median else ""
+    low, high = (percent(row[f"default_off_{end}"]).removesuffix(" %") for end in ("best", "worst"))
+    return f"default: {median} ({low} to {high} %)"
+
+
 def level_text(row: Mapping[str, Any]) -> str:
     """The smallest level that a route reaches, and by how many settings."""
     if not isfinite(row["level"]):

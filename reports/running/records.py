@@ -145,8 +145,22 @@ def finest(group: Sequence[Run]) -> Run | None:
 
 
 def default(group: Sequence[Run]) -> Run | None:
-    """The engine's own settings, if the route has such a rung."""
+    """The run with the engine's default settings, if the route has one: the first of its grid."""
     return next((run for run in group if is_default(run)), None)
+
+
+def defaults(group: Sequence[Run]) -> list[Run]:
+    """The runs with default settings that gave a motion: the grid of usual values."""
+    return [run for run in group if is_default(run) and run.score is not None]
+
+
+def one_default(settings: Iterable[Setting]) -> list[Setting]:
+    """The settings without those of the grid of default settings except its first."""
+    chosen: list[Setting] = []
+    for setting in settings:
+        if not setting.is_default or not any(other.is_default for other in chosen):
+            chosen.append(setting)
+    return chosen
 
 
 def first_error(run: Run | None) -> float:

@@ -40,7 +40,8 @@ _MOST_ROUTES, _MOST_SETTINGS, _LONGEST_SETTING = 20, 1000, 500
 
 
 def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
-    """The offer of each route of a solver for a case: the settings of its ladder, or of its grid if it has one."""
+    """The offer of each route of a solver for a case: the settings of its ladder, after the grid of its default
+    settings if it has one; or the settings of its grid."""
     try:
         module = solver(name)
     except ImportError as problem:
@@ -58,6 +59,11 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
         if refusal:
             return Offer(route, (), "unsupported", legible(refusal), part)
         offered = tuple(islice(getattr(module, knobs)(case, route), _MOST_SETTINGS + 1))
+        if knobs == "ladder" and hasattr(module, "default_grid"):
+            first = tuple(islice(module.default_grid(case, route), _MOST_SETTINGS))
+            if first[:1] != offered[:1]:
+                raise ValueError("its default_grid does not begin with the first setting of its ladder")
+            offered = (*first, *offered[1:])
         if len(offered) > _MOST_SETTINGS:
             raise ValueError(f"it has more than {_MOST_SETTINGS} settings")
         return Offer(route, tuple(map(_plain, offered)), our_part=part)

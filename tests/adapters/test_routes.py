@@ -15,6 +15,7 @@ from cases.contact import start_motion
 from reports.judging import slip_phases
 from reports.running import experiment, tasks
 from reports.running.calls import Calls
+from reports.running.records import one_default
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 
 OUTCOMES = {"answered", "unsupported", "crashed", "timed_out"}
@@ -78,6 +79,19 @@ def test_ladder_begins_with_the_engine_as_it_comes_and_has_six_settings_or_more(
     assert all(coarse > fine > 0.0 for coarse, fine in zip(steps[:-1], steps[1:], strict=True))
 
 
+@pytest.mark.parametrize("label", LADDER_CASES)
+@pytest.mark.parametrize(("name", "route"), ROUTES)
+def test_default_settings_are_a_small_grid_that_begins_with_the_ladder(name, route, label):
+    adapter, case = adapters.engine(name), one(label)
+    if not hasattr(adapter, "default_grid") or adapter.refuses(case, route):
+        pytest.skip("it has no grid of default settings for this case")
+    grid, ladder = adapter.default_grid(case, route), adapter.ladder(case, route)
+    assert grid[0] == ladder[0] and all(setting.is_default for setting in grid)
+    assert 2 <= len(grid) <= 8 and len({str(setting) for setting in (*grid, *ladder)}) == len(grid) + len(ladder) - 1
+    (offer,) = (offer for offer in tasks.survey(case, name) if offer.route == route)
+    assert offer.settings == (*grid, *ladder[1:])
+
+
 # --- rows ------------------------------------------------------------------------------------------------------------
 
 
@@ -85,7 +99,9 @@ def rows_of(chosen: tuple[Case, ...], most: int, jobs: int) -> None:
     """Run `most` settings of every route on the cases; fails unless each route has its row: a result or a reason."""
     names = tuple(installed())
     with Calls(jobs) as calls:
-        found = experiment.run(chosen, names, calls, thin=lambda case, solver, route, settings: settings[:most])
+        found = experiment.run(
+            chosen, names, calls, thin=lambda case, solver, route, settings: tuple(one_default(settings))[:most]
+        )
     for case in chosen:
         for name, route in ROUTES:
             rows = [r for r in found.runs if (r.case, r.solver, r.route) == (case.label, name, route)]

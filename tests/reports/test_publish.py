@@ -132,6 +132,16 @@ def test_a_report_is_kept_whole_and_again_in_its_own_place(report, tmp_path, cap
     assert (place / "index.html").relative_to(place).as_posix() in folder.of_report(place, "release").names()
 
 
+def test_the_readme_of_a_report_with_grades_has_the_median_and_range_of_default_settings(report):
+    rows = {"case": publish.CASE, "route": "native", "default_settings": 6, "default_off_worst": 0.67}
+    rows = [rows | {"solver": name, "default_off": off, "default_off_best": off / 2}
+            for name, off in (("pymunk", 0.31), ("exudyn", 0.0048))]  # fmt: skip
+    pd.DataFrame(rows).to_csv(report / "tables" / "headline.csv", index=False)
+    text = " ".join(publish.headline(report).split())
+    assert "pymunk is 31 % off (median; 16 to 67 % over 6 usual combinations of steps and facets)" in text
+    assert "Exudyn is 0.48 % off (median; 0.24 to 67 %" in text
+
+
 def test_a_page_loses_its_links_to_figures_that_are_left_out_and_nothing_else():
     picture = '<img alt="a" src="data:,">'
     page = f'<a href="tables/a.csv">a</a><a href="figures/b.svg">{picture}</a>'

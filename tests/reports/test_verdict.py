@@ -99,6 +99,15 @@ def test_default_settings_and_the_finest_are_apart_and_friction_is_the_farthest_
     assert other["worst_friction_factor"] == -0.5
 
 
+def test_default_settings_are_a_grid_shown_as_median_and_range():
+    grid = [Setting.of(rung="defaults", h=h) for h in (0.02, 0.01, 0.005)]
+    runs = [run("a", "one", "native", off, setting) for off, setting in zip((0.4, 0.1, 0.9), grid, strict=True)]
+    rows = table(*runs, run("b", "one", "native", 0.2, grid[0]), run("a", "one", "native", 0.01))
+    (row,) = rows
+    assert (row["default_off_best"], row["default_off"], row["default_off_worst"]) == (0.1, pytest.approx(0.3), 0.9)
+    assert verdict.cells(row)["default"] == ("30 %", "10 % to 90 %")
+
+
 def test_a_tie_is_in_the_sentence():
     rows = table(run("a", "one", "native", 0.0100), run("a", "two", "native", 0.0105), run("a", "three", "native", 0.9))
     assert [row["digits_rank"] for row in rows] == [1, 1, 3]

@@ -13,7 +13,7 @@ from cases import Case
 from .. import per_solver
 from ..calls import Calls, StorePolicy
 from ..processes.worker_process import CallResult
-from ..records import Experiment, routes, usable
+from ..records import Experiment, one_default, routes, usable
 from ..versions import split_version
 from . import clock, cold_start, time_breakdown
 from .clock import Contestant, Key, Timing
@@ -73,15 +73,16 @@ def cases_to_time(experiment: Experiment, full: bool) -> list[Case]:
 def _whole_ladders(experiment: Experiment, label: str) -> int:
     """Number of routes that ran enough settings of the case for a curve."""
     groups = routes(run for run in experiment.runs if run.case == label and run.rung)
-    return sum(len(group) >= LEAST_SETTINGS for group in groups.values())
+    return sum(len(one_default(run.setting for run in group)) >= LEAST_SETTINGS for group in groups.values())
 
 
 def contestants(experiment: Experiment, case: Case) -> list[Contestant]:
-    """Every setting with a usable motion of the case."""
+    """Every setting with a usable motion of the case; of the default settings the first of their grid."""
     # An executable reports its own time; the clock cannot measure its process.
     external = executables()
     mine = [run for run in experiment.runs if run.case == case.label and run.solver not in external]
-    runs = [run for run in mine if usable(run)]
+    chosen = {key: one_default(run.setting for run in group) for key, group in routes(mine).items()}
+    runs = [run for run in mine if usable(run) and run.setting in chosen[run.case, run.solver, run.route]]
     return [Contestant(case, r.solver, r.route, r.setting, r.cost.wall_s + r.cost.setup_s) for r in runs]
 
 

@@ -35,7 +35,7 @@ from cases.library import circle
 
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import offers
-from ...running.records import REFERENCE
+from ...running.records import REFERENCE, one_default
 from ...running.solvers import solver
 from ...running.tasks import run_on_clock
 from ...running.timing.clock import UNTIMED, Contestant, Timing
@@ -200,7 +200,7 @@ def _probes(scene: str, solvers: Sequence[str], calls: Calls) -> Iterator[tuple[
                     StageResult(offer.outcome or "unsupported", offer.reason or "it offers no setting for this case"),
                 )
             else:
-                todo.append((key, (cases[key[0]], name, offer.route, _middle(offer.settings))))
+                todo.append((key, (cases[key[0]], name, offer.route, _middle(one_default(offer.settings)))))
     answers = calls.all(f"effects {scene}", probe, [call for _, call in todo], limit=LIMIT, keep=StorePolicy())
     for (key, call), answer in zip(todo, answers, strict=True):
         yield key, answer.value if answer.outcome == "done" else StageResult(*answer.failure, call[3])

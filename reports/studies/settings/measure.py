@@ -21,7 +21,7 @@ from ...judging.score import score
 from ...running.calls import Calls
 from ...running.experiment import find_truths, offers
 from ...running.processes.worker_process import CallResult
-from ...running.records import Offer, Truth
+from ...running.records import Offer, Truth, one_default
 from ...running.solvers import solver
 from ...running.tasks import run_on_clock, true_motion
 
@@ -86,7 +86,7 @@ def measure(case_list: Sequence[Case], solvers: Sequence[str], calls: Calls) -> 
                 failed_cell = SettingCell(label, name, offer.route, _PLACES[word], Setting.of(), outcome, reason=reason)
                 if outcome and not any(cell[:3] == failed_cell[:3] for cell in cells):
                     cells.append(failed_cell)
-                for place, setting in enumerate(() if outcome else offer.settings):
+                for place, setting in enumerate(() if outcome else one_default(offer.settings)):
                     if not setting.is_default:
                         todo.append((f"{word} {place}", (case, name, offer.route, setting, truth)))
     with calls.alone() as alone:

@@ -27,7 +27,7 @@ from ...judging.score import scale_of
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import hopeless, offers
 from ...running.processes.worker_process import CallResult
-from ...running.records import REFERENCE, TRUTH_RTOL, Offer, Run, Truth, first_error
+from ...running.records import REFERENCE, TRUTH_RTOL, Offer, Run, Truth, first_error, one_default
 from ...running.tasks import attempt, find_truth, in_catalogue, judge, true_motion
 from . import sensitivity, step_limit
 from .sensitivity import Conditioning, Sensitivity
@@ -233,7 +233,9 @@ def _plan(case: Case, name: str, offer: Offer, scene: HardScene, full: bool):
     if not offer.settings:
         outcome, reason = offer.outcome or "unsupported", offer.reason or "it offers no setting for this case"
         return [(Run(case.label, name, offer.route, Setting.of(), 0, outcome, reason), Residuals())], []
-    settings = offer.settings if full else offer.settings[1::2] if name == REFERENCE else _few(offer.settings)
+    settings = (
+        one_default(offer.settings) if full else offer.settings[1::2] if name == REFERENCE else _few(offer.settings)
+    )
     calls = [(case, name, offer.route, setting, rung) for rung, setting in enumerate(settings, 1)]
     if scene.motion is None:
         return [_without_truth(call, scene.truth.failure) for call in calls], []
@@ -244,7 +246,7 @@ def _plan(case: Case, name: str, offer: Offer, scene: HardScene, full: bool):
 
 def _few(settings: Sequence[Setting]) -> list[Setting]:
     ladder = [s for s in settings if not s.is_default]
-    return [*(s for s in settings if s.is_default), *(ladder[min(i, len(ladder) - 1)] for i in _RUNGS if ladder)]
+    return [*[s for s in settings if s.is_default][:1], *(ladder[min(i, len(ladder) - 1)] for i in _RUNGS if ladder)]
 
 
 def _middle(settings: Sequence[Setting]) -> Setting | None:
