@@ -17,6 +17,7 @@ from ..judging.friction_sensitivity import LEAST
 from ..judging.grades import LIMITS, Grade, grade, percent
 from ..judging.ranking import TIE, Standing, ranking
 from ..judging.score import Score
+from ..running import external_motions, submissions
 from ..running.records import REFERENCE, Experiment, Run, defaults, routes
 from .levels import ONE_SETTING, levels_reached
 from .number_format import seconds
@@ -155,8 +156,8 @@ def _worst_friction(runs: Sequence[Run]) -> float:
 
 
 def sentence(table: Sequence[Mapping[str, Any]]) -> str:
-    """The most accurate engine by itself, and those tied with it."""
-    ranked = [row for row in table if isfinite(row["digits_rank"])]
+    """The most accurate engine by itself, and those tied with it; motions from files are not engines."""
+    ranked = [row for row in table if is_engine(row)]
     if not ranked:
         return "No engine was ranked: none was run on a case that depends on friction's law."
     best = ranked[0]
@@ -166,6 +167,11 @@ def sentence(table: Sequence[Mapping[str, Any]]) -> str:
         if best["digits"] - row["digits"] <= max(TIE, hypot(best["digits_doubt"], row["digits_doubt"]))
     ]
     return f"{LEAD} {'; tied with it '.join(phrase(row) for row in ties)}."
+
+
+def is_engine(row: Mapping[str, Any]) -> bool:
+    """Whether a row is of an engine by itself, which a user can install and run, and not of motions from files."""
+    return isfinite(row["digits_rank"]) and row["route"] not in (external_motions.ROUTE, submissions.ROUTE)
 
 
 LEAD = "Most accurate of the engines shown (100 % off: as bad as ignoring friction's law):"

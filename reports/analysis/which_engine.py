@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import isfinite, nan
 from typing import Any
 
+from ..judging.grades import LEVELS, LIMITS, Grade
 from ..running.records import REFERENCE
 from .levels import NOT_REACHED
 from .time_to_accuracy import TIMED, break_even, cost
@@ -13,6 +14,8 @@ from .work_precision import groups
 
 # One run, as in a first try of an engine, and as many as in a sweep or a training.
 RUNS = (1, 1000)
+# Levels whose cold starts and time breakdowns are measured: a rough motion is not worth their time.
+MEASURED = tuple(level for level in LEVELS if level <= LIMITS[Grade.GOOD])
 # A smaller factor counts as a tie: two processes may differ by that much, and cold starts are few.
 TIE_BELOW = 1.1
 TIE = "tie"
@@ -21,7 +24,11 @@ NO_ENGINE = "no engine reaches it"
 
 def cold_start_keys(times: Sequence[dict[str, Any]]) -> set[tuple]:
     """Case, solver, route and setting of all rows whose cold starts and time breakdowns are needed."""
-    return {(r["case"], r["solver"], r["route"], r["setting"]) for r in times if r["reached"] in TIMED}
+    return {
+        (r["case"], r["solver"], r["route"], r["setting"])
+        for r in times
+        if r["level"] in MEASURED and r["reached"] in TIMED
+    }
 
 
 def rows(times: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -63,7 +63,7 @@ def _comparison(experiment: Experiment) -> str:
 
 
 def _row(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A row of the verdict; ranked rows carry the phrase and the digits from which the page's sentence is made."""
+    """A row of the verdict; rows of engines carry the phrase and the digits from which the page's sentence is made."""
     ranked = isfinite(row["digits_rank"])
     return {
         "solver": row["solver"],
@@ -71,7 +71,7 @@ def _row(row: Mapping[str, Any]) -> dict[str, Any]:
         "id": identifier(row["solver"]),
         "rank": f"{row['digits_rank']:.0f}" if ranked else "",
         "our_part": row["our_part"],
-        "phrase": verdict.phrase(row) if ranked else "",
+        "phrase": verdict.phrase(row) if verdict.is_engine(row) else "",
         "digits": row["digits"],
         "doubt": row["digits_doubt"],
         "cells": [{"head": head, "text": text, "small": small} for head, (text, small) in verdict.cells(row).items()],

@@ -13,10 +13,11 @@ import pandas as pd
 import pytest
 
 from reports import build, options
-from reports.analysis import columns, cost_conclusions, number_format, verdict
+from reports.analysis import columns, cost_conclusions, number_format, verdict, which_engine
 from reports.judging.grades import LEVELS
 from reports.page import dictionary, text
 from reports.running import solvers
+from reports.running.records import one_default
 from reports.running.timing import timings
 
 CASE = "disc_in_circle[mu=0.2]"
@@ -36,13 +37,14 @@ def report(tmp_path_factory, without_figures):
 
     def coarse(plan, case, solver, route, ladder):
         """As many settings as a curve has at least: the finest of an engine take as long as all others together."""
-        return ladder[: timings.LEAST_SETTINGS] if solver == "pymunk" else ladder
+        return tuple(one_default(ladder))[: timings.LEAST_SETTINGS] if solver == "pymunk" else ladder
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(timings, "time_together", undisturbed)
         patch.setattr(options.BuildPlan, "select_rungs", coarse)
         for name, seconds in (("BUDGET", 1.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
             patch.setattr(timings, name, seconds)
+        patch.setattr(which_engine, "MEASURED", (cost_conclusions.LEVEL,))
         with redirect_stdout(io.StringIO()) as told, without_figures():
             assert build.main(["--case", CASE, "--solver", "reference", "pymunk", "--out", str(out)]) == 0
     (out.parent / "terminal.txt").write_text(told.getvalue())

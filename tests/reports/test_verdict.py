@@ -99,6 +99,16 @@ def test_default_settings_and_the_finest_are_apart_and_friction_is_the_farthest_
     assert other["worst_friction_factor"] == -0.5
 
 
+def test_the_sentence_is_of_an_engine_that_can_be_installed_not_of_motions_from_files():
+    rows = table(
+        run("a", "mine", "file", 1e-6), run("a", "theirs", "submission", 1e-5), run("a", "one", "native", 0.1),
+        run("a", "one", "assisted", 1e-6), one="our contact geometry around one's step",
+    )  # fmt: skip
+    assert rows[0]["solver"] == "mine" and rows[0]["digits_rank"] == 1
+    assert verdict.sentence(rows).startswith(f"{verdict.LEAD} one native, 10 % off")
+    assert "mine" not in verdict.sentence(rows) and "assisted" not in verdict.sentence(rows)
+
+
 def test_default_settings_are_a_grid_shown_as_median_and_range():
     grid = [Setting.of(rung="defaults", h=h) for h in (0.02, 0.01, 0.005)]
     runs = [run("a", "one", "native", off, setting) for off, setting in zip((0.4, 0.1, 0.9), grid, strict=True)]
