@@ -184,7 +184,9 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
         step1, step2 = (f * g2 - f2 * g) / det, (f1 * g - f * g1) / det
         squared_step = step1 * step1 * pace1 + step2 * step2 * pace2
         if squared_step > far:
-            shorten = _shorten((step1, Xp, Yp, Xs, Ys), (step2, rpx, rpy, rsx, rsy), reach)
+            # On a straight line Newton's method is exact over any distance.
+            furthest = STRAIGHTER * reach if track.features else inf
+            shorten = _shorten((step1, Xp, Yp, Xs, Ys), (step2, rpx, rpy, rsx, rsy), reach, furthest)
             step1, step2 = shorten * step1, shorten * step2
         xi1, xi2 = xi1 - step1, xi2 - step2
         # Converged if a step moves both points by no more than a few roundings of positions and parameters.
@@ -205,13 +207,14 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
     return Contact(xi1, xi2, (dy * Xp - dx * Yp) / sqrt(pace1))
 
 
-def _shorten(along_track: tuple[float, ...], along_outline: tuple[float, ...], reach: float) -> float:
-    """The fraction of a step of Newton's method that stays in its region of convergence; `reach` (m) of the outline.
+def _shorten(along_track: tuple[float, ...], along_outline: tuple[float, ...], reach: float, furthest: float) -> float:
+    """The fraction of a step of Newton's method that stays in its region of convergence; `reach` (m) of the outline,
+    and the `furthest` step along the track (m).
 
     `along_track`, `along_outline`: the step in the parameter, the first and the second derivative, in one frame.
     """
     (way1, radius1), (way2, radius2) = _way(*along_track), _way(*along_outline)
-    longest1, longest2 = min(max(radius1, reach), STRAIGHTER * reach), min(radius2, reach)
+    longest1, longest2 = min(max(radius1, reach), furthest), min(radius2, reach)
     return min(1.0, LONGEST * longest1 / way1 if way1 else 1.0, LONGEST * longest2 / way2 if way2 else 1.0)
 
 

@@ -101,7 +101,10 @@ class FrequencyLimitedDOP853(DOP853):
             )
         self.steps += 1
         if self.steps > MOST_STEPS:
-            raise StepFailure(f"the second formulation makes almost no progress at t = {self.t:.9g} s")
+            raise StepFailure(
+                f"the second formulation needs more than {MOST_STEPS} steps for one turn of the motion at "
+                f"t = {self.t:.9g} s: a singularity, or features that are too fine"
+            )
         self.max_step = turn / self.steps_per_turn
         t, y, f = self.t, self.y, self.f
         while True:

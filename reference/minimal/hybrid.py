@@ -232,7 +232,7 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
         y = without_turning(case, y)
     following = _following(case, now.regime, guard, t, y)
     if following is None:
-        return _leave(case, (segment,), t, y, guard)
+        return _leave(case, (segment,), t, y, guard, error)
     return Step((segment,), t, (y[0], y[1]), guard, y, following)
 
 
@@ -268,9 +268,11 @@ def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:
 BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}
 
 
-def _leave(case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str) -> Step:
+def _leave(
+    case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str, error: float = LOCATION_ERROR
+) -> Step:
     """The step if no contact follows: flight, or the end of the motion."""
-    ending = _nothing_follows(case, t, y)
+    ending = _nothing_follows(case, t, y, error)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
         slip, omega = slip_and_spin(case, y)
         return Step(segments, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
@@ -299,7 +301,7 @@ def _breakdown(now: Phase, segment: Segment) -> Ending:
     return BREAKDOWN, f"The equations became singular at t = {segment.times[-1]:.9g} s, and no step was small enough."
 
 
-def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
+def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> Ending:
     """Why no contact follows: the plate lifts off, unless without contact it would move into its track.
 
     The latter happens where the normal force of a perfectly rough contact vanishes while friction T acts: without T the
@@ -316,8 +318,9 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float]) -> Ending:
         (abs(u) / unit for u, unit in zip(state[now.system.positions :], now.lengths, strict=False)), default=0.0
     )
     scale = abs(m.normal) + abs(m.friction) + abs(m.slip_dot) + now.size * (abs(m.omega_dot) + fastest**2)
-    # At a lift-off the normal force has vanished, to the location's error and the growth of the terms in it.
-    if m.free_approach <= 1e6 * LOCATION_ERROR * scale:
+    # At a lift-off the normal force has vanished, to the location's error and the growth of the terms in it, or to the
+    # relative `error` of the motion.
+    if m.free_approach <= max(1e6 * LOCATION_ERROR, error) * scale:
         return LIFT_OFF
     return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
 

@@ -8,6 +8,7 @@ import pytest
 
 import reference
 from cases import Case, Flight, Gravity, Start, Unilateral, disc, library
+from cases.contact import find
 from cases.nearest import _Stretches
 
 
@@ -43,3 +44,11 @@ def test_a_first_flight_imports_no_scipy():
         "print([name for name in sys.modules if name.startswith('scipy.')])"
     )
     assert run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("far", [10.0, 1e3, 1e6])
+def test_the_contact_with_a_straight_line_is_found_from_any_distance(far):
+    """Steps of Newton's method were 0.8 m at most, where a plate of 0.1 m flies kilometres between two looks."""
+    case = Case(library.line(), disc(0.1, 1.0), (Gravity(9.81), Unilateral()), Start(0.0), 1.0)
+    contact = find(case, far, 0.3, 0.0, (0.0, -np.pi / 2))
+    assert (contact.xi1, contact.gap) == pytest.approx((far, 0.2), rel=1e-14)

@@ -107,9 +107,12 @@ def check_road(seed: int) -> None:
         with cpu_limit(PATIENCE):
             motion = reference.simulate(case, rtol=rtol, method=method)
         assert motion.status in ENDINGS, (seed, method, motion.reason)
-        energies = np.array([energy(case, motion(t)) for t in np.linspace(0.0, motion.t[-1], 9)])
-        # A hundred times the tolerance, of motions with up to a hundred steps; friction only takes energy.
-        known = (100.0 * rtol + 1e-11) * abs(energies[0])
+        states = [motion(t) for t in np.linspace(0.0, motion.t[-1], 9)]
+        energies = np.array([energy(case, state) for state in states])
+        # A hundred times the tolerance, of motions with up to a hundred steps; friction only takes energy. Heights and
+        # speeds have it: their sum may be near zero.
+        lifted = max(G * abs(float(state.y)) for state in states)
+        known = (100.0 * rtol + 1e-11) * (abs(energies[0]) + lifted)
         assert np.all(np.diff(energies) <= known), (seed, method)
         assert not free or np.ptp(energies) <= known, (seed, method)
         if expected and motion.status != "second_contact":  # which is not looked for by hand
@@ -160,7 +163,11 @@ def test_far_from_a_steep_step_its_series_have_values():
         assert float(motion.t[-1]) == pytest.approx(end, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", [1, 2, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 3, 4, 5, 6, 7))])
+SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 3, 4, 5, 6, 7)]
+
+
+# 162: a lift-off that the Taylor method located at 1e-2, with 3e-4 of the forces left, was called a paradox.
+@pytest.mark.parametrize("seed", [1, 2, 162, *SLOW])
 def test_random_roads_a_few(seed):
     check_road(seed)
 
