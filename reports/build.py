@@ -106,7 +106,7 @@ def _build(plan: BuildPlan) -> int:
     from .page.text import lost_text
     from .running import external_motions, versions
     from .running.calls import Calls
-    from .running.experiment import run as run_cases
+    from .running.experiment import run_cases
     from .running.processes import cluster
     from .running.processes.progress import Display, usual
     from .running.storage.result_store import Store

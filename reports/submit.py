@@ -36,13 +36,13 @@ def judge_submission(folder: str | Path) -> tuple[Submission, list[Run]]:
 def _text(submission: Submission, runs: Sequence[Run]) -> str:
     from tabulate import tabulate
 
-    rows, counted = [], ("paired", "missed", "spurious")
+    rows, pairings = [], ("paired", "missed", "spurious")
     for run in runs:
-        counts = [sum(r.pairing == word for r in run.ledger) for word in counted]
+        counts = [sum(r.pairing == word for r in run.ledger) for word in pairings]
         off, doubt = (run.score.off, run.score.doubt) if run.score else (nan, nan)
         error = next((r.error for r in run.ledger if r.event == 1), nan)
         rows.append((run.case, run.outcome, run.grade, off, doubt, run.friction_factor, *counts, error))
-    head = ("case", "outcome", "grade", "off", "± doubt", "friction ×", *counted, "first transition's error / s")
+    head = ("case", "outcome", "grade", "off", "± doubt", "friction ×", *pairings, "first transition's error / s")
     why = "".join(f"\n\n{run.case}: {run.reason}" for run in runs if run.reason)
     return f"{submission.name}, by {submission.words['who']}\n\n{tabulate(rows, head, floatfmt='.3g')}{why}"
 

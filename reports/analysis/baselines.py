@@ -31,7 +31,7 @@ class Baseline(NamedTuple):
     """Rows of null motions, and the distance of the reference's second method from the truth's by quantity."""
 
     rows: tuple[dict[str, Any], ...]
-    witnessed: dict[str, float]
+    witness_errors: dict[str, float]
 
 
 def measure(cases: Sequence[Case], calls: Calls) -> dict[str, Baseline]:
@@ -61,8 +61,8 @@ def _row(
     # A null motion that ends early is compared while it lasts.
     end = min(float(truth.t[-1]), float(other.t[-1]))
     note = "" if end == truth.t[-1] else f"until {end:.4g} s, where it ends: {other.status}"
-    found = distance(case, other, truth, end)
-    errors = {q: quantities.from_distance(found, q) for q in quantities.DISTANCES}
+    result = distance(case, other, truth, end)
+    errors = {q: quantities.from_distance(result, q) for q in quantities.DISTANCES}
     errors["off"] = score(case, other, truth, scale).off
     if motion is null_motions.rolling:
         errors |= _as_if_at_once(truth.transitions)
@@ -82,15 +82,15 @@ def _as_if_at_once(transitions: tuple[Transition, ...]) -> dict[str, float]:
 def distance(case: Case, motion: Trajectory, truth: Trajectory, end: float = inf) -> Distance:
     """The distance of two motions at even times up to `end`, or to the end of the shorter one."""
     times = np.linspace(0.0, min(float(truth.t[-1]), float(motion.t[-1]), end), _SAMPLES)
-    sampled = Trajectory(t=times, **motion(times)._asdict())
-    return distances.distance(distances.differences(sampled, truth, case))
+    samples = Trajectory(t=times, **motion(times)._asdict())
+    return distances.distance(distances.differences(samples, truth, case))
 
 
 def _witness(case: Case, truth: Trajectory) -> dict[str, float]:
     # Without a second method, the same method at a looser tolerance is used; the certificate has more witnesses.
     method, rtol = ("dop853", TRUTH_RTOL) if len(reference.METHODS) > 1 else (reference.METHODS[0], 10 * TRUTH_RTOL)
-    found = distance(case, reference.simulate(case, rtol=rtol, method=method), truth)
-    return {q: quantities.from_distance(found, q) for q in quantities.DISTANCES}
+    result = distance(case, reference.simulate(case, rtol=rtol, method=method), truth)
+    return {q: quantities.from_distance(result, q) for q in quantities.DISTANCES}
 
 
 def _score(label: str, motion: str, errors: dict[str, float], note: str) -> dict[str, Any]:

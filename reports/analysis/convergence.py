@@ -28,7 +28,7 @@ class ConvergencePoint(NamedTuple):
     """A rung: its cost (steps, or seconds), its error, and the doubts of the error by truth, reading and rounding."""
 
     setting: str
-    spent: float
+    cost: float
     error: float
     truth: float = 0.0
     reading: float = 0.0
@@ -75,7 +75,7 @@ def saturation(ladder: Sequence[ConvergencePoint]) -> Saturation:
         return Saturation(cause, points[begin].setting, points[begin].error)
     for begin in range(len(points) - LEAST_RUNGS + 1):
         level = points[begin:]
-        if level[-1].spent < LEAST_SPAN * level[0].spent:
+        if level[-1].cost < LEAST_SPAN * level[0].cost:
             break
         if max(p.error for p in level) <= _FLAT * level[-1].error:
             return Saturation(MODEL, level[0].setting, level[0].error)
@@ -87,18 +87,18 @@ def order(ladder: Sequence[ConvergencePoint]) -> Order:
 
     Convergent: clear above truth, reading and rounding, and not beyond the rung where the ladder saturates.
     """
-    settled = saturation(ladder)
+    plateau = saturation(ladder)
     names = [p.setting for p in ladder]
-    convergent = ladder[: names.index(settled.setting) + 1] if settled.cause == MODEL else ladder
-    used = [p for p in convergent if isfinite(p.error) and isfinite(p.spent) and p.spent > 0 and not p.limit]
+    convergent = ladder[: names.index(plateau.setting) + 1] if plateau.cause == MODEL else ladder
+    used = [p for p in convergent if isfinite(p.error) and isfinite(p.cost) and p.cost > 0 and not p.limit]
     settings = tuple(p.setting for p in used)
     if len(used) < LEAST_RUNGS:
         note = f"no order: {len(used)} of {len(ladder)} rungs are above the floor, {LEAST_RUNGS} are needed"
         return Order(nan, nan, nan, settings, note)
-    spent, sizes = np.array([p.spent for p in used], dtype=float), np.array([p.error for p in used])
-    if spent.max() < LEAST_SPAN * spent.min():
+    cost, sizes = np.array([p.cost for p in used], dtype=float), np.array([p.error for p in used])
+    if cost.max() < LEAST_SPAN * cost.min():
         return Order(nan, nan, nan, settings, f"no order: steps differ by less than a factor {LEAST_SPAN:g}")
-    slope, half = _line(np.log(spent), np.log(sizes))
+    slope, half = _line(np.log(cost), np.log(sizes))
     return Order(-slope, -slope - half, -slope + half, settings, "")
 
 
@@ -151,7 +151,7 @@ def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
             if not isfinite(bar):
                 continue
             points = ladder_of(runs, quantity, bar)
-            fit, settled = order(points), saturation(points)
+            fit, plateau = order(points), saturation(points)
             rows.append(
                 {
                     "case": case,
@@ -164,8 +164,8 @@ def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
                     "finest_error": quantities.error(fine, quantity),
                     "settings_used": " | ".join(fit.settings),
                     "note": fit.note,
-                    "saturation": settled.cause,
-                    "saturated_from": settled.setting,
+                    "saturation": plateau.cause,
+                    "saturated_from": plateau.setting,
                 }
             )
     return rows

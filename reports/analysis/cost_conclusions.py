@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from ..judging.grades import LIMITS, Grade, percent
 from ..running.records import REFERENCE
 from .number_format import number, seconds, times
-from .time_to_accuracy import DISTURBED, TIMED
+from .time_to_accuracy import DISTURBED, WITH_TIMES
 from .which_engine import RUNS, TIE
 
 # The level of the first sentence; if no case is decided at it, the coarsest that has one.
@@ -29,17 +29,17 @@ class Headline(NamedTuple):
 
 def headline(answers: Sequence[dict[str, Any]], time_rows: Sequence[dict[str, Any]]) -> Headline:
     """The sentences from rows of `which_engine` and of `time_to_accuracy`."""
-    decided = [row for row in answers if row["cheaper"]]
-    if not decided:
+    answers_with_engine = [row for row in answers if row["cheaper"]]
+    if not answers_with_engine:
         nothing = "No case has times of both an engine and the reference within one level."
-        return Headline(_disturbed(time_rows) or nothing, "")
-    level = LEVEL if any(row["level"] == LEVEL for row in decided) else decided[0]["level"]
-    of_level = [row for row in decided if row["level"] == level]
+        return Headline(_disturbance_note(time_rows) or nothing, "")
+    level = LEVEL if any(row["level"] == LEVEL for row in answers_with_engine) else answers_with_engine[0]["level"]
+    of_level = [row for row in answers_with_engine if row["level"] == level]
     case = of_level[0]["case"]
     parts = [_clause(row) for row in of_level if row["case"] == case]
     first = f"Called from Python, within {percent(level)} in {case}: {'; '.join(parts)}."
     rest = [_even(of_level[0])] + [_count(of_level, runs) for runs in RUNS] + [_alone(time_rows, case, level)]
-    return Headline(first, " ".join(filter(None, [*rest, _disturbed(time_rows)])))
+    return Headline(first, " ".join(filter(None, [*rest, _disturbance_note(time_rows)])))
 
 
 def _clause(row: dict[str, Any]) -> str:
@@ -72,7 +72,7 @@ def _count(rows: Sequence[dict[str, Any]], runs: int) -> str:
 
 def _alone(time_rows: Sequence[dict[str, Any]], case: str, level: float) -> str:
     """The engine's own part of the cheapest warm run, compared with the reference's whole run."""
-    rows = [r for r in time_rows if (r["case"], r["level"]) == (case, level) and r["reached"] in TIMED]
+    rows = [r for r in time_rows if (r["case"], r["level"]) == (case, level) and r["reached"] in WITH_TIMES]
     own = min((r["cpu_s"] for r in rows if r["solver"] == REFERENCE), default=float("nan"))
     engines = [r for r in rows if r["solver"] != REFERENCE and isfinite(r["engine_s"])]
     if not engines or not isfinite(own):
@@ -100,13 +100,13 @@ def set_up(points: Sequence[dict[str, Any]]) -> str:
     return f"Building and compiling all settings of a case takes, in the median: {words}."
 
 
-def _disturbed(time_rows: Sequence[dict[str, Any]]) -> str:
+def _disturbance_note(time_rows: Sequence[dict[str, Any]]) -> str:
     """The share of the timings that other load disturbed, which are not ranked."""
-    timed = [row for row in time_rows if row["reached"] in (*TIMED, DISTURBED)]
-    count = sum(row["reached"] == DISTURBED for row in timed)
+    entries = [row for row in time_rows if row["reached"] in (*WITH_TIMES, DISTURBED)]
+    count = sum(row["reached"] == DISTURBED for row in entries)
     if not count:
         return ""
     return (
-        f"{number(100 * count / len(timed))} % of the timings were disturbed by other load and are left out of the "
+        f"{number(100 * count / len(entries))} % of the timings were disturbed by other load and are left out of the "
         "ranking: make the report again on a quiet machine."
     )

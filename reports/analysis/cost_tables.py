@@ -20,17 +20,17 @@ HOLDS = {
 }
 
 
-def frames(experiment: Experiment, measured: CostMeasurements) -> dict[str, pd.DataFrame]:
+def frames(experiment: Experiment, measurements: CostMeasurements) -> dict[str, pd.DataFrame]:
     """The tables of this section; none if nothing was timed."""
     import pandas as pd
 
-    if not measured.cases:
+    if not measurements.cases:
         return {}
-    times = time_to_accuracy.rows(experiment, measured)
+    times = time_to_accuracy.rows(experiment, measurements)
     return {
         "which_engine": pd.DataFrame(which_engine.rows(times)),
         "time_to_accuracy": pd.DataFrame(times),
-        "work_precision": pd.DataFrame(work_precision_rows(experiment, measured)),
-        "work_precision_fits": pd.DataFrame(fit_rows(experiment, measured)),
-        "null_scores": pd.DataFrame([row for baseline in measured.nulls.values() for row in baseline.rows]),
+        "work_precision": pd.DataFrame(work_precision_rows(experiment, measurements)),
+        "work_precision_fits": pd.DataFrame(fit_rows(experiment, measurements)),
+        "null_scores": pd.DataFrame([row for baseline in measurements.nulls.values() for row in baseline.rows]),
     }

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from adapters import Setting
 
 from ..judging.grades import LEVELS
-from ..judging.ranking import reached
+from ..judging.ranking import first_within
 from ..running.records import Experiment, Run, Truth, is_default, routes
 from . import quantities
 
@@ -23,7 +23,7 @@ REACHED, ONE_SETTING, NOT_REACHED, NOT_KNOWN = "reached", "one setting", "not re
 HOLDS = "From which setting on each route stays within each level of accuracy"
 
 
-class LevelReached(NamedTuple):
+class LevelResult(NamedTuple):
     """Whether a route reaches a level in a case (`word`), and the settings that do, the coarsest first; `settings_run`:
     the number of settings of the ladder that gave a motion."""
 
@@ -36,23 +36,23 @@ class LevelReached(NamedTuple):
     settings_run: int
 
 
-def levels_reached(experiment: Experiment) -> list[LevelReached]:
+def level_results(experiment: Experiment) -> list[LevelResult]:
     """One for each case, route and level, in the order of the runs."""
-    found = []
+    results = []
     for key, group in routes(experiment.runs).items():
         ladder = [run for run in group if run.score is not None and not is_default(run)]
-        found += [_level(key, ladder, experiment.truths[key[0]], level) for level in LEVELS if key[2]]
-    return found
+        results += [_level(key, ladder, experiment.truths[key[0]], level) for level in LEVELS if key[2]]
+    return results
 
 
-def _level(key: tuple[str, str, str], ladder: Sequence[Run], truth: Truth, level: float) -> LevelReached:
+def _level(key: tuple[str, str, str], ladder: Sequence[Run], truth: Truth, level: float) -> LevelResult:
     bar = quantities.bar(truth, "off", {})
     errors = [(run.score.off, run.score.doubt + bar) for run in ladder if run.score]
-    first, settings, known = reached(errors, level)
+    first, settings, is_certain = first_within(errors, level)
     if first is None:
-        return LevelReached(*key, level, NOT_REACHED if known else NOT_KNOWN, (), len(ladder))
+        return LevelResult(*key, level, NOT_REACHED if is_certain else NOT_KNOWN, (), len(ladder))
     word = REACHED if settings > 1 else ONE_SETTING
-    return LevelReached(*key, level, word, tuple(run.setting for run in ladder[first:]), len(ladder))
+    return LevelResult(*key, level, word, tuple(run.setting for run in ladder[first:]), len(ladder))
 
 
 def rows(experiment: Experiment) -> list[dict[str, Any]]:
@@ -68,11 +68,11 @@ def rows(experiment: Experiment) -> list[dict[str, Any]]:
             "settings_within": len(one.settings),
             "settings": one.settings_run,
         }
-        for one in levels_reached(experiment)
+        for one in level_results(experiment)
     ]
 
 
-def finest_level(found: Sequence[LevelReached]) -> tuple[float, int]:
+def finest_level(results: Sequence[LevelResult]) -> tuple[float, int]:
     """The smallest level that a route reaches in a case, and by how many settings; NaN and 0 if it reaches none."""
-    best = min((one for one in found if one.settings), key=lambda one: one.level, default=None)
+    best = min((one for one in results if one.settings), key=lambda one: one.level, default=None)
     return (best.level, len(best.settings)) if best else (nan, 0)

@@ -13,10 +13,10 @@ def number(value: float) -> str:
     if not isfinite(value) or value == 0.0:
         return "0" if value == 0.0 else "unknown"
     digits = 1 - floor(log10(abs(value)))
-    rounded = round(value, digits)
+    approximation = round(value, digits)
     # 9.96 rounds to 10, which has one digit less behind the point.
-    digits = max(0, 1 - floor(log10(abs(rounded))))
-    text = f"{rounded:,.{digits}f}"
+    digits = max(0, 1 - floor(log10(abs(approximation))))
+    text = f"{approximation:,.{digits}f}"
     return text.rstrip("0").removesuffix(".") if "." in text else text
 
 

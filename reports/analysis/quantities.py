@@ -53,7 +53,7 @@ def from_distance(distance: Distance, quantity: str) -> float:
     return float(getattr(distance, quantity))
 
 
-def bar(truth: Truth, quantity: str, witnessed: Mapping[str, float]) -> float:
+def bar(truth: Truth, quantity: str, uncertainty: Mapping[str, float]) -> float:
     """The truth's error bar of the quantity; NaN if there is none (no transitions) or it is not known.
 
     Times and the centre have certified bars; `witnessed` holds the distance of the reference's second method from the
@@ -69,8 +69,8 @@ def bar(truth: Truth, quantity: str, witnessed: Mapping[str, float]) -> float:
         bars = zip(truth.error_bars[:count], truth.transitions[:count], strict=True)
         return max((max(bar, _ULPS * float(np.spacing(event.time))) for bar, event in bars), default=nan)
     if quantity in _SHARES:
-        return max(witnessed.get(quantity, nan), _LEAST_SHARE)
-    return max(truth.centre_bar, witnessed.get(quantity, 0.0)) if isfinite(truth.centre_bar) else nan
+        return max(uncertainty.get(quantity, nan), _LEAST_SHARE)
+    return max(truth.centre_bar, uncertainty.get(quantity, 0.0)) if isfinite(truth.centre_bar) else nan
 
 
 def doubt(run: Run, quantity: str) -> float:

@@ -154,14 +154,14 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
         for row in convergence_rows(experiment)
         if row["quantity"] == "first_transition_time"
     }
-    reached: dict[tuple[str, str, str], list[levels.LevelReached]] = {}
-    for one in levels.levels_reached(experiment):
-        reached.setdefault(one[:3], []).append(one)
+    results: dict[tuple[str, str, str], list[levels.LevelResult]] = {}
+    for one in levels.level_results(experiment):
+        results.setdefault(one[:3], []).append(one)
     rows = []
     for key, group in routes(experiment.runs).items():
         fine, own, truth, grid = finest(group), default(group), experiment.truths[key[0]], defaults(group)
         row: dict[str, Any] = dict(zip(("case", "solver", "route"), key, strict=True))
-        row["level"], row["settings_within"] = levels.finest_level(reached.get(key, ()))
+        row["level"], row["settings_within"] = levels.finest_level(results.get(key, ()))
         for name, run in (("default", own), ("finest", fine)):
             row |= {
                 **_off_columns(name, grid if name == "default" else [run] if run else []),

@@ -8,13 +8,13 @@ from typing import Any
 
 from ..judging.grades import LEVELS
 from ..running.records import REFERENCE, Experiment
-from .levels import ONE_SETTING, REACHED, LevelReached, levels_reached
+from .levels import ONE_SETTING, REACHED, LevelResult, level_results
 from .work_precision import CostMeasurements, times_of
 
 # Further values of the column `reached`: the level is reached, but there is no time, or none to rank by.
 NOT_TIMED, DISTURBED = "not timed", "disturbed"
 # Values with a time.
-TIMED = (REACHED, ONE_SETTING)
+WITH_TIMES = (REACHED, ONE_SETTING)
 # Columns of the setting.
 _OF_SETTING = (
     "setting", "settings_within", "cpu_s", "cpu_low_s", "cpu_high_s", "call_s", "first_call_s", "engine_s", "binding_s",
@@ -23,7 +23,7 @@ _OF_SETTING = (
 _RELATIVE = ("ratio", "ratio_low", "ratio_high", "rank", "break_even_runs")
 
 
-def rows(experiment: Experiment, measured: CostMeasurements) -> list[dict[str, Any]]:
+def rows(experiment: Experiment, measurements: CostMeasurements) -> list[dict[str, Any]]:
     """The fastest setting of each route within each level, and its ratio to the fastest route's.
 
     `reached` is that of `levels`; or not timed (the time budget did not suffice), or disturbed (by other load, so that
@@ -31,29 +31,31 @@ def rows(experiment: Experiment, measured: CostMeasurements) -> list[dict[str, A
     or finer. The ratio's interval follows from those of both times. `rank` is 1 + the number of routes that are faster
     with separate intervals; routes of equal rank cannot be distinguished, and a route without an interval has none.
     """
-    found = [one for one in levels_reached(experiment) if one.case in measured.cases]
-    return [row for case in measured.cases for level in LEVELS for row in _at(case, level, found, measured)]
+    results = [one for one in level_results(experiment) if one.case in measurements.cases]
+    return [row for case in measurements.cases for level in LEVELS for row in _at(case, level, results, measurements)]
 
 
-def _at(case: str, level: float, found: Sequence[LevelReached], measured: CostMeasurements) -> list[dict[str, Any]]:
+def _at(
+    case: str, level: float, results: Sequence[LevelResult], measurements: CostMeasurements
+) -> list[dict[str, Any]]:
     """The rows of one case and level."""
-    entrants = [one for one in found if (one.case, one.level) == (case, level)]
-    best = [(one, _fastest_setting(one, measured)) for one in entrants]
+    entrants = [one for one in results if (one.case, one.level) == (case, level)]
+    best = [(one, _fastest_setting(one, measurements)) for one in entrants]
     points = [point for _, point in best if point]
-    ranked = [p for p in points if not p["disturbed"] and isfinite(p["cpu_low_s"])]
+    competitors = [p for p in points if not p["disturbed"] and isfinite(p["cpu_low_s"])]
     fastest = min(points, key=lambda p: p["cpu_s"], default=None)
-    own = [p for p in ranked if p["solver"] == REFERENCE]
+    own = [p for p in competitors if p["solver"] == REFERENCE]
     table_rows = []
     for one, point in best:
         word = (
             one.word if not one.settings else NOT_TIMED if not point else DISTURBED if point["disturbed"] else one.word
         )
         row: dict[str, Any] = {"case": case, "level": level, "solver": one.solver, "route": one.route, "reached": word}
-        row |= {name: point[name] if point and word in TIMED else _nothing(name) for name in _OF_SETTING}
+        row |= {name: point[name] if point and word in WITH_TIMES else _nothing(name) for name in _OF_SETTING}
         row |= dict.fromkeys(_RELATIVE, nan)
-        if point and word in TIMED:
+        if point and word in WITH_TIMES:
             if isfinite(point["cpu_low_s"]):
-                row["rank"] = 1.0 + sum(other["cpu_high_s"] < point["cpu_low_s"] for other in ranked)
+                row["rank"] = 1.0 + sum(other["cpu_high_s"] < point["cpu_low_s"] for other in competitors)
             # If the fastest is disturbed, it is not known whether it is the fastest.
             if fastest is not None and not fastest["disturbed"]:
                 row |= dict(zip(("ratio_low", "ratio", "ratio_high"), ratio_of_intervals(point, fastest), strict=True))
@@ -67,11 +69,11 @@ def _nothing(name: str) -> Any:
     return {"setting": "", "settings_within": 0}.get(name, nan)
 
 
-def _fastest_setting(one: LevelReached, measured: CostMeasurements) -> dict[str, Any] | None:
+def _fastest_setting(one: LevelResult, measurements: CostMeasurements) -> dict[str, Any] | None:
     """The times of the fastest timed setting within the level, with its solver; None if none was timed."""
     points: list[dict[str, Any]] = [
         {"solver": one.solver, "setting": setting, "settings_within": len(one.settings) - place}
-        | times_of(measured, (one.case, one.solver, one.route, setting))
+        | times_of(measurements, (one.case, one.solver, one.route, setting))
         for place, setting in enumerate(one.settings)
     ]
     return min((point for point in points if isfinite(point["cpu_s"])), key=lambda p: p["cpu_s"], default=None)
@@ -103,7 +105,7 @@ def break_even(engines: Sequence[dict[str, Any]], own: Sequence[dict[str, Any]])
 
 def _crossing(engine: dict[str, Any], method: dict[str, Any]) -> float:
     """The number of calls from which on the method is cheaper than the engine; infinite if it never is."""
-    dearer, saved = cost(method, 1) - cost(engine, 1), engine["call_s"] - method["call_s"]
+    dearer, saving = cost(method, 1) - cost(engine, 1), engine["call_s"] - method["call_s"]
     if dearer <= 0.0:
-        return 1.0 if saved >= 0.0 else float("inf")
-    return float(floor(dearer / saved) + 2) if saved > 0.0 else float("inf")
+        return 1.0 if saving >= 0.0 else float("inf")
+    return float(floor(dearer / saving) + 2) if saving > 0.0 else float("inf")

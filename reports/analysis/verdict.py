@@ -19,9 +19,9 @@ from ..judging.ranking import TIE, Standing, ranking
 from ..judging.score import Score
 from ..running import external_motions, submissions
 from ..running.records import REFERENCE, Experiment, Run, defaults, routes
-from .levels import ONE_SETTING, levels_reached
+from .levels import ONE_SETTING, level_results
 from .number_format import seconds
-from .time_to_accuracy import TIMED, cost
+from .time_to_accuracy import WITH_TIMES, cost
 
 HOLDS = (
     "How far each route is from the truth, over the cases that depend on friction's law; engines by themselves first"
@@ -32,9 +32,9 @@ COLUMNS = (
     "good_cases", "good_one_setting", "excellent_cases", "excellent_one_setting", "worst_friction_factor", "digits",
     "digits_doubt", "cost_case", "good_first_s", "good_thousand_s",
 )  # fmt: skip
-_NOT_ANSWERED = ("unsupported", "crashed", "timed_out")
+_WITHOUT_MOTION = ("unsupported", "crashed", "timed_out")
 # Levels whose cases are counted, and what their columns are called.
-_COUNTED = {"good": LIMITS[Grade.GOOD], "excellent": LIMITS[Grade.EXCELLENT]}
+_COUNT_LEVELS = {"good": LIMITS[Grade.GOOD], "excellent": LIMITS[Grade.EXCELLENT]}
 
 
 def friction_cases(experiment: Experiment) -> list[str]:
@@ -55,10 +55,11 @@ def rows(experiment: Experiment, times: Sequence[Mapping[str, Any]] = ()) -> lis
     own = [key for key in groups if key[1] and key not in experiment.our_parts]
     standings = _standings(groups, own, cases)
     others = [key for key in groups if key not in own]
-    unranked = {key: standing for one in others for key, standing in _standings(groups, [one], cases).items()}
-    unranked = {key: standing._replace(rank=0) for key, standing in unranked.items()}
-    order = [*standings, *sorted(unranked, key=lambda key: (key not in experiment.our_parts, -unranked[key].digits))]
-    every = standings | unranked
+    without_rank = {key: standing for one in others for key, standing in _standings(groups, [one], cases).items()}
+    without_rank = {key: standing._replace(rank=0) for key, standing in without_rank.items()}
+    rest = sorted(without_rank, key=lambda key: (key not in experiment.our_parts, -without_rank[key].digits))
+    order = [*standings, *rest]
+    every = standings | without_rank
     return [
         _row(key, groups[key], every[key], experiment.our_parts.get(key, ""), cases) | counts[key] | costs(key)
         for key in order
@@ -68,12 +69,12 @@ def rows(experiment: Experiment, times: Sequence[Mapping[str, Any]] = ()) -> lis
 def _level_counts(experiment: Experiment, cases: Sequence[str]) -> dict[tuple[str, str], Counter]:
     """In how many cases each route reaches the counted levels, and in how many of them by one setting only."""
     counts: dict[tuple[str, str], Counter] = {}
-    for one in levels_reached(experiment):
+    for one in level_results(experiment):
         count = counts.setdefault((one.solver, one.route), Counter())
-        for name, level in _COUNTED.items():
-            counted = one.level == level and one.case in cases
-            count[f"{name}_cases"] += counted and bool(one.settings)
-            count[f"{name}_one_setting"] += counted and one.word == ONE_SETTING
+        for name, level in _COUNT_LEVELS.items():
+            is_counted = one.level == level and one.case in cases
+            count[f"{name}_cases"] += is_counted and bool(one.settings)
+            count[f"{name}_one_setting"] += is_counted and one.word == ONE_SETTING
     return counts
 
 
@@ -83,13 +84,13 @@ def _costs(times: Sequence[Mapping[str, Any]], cases: Sequence[str]) -> Callable
     good = {
         (row["solver"], row["route"]): row
         for row in times
-        if row["case"] == case and row["level"] == _COUNTED["good"] and row["reached"] in TIMED
+        if row["case"] == case and row["level"] == _COUNT_LEVELS["good"] and row["reached"] in WITH_TIMES
     }
 
     def columns(key: tuple[str, str]) -> dict[str, Any]:
         row = good.get(key)
-        spent = {f"good_{name}_s": cost(row, runs) if row else nan for name, runs in (("first", 1), ("thousand", 1000))}
-        return {"cost_case": case} | spent
+        counts = (("first", 1), ("thousand", 1000))
+        return {"cost_case": case} | {f"good_{name}_s": cost(row, runs) if row else nan for name, runs in counts}
 
     return columns
 
@@ -100,8 +101,8 @@ def _standings(
     """The routes ranked by the finest setting run in each case, best first; none without a case to rank them by."""
     names = {" ".join(key): key for key in keys}
     scores = {name: _scores(groups[key]) for name, key in names.items()}
-    found = ranking(scores, cases) or [Standing(name, nan, nan, 0, 0) for name in names]
-    return {names[standing.route]: standing for standing in found}
+    results = ranking(scores, cases) or [Standing(name, nan, nan, 0, 0) for name in names]
+    return {names[standing.route]: standing for standing in results}
 
 
 def _scores(group: Mapping[str, list[Run]]) -> dict[str, Score]:
@@ -129,7 +130,7 @@ def _row(
         "our_part": our_part,
         "friction_cases": len(cases),
         "answered": len(last),
-        **{outcome: missing[outcome] for outcome in _NOT_ANSWERED},
+        **{outcome: missing[outcome] for outcome in _WITHOUT_MOTION},
         "default_off": median(map(median, of_defaults)) if of_defaults else nan,
         "default_off_best": min(map(min, of_defaults), default=nan),
         "default_off_worst": max(map(max, of_defaults), default=nan),
@@ -148,8 +149,8 @@ def _offs(runs: Sequence[Run]) -> list[float]:
 
 def _worst_friction(runs: Sequence[Run]) -> float:
     """The friction × that is farthest from 1, by its ratio; NaN where none is known."""
-    known = [run.friction_factor for run in runs if isfinite(run.friction_factor)]
-    return max(known, key=lambda factor: abs(log(factor)) if factor > 0.0 else inf, default=nan)
+    factors = [run.friction_factor for run in runs if isfinite(run.friction_factor)]
+    return max(factors, key=lambda factor: abs(log(factor)) if factor > 0.0 else inf, default=nan)
 
 
 # --- in words ---------------------------------------------------------------------------------------------------------
@@ -157,13 +158,13 @@ def _worst_friction(runs: Sequence[Run]) -> float:
 
 def sentence(table: Sequence[Mapping[str, Any]]) -> str:
     """The most accurate engine by itself, and those tied with it; motions from files are not engines."""
-    ranked = [row for row in table if is_engine(row)]
-    if not ranked:
+    engine_rows = [row for row in table if is_engine(row)]
+    if not engine_rows:
         return "No engine was ranked: none was run on a case that depends on friction's law."
-    best = ranked[0]
+    best = engine_rows[0]
     ties = [
         row
-        for row in ranked
+        for row in engine_rows
         if best["digits"] - row["digits"] <= max(TIE, hypot(best["digits_doubt"], row["digits_doubt"]))
     ]
     return f"{LEAD} {'; tied with it '.join(phrase(row) for row in ties)}."
@@ -191,7 +192,7 @@ def phrase(row: Mapping[str, Any]) -> str:
 
 def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     """The row for readers, as in the terminal and on the page: main text and small text by heading."""
-    lacking = [f"{row[outcome]} {outcome.replace('_', ' ')}" for outcome in _NOT_ANSWERED if row[outcome]]
+    lacking = [f"{row[outcome]} {outcome.replace('_', ' ')}" for outcome in _WITHOUT_MOTION if row[outcome]]
     count = f"{row['answered']} of {row['friction_cases']}"
     factor = row["worst_friction_factor"]
     digits = f"{row['digits']:.2f} ± {row['digits_doubt']:.2f}" if isfinite(row["digits"]) else "–"
@@ -200,7 +201,7 @@ def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
         "default": (_percent(row["default_off"]), _range(row)),
         "finest": (_percent(row["finest_off"]), _worst(row["finest_off_worst"])),
         "grade": (row["median_grade"] or "–", ""),
-        **{f"≤ {percent(level)}": _count(row, name) for name, level in _COUNTED.items()},
+        **{f"≤ {percent(level)}": _count(row, name) for name, level in _COUNT_LEVELS.items()},
         "friction ×": (f"{float(f'{factor:.2g}'):g}" if isfinite(factor) else "–", ""),
         "digits": (digits, ""),
         **({"time to 1 %": _time(row)} if row["cost_case"] else {}),

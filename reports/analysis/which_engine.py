@@ -9,7 +9,7 @@ from typing import Any
 from ..judging.grades import LEVELS, LIMITS, Grade
 from ..running.records import REFERENCE
 from .levels import NOT_REACHED
-from .time_to_accuracy import TIMED, break_even, cost
+from .time_to_accuracy import WITH_TIMES, break_even, cost
 from .work_precision import groups
 
 # One run, as in a first try of an engine, and as many as in a sweep or a training.
@@ -27,7 +27,7 @@ def cold_start_keys(times: Sequence[dict[str, Any]]) -> set[tuple]:
     return {
         (r["case"], r["solver"], r["route"], r["setting"])
         for r in times
-        if r["level"] in MEASURED and r["reached"] in TIMED
+        if r["level"] in MEASURED and r["reached"] in WITH_TIMES
     }
 
 
@@ -47,8 +47,8 @@ def rows(times: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _answer(case: str, level: float, runs: int, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    timed = [r for r in rows if isfinite(cost(r, runs))]
-    engines, own = ([r for r in timed if (r["solver"] == REFERENCE) == ours] for ours in (False, True))
+    candidates = [r for r in rows if isfinite(cost(r, runs))]
+    engines, own = ([r for r in candidates if (r["solver"] == REFERENCE) == ours] for ours in (False, True))
     engine, method = (min(group, key=lambda r: cost(r, runs), default=None) for group in (engines, own))
     row: dict[str, Any] = {"case": case, "level": level, "runs": runs}
     row |= _side("engine", engine, runs) | _side("reference", method, runs)
@@ -76,7 +76,7 @@ def _side(name: str, row: dict[str, Any] | None, runs: int) -> dict[str, Any]:
 def _reason(rows: Sequence[dict[str, Any]], engines: bool) -> str:
     """Why one side has no time."""
     side = [r for r in rows if (r["solver"] != REFERENCE) == engines]
-    if not any(r["reached"] in TIMED for r in side):
+    if not any(r["reached"] in WITH_TIMES for r in side):
         words = dict.fromkeys(r["reached"] for r in side)
         if engines and set(words) <= {NOT_REACHED}:
             return NO_ENGINE

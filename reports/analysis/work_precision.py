@@ -10,7 +10,7 @@ from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
 from ..running.records import Experiment, Run, is_default, routes, usable
-from ..running.timing.clock import UNTIMED, Timing
+from ..running.timing.clock import NO_TIMING, Timing
 from ..running.timing.cold_start import ColdStart
 from ..running.timing.time_breakdown import TimeBreakdown
 from ..running.timing.timings import Key
@@ -31,41 +31,41 @@ class CostMeasurements(NamedTuple):
     parts: Mapping[Key, TimeBreakdown] = {}
 
 
-def floor(experiment: Experiment, measured: CostMeasurements, label: str, quantity: str) -> float:
+def floor(experiment: Experiment, measurements: CostMeasurements, label: str, quantity: str) -> float:
     """Ten times the truth's error bar: smaller errors are not known. Infinite if the bar is not known."""
-    bar = quantities.bar(experiment.truths[label], quantity, measured.nulls[label].witnessed)
+    bar = quantities.bar(experiment.truths[label], quantity, measurements.nulls[label].witness_errors)
     return quantities.ABOVE * bar if isfinite(bar) else inf
 
 
-def quantities_of(experiment: Experiment, measured: CostMeasurements, label: str) -> list[str]:
+def quantities_of(experiment: Experiment, measurements: CostMeasurements, label: str) -> list[str]:
     """The quantities of a case: none of transitions if there are none."""
-    return [q for q in UNITS if isfinite(floor(experiment, measured, label, q))]
+    return [q for q in UNITS if isfinite(floor(experiment, measurements, label, q))]
 
 
-def _usable_runs(experiment: Experiment, measured: CostMeasurements) -> list[Run]:
+def _usable_runs(experiment: Experiment, measurements: CostMeasurements) -> list[Run]:
     """The runs of the timed cases with a usable motion."""
-    return [run for run in experiment.runs if run.case in measured.cases and usable(run)]
+    return [run for run in experiment.runs if run.case in measurements.cases and usable(run)]
 
 
-def null_error(measured: CostMeasurements, label: str, quantity: str) -> tuple[float, str]:
+def null_error(measurements: CostMeasurements, label: str, quantity: str) -> tuple[float, str]:
     """The smallest error of a null motion, and its name; NaN if none has an error."""
-    scores = [(row[quantity], row["motion"]) for row in measured.nulls[label].rows if isfinite(row[quantity])]
+    scores = [(row[quantity], row["motion"]) for row in measurements.nulls[label].rows if isfinite(row[quantity])]
     return min(scores, default=(nan, ""))
 
 
-def work_precision_rows(experiment: Experiment, measured: CostMeasurements) -> list[dict[str, Any]]:
+def work_precision_rows(experiment: Experiment, measurements: CostMeasurements) -> list[dict[str, Any]]:
     """One row per usable run of a timed case and quantity. Times are empty if the budget left none for the run.
 
     `below_floor`: the error is below ten times the truth's bar, so its size is not known. `null_error`: the smallest
     error of a null motion, `null_motion`.
     """
     rows = []
-    for run in _usable_runs(experiment, measured):
-        for quantity in quantities_of(experiment, measured, run.case):
-            error, least = quantities.error(run, quantity), floor(experiment, measured, run.case, quantity)
+    for run in _usable_runs(experiment, measurements):
+        for quantity in quantities_of(experiment, measurements, run.case):
+            error, least = quantities.error(run, quantity), floor(experiment, measurements, run.case, quantity)
             if not isfinite(error):
                 continue
-            null, motion = null_error(measured, run.case, quantity)
+            null, motion = null_error(measurements, run.case, quantity)
             rows.append(
                 {
                     "case": run.case,
@@ -73,7 +73,7 @@ def work_precision_rows(experiment: Experiment, measured: CostMeasurements) -> l
                     "route": run.route,
                     "setting": run.setting,
                     "steps": run.cost.steps,
-                    **times_of(measured, (run.case, run.solver, run.route, run.setting)),
+                    **times_of(measurements, (run.case, run.solver, run.route, run.setting)),
                     "quantity": quantity,
                     "unit": UNITS[quantity],
                     "absolute_error": error,
@@ -87,29 +87,30 @@ def work_precision_rows(experiment: Experiment, measured: CostMeasurements) -> l
     return rows
 
 
-def times_of(measured: CostMeasurements, key: Key) -> dict[str, Any]:
+def times_of(measurements: CostMeasurements, key: Key) -> dict[str, Any]:
     """Columns of a setting's times, s: those of the clock, of the first call, and of the parts of a warm run; NaN if
     they were not measured."""
-    timing, cold, parts = measured.timings.get(key, UNTIMED), measured.cold.get(key), measured.parts.get(key)
+    timing = measurements.timings.get(key, NO_TIMING)
+    cold, parts = measurements.cold.get(key), measurements.parts.get(key)
     shares = parts._asdict() if parts else dict.fromkeys(TimeBreakdown._fields, nan)
     first = {"first_call_s": cold.call_s if cold else nan}
     return {**vars(timing), **first, **{f"{name}_s": share * timing.cpu_s for name, share in shares.items()}}
 
 
-def fit_rows(experiment: Experiment, measured: CostMeasurements) -> list[dict[str, Any]]:
+def fit_rows(experiment: Experiment, measurements: CostMeasurements) -> list[dict[str, Any]]:
     """One row per route and quantity of a timed case: order in steps and in CPU time, each with its 95 % interval, and
     where and why the error saturates (`convergence`). Default settings and disturbed times are left out."""
     rows = []
-    ladders = routes(run for run in _usable_runs(experiment, measured) if not is_default(run))
+    ladders = routes(run for run in _usable_runs(experiment, measurements) if not is_default(run))
     for (case, solver, route), group in ladders.items():
-        for quantity in quantities_of(experiment, measured, case):
-            bar = floor(experiment, measured, case, quantity) / quantities.ABOVE
+        for quantity in quantities_of(experiment, measurements, case):
+            bar = floor(experiment, measurements, case, quantity) / quantities.ABOVE
             ladder = convergence.ladder_of(group, quantity, bar)
             if not any(isfinite(point.error) for point in ladder):
                 continue
-            by_steps, settled = convergence.order(ladder), convergence.saturation(ladder)
-            times = [_quiet_cpu(measured, (case, solver, route, run.setting)) for run in group]
-            by_time = convergence.order([p._replace(spent=s) for p, s in zip(ladder, times, strict=True)])
+            by_steps, plateau = convergence.order(ladder), convergence.saturation(ladder)
+            times = [_quiet_cpu(measurements, (case, solver, route, run.setting)) for run in group]
+            by_time = convergence.order([p._replace(cost=s) for p, s in zip(ladder, times, strict=True)])
             rows.append(
                 {
                     "case": case,
@@ -123,9 +124,9 @@ def fit_rows(experiment: Experiment, measured: CostMeasurements) -> list[dict[st
                     "order_in_time": by_time.order,
                     "order_in_time_low": by_time.low,
                     "order_in_time_high": by_time.high,
-                    "saturation": settled.cause,
-                    "saturated_from": settled.setting,
-                    "saturated_error": settled.error,
+                    "saturation": plateau.cause,
+                    "saturated_from": plateau.setting,
+                    "saturated_error": plateau.error,
                     "settings_used": " | ".join(by_steps.settings),
                     "note": by_steps.note,
                 }
@@ -133,15 +134,15 @@ def fit_rows(experiment: Experiment, measured: CostMeasurements) -> list[dict[st
     return rows
 
 
-def _quiet_cpu(measured: CostMeasurements, key: Key) -> float:
+def _quiet_cpu(measurements: CostMeasurements, key: Key) -> float:
     """CPU time, s; NaN if it was disturbed or not measured."""
-    timing = measured.timings.get(key, UNTIMED)
+    timing = measurements.timings.get(key, NO_TIMING)
     return nan if timing.disturbed else timing.cpu_s
 
 
 def groups(rows: Iterable[dict[str, Any]], *columns: str) -> dict[tuple, list[dict[str, Any]]]:
     """Rows by the values of some columns, in their order."""
-    found: dict[tuple, list[dict[str, Any]]] = {}
+    rows_by_key: dict[tuple, list[dict[str, Any]]] = {}
     for row in rows:
-        found.setdefault(tuple(row[c] for c in columns), []).append(row)
-    return found
+        rows_by_key.setdefault(tuple(row[c] for c in columns), []).append(row)
+    return rows_by_key

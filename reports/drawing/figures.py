@@ -81,8 +81,8 @@ def draw_case(case: Case, part: Experiment, looks: LineStyles, main: bool) -> li
                 finally:
                     plt.close("all")  # also after a failure
 
-            picture_, omitted = per_solver.make_per_solver(draw, (part,), solvers, f"figure {file}")
-            pictures.append(replace(picture_, entry=replace(picture_.entry, left_out=tuple(omitted))))
+            picture_, omissions = per_solver.make_per_solver(draw, (part,), solvers, f"figure {file}")
+            pictures.append(replace(picture_, entry=replace(picture_.entry, left_out=tuple(omissions))))
     return pictures
 
 

@@ -54,8 +54,8 @@ def sequence_note(score: Score, scale: Scale) -> str:
 
 def summary(score: Score, friction: float, why: str) -> str:
     """A score in one line: off and its doubt, grade, friction × where it is known, and the reason."""
-    known = [f"friction × {_short(friction)}"] if isfinite(friction) else []
-    return "; ".join([f"off {percent(score.off)} ± {percent(score.doubt)}: {grade(score.off)}", *known, why])
+    friction_text = [f"friction × {_short(friction)}"] if isfinite(friction) else []
+    return "; ".join([f"off {percent(score.off)} ± {percent(score.doubt)}: {grade(score.off)}", *friction_text, why])
 
 
 def reason(score: Score, scale: Scale, friction: float) -> str:

@@ -30,20 +30,20 @@ class LedgerRow:
     pairing: str
 
 
-def match(truth: Sequence[Transition], found: Sequence[Transition], gap: float = 0.0) -> tuple[LedgerRow, ...]:
+def match(truth: Sequence[Transition], read: Sequence[Transition], gap: float = 0.0) -> tuple[LedgerRow, ...]:
     """Pair transitions by kind (before, after) and order: as many as can be, and of these pairings the one with the
     least sum of time errors. Other transitions of the truth are missed, or unresolved by samples `gap` seconds apart;
     other transitions of the solver are spurious."""
-    pairs = _pairing(truth, found)
+    pairs = _pairing(truth, read)
     rows = []
     for i, j in pairs:
-        error = found[j].time - truth[i].time
-        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, found[j].time, truth[i].time, error, "paired"))
+        error = read[j].time - truth[i].time
+        rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, read[j].time, truth[i].time, error, "paired"))
     for i in sorted(set(range(len(truth))) - {i for i, _ in pairs}):
         pairing = "unresolved" if _short(truth, i, RESOLVABLE_GAPS * gap) else "missed"
         rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, nan, truth[i].time, nan, pairing))
-    for j in sorted(set(range(len(found))) - {j for _, j in pairs}):
-        rows.append(LedgerRow(j + 1, found[j].before, found[j].after, found[j].time, nan, nan, "spurious"))
+    for j in sorted(set(range(len(read))) - {j for _, j in pairs}):
+        rows.append(LedgerRow(j + 1, read[j].before, read[j].after, read[j].time, nan, nan, "spurious"))
     return tuple(sorted(rows, key=lambda row: row.reference_time if isfinite(row.reference_time) else row.time))
 
 
@@ -53,7 +53,7 @@ def _short(truth: Sequence[Transition], i: int, least: float) -> bool:
     return flies_on and i + 1 < len(truth) and truth[i + 1].time - truth[i].time < least
 
 
-def _pairing(truth: Sequence[Transition], found: Sequence[Transition]) -> list[tuple[int, int]]:
+def _pairing(truth: Sequence[Transition], read: Sequence[Transition]) -> list[tuple[int, int]]:
     """Longest common subsequence of kinds, ties broken by the smaller total time error."""
     best: dict[tuple[int, int], tuple[int, float, list[tuple[int, int]]]] = {}
 
@@ -61,10 +61,10 @@ def _pairing(truth: Sequence[Transition], found: Sequence[Transition]) -> list[t
         return best.get((i, j), (0, 0.0, []))
 
     for i in reversed(range(len(truth))):
-        for j in reversed(range(len(found))):
+        for j in reversed(range(len(read))):
             choices = [score(i + 1, j), score(i, j + 1)]
-            if (truth[i].before, truth[i].after) == (found[j].before, found[j].after):
+            if (truth[i].before, truth[i].after) == (read[j].before, read[j].after):
                 count, total, rest = score(i + 1, j + 1)
-                choices.append((count + 1, total - abs(found[j].time - truth[i].time), [(i, j), *rest]))
+                choices.append((count + 1, total - abs(read[j].time - truth[i].time), [(i, j), *rest]))
             best[i, j] = max(choices, key=lambda choice: choice[:2])
     return score(0, 0)[2]

@@ -14,17 +14,17 @@ _MOST, _LEAST = 4.0, -1.0
 TIE = 0.1
 
 
-class Reached(NamedTuple):
+class FirstWithin(NamedTuple):
     """The setting from which on a route stays within a level. `first`: its number in the ladder, None if there is none;
-    `settings`: number of settings from it to the finest; a single one is not confirmed by a finer one. `known`: False
-    if the doubt leaves open whether the level is reached."""
+    `settings`: number of settings from it to the finest; a single one is not confirmed by a finer one. `is_known`:
+    False if the doubt leaves open whether the level is reached."""
 
     first: int | None
     settings: int
-    known: bool
+    is_known: bool
 
 
-def reached(ladder: Sequence[tuple[float, float]], level: float) -> Reached:
+def first_within(ladder: Sequence[tuple[float, float]], level: float) -> FirstWithin:
     """The first setting of a ladder, coarse to fine, at which off and doubt together stay within the level, as they do
     at all finer ones. `ladder`: off and doubt of each setting with a motion."""
     first, settings, possible = None, 0, False
@@ -35,7 +35,7 @@ def reached(ladder: Sequence[tuple[float, float]], level: float) -> Reached:
         if highest <= level:
             first, settings = number, settings + 1
         possible = possible or lowest <= level
-    return Reached(first, settings, first is not None or not possible)
+    return FirstWithin(first, settings, first is not None or not possible)
 
 
 def digits(off: float) -> float:
@@ -45,13 +45,13 @@ def digits(off: float) -> float:
 
 
 class Standing(NamedTuple):
-    """A route in a ranking: its mean `digits` and their `doubt`, the number of cases that it `answered`, and its
+    """A route in a ranking: its mean `digits` and their `doubt`, the number of its `motions`, and its
     `rank`: 1 + the number of routes that are better by more than a tie."""
 
     route: str
     digits: float
     doubt: float
-    answered: int
+    motions: int
     rank: int
 
 
@@ -66,8 +66,8 @@ def ranking(scores: Mapping[str, Mapping[str, Score]], cases: Sequence[str]) -> 
         mean = sum(digits(score.off) for score in answers if score) / len(cases)
         doubt = hypot(*(_doubt(score) for score in answers if score)) / len(cases)
         means[route] = mean, doubt, sum(score is not None for score in answers)
-    found = [Standing(route, *mean, 1 + _better(mean, means)) for route, mean in means.items()]
-    return sorted(found, key=lambda standing: (-standing.digits, standing.route))
+    standings = [Standing(route, *mean, 1 + _better(mean, means)) for route, mean in means.items()]
+    return sorted(standings, key=lambda standing: (-standing.digits, standing.route))
 
 
 def _doubt(score: Score) -> float:

@@ -116,7 +116,7 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
     slips = tuple(_largest_slip(truth, phase) for phase in phases)
     fastest_slip = max(slips, default=0.0) if max(slips, default=0.0) > slowest else speed
     errors = {name: _errors(motion, truth, differences(motion, truth, case), case) for name, motion in nulls.items()}
-    real = {name: found for name, found in errors.items() if found[0] > _SAME * (path if moves else case.plate.reach)}
+    real = {name: pair for name, pair in errors.items() if pair[0] > _SAME * (path if moves else case.plate.reach)}
     nearest = min(real, key=lambda name: real[name][0], default="")
     others = end - max(time_by_mode(phases).values(), default=end)
     return Scale(
@@ -158,9 +158,9 @@ def score_and_reading(
         error / size if size > 0.0 else 0.0 for error, size in zip(errors, (scale.pose, scale.slip), strict=True)
     )
     creep = _creep(motion, scale)
-    located = motion.first_mode is not None
-    resolution = 0.0 if located else RESOLVABLE_GAPS * doubts.gap(motion)
-    noise = 0.0 if located or scale.slip == 0.0 else doubts.roughness(motion.t, motion.slip) / scale.slip
+    is_exact = motion.first_mode is not None
+    resolution = 0.0 if is_exact else RESOLVABLE_GAPS * doubts.gap(motion)
+    noise = 0.0 if is_exact or scale.slip == 0.0 else doubts.roughness(motion.t, motion.slip) / scale.slip
     best = _modes(case, motion, scale, creep, resolution, max(pose, slip))
     worst, doubt = max(pose, best.wrong, slip), max(best.doubt, noise)
     return Score(worst, doubt, pose, best.wrong, slip, creep, best.longest, resolution, best.missing), best.reading
@@ -180,19 +180,19 @@ class _Modes(NamedTuple):
 
 def _modes(case: Case, motion: Trajectory, scale: Scale, creep: float, resolution: float, others: float) -> _Modes:
     """The reading of a motion's modes that agrees best with the truth. `others`: the larger one of the other scores."""
-    located = motion.first_mode is not None
-    unresolved = 0.0 if located else doubts.unresolved(motion, scale.phases, scale.slips)
-    omitted, last = _omitted(motion), _last(motion, scale.end)
+    is_exact = motion.first_mode is not None
+    unresolved = 0.0 if is_exact else doubts.unresolved(motion, scale.phases, scale.slips)
+    gaps, last = _sample_gaps(motion), _last(motion, scale.end)
     true_flights, best = flights(scale.phases), None
     for reading in _readings(case, motion, scale, creep):
         phases = rolling_within(phases_of(reading.first_mode, reading.transitions, last), scale.either)
-        phases = outside(phases, omitted)
+        phases = outside(phases, gaps)
         wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
         if scale.end == 0.0:  # the truth leaves the track at once, and has its first mode only
             wrong = float(reading.first_mode != scale.phases[0].mode)
         if best is None or wrong < best.wrong * (1.0 - _SAME):
             touching = wrong - time_in_another_mode(flights(phases), true_flights, scale.end) / scale.time
-            times = 0.0 if located else doubts.time(motion, reading, case.plate.reach)
+            times = 0.0 if is_exact else doubts.time(motion, reading, case.plate.reach)
             doubt = (unresolved + times) / scale.time
             best = _Modes(reading, wrong, touching, doubt, *agreement(phases, scale.phases))
         # A threshold of slip makes no difference to flights, nor one that counts where other scores are larger.
@@ -214,14 +214,14 @@ def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float) -> Ite
         yield Reading(motion.first_mode, own, (float("nan"),) * len(own))
         return
     cap = _MOST_CREEP * scale.fastest_slip
-    declared = min(motion.slip_resolution, cap)
-    yield transitions.read_motion(case, replace(motion, slip_resolution=declared))
+    creep_limit = min(motion.slip_resolution, cap)
+    yield transitions.read_motion(case, replace(motion, slip_resolution=creep_limit))
     # Where the truth's rolls are too short for the creep to be known, slip within its noise may be none.
     slowest = creep if np.isfinite(creep) else doubts.roughness(motion.t, motion.slip)
     multiples = (2.0 * slowest, slowest, 4.0 * slowest)
     others = dict.fromkeys(min(threshold, cap) for threshold in (*multiples, 0.0, cap / 8.0, cap))
     # A reading takes long, so only the thresholds are read by which fewer samples are in another mode than the truth.
-    wrong = _samples_in_another_mode(motion, scale, [declared, *others])
+    wrong = _samples_in_another_mode(motion, scale, [creep_limit, *others])
     better = sorted((part, threshold) for threshold, part in zip(others, wrong[1:], strict=True))
     for part, threshold in better[:_MOST_READINGS]:
         if part < (1.0 - _SMALL_PART) * wrong[0]:
@@ -271,7 +271,7 @@ def _last(motion: Trajectory, end: float) -> float:
     return end if own >= end - LAST_STEPS * _step(motion) else own
 
 
-def _omitted(motion: Trajectory) -> list[tuple[float, float]]:
+def _sample_gaps(motion: Trajectory) -> list[tuple[float, float]]:
     """The spans at the beginning and between samples, s, of which the motion says nothing."""
     spans, step = [], _step(motion)
     if motion.t[0] > LAST_STEPS * step:
@@ -288,10 +288,10 @@ def _errors(motion: Trajectory, truth: Trajectory, off: Mapping[str, np.ndarray]
     Where the motion says nothing the plate counts as standing still where it was last; where one of both is in flight
     there is no slip error."""
     end, t = float(truth.t[-1]), off["t"]
-    omitted = _omitted(motion)
+    gaps = _sample_gaps(motion)
     last = _last(motion, end)
-    spans = [*omitted, (last, end)] if last < end else omitted
-    square, slip, total = _integrals(t, off["pose"], off["slip"], omitted)
+    spans = [*gaps, (last, end)] if last < end else gaps
+    square, slip, total = _integrals(t, off["pose"], off["slip"], gaps)
     for begin, stop in spans:
         a, b = min(begin, end), min(stop, end)
         if b > a:
@@ -305,11 +305,11 @@ def _errors(motion: Trajectory, truth: Trajectory, off: Mapping[str, np.ndarray]
 
 
 def _integrals(
-    t: np.ndarray, pose: np.ndarray, slip: np.ndarray, omitted: Sequence[tuple[float, float]]
+    t: np.ndarray, pose: np.ndarray, slip: np.ndarray, gaps: Sequence[tuple[float, float]]
 ) -> tuple[float, float, float]:
     """Integrals over time of the squared pose error and of the size of the slip error, and the time, by trapezoids."""
     h = np.diff(t)
-    for begin, stop in omitted:
+    for begin, stop in gaps:
         h = np.where((t[:-1] >= begin) & (t[1:] <= stop), 0.0, h)
     square, size = pose**2, np.abs(slip)
     slips = 0.5 * (size[:-1] + size[1:])

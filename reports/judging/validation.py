@@ -21,7 +21,7 @@ LAST_STEPS = 2.5
 LONG_STEPS, SHORT_PART = 10.0, 0.02
 # Between two samples a centre moves by at most three times the way at the true motion's fastest speed (impacts of an
 # engine can be faster), plus a tenth of the plate's size (a contact that pushes the plate out of its track).
-FASTER, PUSHED = 3.0, 0.1
+FASTER, PUSH = 3.0, 0.1
 
 # Description of a result that is not `sound`.
 UNSOUND = "numbers that are not finite or beyond all sizes, times that do not grow, or one sample only"
@@ -63,12 +63,12 @@ def jumps(case: Case, motion: Trajectory, truth: Trajectory, far: float) -> list
     """Phrases for a centre that moves between two samples by more than the true motion explains, and for one whose
     distance from the truth (`far`, m) exceeds the truth's own path: no better than a plate at rest."""
     fastest = float(np.hypot(truth.vx, truth.vy).max())
-    moved = np.hypot(np.diff(motion.x), np.diff(motion.y))
-    beyond = moved - FASTER * fastest * np.diff(motion.t) - PUSHED * case.plate.reach
+    lengths = np.hypot(np.diff(motion.x), np.diff(motion.y))
+    beyond = lengths - FASTER * fastest * np.diff(motion.t) - PUSH * case.plate.reach
     remarks = []
     if len(beyond) and np.max(beyond) > 0.0:
         i = int(np.argmax(beyond))
-        remarks.append(f"jumps by {moved[i]:.3g} m at {motion.t[i + 1]:.6g} s")
+        remarks.append(f"jumps by {lengths[i]:.3g} m at {motion.t[i + 1]:.6g} s")
     extent = float(np.hypot(truth.x - truth.x[0], truth.y - truth.y[0]).max())
     if far > max(extent, case.plate.reach):
         remarks.append(f"strays {far:.3g} m from the truth, which moves by {extent:.3g} m")

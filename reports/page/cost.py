@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..analysis import cost_conclusions, cost_tables, which_engine
 from ..analysis.levels import ONE_SETTING
 from ..analysis.number_format import seconds, times
-from ..analysis.time_to_accuracy import TIMED
+from ..analysis.time_to_accuracy import WITH_TIMES
 from ..analysis.work_precision import CostMeasurements, groups
 from ..drawing.figure_files import FigureEntry
 from ..judging.grades import LEVELS, percent
@@ -90,7 +90,7 @@ def _side(row: dict[str, Any], party: str) -> dict[str, Any]:
 def _shares(time_rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Settings within the main level: the parts of a warm run, the whole call, the cold start."""
     rows = []
-    reaching = [r for r in time_rows if r["reached"] in TIMED and r["level"] == cost_conclusions.LEVEL]
+    reaching = [r for r in time_rows if r["reached"] in WITH_TIMES and r["level"] == cost_conclusions.LEVEL]
     for (case,), group in groups(reaching, "case").items():
         for row in sorted(group, key=lambda r: r["call_s"]):
             cells = [_text(case), _text(_who(row))]
@@ -112,7 +112,7 @@ def _levels(time_rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _level_cell(row: dict[str, Any]) -> dict[str, Any]:
-    if row["reached"] not in TIMED:
+    if row["reached"] not in WITH_TIMES:
         return _number(row["reached"], float("inf"))
     ratio = f" ({times(row['ratio'])})" if isfinite(row["ratio"]) else ""
     mark = "°" if row["reached"] == ONE_SETTING else ""

@@ -26,7 +26,7 @@ _TEMPLATES = Path(__file__).parent / "templates"
 _POWER, _ZERO = re.compile(r"(\d)e([+-])0(\d)\b"), re.compile(r"\b0\.0e\+00\b")
 _REMARKS = ("reason", "note", "notes")
 # Words of a table with their own colours.
-_COLOURED = (*tables.OUTCOMES, *Grade, "paired", "missed", "spurious", "unresolved")
+_WITH_COLOUR = (*tables.OUTCOMES, *Grade, "paired", "missed", "spurious", "unresolved")
 
 
 @lru_cache(maxsize=1)
@@ -121,7 +121,7 @@ def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
             "kind": "number",
             "order": None if _is_number(text_of_number) else f"{value:.10g}",
         }
-    if text in _COLOURED:
+    if text in _WITH_COLOUR:
         kind = text.replace(" ", "-")
     elif "setting" in column:
         kind = "setting"

@@ -64,12 +64,12 @@ def _comparison(experiment: Experiment) -> str:
 
 def _row(row: Mapping[str, Any]) -> dict[str, Any]:
     """A row of the verdict; rows of engines carry the phrase and the digits from which the page's sentence is made."""
-    ranked = isfinite(row["digits_rank"])
+    has_rank = isfinite(row["digits_rank"])
     return {
         "solver": row["solver"],
         "route": row["route"],
         "id": identifier(row["solver"]),
-        "rank": f"{row['digits_rank']:.0f}" if ranked else "",
+        "rank": f"{row['digits_rank']:.0f}" if has_rank else "",
         "our_part": row["our_part"],
         "phrase": verdict.phrase(row) if verdict.is_engine(row) else "",
         "digits": row["digits"],

@@ -23,7 +23,7 @@ _TIMINGS = ""
 
 
 def draw(
-    shown: Experiment,
+    experiment: Experiment,
     ran: Experiment,
     measurements: CostMeasurements,
     results: Sequence[Result],
@@ -31,7 +31,7 @@ def draw(
     calls: Calls,
 ) -> tuple[list[FigureEntry], dict[str, list[FigureEntry]]]:
     """Write every figure to the folder; returns those of cases and timings, and those of each study by name."""
-    figures = list(case_figures.draw(shown, folder, calls))
+    figures = list(case_figures.draw(experiment, folder, calls))
     # The longest first. These figures do not show samples of motions, so the samples are not sent to the workers.
     bare = replace(ran, runs=tuple(replace(run, samples={}, off={}) for run in ran.runs))
     requests: list[tuple] = [(_TIMINGS, writes_pdf(), bare, measurements)] if measurements.cases else []

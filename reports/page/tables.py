@@ -47,7 +47,7 @@ class Tables:
     ) -> None:
         """Write the tables that `make` returns for the records; described by `holds` (content only) or by `words`."""
 
-        def written(*args: Any) -> tuple[dict[str, pd.DataFrame], Mapping[str, Table]]:
+        def write_frames(*args: Any) -> tuple[dict[str, pd.DataFrame], Mapping[str, Table]]:
             frames = {name: with_version(frame, self.versions) for name, frame in make(*args).items()}
             descriptions = words or {
                 name: describe_column(holds[name], map(str, frame.columns)) for name, frame in frames.items()
@@ -56,7 +56,7 @@ class Tables:
             return frames, descriptions
 
         (frames, descriptions), omitted = per_solver.make_per_solver(
-            written, records, per_solver.solvers_of(records), item
+            write_frames, records, per_solver.solvers_of(records), item
         )
         self.frames |= frames
         self.words |= descriptions

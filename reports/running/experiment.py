@@ -39,7 +39,7 @@ _KEEP_RUN = StorePolicy(
 )
 
 
-def run(
+def run_cases(
     cases: Sequence[Case],
     solvers: Sequence[str],
     calls: Calls,
@@ -54,16 +54,16 @@ def run(
     present = calls.present(solvers)
     solvers = [name for name in solvers if name in present or split_version(name)[1]]
     truths = find_truths(cases, calls)
-    offered = offers(cases, solvers, calls)
-    runs, tasks = _plan(cases, offered, truths, thin)
+    offers_by_case = offers(cases, solvers, calls)
+    runs, tasks = _plan(cases, offers_by_case, truths, thin)
     _fill(runs, _make(tasks, calls))
-    seconds, parts = time.perf_counter() - began, _our_parts(offered)
+    seconds, parts = time.perf_counter() - began, _our_parts(offers_by_case)
     return Experiment(tuple(cases), truths, tuple(runs), seconds, dict(calls.versions), parts)
 
 
-def _our_parts(offered: Mapping[tuple[str, str], tuple[Offer, ...]]) -> dict[tuple[str, str], str]:
+def _our_parts(offers_by_case: Mapping[tuple[str, str], tuple[Offer, ...]]) -> dict[tuple[str, str], str]:
     """What of each route is not its engine's own, by solver and route, where there is such a part."""
-    by_solver = [(name, offer) for (_, name), given in offered.items() for offer in given]
+    by_solver = [(name, offer) for (_, name), route_offers in offers_by_case.items() for offer in route_offers]
     return {(name, offer.route): offer.our_part for name, offer in by_solver if offer.our_part}
 
 

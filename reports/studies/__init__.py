@@ -90,10 +90,10 @@ class Result(NamedTuple):
 def draw(name: str, function: Callable[..., Iterable[FigureEntry]], records: tuple, folder: Path) -> list[FigureEntry]:
     """Write the figures of `function(*records, folder)`; if they fail with a solver's results, without these."""
     solvers = per_solver.solvers_of(records)
-    figures, omitted = per_solver.make_per_solver(
+    figures, omissions = per_solver.make_per_solver(
         lambda *args: list(function(*args, folder)), records, solvers, f"figures of {name}"
     )
-    return [replace(figure, left_out=tuple(omitted)) for figure in figures]
+    return [replace(figure, left_out=tuple(omissions)) for figure in figures]
 
 
 def names() -> tuple[str, ...]:

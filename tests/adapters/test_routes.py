@@ -99,7 +99,7 @@ def rows_of(chosen: tuple[Case, ...], most: int, jobs: int) -> None:
     """Run `most` settings of every route on the cases; fails unless each route has its row: a result or a reason."""
     names = tuple(installed())
     with Calls(jobs) as calls:
-        found = experiment.run(
+        found = experiment.run_cases(
             chosen, names, calls, thin=lambda case, solver, route, settings: tuple(one_default(settings))[:most]
         )
     for case in chosen:

@@ -52,7 +52,7 @@ def expected(name: str, at_version: str = "answered") -> str:
 
 def check_runs(names, capfd):
     with Calls(2, limit=6.0) as calls:
-        found = experiment.run((cases.load(fake_adapter.CASE),), names, calls)
+        found = experiment.run_cases((cases.load(fake_adapter.CASE),), names, calls)
     # A version that cannot be had only keeps what was run from being kept.
     assert {run.solver: run.outcome for run in found.runs} == {name: expected(name) for name in names}
     assert all(run.reason for run in found.runs if run.outcome != "answered")

@@ -260,7 +260,7 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(tmp_path, monkey
 
     monkeypatch.setattr(options, "TemporaryFolder", full)
     argv = ["--out", str(tmp_path / "report"), "--store", str(tmp_path / "store"), "--case", "disc_on_line", "--quick"]
-    monkeypatch.setattr("reports.running.experiment.run", lambda *_: pytest.fail("it ran something"))
+    monkeypatch.setattr("reports.running.experiment.run_cases", lambda *_: pytest.fail("it ran something"))
     assert build.main(argv) == 2
     assert "cannot be written to (No space left on device); give another folder" in capsys.readouterr().err
 
@@ -391,7 +391,7 @@ def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome,
         Run(case.label, "pymunk", "native", Setting.of(), 0, outcome),
     )
     ran = Experiment((case,), {case.label: Truth()}, runs, 0.0)
-    monkeypatch.setattr("reports.running.experiment.run", lambda *_: ran)
+    monkeypatch.setattr("reports.running.experiment.run_cases", lambda *_: ran)
     monkeypatch.setattr(build, "_study", lambda *_: [])
     monkeypatch.setattr(build, "_write", lambda *arguments: ([], []))
     argv = ["--quick", "--case", case.label, "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]
@@ -403,7 +403,7 @@ def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome,
 def test_a_case_that_lost_its_truth_shows_in_the_exit_status_though_nobody_named_it(tmp_path, monkeypatch, capsys):
     case = cases.load("disc_on_line[mu=0.1]")
     ran = Experiment((case,), {case.label: Truth(failure="its process was ended")}, (), 0.0)
-    monkeypatch.setattr("reports.running.experiment.run", lambda *_: ran)
+    monkeypatch.setattr("reports.running.experiment.run_cases", lambda *_: ran)
     monkeypatch.setattr(build, "_write", lambda *arguments: ([], []))
     assert build.main(["--quick", "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]) == 3
     assert "no truth for disc_on_line[mu=0.1]: its process was ended" in capsys.readouterr().err

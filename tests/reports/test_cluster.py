@@ -138,7 +138,7 @@ def plain(run: Run) -> tuple:
 @pytest.fixture(scope="module")
 def exact():
     with Calls(2) as calls:
-        found = experiment.run(CASES, SOLVERS, calls, some)
+        found = experiment.run_cases(CASES, SOLVERS, calls, some)
     assert len(found.runs) > 20
     return [plain(run) for run in found.runs]
 
@@ -156,7 +156,7 @@ def ran(loopback, patience: float = 120.0, after=lambda number: None) -> list[tu
         present = calls.present(SOLVERS)
         identity = cluster_worker.identity({name: calls.versions[name] for name in present})
         calls.cluster = Cluster(loopback.address, 2, identity, present, patience=patience)
-        return [plain(run) for run in experiment.run(CASES, SOLVERS, calls, some).runs]
+        return [plain(run) for run in experiment.run_cases(CASES, SOLVERS, calls, some).runs]
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import pytest
 
 from reports.judging.friction_factor import Losses
 from reports.judging.grades import LIMITS, Grade, duration, grade, percent, reason, sequence_note, summary
-from reports.judging.ranking import digits, ranking, reached
+from reports.judging.ranking import digits, first_within, ranking
 from reports.judging.score import Scale, Score
 
 SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction")
@@ -68,17 +68,17 @@ def test_numbers_in_words():
 
 def test_level_is_reached_where_all_finer_settings_stay_within_it():
     ladder = [(0.005, 0.0), (0.03, 0.0), (0.009, 0.0), (0.004, 0.0)]
-    assert reached(ladder, 0.01) == (2, 2, True)
-    assert reached(ladder, 0.001) == (None, 0, True)
+    assert first_within(ladder, 0.01) == (2, 2, True)
+    assert first_within(ladder, 0.001) == (None, 0, True)
 
 
 def test_level_that_one_setting_reaches_is_not_confirmed():
-    assert reached([(0.03, 0.0), (0.004, 0.0)], 0.01) == (1, 1, True)
+    assert first_within([(0.03, 0.0), (0.004, 0.0)], 0.01) == (1, 1, True)
 
 
 def test_level_within_the_doubt_is_not_known():
-    assert reached([(0.03, 0.0), (0.008, 0.005)], 0.01) == (None, 0, False)
-    assert reached([], 0.01) == (None, 0, True)
+    assert first_within([(0.03, 0.0), (0.008, 0.005)], 0.01) == (None, 0, False)
+    assert first_within([], 0.01) == (None, 0, True)
 
 
 # --- ranking ----------------------------------------------------------------------------------------------------------
@@ -99,7 +99,7 @@ def test_rejection_counts_as_ignoring_friction_and_a_misleading_answer_is_below_
     }
     found = ranking(routes, CASES)
     assert [s.route for s in found] == ["good", "poor", "rejects", "misleading"]
-    assert [s.rank for s in found] == [1, 2, 3, 4] and [s.answered for s in found] == [3, 3, 0, 3]
+    assert [s.rank for s in found] == [1, 2, 3, 4] and [s.motions for s in found] == [3, 3, 0, 3]
     assert found[2].digits == 0.0
 
 

@@ -85,7 +85,7 @@ def full_disk(rows):
 def test_rows_are_taken_out_of_all_that_holds_them():
     run = Run("c", SPOILT, "r", Setting.of(), 1, "answered")
     ran = Experiment((CASE,), {}, (run, replace(run, solver=SOUND)), 0.0, {SPOILT: "1"})
-    keys = {("c", name, "r", Setting.of()): clock.UNTIMED for name in (SPOILT, SOUND)}
+    keys = {("c", name, "r", Setting.of()): clock.NO_TIMING for name in (SPOILT, SOUND)}
     frame = pd.DataFrame({"solver": [SPOILT, SOUND], "x": [1, 2]})
     found = per_solver.without(
         {"ran": ran, "keys": keys, "frame": frame, "pairs": ((run, 1), (replace(run, solver=SOUND), 2))}, {SPOILT}
@@ -118,7 +118,7 @@ def measured(ran) -> CostMeasurements:
     """Timings as if each step took a microsecond."""
     times = {
         (run.case, run.solver, run.route, run.setting): replace(
-            clock.UNTIMED, cpu_s=1e-6 * run.cost.steps, cpu_low_s=0.9e-6 * run.cost.steps,
+            clock.NO_TIMING, cpu_s=1e-6 * run.cost.steps, cpu_low_s=0.9e-6 * run.cost.steps,
             cpu_high_s=1.1e-6 * run.cost.steps, wall_s=1.0, setup_s=1e-3, read_s=1e-3, call_s=1.0, repeats=5,
         )
         for run in ran.runs

@@ -305,7 +305,7 @@ def rebuilt(tmp_path_factory) -> Path:
     # Named cases would have whole ladders.
     plan = replace(options.plan_by_hand(every, None, place / "none", "default", 2, None, False), is_selection=False)
     with Display([]) as display, Calls(plan.jobs, plan.limit, Store(None), display) as calls:
-        ran = experiment.run(plan.cases, plan.solvers, calls, plan.select_rungs)
+        ran = experiment.run_cases(plan.cases, plan.solvers, calls, plan.select_rungs)
     (place / "tables").mkdir()
     for name, frame in tables.frames(ran).items():
         inert(with_version(frame, ran.versions)).to_csv(place / "tables" / f"{name}.csv", index=False)

@@ -22,7 +22,7 @@ from reports.running.calls import Calls
 from reports.running.processes import workers
 from reports.running.storage.result_store import Store
 from reports.running.timing import timings
-from reports.running.timing.clock import UNTIMED, Contestant, Timing
+from reports.running.timing.clock import NO_TIMING, Contestant, Timing
 
 from .. import fake_adapter
 from .identical import identical
@@ -62,7 +62,7 @@ def fake(installed, tmp_path):
         fake_adapter.ladder_is(folder, settings)
         calls = Calls(1, limit, Store(tmp_path / "s", fresh))
         calls._pool = pool
-        return {row.setting["how"]: row for row in experiment.run((case,), ("fake",), calls).runs}
+        return {row.setting["how"]: row for row in experiment.run_cases((case,), ("fake",), calls).runs}
 
     run.folder, run.store = folder, tmp_path / "s"
     return run
@@ -151,7 +151,7 @@ class Clock:
                 yield i, workers.CallResult("done", value={one.key: (TIMING, "") for one in who})
 
 
-TIMING = replace(UNTIMED, cpu_s=1.0)
+TIMING = replace(NO_TIMING, cpu_s=1.0)
 
 
 @pytest.mark.parametrize(("clock", "lost"), [(Clock("b"), "b"), (Clock("bd"), "bd"), (Clock(most=3), "")])
@@ -270,7 +270,7 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(
     assert manifest["store"]["taken"] == {"run": 1, "truth": 1}
 
     with in_process(), Calls(1) as calls:
-        whole = experiment.run((cases.load(fake_adapter.CASE),), ("fake",), calls, only(builds.kept()))
+        whole = experiment.run_cases((cases.load(fake_adapter.CASE),), ("fake",), calls, only(builds.kept()))
     for name in ("trajectories", "transitions", "truth", "headline", "convergence"):
         tables.frames(whole)[name].to_csv(tmp_path / f"{name}.csv", index=False)
         uninterrupted = table(tmp_path / f"{name}.csv")

@@ -35,7 +35,7 @@ def comparable(runs: Iterable[Run]) -> list[Run]:
 
 def rows(names: tuple[str, ...], rungs: int | None = None) -> Experiment:
     with Calls(2) as calls:
-        return experiment.run((CASE,), names, calls, thin=lambda case, solver, route, settings: settings[:rungs])
+        return experiment.run_cases((CASE,), names, calls, thin=lambda case, solver, route, settings: settings[:rungs])
 
 
 def check_own_rows(name: str, runs: Iterable[Run]) -> None:

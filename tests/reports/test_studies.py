@@ -15,7 +15,7 @@ from reports.judging.residuals import Residuals
 from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, Truth
-from reports.running.timing.clock import UNTIMED
+from reports.running.timing.clock import NO_TIMING
 from reports.studies import meanings, paper
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
@@ -50,7 +50,7 @@ FOUND = {
     "paper": paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {}),
     "published": published.of_one(0)[:1],
     "reference_cost": reference_cost.CostRows(
-        [reference_cost._row("all", UNTIMED, reason="It blew up.")],
+        [reference_cost._row("all", NO_TIMING, reason="It blew up.")],
         reference_cost._growth_rows([(growth.GROWTHS[0], 100)], [HUNG]),
         [reference_cost._cold_row("disc_on_line", HUNG)],
     ),

@@ -140,7 +140,7 @@ def test_what_is_left_of_the_time_decides_nothing_and_the_share_of_it_does(engin
 
 @pytest.mark.parametrize("disturbed", [(True, True), (True, False), (False, True)])
 def test_nothing_is_kept_that_was_disturbed_anywhere(disturbed, engines, tmp_path, monkeypatch):
-    timing = replace(clock.UNTIMED, cpu_s=1.0)
+    timing = replace(clock.NO_TIMING, cpu_s=1.0)
     answers = {one.key: (replace(timing, disturbed=d), "") for one, d in zip(AB, disturbed, strict=True)}
 
     def time_all(contestants, budget) -> dict[clock.Key, tuple[clock.Timing | None, str]]:

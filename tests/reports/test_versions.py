@@ -116,7 +116,7 @@ def test_a_failure_is_a_row_and_another_try_is_made(cache, monkeypatch, in_proce
     for _ in range(2):
         versions.make(["reference", "pymunk@6.99"], lambda text: None)
     with in_process(), Calls() as calls:
-        (run,) = experiment.run([case], ["pymunk@6.99"], calls).runs
+        (run,) = experiment.run_cases([case], ["pymunk@6.99"], calls).runs
     assert len(tries) == 2
     assert (run.solver, run.outcome) == ("pymunk@6.99", "not_installed") and "the index is on holiday" in run.reason
 

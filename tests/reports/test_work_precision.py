@@ -277,9 +277,9 @@ def test_a_null_motion_that_makes_no_sense_is_told():
 
 def test_second_method_witnesses_what_is_not_certified():
     told = baselines.baseline(cases.load("frictionless_pendulum"))
-    assert told.witnessed.keys() == set(quantities.DISTANCES)
+    assert told.witness_errors.keys() == set(quantities.DISTANCES)
     # Two integrators at rtol 1e-13 over a second and a half of a pendulum.
-    assert all(0.0 <= far < 1e-11 for far in told.witnessed.values())
+    assert all(0.0 <= far < 1e-11 for far in told.witness_errors.values())
 
 
 # --- in words and pictures --------------------------------------------------------------------------------------------

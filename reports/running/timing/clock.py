@@ -105,7 +105,7 @@ class Timing:
     disturbed: bool
 
 
-UNTIMED = Timing(*8 * (nan,), repeats=0, disturbed_repeats=0, disturbed=False)
+NO_TIMING = Timing(*8 * (nan,), repeats=0, disturbed_repeats=0, disturbed=False)
 
 
 class Repeat(NamedTuple):

@@ -38,7 +38,7 @@ from ...running.experiment import offers
 from ...running.records import REFERENCE, one_default
 from ...running.solvers import solver
 from ...running.tasks import run_on_clock
-from ...running.timing.clock import UNTIMED, Contestant, Timing
+from ...running.timing.clock import NO_TIMING, Contestant, Timing
 from ...running.timing.timings import time_together
 
 # Wall-clock budget in seconds for the timings of a scene: a stage takes milliseconds in the reference, and up to a
@@ -212,7 +212,7 @@ def _row(
     stage, name, route = key
     current, case = probes[key], stages(scene)[stage].case
     before = probes.get((stage - 1, name, route))
-    timing, first = timings.get(key, UNTIMED), timings.get((0, name, route), UNTIMED)
+    timing, first = timings.get(key, NO_TIMING), timings.get((0, name, route), NO_TIMING)
     operations, events = compiled_size(case) if name == REFERENCE else (nan, nan)
     return {
         "scene": scene,

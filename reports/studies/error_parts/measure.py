@@ -100,12 +100,12 @@ def errors(case: Case, name: str, route: str, setting: Setting, truth: Truth) ->
     motion = run_on_clock(solver(name), case, route, setting)
     pairs = ledger.match(truth.transitions, reading_of(case, motion).transitions)
     first = next((row.error for row in pairs if row.event == 1 and row.pairing != "spurious"), nan)
-    unpaired = [row.pairing for row in pairs if row.pairing != "paired"]
+    differences = [row.pairing for row in pairs if row.pairing != "paired"]
     signed_errors = {
         "first_transition_time": np.array([first]),
         **_final(case, motion, true_motion(case, truth.method)),
     }
-    reason = ", ".join(f"{unpaired.count(kind)} {kind}" for kind in dict.fromkeys(unpaired))
+    reason = ", ".join(f"{differences.count(kind)} {kind}" for kind in dict.fromkeys(differences))
     return "answered", reason, signed_errors
 
 
@@ -157,10 +157,10 @@ class Grid:
         cell = self.cells.get(tuple(place))
         return (cell.errors if cell else {}).get(quantity, np.full(2 if quantity == "final_centre" else 1, nan))
 
-    def mixed(self, place: Sequence[int], unchanged: Sequence[str]) -> list[int]:
+    def partly_finest(self, place: Sequence[int], fixed_parameters: Sequence[str]) -> list[int]:
         """The place with the parameters `unchanged` as they are and all others finest."""
         return [
-            at if parameter in unchanged else end
+            at if parameter in fixed_parameters else end
             for parameter, at, end in zip(self.parameters, place, self.finest, strict=True)
         ]
 
@@ -192,8 +192,8 @@ def parts(grid: Grid, place: Sequence[int], quantity: str) -> ErrorParts:
     model = [parameter for parameter in grid.parameters if parameter != "h"]
     base = grid.error(grid.finest, quantity)
 
-    def along(unchanged: Sequence[str]) -> float:
-        return float(np.dot(grid.error(grid.mixed(place, unchanged), quantity) - base, direction))
+    def along(fixed_parameters: Sequence[str]) -> float:
+        return float(np.dot(grid.error(grid.partly_finest(place, fixed_parameters), quantity) - base, direction))
 
     whole, corner = float(np.dot(total, direction)), float(np.dot(base, direction))
     step_part, model_part = along(["h"]), along(model)

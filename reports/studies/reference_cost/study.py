@@ -17,7 +17,7 @@ from adapters import Setting
 from ...analysis.columns import Table
 from ...running.calls import CallResult, Calls
 from ...running.records import REFERENCE
-from ...running.timing.clock import UNTIMED, ClockEntry, Contestant, Timing, take_turns, timing
+from ...running.timing.clock import NO_TIMING, ClockEntry, Contestant, Timing, take_turns, timing
 from .. import Request
 from . import growth, process_start
 from .contestants import COEFFICIENTS, RTOL, contestants
@@ -180,7 +180,7 @@ def timings(budget: float) -> dict[str, tuple[Timing, float]]:
 def _hot_rows(answer: CallResult) -> list[dict[str, Any]]:
     """Rows of warm contestants; the ratio of the fastest is one."""
     if answer.outcome != "done":
-        return [_row("all", UNTIMED, reason=answer.failure[1])]
+        return [_row("all", NO_TIMING, reason=answer.failure[1])]
     fastest = min(t.cpu_s for t, _ in answer.value.values())
     return [_row(name, t, t.cpu_s / fastest, error) for name, (t, error) in answer.value.items()]
 
