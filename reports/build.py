@@ -102,7 +102,7 @@ def listing(files: Sequence[str]) -> str:
 def _build(plan: BuildPlan) -> int:
     """Make and write the report and print its summary; returns the exit status of `main`."""
     from .drawing.figure_files import for_print
-    from .page import folder
+    from .page import report_folder
     from .page.text import lost_text
     from .running import external_motions, versions
     from .running.calls import Calls
@@ -127,7 +127,7 @@ def _build(plan: BuildPlan) -> int:
             costs = _measure(plan, local_runs, calls)
             study_results = _study(plan, calls)
             experiment = external_motions.join_external(local_runs, plan.trajectories)
-            with folder.of_report(plan.out).staging(whole=True) as place, for_print(plan.paper):
+            with report_folder.of_report(plan.out).staging(whole=True) as place, for_print(plan.paper):
                 verdicts, left_out = _write(plan, experiment, local_runs, costs, study_results, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
@@ -237,7 +237,7 @@ def _write(
     Returns the rows of the verdict, and the items made without a solver because they fail with its results.
     `local_runs`: the experiment without external motions."""
     from .drawing.figure_files import embed_command
-    from .page import folder, html, motions, pictures, tables
+    from .page import html, motions, pictures, report_folder, table_files
     from .page.manifest import manifest
     from .running import external_motions, per_solver
     from .running.solvers import missing_words
@@ -256,8 +256,8 @@ def _write(
     }
     facts["not installed"] = "; ".join(missing_words(local_runs.versions))
     facts["solvers"] |= external_motions.sources(plan.trajectories)
-    table_files = tables.Tables(place / "tables", command, local_runs.versions, plan.paper)
-    rows = tables.write(table_files, experiment, local_runs, costs, study_results)
+    output = table_files.Tables(place / "tables", command, local_runs.versions, plan.paper)
+    rows = table_files.write(output, experiment, local_runs, costs, study_results)
     calls.times.book("tables")
     figures = place / "figures"
     entries, of_studies = pictures.draw(experiment, local_runs, costs, study_results, figures, calls)
@@ -267,7 +267,7 @@ def _write(
         for figure in of_studies[result.name]:
             embed_command(figures, figure, result.command)
     moving, motion_omissions = motions.motions(experiment)
-    table_files.note(
+    output.note(
         [
             *motion_omissions,
             *(one for some in (entries, *of_studies.values()) for each in some for one in each.left_out),
@@ -280,26 +280,26 @@ def _write(
     def render_page(
         experiment: Experiment, costs: CostMeasurements, frames: dict[str, Any], study_results: Sequence[Result]
     ) -> str:
-        frames |= {tables.OMISSIONS: table_files.frames[tables.OMISSIONS]} if table_files.left_out else {}
+        frames |= {table_files.OMISSIONS: output.frames[table_files.OMISSIONS]} if output.left_out else {}
         return html.render(
-            experiment, costs, frames, table_files.words, entries, study_results, of_studies, moving, figures, facts
+            experiment, costs, frames, output.words, entries, study_results, of_studies, moving, figures, facts
         )
 
-    records = (experiment, costs, dict(table_files.frames), tuple(study_results))
+    records = (experiment, costs, dict(output.frames), tuple(study_results))
     page, omissions = per_solver.make_per_solver(render_page, records, per_solver.solvers_of(experiment), "the page")
     if omissions:
-        table_files.note(omissions)
+        output.note(omissions)
         page = render_page(*(per_solver.without(each, {one.solver for one in omissions}) for each in records))
-    tables.describe(table_files)
+    table_files.describe(output)
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     calls.times.book("page")
     facts["phases"], facts["seconds"] = (
         phase_times.time_summary(calls.times.phases),
         phase_times.total(calls.times.phases).wall,
     )
-    facts["left_out"] = [one._asdict() for one in table_files.left_out]
-    folder.sign(place, facts)
-    return rows, table_files.left_out
+    facts["left_out"] = [one._asdict() for one in output.left_out]
+    report_folder.sign(place, facts)
+    return rows, output.left_out
 
 
 def _options(plan: BuildPlan) -> str:

@@ -136,6 +136,6 @@ class Comparison:
 
     def plot(self, quantity: str = "slip") -> Picture:
         """Plot a quantity of all motions against time, and below its difference from the truth."""
-        from .drawing.comparison import plot
+        from .drawing.motion_plot import plot
 
         return plot(self.case.label, self.truth, self.runs, quantity)

@@ -21,7 +21,7 @@ from cases.errors import unknown_name
 from cases.owned_folder import OwnedFolder, TemporaryFolder
 from cases.user_files import place
 
-from .page import folder
+from .page import report_folder
 from .running.records import REFERENCE
 
 if TYPE_CHECKING:
@@ -344,7 +344,7 @@ def choose_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], t
     return tuple(case_list.values()), tuple(str(one.file.resolve()) for one in case_names if one.file)
 
 
-def check_out(out: str | Path, folder_of: Callable[[Path], OwnedFolder] = folder.of_report) -> Path:
+def check_out(out: str | Path, folder_of: Callable[[Path], OwnedFolder] = report_folder.of_report) -> Path:
     """The output folder, resolved; raises BadValue if it contains the working folder, is not writable, or fails
     `OwnedFolder.check`."""
     out = place("folder of --out", out).resolve()

@@ -30,7 +30,7 @@ from cases.owned_folder import digest, write
 
 from . import options
 from .judging.grades import percent
-from .page import folder
+from .page import report_folder
 from .page.manifest import FORMAT
 
 COMMAND = "reports.publish"
@@ -56,22 +56,22 @@ def publish(report: Path, results: Path) -> Path:
 
     Raises BadValue for a report that is not suitable for a release, OSError if the folder cannot be written.
     """
-    names = folder.of_report(report).names()
+    names = report_folder.of_report(report).names()
     manifest = _manifest(report)
     _check(manifest, report, names)
-    place = folder.of_report(results / cases.__version__, "release")
+    place = report_folder.of_report(results / cases.__version__, "release")
     place.check()
     with place.staging(whole=True) as partial:
         files = [name for name in names if not name.startswith("figures/") or name in _FIGURES]
         for name in files:
             (partial / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(report / name, partial / name)
-        page = _by_itself(_text(report / folder.PAGE), files)
-        (partial / folder.PAGE).write_text(page, encoding="utf-8")
+        page = _by_itself(_text(report / report_folder.PAGE), files)
+        (partial / report_folder.PAGE).write_text(page, encoding="utf-8")
         package = _describe(_json(report / PACKAGE), manifest, partial, names)
         (partial / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
         (partial / CONSTRAINTS).write_text(_constraints(manifest), encoding="utf-8")
-        folder.sign(partial, manifest | {"licence": LICENCE["name"]})
+        report_folder.sign(partial, manifest | {"licence": LICENCE["name"]})
         numbers(partial)
     return place.path
 
@@ -113,12 +113,12 @@ _TYPES: dict[str, Callable[[Any], bool]] = {
 
 def _manifest(report: Path) -> dict[str, Any]:
     """The manifest of a report; raises BadValue if a value has a wrong type."""
-    manifest = _json(report / folder.MANIFEST)
-    if not isinstance(manifest, dict) or manifest.get("made_by") != folder.MADE_BY:
+    manifest = _json(report / report_folder.MANIFEST)
+    if not isinstance(manifest, dict) or manifest.get("made_by") != report_folder.MADE_BY:
         raise BadValue(f"{report} contains no report; {_AGAIN}")
     wrong = next((name for name, fits in _TYPES.items() if not fits(manifest.get(name))), "")
     if wrong:
-        raise BadValue(f"{wrong} in {report / folder.MANIFEST} has a wrong type; {_AGAIN}")
+        raise BadValue(f"{wrong} in {report / report_folder.MANIFEST} has a wrong type; {_AGAIN}")
     return manifest
 
 
@@ -135,7 +135,7 @@ def _text(file: Path) -> str:
 
 def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> None:
     """Raises BadValue unless it is a complete default report of a commit of this version, without interrupted calls."""
-    absent = [name for name in (folder.PAGE, PACKAGE, *_FIGURES) if name not in names]
+    absent = [name for name in (report_folder.PAGE, PACKAGE, *_FIGURES) if name not in names]
     lacking = sorted(
         {case.label for name in cases.names(hard=False) for case in cases.select(name)} - set(manifest["cases"])
     )

@@ -10,7 +10,7 @@ from cases import BadValue, lookup
 from cases.command_line import status
 
 from . import options, studies
-from .page import folder
+from .page import report_folder
 
 COMMAND = "reports.study"
 
@@ -41,7 +41,7 @@ def _work(words: list[str]) -> None:
     variants = (case for text in texts for case in lookup.case_name(text).every(long=arguments.full))
     selection = tuple({case.label: case for case in variants}.values())
     request = studies.Request(selection, solvers, arguments.full)
-    out = options.check_out(arguments.out or arguments.NAME, folder.of_study)
+    out = options.check_out(arguments.out or arguments.NAME, report_folder.of_study)
     store = options.check_store(arguments.store, out)
     with for_print(arguments.paper):
         _make(arguments.NAME, request, out, store, arguments.fresh, jobs, options.command(COMMAND, words))
@@ -68,7 +68,7 @@ def _make(
         raise KeyboardInterrupt(store.kept_words()) from None
     if result.failure:
         raise OSError(f"the study failed: {result.failure}")
-    with folder.of_study(out).staging(whole=True) as place:
+    with report_folder.of_study(out).staging(whole=True) as place:
         files = text.write(result.frames, result.words, place, command, writes_pdf())
         files += dictionary.write(result.frames, result.words, place, command)
         for figure in result.draw(place):
@@ -76,7 +76,7 @@ def _make(
             print(
                 f"{figure.title}: {out / f'{figure.name}.svg'}" if figure.name else f"{figure.title}. {figure.caption}"
             )
-        folder.sign(place, manifest(calls.versions) | {"command": command, "store": store.summary()})
+        report_folder.sign(place, manifest(calls.versions) | {"command": command, "store": store.summary()})
     store.trim()
     summary = getattr(result.study, "summary", None)
     print(summary(result.findings) if summary else "\n\n".join(text.plain(frame) for frame in result.frames.values()))

@@ -85,7 +85,7 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | No
     from .drawing.figure_files import embed_command
     from .running.processes import cluster
     from .running.processes.progress import Display
-    from .sweeping import boundary_search, computation, maps
+    from .sweeping import boundary_search, computation, map_figures
     from .sweeping.sweep_folder import Folder
 
     out = options.check_out(arguments.out, lambda path: Folder(path, arguments.fresh))
@@ -106,9 +106,9 @@ def _sweep(plan, solvers: Sequence[str], jobs: int, arguments, width: float | No
             edges = boundary_search.search_and_write(plan, folder, width) if width is not None else None
         except KeyboardInterrupt:
             raise KeyboardInterrupt(f"finished rows are in {out}; give the same command to continue") from None
-        counts = maps.counts(folder)
+        counts = map_figures.counts(folder)
         with folder.staging() as place:
-            pictures = [*maps.draw(plan, folder, place, engines, edges)]
+            pictures = [*map_figures.draw(plan, folder, place, engines, edges)]
             for figure in pictures:
                 embed_command(place, figure, command)
     for figure in pictures:

@@ -16,10 +16,10 @@ from cases.effects import MOTION
 from cases.owned_folder import LIST, digest
 from reports import compare_builds
 from reports.analysis.columns import Table
-from reports.page import folder, text
+from reports.page import report_folder, text
 from reports.running import external_motions, submissions
 from reports.running.storage import packing, result_store
-from reports.sweeping import folder as sweep_folder
+from reports.sweeping import sweep_folder
 
 SCENE = Path(__file__).resolve().parents[1]
 
@@ -183,10 +183,10 @@ def test_a_folder_with_an_odd_manifest_is_somebodys(tmp_path):
     (tmp_path / "mine.txt").write_text("precious")
     for odd in ("[" * 200_000, "9" * 5000, "{}", "nonsense", '{"files": 3}'):
         (tmp_path / "manifest.json").write_text(odd)
-        refused(folder.of_report(tmp_path).check)
+        refused(report_folder.of_report(tmp_path).check)
     (tmp_path / "manifest.json").unlink()
     os.mkfifo(tmp_path / "manifest.json")
-    refused(folder.of_report(tmp_path).check)
+    refused(report_folder.of_report(tmp_path).check)
 
 
 def test_a_record_says_nothing_about_what_code_runs(mark):

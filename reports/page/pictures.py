@@ -53,10 +53,10 @@ def draw_figures(name: str, paper: bool, *inputs: Any) -> list[FigureContent]:
     """
     folder = Path.cwd()
     if name == _TIMINGS:
-        from ..drawing import work_precision
+        from ..drawing import work_precision_figure
 
         settle(__name__)
-        draw: Callable[..., Iterable[FigureEntry]] = work_precision.draw
+        draw: Callable[..., Iterable[FigureEntry]] = work_precision_figure.draw
     else:
         draw = study(name).draw
         settle(name)

@@ -18,7 +18,7 @@ from ..drawing.figure_files import FigureEntry, save
 from ..running.calls import Calls, StorePolicy
 from ..running.records import REFERENCE
 from ..running.solvers import routes
-from ..sweeping import maps, parts
+from ..sweeping import map_figures, parts
 from ..sweeping.computation import ROWS, scene
 from ..sweeping.parts import SweepWork
 from ..sweeping.sweep_folder import Folder
@@ -50,7 +50,7 @@ TABLES = {
 
 
 # The paper's coefficients, with release at ξ₁ = 0, which its text does not state.
-MARKS = tuple(maps.Mark(mu, 0.0, f"μ₀ = {mu:g}") for mu in (0.01, 0.1, 0.2))
+MARKS = tuple(map_figures.Mark(mu, 0.0, f"μ₀ = {mu:g}") for mu in (0.01, 0.1, 0.2))
 ENGINES = ("exudyn", "pymunk")
 # Scenarios per part: of the reference, and of an engine.
 CHUNK, FEW = 4000, 50
@@ -131,7 +131,7 @@ def _by_kind(one_map: Map) -> dict[str, np.ndarray]:
     kinds: dict[str, list[float]] = {}
     for row in one_map.table.to_pylist():
         if one_map.solver == REFERENCE:
-            what = maps.kind(row["sequence"] or "", row["outcome"])
+            what = map_figures.kind(row["sequence"] or "", row["outcome"])
         else:
             what = row["verdict"] or row["outcome"]
         kinds.setdefault(what, []).append(np.nan if row["first_time"] is None else row["first_time"])
@@ -147,7 +147,7 @@ def draw(findings: list[Map], folder: Path) -> Iterator[FigureEntry]:
             for start, content in each.parts.items():
                 rows.add_part(kind, start, content)
             if each.solver == REFERENCE:
-                figure = maps.of_reference(each.plan, rows, marks=MARKS)
+                figure = map_figures.of_reference(each.plan, rows, marks=MARKS)
                 title = "Motion of the disc after its release, over friction and start"
                 caption = (
                     f"{len(each.plan):,} motions. Thin lines: time at which the slip first ends, s, with R = 1 m, "
@@ -157,5 +157,5 @@ def draw(findings: list[Map], folder: Path) -> Iterator[FigureEntry]:
             else:
                 title = f"{each.solver}, {each.route}: wrong verdicts with default settings, over friction and start"
                 caption = f"{len(each.plan):,} runs with default settings. Left: verdicts. Right: errors of the time."
-                figure = maps.of_engine(each.plan, rows, kind, f"{each.solver}, {each.route}")
+                figure = map_figures.of_engine(each.plan, rows, kind, f"{each.solver}, {each.route}")
             yield save(figure, folder, f"map_{kind.replace('.', '_')}", "", title, caption)

@@ -19,7 +19,7 @@ from cases import BadValue
 from reference.sweeping import Plan, table
 
 from . import parts
-from .maps import kind
+from .map_figures import kind
 from .sweep_folder import Folder
 
 FILE = "boundary.parquet"

@@ -24,7 +24,7 @@ from cases.owned_folder import LIST
 from reports import build, options
 from reports.analysis import tables
 from reports.drawing import figure_files
-from reports.page import folder, text
+from reports.page import report_folder, text
 from reports.running import solvers
 from reports.running.records import Experiment, Run, Truth
 
@@ -161,7 +161,7 @@ def report(tmp_path_factory, in_process):
 
 
 def test_report_has_every_promised_file_and_no_other(report):
-    files = {*folder.of_report(report).names()}
+    files = {*report_folder.of_report(report).names()}
     assert holds(report) == files | {LIST}
     promised = {"index.html", "manifest.json", "figures/headline.png"}
     promised |= {f"tables/{name}.{kind}" for name in tables.TABLES for kind in ("csv", "md")}
@@ -172,7 +172,7 @@ def test_report_has_every_promised_file_and_no_other(report):
 
 def test_manifest_tells_how_it_was_made(report):
     manifest = json.loads((report / "manifest.json").read_text())
-    assert manifest["made_by"] == folder.MADE_BY and "--quick" in manifest["command"]
+    assert manifest["made_by"] == report_folder.MADE_BY and "--quick" in manifest["command"]
     assert {"numpy", "scipy"} <= manifest["packages"].keys() and manifest["python"].startswith("3.")
     assert set(manifest["solvers"]) == {"reference", "pymunk"}
     phases = manifest["phases"]
@@ -359,7 +359,7 @@ def test_every_failure_is_a_row_told_as_what_it_was(failing):
 
 def test_a_report_of_failures_is_complete(failing):
     told = json.loads((failing / "manifest.json").read_text())
-    assert holds(failing) == {*folder.of_report(failing).names(), LIST}
+    assert holds(failing) == {*report_folder.of_report(failing).names(), LIST}
     assert told["solvers"] == {"fake": "1.0", "ghost": "not_installed: no_such_engine"}
     page = (failing / "index.html").read_text()
     for _, reason in FATES.values():

@@ -16,7 +16,7 @@ from cases import Cost
 from reports import build, studies
 from reports.analysis import baselines
 from reports.analysis.work_precision import CostMeasurements
-from reports.drawing import figures, work_precision
+from reports.drawing import figures, work_precision_figure
 from reports.drawing.figure_files import FigureContent, FigureEntry
 from reports.drawing.palette import LineStyles
 from reports.judging.distances import Distance
@@ -248,7 +248,7 @@ def unrendered(figure, name, case, title, caption, png=False) -> FigureContent:
 
 def test_what_accuracy_costs_is_drawn_without_a_solver_that_fails(ran, measured, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(work_precision, "save", lambda *given: FigureEntry("", "", "", ""))
+    monkeypatch.setattr(work_precision_figure, "save", lambda *given: FigureEntry("", "", "", ""))
     drawn = pictures.draw_figures("", False, spoilt(ran, dict(distance=None)), measured)
     assert drawn and all([one.solver for one in each.entry.left_out] == [f"{SPOILT}_0"] for each in drawn)
     assert not any(each.entry.left_out for each in pictures.draw_figures("", False, ran, measured))

@@ -15,7 +15,7 @@ import pytest
 import cases
 from cases.owned_folder import LIST, digest
 from reports import compare_builds, options, publish
-from reports.page import folder
+from reports.page import report_folder
 from reports.page.manifest import FORMAT
 
 ROOT = Path(__file__).parent.parent.parent
@@ -39,7 +39,7 @@ def test_the_last_release_is_this_version_or_an_older_one():
 
 
 def test_nothing_of_it_was_edited_or_lost():
-    names = folder.of_report(LAST, "release").names()
+    names = report_folder.of_report(LAST, "release").names()
     assert {path.relative_to(LAST).as_posix() for path in LAST.rglob("*") if path.is_file()} == {*names, LIST}
     page = (LAST / "index.html").read_text(encoding="utf-8")
     linked = set(re.findall(r'(?:href|src)="((?:tables|figures)/[^"]+|manifest\.json)"', page))
@@ -105,7 +105,7 @@ def made_report(made: Path) -> Path:
     told["solvers"] |= {"reference": cases.__version__}
     told["format"] = FORMAT
     told["cases"] = {case.label: {} for name in cases.names(hard=False) for case in cases.select(name)}
-    with folder.of_report(made).staging(whole=True) as place:
+    with report_folder.of_report(made).staging(whole=True) as place:
         shutil.copytree(LAST, place, dirs_exist_ok=True, ignore=shutil.ignore_patterns("constraints.txt", LIST))
         (place / "manifest.json").write_text(json.dumps(told))
         # The last release has no grades: these are made up.
@@ -117,7 +117,7 @@ def made_report(made: Path) -> Path:
 
 def changed(report: Path, name: str, content: str | bytes | None) -> None:
     """Another content of a file, or none, as if a build had written it so."""
-    made = folder.of_report(report)
+    made = report_folder.of_report(report)
     with made.write_lock():
         made.remove([name])
         if content is not None:
@@ -132,7 +132,7 @@ def test_a_report_is_kept_whole_and_again_in_its_own_place(report, tmp_path, cap
     tables = sorted((report / "tables").glob("*.csv"))
     assert tables and all((place / "tables" / one.name).read_bytes() == one.read_bytes() for one in tables)
     assert (place / "index.html").read_bytes() == (report / "index.html").read_bytes()
-    assert (place / "index.html").relative_to(place).as_posix() in folder.of_report(place, "release").names()
+    assert (place / "index.html").relative_to(place).as_posix() in report_folder.of_report(place, "release").names()
 
 
 def test_the_readme_of_a_report_with_grades_has_the_median_and_range_of_default_settings(report):

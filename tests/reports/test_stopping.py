@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from cases.owned_folder import LIST
-from reports.page.folder import of_report
+from reports.page.report_folder import of_report
 
 from .. import fake_adapter
 

@@ -389,7 +389,7 @@ def drawn_heights(figure) -> list[float]:
 
 
 def test_figures_draw_nothing_below_ten_bars_of_the_truth(tmp_path):
-    from reports.drawing import work_precision as precision_figures
+    from reports.drawing import work_precision_figure as precision_figures
 
     experiment, measured = made(("reference", "s", 1e-15, 0.01), ("a", "s", 1e-7, 3.0))
     points = work_precision.work_precision_rows(experiment, measured)
