@@ -32,7 +32,7 @@ MOST_SAMPLES = 2000
 LASTING_STICK = 10
 
 
-class Kinematics(NamedTuple):
+class ContactSamples(NamedTuple):
     """A reported motion at n samples, with the geometry of its contact. Vectors have the shape (2, n)."""
 
     t: np.ndarray
@@ -91,7 +91,7 @@ class Accelerations(NamedTuple):
     needed: np.ndarray
 
 
-def kinematics(run: LawRun) -> Kinematics:
+def kinematics(run: LawRun) -> ContactSamples:
     """The motion's samples; raises AssertionError if the plate is not near its track."""
     case, motion = run.case, run.motion
     places = np.unique(np.linspace(0, len(motion.t) - 1, min(len(motion.t), MOST_SAMPLES)).astype(int))
@@ -110,7 +110,7 @@ def kinematics(run: LawRun) -> Kinematics:
     formula = case.effect(Load)
     if formula:
         load = np.array([formula.at(*map(float, row)) for row in zip(t, x, y, theta, vx, vy, omega, strict=True)]).T
-    return Kinematics(
+    return ContactSamples(
         t=t,
         velocity=np.array([vx, vy]),
         omega=omega,
@@ -125,7 +125,7 @@ def kinematics(run: LawRun) -> Kinematics:
     )
 
 
-def accelerations(model: Mechanics, k: Kinematics, threshold: float) -> Accelerations:
+def accelerations(model: Mechanics, k: ContactSamples, threshold: float) -> Accelerations:
     """The accelerations that the equations of motion give; slip below the threshold (m/s) is treated as stick."""
     mass, inertia = model.mass, model.inertia
     free = np.array([model.gx + model.fx * k.load[0] / mass, model.gy + model.fy * k.load[1] / mass])
@@ -169,7 +169,7 @@ def accelerations(model: Mechanics, k: Kinematics, threshold: float) -> Accelera
     return Accelerations(rates, needed)
 
 
-def residuals(model: Mechanics, k: Kinematics, threshold: float) -> np.ndarray:
+def residuals(model: Mechanics, k: ContactSamples, threshold: float) -> np.ndarray:
     """The reported changes of velocity less the integrals of the accelerations, (3, n) in m/s, m/s and rad/s."""
     from scipy.integrate import cumulative_trapezoid  # slow to import
 
@@ -197,7 +197,7 @@ def equations_of_motion(route: Route, scene: Case) -> None:
     hold("equations of motion", "the end of the motion", early, 2 * run.step, "Unilateral: the plate leaves its track")
 
 
-def tolerances(run: LawRun, k: Kinematics, threshold: float) -> np.ndarray:
+def tolerances(run: LawRun, k: ContactSamples, threshold: float) -> np.ndarray:
     """The residuals of a solver of first order with the run's step, (3, n) in m/s, m/s and rad/s.
 
     The velocities are those of up to a step earlier or later (`kick`), and so are the velocities from which the
@@ -216,7 +216,7 @@ def tolerances(run: LawRun, k: Kinematics, threshold: float) -> np.ndarray:
     return np.array([velocity, velocity, plate.mass * plate.reach / plate.inertia * velocity])
 
 
-def _check_breakaway(run: LawRun, k: Kinematics, model: Mechanics, threshold: float) -> None:
+def _check_breakaway(run: LawRun, k: ContactSamples, model: Mechanics, threshold: float) -> None:
     """Slip begins after stick only where friction has reached its bound."""
     needed = accelerations(model, k, threshold).needed
     sticking = np.abs(k.slip) <= threshold
@@ -248,7 +248,7 @@ class Candidate(NamedTuple):
     true: float
 
 
-def suspicion(model: Mechanics, k: Kinematics, threshold: float, scale: np.ndarray) -> str:
+def suspicion(model: Mechanics, k: ContactSamples, threshold: float, scale: np.ndarray) -> str:
     """Which single parameter with another value explains the motion, and that value; what is left if none does."""
 
     def size(candidate: Mechanics) -> float:
@@ -283,7 +283,7 @@ _NAMES = {
 }
 
 
-def _parameters(model: Mechanics, k: Kinematics) -> Iterator[str]:
+def _parameters(model: Mechanics, k: ContactSamples) -> Iterator[str]:
     """The parameters that the motion depends on."""
     if model.gx or model.gy:
         yield from ("g", "direction")
@@ -323,7 +323,7 @@ def _with(model: Mechanics, name: str, value: float) -> Mechanics:
     return replace(model, **{name: value})  # type: ignore[arg-type]
 
 
-def _fit(name: str, model: Mechanics, k: Kinematics, threshold: float, scale) -> tuple[Mechanics, float, float]:
+def _fit(name: str, model: Mechanics, k: ContactSamples, threshold: float, scale) -> tuple[Mechanics, float, float]:
     """The model with the value of one parameter that fits best, and both values.
 
     Gauss and Newton's method; a step that does not reduce the error is halved.

@@ -5,6 +5,6 @@ Needs python-flint (ball arithmetic): `pip install "slip-to-roll[proofs]"`. The 
 """
 
 from .prove import prove
-from .record import Interval, Proof, ProvedPhase, ProvedTransition
+from .record import DecimalInterval, Proof, ProvedPhase, ProvedTransition
 
-__all__ = ["Interval", "Proof", "ProvedPhase", "ProvedTransition", "prove"]
+__all__ = ["DecimalInterval", "Proof", "ProvedPhase", "ProvedTransition", "prove"]

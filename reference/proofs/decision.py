@@ -18,7 +18,7 @@ from flint import arb, arb_series, ctx
 
 from cases import Mode
 
-from .equations import SLIP_SIGN, Equations, Point, Regime, number
+from .equations import SLIP_SIGN, ContactRegime, Dynamics, Point, number
 from .steps import NotProved
 
 State = dict[str, arb]
@@ -29,7 +29,7 @@ BEGINS = {"cone_forward": Mode.SLIP_FORWARD, "cone_backward": Mode.SLIP_BACKWARD
 class Following(NamedTuple):
     """What follows an event: a regime with its state and the guards' leading zeros, or a status."""
 
-    regime: Regime | None
+    regime: ContactRegime | None
     state: State
     known: Mapping[str, int]
     reason: str
@@ -37,20 +37,20 @@ class Following(NamedTuple):
     share: arb | None = None  # of the cone, the part that rolling needs where the slip vanishes
 
 
-def cone_margins(equations: Equations, regime: Regime, point: Point) -> tuple[arb_series, arb_series]:
+def cone_margins(equations: Dynamics, regime: ContactRegime, point: Point) -> tuple[arb_series, arb_series]:
     """How far friction is from the bounds beyond which a slip forward or backward begins."""
     largest = number(equations.scene.mu_static) * (regime.side * point.normal)
     return largest + point.friction, largest - point.friction
 
 
-def first_regime(equations: Equations) -> tuple[Regime, State, Mapping[str, int]]:
+def first_regime(equations: Dynamics) -> tuple[ContactRegime, State, Mapping[str, int]]:
     """The regime at the start, which is exact."""
     full = equations.start()
     regime, _ = decide(equations, full, arb(0))
     return regime, _own(equations, regime, full), {}
 
 
-def following(equations: Equations, regime: Regime, guard: str, state: State, t: arb) -> Following:
+def following(equations: Dynamics, regime: ContactRegime, guard: str, state: State, t: arb) -> Following:
     """The regime after a guard's zero. Raises NotProved if no strict inequalities decide it."""
     scene = equations.scene
     full = {"v": arb(0)} | state
@@ -67,9 +67,9 @@ def following(equations: Equations, regime: Regime, guard: str, state: State, t:
         mode = BEGINS[guard]
         other = Mode.SLIP_FORWARD if mode is Mode.SLIP_BACKWARD else Mode.SLIP_BACKWARD
         full = equations.without_slip(full)
-        if consistent(equations, Regime(other, regime.side, regime.turn), full, t) is not False:
+        if consistent(equations, ContactRegime(other, regime.side, regime.turn), full, t) is not False:
             raise NotProved(f"at the cone {other} is not excluded")
-        begins = Regime(mode, regime.side, regime.turn)
+        begins = ContactRegime(mode, regime.side, regime.turn)
         known = {"slip": 2} if scene.mu == scene.mu_static else {}
         return Following(begins, _own(equations, begins, full), known, "friction reaches its cone from inside")
     share = rolling_share(equations, full, t) if guard == "slip" else None
@@ -77,26 +77,26 @@ def following(equations: Equations, regime: Regime, guard: str, state: State, t:
     return Following(next_regime, _own(equations, next_regime, full), {}, reason, share=share)
 
 
-def _own(equations: Equations, regime: Regime, full: State) -> State:
+def _own(equations: Dynamics, regime: ContactRegime, full: State) -> State:
     return full if regime.mode is Mode.REST else {name: full[name] for name in equations.names(regime)}
 
 
-def _leave(equations: Equations, regime: Regime) -> Following:
+def _leave(equations: Dynamics, regime: ContactRegime) -> Following:
     if not regime.slips:
         raise NotProved("the normal force of a contact without slip vanishes")
     reason = "the normal force vanished and would pull: no mode of contact follows"
     return Following(None, {}, {}, reason, "lift_off")
 
 
-def rolling_share(equations: Equations, full: State, t: arb) -> arb | None:
+def rolling_share(equations: Dynamics, full: State, t: arb) -> arb | None:
     """The friction that rolling would need over the largest one, |T|/(μ N), at a state without slip."""
     if equations.scene.arm is not None:
         return None
-    point = _values(equations, Regime(Mode.ROLL), full, t)
+    point = _values(equations, ContactRegime(Mode.ROLL), full, t)
     return abs(point.friction[0]) / (number(equations.scene.mu_static) * abs(point.normal[0]))
 
 
-def _values(equations: Equations, regime: Regime, full: State, t: arb) -> Point:
+def _values(equations: Dynamics, regime: ContactRegime, full: State, t: arb) -> Point:
     """The contact's values at one instant: series of length one."""
     cap, ctx.cap = ctx.cap, 1
     try:
@@ -105,7 +105,7 @@ def _values(equations: Equations, regime: Regime, full: State, t: arb) -> Point:
         ctx.cap = cap
 
 
-def decide(equations: Equations, full: State, t: arb) -> tuple[Regime, str]:
+def decide(equations: Dynamics, full: State, t: arb) -> tuple[ContactRegime, str]:
     """The one regime that is consistent with a state, and why; raises NotProved if strict inequalities leave more or
     none."""
     results = {regime: consistent(equations, regime, full, t) for regime in _candidates(equations, full)}
@@ -118,7 +118,7 @@ def decide(equations: Equations, full: State, t: arb) -> tuple[Regime, str]:
     raise NotProved(f"strict inequalities do not decide the mode (possible: {names})")
 
 
-def _candidates(equations: Equations, full: State) -> list[Regime]:
+def _candidates(equations: Dynamics, full: State) -> list[ContactRegime]:
     scene, v = equations.scene, full["v"]
     if scene.rough:
         modes = [Mode.ROLL]
@@ -135,11 +135,11 @@ def _candidates(equations: Equations, full: State) -> list[Regime]:
         turns = (1, -1)
     else:
         turns = (1,) if equations.spin(full) > 0 else (-1,)
-    rest = [Regime(Mode.REST)] if len(turns) == 2 and Mode.ROLL in modes else []
-    return [Regime(*values) for values in product(modes, sides, turns)] + rest
+    rest = [ContactRegime(Mode.REST)] if len(turns) == 2 and Mode.ROLL in modes else []
+    return [ContactRegime(*values) for values in product(modes, sides, turns)] + rest
 
 
-def consistent(equations: Equations, regime: Regime, full: State, t: arb) -> bool | None:
+def consistent(equations: Dynamics, regime: ContactRegime, full: State, t: arb) -> bool | None:
     """Whether the regime's conditions hold just after the state; None if balls that contain 0 leave it open.
 
     A normal force that is exactly zero is left to the first step of the phase, which proves its sign.
@@ -153,7 +153,7 @@ def consistent(equations: Equations, regime: Regime, full: State, t: arb) -> boo
     return True if all(value > 0 for value in values) else None
 
 
-def _conditions(equations: Equations, regime: Regime, full: State, t: arb) -> list[arb]:
+def _conditions(equations: Dynamics, regime: ContactRegime, full: State, t: arb) -> list[arb]:
     point = _values(equations, regime, full, t)
     force = regime.side * point.normal[0]
     values = [point.den[0], point.fit[0]]

@@ -49,7 +49,7 @@ SLIP_SIGN = {Mode.SLIP_FORWARD: 1, Mode.SLIP_BACKWARD: -1}
 SHORT = 30
 
 
-class Regime(NamedTuple):
+class ContactRegime(NamedTuple):
     """A mode of contact; `side` is the sign of the normal force, `turn` that of the spin (0 without resistance)."""
 
     mode: Mode
@@ -98,7 +98,7 @@ def _shorten(expression: sp.Expr) -> sp.Expr:
     return sp.trigsimp(expression) if sp.count_ops(expression) <= SHORT else expression
 
 
-class Equations:
+class Dynamics:
     """The equations of a scene. A state has the entries of `names`, each a series in the time since `begin`."""
 
     def __init__(self, scene: Scene):
@@ -108,11 +108,11 @@ class Equations:
         self._track = CurveSeries(scene.track)
         self._load = Formula(MOTION, scene.load) if scene.load else None
 
-    def names(self, regime: Regime) -> tuple[str, ...]:
+    def names(self, regime: ContactRegime) -> tuple[str, ...]:
         """The entries of the state: contact parameters, and the velocities that the regime leaves free."""
         raise NotImplementedError
 
-    def at(self, regime: Regime, state: Mapping[str, arb_series], begin: arb) -> Point:
+    def at(self, regime: ContactRegime, state: Mapping[str, arb_series], begin: arb) -> Point:
         """The values at a state that is a series in the time since `begin`."""
         raise NotImplementedError
 
@@ -137,11 +137,11 @@ class Equations:
         """What is positive if the plate can stay at rest: the margins of friction and of rolling resistance."""
         raise NotCovered("rest of a plate that is not a disc is not covered")
 
-    def _ratio(self, regime: Regime) -> arb:
+    def _ratio(self, regime: ContactRegime) -> arb:
         """Friction over the normal force of a contact that slips."""
         return -regime.sign * regime.side * self._mu
 
-    def _couple(self, regime: Regime) -> arb:
+    def _couple(self, regime: ContactRegime) -> arb:
         """The couple of rolling resistance over the normal force."""
         return number(self.scene.arm) * (regime.turn * regime.side) if self.scene.arm else arb(0)
 
@@ -160,17 +160,17 @@ class Equations:
         return fx * tx + fy * ty, fy * tx - fx * ty, M
 
 
-class PlateEquations(Equations):
+class PlateEquations(Dynamics):
     """The equations of any plate, in slip velocity and spin."""
 
     def __init__(self, scene: Scene):
         super().__init__(scene)
         self._outline = CurveSeries(scene.outline)
 
-    def names(self, regime: Regime) -> tuple[str, ...]:
+    def names(self, regime: ContactRegime) -> tuple[str, ...]:
         return ("xi1", "xi2", "v", "omega") if regime.slips else ("xi1", "xi2", "omega")
 
-    def at(self, regime: Regime, state: Mapping[str, arb_series], begin: arb) -> Point:
+    def at(self, regime: ContactRegime, state: Mapping[str, arb_series], begin: arb) -> Point:
         omega = state["omega"]
         place, inverse, tangent, kappa = self._track(state["xi1"])
         (x, y), inverse2, (bx, by), k = self._outline(state["xi2"])
@@ -190,7 +190,7 @@ class PlateEquations(Equations):
         own = {name: rates[name] for name in self.names(regime)}
         return Point(own, omega, omega_dot, N, T, den, fit)
 
-    def _slipping(self, regime: Regime, arm, forces, acting, omega):
+    def _slipping(self, regime: ContactRegime, arm, forces, acting, omega):
         (ht, hn), (ft, M), G = arm, forces, self._gyration
         rho = self._ratio(regime)
         lever = ht - hn * rho - self._couple(regime)
@@ -200,7 +200,7 @@ class PlateEquations(Equations):
         omega_dot = (M + lever * N) / G
         return omega_dot, ft + T - omega_dot * hn - omega * omega * ht, N, T, den
 
-    def _rolling(self, regime: Regime, arm, forces, acting, omega):
+    def _rolling(self, regime: ContactRegime, arm, forces, acting, omega):
         (ht, hn), (ft, M), G = arm, forces, self._gyration
         lever = ht - self._couple(regime)
         den = (G + lever * ht + hn * hn) / G
@@ -208,17 +208,17 @@ class PlateEquations(Equations):
         return omega_dot, acting - omega_dot * ht, omega_dot * hn + omega * omega * ht - ft, den
 
 
-class DiscEquations(Equations):
+class DiscEquations(Dynamics):
     """The equations of a disc, in slip velocity and the velocity of its centre; ξ₂ does not occur."""
 
     def __init__(self, scene: Scene, radius: Fraction):
         super().__init__(scene)
         self._radius = number(radius)
 
-    def names(self, regime: Regime) -> tuple[str, ...]:
+    def names(self, regime: ContactRegime) -> tuple[str, ...]:
         return ("xi1", "v", "V") if regime.slips else ("xi1", "V")
 
-    def at(self, regime: Regime, state: Mapping[str, arb_series], begin: arb) -> Point:
+    def at(self, regime: ContactRegime, state: Mapping[str, arb_series], begin: arb) -> Point:
         V, r, G = state["V"], self._radius, self._gyration
         v = state["v"] if regime.slips else as_series(arb(0))
         omega = (v - V) / r
@@ -260,7 +260,7 @@ class DiscEquations(Equations):
         return arb(0) if state["v"] is state["V"] else (state["v"] - state["V"]) / self._radius
 
 
-def equations(scene: Scene) -> Equations:
+def equations(scene: Scene) -> Dynamics:
     """The equations of a scene, those of a disc where the plate is one."""
     return PlateEquations(scene) if scene.disc is None else DiscEquations(scene, scene.disc)
 

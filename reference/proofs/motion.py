@@ -12,9 +12,9 @@ from cases import Mode
 from cases.effects import MOTION
 
 from .decision import Following, cone_margins, first_regime, following
-from .equations import Equations, Regime, number
+from .equations import ContactRegime, Dynamics, number
 from .signs import Zero, first_zero
-from .steps import Expansion, NotCovered, NotProved, Step, exact, interval, step
+from .steps import NotCovered, NotProved, StateExpansion, ValidStep, exact, interval, step
 
 # Steps of one motion, and phases: beyond them the rest of the motion is not proved.
 MOST_STEPS, MOST_PHASES = 5_000, 500
@@ -46,7 +46,7 @@ class ModeChange(NamedTuple):
 class PhaseProof(NamedTuple):
     """What was proved about one phase: guards positive in its interior, over that many steps."""
 
-    regime: Regime
+    regime: ContactRegime
     begin: arb
     end: arb
     guards: tuple[str, ...]
@@ -54,7 +54,7 @@ class PhaseProof(NamedTuple):
 
 
 @dataclass
-class Motion:
+class MotionProof:
     """The proved part of a motion. `status` is "unproved" if it ends before the motion's end; `reason` says why."""
 
     first_mode: Mode | None = None
@@ -72,9 +72,11 @@ class _Event(NamedTuple):
     zero: Zero
 
 
-def follow(equations: Equations, order: int, tolerance: arb, most: int, report: Report = lambda text: None) -> Motion:
+def follow(
+    equations: Dynamics, order: int, tolerance: arb, most: int, report: Report = lambda text: None
+) -> MotionProof:
     """Prove the motion up to its duration, its end, or its first `most` transitions."""
-    scene, result = equations.scene, Motion()
+    scene, result = equations.scene, MotionProof()
     t, end = arb(0), number(scene.duration)
     steps = 0
     try:
@@ -83,7 +85,7 @@ def follow(equations: Equations, order: int, tolerance: arb, most: int, report: 
         for _ in range(MOST_PHASES):
             if regime.mode is Mode.REST:
                 return _at_rest(equations, result, state, t, end)
-            phase = _Phase(equations, regime, state, known, t, order, tolerance)
+            phase = _RegimeProof(equations, regime, state, known, t, order, tolerance)
             steps += phase.integrate(end, MOST_STEPS - steps)
             t = phase.time
             result.xi1_range = phase.covered(result.xi1_range)
@@ -115,26 +117,26 @@ def follow(equations: Equations, order: int, tolerance: arb, most: int, report: 
     return result
 
 
-def _at_rest(equations: Equations, result: Motion, state: State, t: arb, end: arb) -> Motion:
+def _at_rest(equations: Dynamics, result: MotionProof, state: State, t: arb, end: arb) -> MotionProof:
     """The motion of a plate that came to rest: it stays there if no load depends on time."""
     load = equations.scene.load
     if load is not None and any(part.has(MOTION[0]) for part in load):
         raise NotCovered("the plate rests under a load that depends on time")
-    result.phases.append(PhaseProof(Regime(Mode.REST), t, end, ("rest",), 0))
+    result.phases.append(PhaseProof(ContactRegime(Mode.REST), t, end, ("rest",), 0))
     result.status, result.reason, result.end = "completed", "The motion was proved up to its duration.", end
     return result
 
 
-def _after(equations: Equations, regime: Regime, guard: str, state: State, t: arb) -> Following:
+def _after(equations: Dynamics, regime: ContactRegime, guard: str, state: State, t: arb) -> Following:
     if guard in ENDINGS:
         return Following(None, {}, {}, f"{guard} vanished", ENDINGS[guard])
     return following(equations, regime, guard, state, t)
 
 
-class _Phase:
+class _RegimeProof:
     """One regime from its beginning to its first event or the motion's end."""
 
-    def __init__(self, equations: Equations, regime: Regime, state: State, known: Mapping[str, int], begin: arb,
+    def __init__(self, equations: Dynamics, regime: ContactRegime, state: State, known: Mapping[str, int], begin: arb,
                  order: int, tolerance: arb):  # fmt: skip
         self.equations, self.regime, self.begin, self.known = equations, regime, begin, known
         self.order, self.tolerance = order, tolerance
@@ -184,7 +186,7 @@ class _Phase:
     def _values(self) -> list[arb]:
         return [self.state[name] for name in self.names]
 
-    def _advance(self, now: Step, s: arb) -> None:
+    def _advance(self, now: ValidStep, s: arb) -> None:
         self.state = dict(zip(self.names, now.state(s), strict=True))
         self.time = self.time + s
 
@@ -193,7 +195,7 @@ class _Phase:
         point = self.equations.at(self.regime, state, self.time)
         return [point.rates[name] for name in self.names], guards(self.equations, self.regime, state, point)
 
-    def _with_zeros(self, now: Step, first: bool) -> dict[str, Expansion]:
+    def _with_zeros(self, now: ValidStep, first: bool) -> dict[str, StateExpansion]:
         """The guards, with the number of leading coefficients that are exactly zero in the phase's first step."""
         if not first:
             return now.guards
@@ -207,10 +209,10 @@ class _Phase:
             rest = guard.coefficients[zeros:]
             if rest[0] < 0:
                 raise NotProved(f"{name} would become negative at the start of {self.regime.mode}")
-            result[name] = Expansion((arb(0),) * zeros + rest, zeros)
+            result[name] = StateExpansion((arb(0),) * zeros + rest, zeros)
         return result
 
-    def _first_event(self, guards: Mapping[str, Expansion], length: arb) -> _Event | None:
+    def _first_event(self, guards: Mapping[str, StateExpansion], length: arb) -> _Event | None:
         """The first zero of any guard, before which all others are positive."""
         found = []
         for name, guard in guards.items():
@@ -229,7 +231,7 @@ class _Phase:
         return first
 
 
-def guards(equations: Equations, regime: Regime, state: Mapping[str, arb_series], point) -> dict[str, arb_series]:
+def guards(equations: Dynamics, regime: ContactRegime, state: Mapping[str, arb_series], point) -> dict[str, arb_series]:
     """What is positive as long as the regime lasts, by name."""
     scene, result = equations.scene, {}
     if regime.sign:

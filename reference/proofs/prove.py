@@ -14,9 +14,9 @@ from cases import BadValue, Case
 from cases.errors import whole
 from cases.version import __version__
 
-from .equations import Equations, equations
-from .motion import Motion, follow
-from .record import Interval, Proof, ProvedPhase, ProvedTransition, outward, statement
+from .equations import Dynamics, equations
+from .motion import MotionProof, follow
+from .record import DecimalInterval, Proof, ProvedPhase, ProvedTransition, outward, statement
 from .scene import Scene, exact_scene
 from .single_contact import second_contact
 
@@ -84,7 +84,7 @@ def order_of(working: int) -> int:
     return max(20, round(ORDER_PER_DIGIT * working))
 
 
-def _follow(scene: Scene, working: int, most: int, report) -> tuple[Motion, Equations]:
+def _follow(scene: Scene, working: int, most: int, report) -> tuple[MotionProof, Dynamics]:
     ctx.prec = round(working * 3.33) + 64
     exact_equations = equations(scene)
     return follow(exact_equations, order_of(working), arb(10) ** -working, most, report or (lambda text: None)), (
@@ -92,16 +92,22 @@ def _follow(scene: Scene, working: int, most: int, report) -> tuple[Motion, Equa
     )
 
 
-def _is_narrow(motion: Motion, digits: int) -> bool:
+def _is_narrow(motion: MotionProof, digits: int) -> bool:
     return all(2 * t.time.rad() <= t.time.mid() * arb(10) ** -digits for t in motion.transitions)
 
 
 def _record(
-    case: Case, scene: Scene, exact_equations: Equations, motion: Motion, digits: int, working: int, cpu: float
+    case: Case,
+    scene: Scene,
+    exact_equations: Dynamics,
+    motion: MotionProof,
+    digits: int,
+    working: int,
+    cpu: float,
 ) -> Proof:
     shown = digits + 3
 
-    def ends(ball: arb) -> Interval:
+    def ends(ball: arb) -> DecimalInterval:
         return outward(ball, shown)
 
     transitions = tuple(

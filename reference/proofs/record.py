@@ -13,7 +13,7 @@ from flint import arb
 KIND, FORMAT = "proved", 1
 
 
-class Interval(NamedTuple):
+class DecimalInterval(NamedTuple):
     """A closed interval whose ends are decimal numbers, as text: every digit counts."""
 
     low: str
@@ -47,12 +47,12 @@ class ProvedTransition:
 
     before: str
     after: str
-    time: Interval
-    xi1: Interval
-    state: Mapping[str, Interval]
+    time: DecimalInterval
+    xi1: DecimalInterval
+    state: Mapping[str, DecimalInterval]
     cause: str
     decision: str
-    rolling_share: Interval | None = None  # of the cone, the part that rolling needs where the slip vanishes
+    rolling_share: DecimalInterval | None = None  # of the cone, the part that rolling needs where the slip vanishes
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class ProvedPhase:
     """A mode, its beginning and end, and the conditions that were proved on all of it."""
 
     mode: str
-    begin: Interval
-    end: Interval
+    begin: DecimalInterval
+    end: DecimalInterval
     conditions: tuple[str, ...]
     steps: int
 
@@ -80,7 +80,7 @@ class Proof:
     first_mode: str
     transitions: tuple[ProvedTransition, ...]
     phases: tuple[ProvedPhase, ...]
-    end: Interval
+    end: DecimalInterval
     scene: Mapping[str, Any]
     proved: tuple[str, ...]
     assumptions: tuple[str, ...]
@@ -109,13 +109,13 @@ def _plain(value: Any) -> Any:
     return [_plain(part) for part in value] if isinstance(value, list | tuple) else value
 
 
-def outward(ball: arb, digits: int) -> Interval:
+def outward(ball: arb, digits: int) -> DecimalInterval:
     """A decimal interval that contains the ball, with ends rounded outward to so many significant digits of its
     middle (more if the ball is narrower than that)."""
     low, high = _fraction(ball.lower()), _fraction(ball.upper())
     size = max(abs(low), abs(high))
     places = digits - _exponent(size) if size else 0
-    return Interval(_decimal(low, places, up=False), _decimal(high, places, up=True))
+    return DecimalInterval(_decimal(low, places, up=False), _decimal(high, places, up=True))
 
 
 def _fraction(exact: arb) -> Fraction:
@@ -140,7 +140,9 @@ def _decimal(number: Fraction, places: int, up: bool) -> str:
     return f"{sign}{text[:-places]}.{fraction}" if fraction else f"{sign}{text[:-places]}"
 
 
-def statement(label: str, first_mode: str, transitions: Sequence[ProvedTransition], status: str, end: Interval) -> str:
+def statement(
+    label: str, first_mode: str, transitions: Sequence[ProvedTransition], status: str, end: DecimalInterval
+) -> str:
     """The theorem in words."""
     lines = [f"The motion of {label} (exact numbers: see scene) exists, is unique and begins in the mode {first_mode}."]
     for n, t in enumerate(transitions, start=1):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from flint import arb
 
-from .steps import Expansion, NotProved, exact, interval
+from .steps import NotProved, StateExpansion, exact, interval
 
 # Parts into which a step is divided before a sign counts as not proved, and refinements of a zero.
 MOST_PARTS, MOST_REFINEMENTS = 5000, 200
@@ -23,7 +23,7 @@ class Zero(NamedTuple):
         return interval(self.low, self.high)
 
 
-def first_zero(guard: Expansion, length: arb, name: str) -> Zero | None:
+def first_zero(guard: StateExpansion, length: arb, name: str) -> Zero | None:
     """The guard's first zero on (0, length], or None if it is proved positive there.
 
     Leading coefficients that are exactly 0 (`guard.zeros`) are divided out, so the zero at the start itself does not
@@ -55,7 +55,7 @@ def first_zero(guard: Expansion, length: arb, name: str) -> Zero | None:
     raise NotProved(f"the sign of {name} could not be proved: it comes too close to zero (grazing)")
 
 
-def _refine(value: Expansion, rate: Expansion, low: arb, high: arb) -> Zero:
+def _refine(value: StateExpansion, rate: StateExpansion, low: arb, high: arb) -> Zero:
     """The zero in (low, high), where the function decreases from positive to negative, in a small interval."""
     for _ in range(MOST_REFINEMENTS):
         part = interval(low, high)

@@ -33,14 +33,14 @@ from .steps import exact, interval
 PRECISION, MOST_PARTS = 64, 20_000
 
 
-class Verdict(NamedTuple):
+class ContactProof(NamedTuple):
     """Whether one contact is proved, and the sentence for the record."""
 
     proved: bool
     sentence: str
 
 
-def second_contact(scene: Scene, track: Curve, outline: Curve, reached: arb | None) -> Verdict:
+def second_contact(scene: Scene, track: Curve, outline: Curve, reached: arb | None) -> ContactProof:
     """What excludes a second contact while ξ₁ is in the ball `reached`."""
     precision, cap = ctx.prec, ctx.cap
     ctx.prec, ctx.cap = PRECISION, 1
@@ -50,22 +50,22 @@ def second_contact(scene: Scene, track: Curve, outline: Curve, reached: arb | No
         ctx.prec, ctx.cap = precision, cap
 
 
-def _second_contact(scene: Scene, track: Curve, outline: Curve, reached: arb | None) -> Verdict:
+def _second_contact(scene: Scene, track: Curve, outline: Curve, reached: arb | None) -> ContactProof:
     smallest = 1 / number(scene.disc) if scene.disc is not None else _least_curvature(scene, outline)
     if smallest is None or not smallest > 0:
-        return Verdict(False, "assumed: the plate touches its track in one place only (its outline is not convex)")
+        return ContactProof(False, "assumed: the plate touches its track in one place only (its outline is not convex)")
     span = _whole(scene, track)
     if span is not None:
         formula = CurveSeries(scene.track)
         closed_or_graph = track.period is not None or _is_graph(scene.track, span)
         if closed_or_graph and _bounded(formula, span, above=arb(0)):
-            return Verdict(True, "proved: one contact, by separation (the track is concave, the outline convex)")
+            return ContactProof(True, "proved: one contact, by separation (the track is concave, the outline convex)")
         if closed_or_graph and _bounded(formula, span, above=smallest, below=arb(0)):
-            return Verdict(True, "proved: one contact, by Blaschke's rolling theorem (curvatures bounded)")
+            return ContactProof(True, "proved: one contact, by Blaschke's rolling theorem (curvatures bounded)")
         if scene.disc is not None and reached is not None and track.period is None:
             if _apart(scene, span, reached):
-                return Verdict(True, "proved: one contact, by the distance of the track from the disc's centre")
-    return Verdict(False, "assumed: the plate touches its track in one place only")
+                return ContactProof(True, "proved: one contact, by the distance of the track from the disc's centre")
+    return ContactProof(False, "assumed: the plate touches its track in one place only")
 
 
 def _whole(scene: Scene, track: Curve) -> arb | None:

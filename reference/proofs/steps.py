@@ -37,7 +37,7 @@ class NotCovered(NotProved):
     """The same, where more digits are of no use."""
 
 
-class Expansion(NamedTuple):
+class StateExpansion(NamedTuple):
     """A function of the time s since a step's start: Taylor coefficients, of which the last encloses the remainder.
 
     `zeros` is the number of leading coefficients that are exactly 0; `quotient` is the function divided by s^zeros.
@@ -49,22 +49,22 @@ class Expansion(NamedTuple):
     def __call__(self, s: arb) -> arb:
         return arb_poly(list(self.coefficients))(s)
 
-    def rate(self) -> Expansion:
+    def rate(self) -> StateExpansion:
         """Its derivative."""
-        return Expansion(tuple(k * c for k, c in enumerate(self.coefficients))[1:], max(self.zeros - 1, 0))
+        return StateExpansion(tuple(k * c for k, c in enumerate(self.coefficients))[1:], max(self.zeros - 1, 0))
 
-    def quotient(self) -> Expansion:
-        return Expansion(self.coefficients[self.zeros :])
+    def quotient(self) -> StateExpansion:
+        return StateExpansion(self.coefficients[self.zeros :])
 
 
-class Step(NamedTuple):
+class ValidStep(NamedTuple):
     """A validated step: its length, a guess for the next one's, and the states and the guards as functions of the time
     since its start."""
 
     length: arb
     next_length: float
-    states: tuple[Expansion, ...]
-    guards: dict[str, Expansion]
+    states: tuple[StateExpansion, ...]
+    guards: dict[str, StateExpansion]
 
     def state(self, s: arb) -> list[arb]:
         return [expansion(s) for expansion in self.states]
@@ -108,7 +108,7 @@ def interval(low: arb, high: arb) -> arb:
     return low.union(high)
 
 
-def step(field: Field, x0: Sequence[arb], longest: arb, guess: float, order: int, tolerance: arb) -> Step:
+def step(field: Field, x0: Sequence[arb], longest: arb, guess: float, order: int, tolerance: arb) -> ValidStep:
     """A validated step no longer than `longest` (exact), with a remainder of about `tolerance` of the state's size.
 
     `guess` is a length to begin with (0: none is known). Raises NotProved if no step could be validated.
@@ -126,9 +126,9 @@ def step(field: Field, x0: Sequence[arb], longest: arb, guess: float, order: int
         excess = max(_excess(row, c, h, order) for row, c in zip(centre, last, strict=True)) - _log(tolerance)
         change = 0.95 * exp(max(-2.0, min(-excess / (BOX_SHARE * order), 0.5)))
         if excess <= 0.0:
-            states = tuple(Expansion((*row, c)) for row, c in zip(centre, last, strict=True))
-            rows = {name: Expansion((*guards[name], last_guards[name])) for name in guards}
-            return Step(h, float(h) * change, states, rows)
+            states = tuple(StateExpansion((*row, c)) for row, c in zip(centre, last, strict=True))
+            rows = {name: StateExpansion((*guards[name], last_guards[name])) for name in guards}
+            return ValidStep(h, float(h) * change, states, rows)
         h = exact(h * change)
     raise NotProved("no step of the integration could be validated")
 

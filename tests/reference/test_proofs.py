@@ -99,8 +99,8 @@ def test_equations_of_a_plate_and_of_a_disc_agree():
 
 def test_wrong_sign_of_friction_proves_nothing(monkeypatch):
     """With the sign of the paper's printed (32) friction drives the slip: no mode is consistent with the start."""
-    right = equations.Equations._ratio
-    monkeypatch.setattr(equations.Equations, "_ratio", lambda self, regime: -right(self, regime))
+    right = equations.Dynamics._ratio
+    monkeypatch.setattr(equations.Dynamics, "_ratio", lambda self, regime: -right(self, regime))
     proof = prove(cases.load("disc_on_line", mu=0.1))
     assert not proof.transitions
 
@@ -139,7 +139,7 @@ def test_step_encloses_an_exact_solution():
 
 def test_first_of_two_zeros_is_found():
     """(s − 1)(s − 2) on [0, 3] decreases to its first zero, at 1."""
-    guard = steps.Expansion((arb(2), arb(-3), arb(1), arb(0)))
+    guard = steps.StateExpansion((arb(2), arb(-3), arb(1), arb(0)))
     zero = signs.first_zero(guard, arb(3), "test")
     assert zero is not None and zero.low <= 1 <= zero.high and zero.high < 1.1
 
@@ -147,14 +147,14 @@ def test_first_of_two_zeros_is_found():
 @pytest.mark.parametrize("shift", ["0", "1e-30"])
 def test_double_zero_is_not_proved(shift):
     """(s − 1)² + e with an uncertain e: a touch is neither a zero nor none."""
-    guard = steps.Expansion((1 + arb(0, "1e-20") + arb(shift), arb(-2), arb(1), arb(0)))
+    guard = steps.StateExpansion((1 + arb(0, "1e-20") + arb(shift), arb(-2), arb(1), arb(0)))
     with pytest.raises(steps.NotProved, match="grazing"):
         signs.first_zero(guard, arb(3), "test")
 
 
 def test_start_that_is_zero_is_divided_out():
     """s (1 − s) is zero at the start, positive after it, and zero again at 1."""
-    guard = steps.Expansion((arb(0), arb(1), arb(-1), arb(0)), zeros=1)
+    guard = steps.StateExpansion((arb(0), arb(1), arb(-1), arb(0)), zeros=1)
     zero = signs.first_zero(guard, arb(2), "test")
     assert zero is not None and zero.low <= 1 <= zero.high
 
