@@ -161,7 +161,7 @@ def written(ran, measured, tmp_path_factory):
     def write(monkeypatch, *changes: dict) -> Path:
         folder = tmp_path_factory.mktemp("report")
         monkeypatch.chdir(folder)
-        monkeypatch.setattr(experiment, "run", lambda *given: spoilt(ran, *changes))
+        monkeypatch.setattr(experiment, "run_cases", lambda *given: spoilt(ran, *changes))
         monkeypatch.setattr(build, "_measure", lambda *given: measured)
         monkeypatch.setattr(build, "_study", lambda *given: [])
         monkeypatch.setattr(pictures, "draw", lambda *given: ([], {}))
