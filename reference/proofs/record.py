@@ -102,7 +102,7 @@ class Proof:
 
 def _plain(value: Any) -> Any:
     """Dicts, lists, numbers and texts only; an interval is a dict with its ends."""
-    if isinstance(value, Interval):
+    if isinstance(value, DecimalInterval):
         return value._asdict()
     if isinstance(value, Mapping):
         return {key: _plain(part) for key, part in value.items()}
