@@ -42,7 +42,7 @@ _ROWS = {
 _OF_THE_DAY = {
     "cpu_s", "cpu_low_s", "cpu_high_s", "wall_s", "setup_s", "compile_s", "read_s", "call_s", "first_call_s",
     "engine_s", "binding_s", "callback_s", "notes_s", "repeats", "disturbed_repeats", "disturbed", "run_at",
-    "order_in_time", "order_in_time_low", "order_in_time_high",
+    "order_in_time", "order_in_time_low", "order_in_time_high", "good_first_s", "good_thousand_s",
     "version",  # shown for the whole report
 }  # fmt: skip
 # Tables compared between reports of different formats, and columns whose meaning differs between these.

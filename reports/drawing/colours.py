@@ -36,6 +36,17 @@ FIXED_COLOURS = {
 OTHERS = (Colour("#3a1fd0", "#c9a6ff"), Colour("#552200", "#b87a4a"), Colour("#4f5300", "#f2ee3c"))
 
 
+# Grades from blue to vermilion, a scale that colour-blind readers see.
+GRADES = {
+    "excellent": "#6baed6",
+    "very good": "#9ecae1",
+    "good": "#d0e4f2",
+    "rough": "#fdebd3",
+    "poor": "#f9c795",
+    "unusable": "#ee8452",
+}
+
+
 def colours(solvers: Iterable[str]) -> dict[str, Colour]:
     """The colour of each solver. More than three unknown solvers share colours; their markers differ."""
     names = set(solvers)

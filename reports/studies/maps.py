@@ -1,4 +1,4 @@
-"""The paper's application over friction and start: kinds of motion, their times, and where engines are wrong."""
+"""The paper's application over friction and start: kinds of motion, their times, and the grades of engines."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from . import Request
 TITLE = "Maps over friction and start"
 QUESTION = (
     "The paper treats three coefficients of friction and does not state where the disc is released. These maps cover "
-    "the whole range of both: where it rolls, where its slip reverses, and, in a full report, where engines with "
-    "default settings are wrong."
+    "the whole range of both: where it rolls, where its slip reverses, and, in a full report, the grades of "
+    "engines with default settings."
 )
 TAKES = ()
 IN_REPORT = True
@@ -39,7 +39,7 @@ TABLES = {
             "case": "the scene, over mu and xi1",
             "solver": "the solver",
             "route": "its route",
-            "what": "for the reference the first and second phase of the motion; for an engine its verdict or failure",
+            "what": "for the reference the first and second phase of the motion; for an engine its grade or outcome",
             "scenarios": "number of scenarios",
             "share": "its fraction of all scenarios",
             "earliest": "the earliest first transition among them, s",
@@ -111,7 +111,7 @@ def _map(sweep_plan: Plan, solver: str, route: str, length: int, calls: Calls) -
 
 
 def rows(findings: list[Map]) -> dict[str, list[dict[str, Any]]]:
-    """Number of scenarios of each kind (of an engine: of each verdict), and the range of their first times."""
+    """Number of scenarios of each kind (of an engine: of each grade), and the range of their first times."""
     table_rows = []
     for one_map in findings:
         common = {"case": one_map.plan.name, "solver": one_map.solver, "route": one_map.route}
@@ -133,7 +133,7 @@ def _by_kind(one_map: Map) -> dict[str, np.ndarray]:
         if one_map.solver == REFERENCE:
             what = map_figures.kind(row["sequence"] or "", row["outcome"])
         else:
-            what = row["verdict"] or row["outcome"]
+            what = row["grade"] or row["outcome"]
         kinds.setdefault(what, []).append(np.nan if row["first_time"] is None else row["first_time"])
     return {what: np.array(times) for what, times in sorted(kinds.items())}
 
@@ -155,7 +155,7 @@ def draw(findings: list[Map], folder: Path) -> Iterator[FigureEntry]:
                     "coefficients, with release at ξ₁ = 0."
                 )
             else:
-                title = f"{each.solver}, {each.route}: wrong verdicts with default settings, over friction and start"
-                caption = f"{len(each.plan):,} runs with default settings. Left: verdicts. Right: errors of the time."
+                title = f"{each.solver}, {each.route}: grades with default settings, over friction and start"
+                caption = f"{len(each.plan):,} runs with default settings. Left: grades. Right: errors of the time."
                 figure = map_figures.of_engine(each.plan, rows, kind, f"{each.solver}, {each.route}")
             yield save(figure, folder, f"map_{kind.replace('.', '_')}", "", title, caption)

@@ -22,6 +22,7 @@ from cases import Mode
 from reference.sweeping import Plan
 from reference.sweeping.table import ARROW, BAD, FAILED
 
+from ..drawing.colours import GRADES
 from ..drawing.figure_files import FigureEntry, save
 from ..drawing.style import AREAS, STYLE, logarithmic
 from . import boundaries
@@ -95,7 +96,7 @@ def draw(
     yield save(figure, place, "map", "", f"Map of outcomes: {plan.name}", caption, png=True)
     for rows, title in engines.items():
         figure = of_engine(plan, folder, rows, title)
-        yield save(figure, place, f"map_{rows}", "", f"{title}: wrong verdicts and errors", how, png=True)
+        yield save(figure, place, f"map_{rows}", "", f"{title}: grades and errors", how, png=True)
 
 
 def of_reference(plan: Plan, folder: Folder, edges: Any = None, marks: Sequence[Mark] = ()) -> Figure:
@@ -140,11 +141,11 @@ def motions(ax: Axes, plan: Plan, folder: Folder, edges: Any = None, marks: Sequ
 
 
 def of_engine(plan: Plan, folder: Folder, rows: str, title: str) -> Figure:
-    """Maps of an engine with default settings: verdicts, and errors of the first transition."""
+    """Maps of an engine with default settings: grades, and errors of the first transition."""
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, 2, figsize=(10.4, 4.2), layout="constrained", sharey=True)
-        verdicts(axes[0], plan, folder, rows)
-        axes[0].set_title(f"{title}: verdicts")
+        engine_grades(axes[0], plan, folder, rows)
+        axes[0].set_title(f"{title}: grades")
         data = _map_data(plan, folder, rows, ["error"])
         errors = np.abs(data.columns["error"].astype(float))
         positive = errors[np.isfinite(errors) & (errors > 0.0)]
@@ -158,16 +159,18 @@ def of_engine(plan: Plan, folder: Folder, rows: str, title: str) -> Figure:
     return figure
 
 
-def verdicts(ax: Axes, plan: Plan, folder: Folder, rows: str) -> None:
-    """Draw the map of an engine's verdicts on the axes."""
-    data = _map_data(plan, folder, rows, ["verdict", "outcome"])
-    verdict, outcome = data.columns["verdict"], data.columns["outcome"]
-    names = ("right", "wrong", "no motion")
-    number = np.where(verdict == "right", 0, np.where(verdict == "wrong", 1, 2))
-    number = np.where(outcome == BAD, -1, number)
-    colours = ("#d9d9d9", AREAS[1], "#404040")
-    _fill(ax, data, np.where(number < 0, np.nan, number), cmap=ListedColormap(colours), vmin=-0.5, vmax=2.5)
-    parts = [np.sum(number == i) / max(np.sum(number >= 0), 1) for i in range(3)]
+def engine_grades(ax: Axes, plan: Plan, folder: Folder, rows: str) -> None:
+    """Draw the map of the grades of an engine's motions on the axes."""
+    data = _map_data(plan, folder, rows, ["grade", "outcome"])
+    grade, outcome = data.columns["grade"], data.columns["outcome"]
+    names = [*GRADES, "no motion"]
+    number = np.full(grade.shape, len(names) - 1.0)
+    for place, name in enumerate(GRADES):
+        number[grade == name] = place
+    number[outcome == BAD] = np.nan
+    colours = [*GRADES.values(), "#404040"]
+    _fill(ax, data, number, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(names) - 0.5)
+    parts = [np.sum(number == i) / max(np.sum(np.isfinite(number)), 1) for i in range(len(names))]
     handles = [Patch(color=c, label=f"{n}, {p:.0%}") for c, n, p in zip(colours, names, parts, strict=True) if p > 0.0]
     for line in boundaries.exact_boundaries(plan, plan.axes[0].name, plan.axes[1].name):
         ax.plot(line.x, line.y, color="black", linewidth=0.8)

@@ -16,10 +16,13 @@ from pyarrow import parquet
 
 import reference
 from adapters import EngineFailure
-from cases import BadValue, NotSupported
+from cases import BadValue, Case, NotSupported, Trajectory
 from reference.sweeping import MANY, Plan, table
 
-from ..judging import validation
+from ..judging import grades, validation
+from ..judging.friction_factor import friction_factor
+from ..judging.null_motions import null_motions
+from ..judging.score import scale_of, score_and_reading
 from ..running import tasks
 from ..running.records import REFERENCE
 from ..running.solvers import solver
@@ -84,8 +87,12 @@ def failure_text(work: SweepWork, number: int, outcome: str, reason: str) -> byt
 # --- engines ----------------------------------------------------------------------------------------------------------
 
 ENGINE_COLUMNS = {
-    "outcome": (pa.string(), "done, refused, crashed or bad_case"),
-    "reason": (pa.string(), "the reason of any other outcome than done"),
+    "outcome": (pa.string(), "answered, unsupported, crashed or bad_case"),
+    "grade": (pa.string(), "off in words, from excellent to unusable; empty: no answer"),
+    "off": (pa.float64(), "error as a share of the error of ignoring friction's law"),
+    "off_doubt": (pa.float64(), "how much of off may be due to the samples"),
+    "friction_factor": (pa.float64(), "friction and other losses over those of the law"),
+    "reason": (pa.string(), "why an answer has its grade, or the reason of any other outcome"),
     "setting": (pa.string(), "the engine's default settings"),
     "first_mode": (pa.string(), "the first mode"),
     "first_time": (pa.float64(), "time of the first transition, s"),
@@ -93,7 +100,6 @@ ENGINE_COLUMNS = {
     "reference_time": (pa.float64(), "time of the reference's first transition, s"),
     "reference_after": (pa.string(), "the reference's mode after it"),
     "error": (pa.float64(), "the engine's time minus the reference's, s, if both have one"),
-    "verdict": (pa.string(), "right, or wrong: a different first mode, or a different or no mode after it"),
     "cpu_s": (pa.float64(), "CPU time of the engine's run, s"),
 }
 
@@ -125,7 +131,7 @@ def _engine_run(work: SweepWork, parameters: dict[str, float], reference_row: di
     case, engine = work.plan.make(**parameters), solver(work.solver)
     refusal = engine.refuses(case, work.route)
     if refusal:
-        return {"outcome": "refused", "reason": str(refusal)}
+        return {"outcome": "unsupported", "reason": str(refusal)}
     setting = next((s for s in engine.ladder(case, work.route) if s.is_default), None)
     if setting is None:
         raise BadValue(f"{work.solver} has no default setting by the route {work.route}")
@@ -133,21 +139,32 @@ def _engine_run(work: SweepWork, parameters: dict[str, float], reference_row: di
     try:
         motion = tasks.run_on_clock(engine, case, work.route, setting)
     except NotSupported as problem:
-        return row | {"outcome": "refused", "reason": str(problem)}
+        return row | {"outcome": "unsupported", "reason": str(problem)}
     except EngineFailure as problem:
         return row | {"outcome": "crashed", "reason": str(problem)}
     except Exception as problem:
         return row | {"outcome": "crashed", "reason": tasks.sentence(problem)}
     if not validation.sound(motion):
         return row | {"outcome": "crashed", "reason": f"it gave {validation.UNSOUND}"}
-    reading = tasks.reading_of(case, motion)
-    first = reading.transitions[0] if reading.transitions else None
-    row |= {"outcome": "done", "first_mode": str(reading.first_mode), "cpu_s": motion.cost.cpu_s}
-    row |= {"first_time": first.time if first else np.nan, "first_after": str(first.after) if first else ""}
+    row |= {"outcome": "answered", "cpu_s": motion.cost.cpu_s} | _assessment(case, motion, work.plan.rtol)
     row["error"] = row["first_time"] - (np.nan if reference_row["first_time"] is None else reference_row["first_time"])
-    sequence = reference_row["sequence"].split(table.ARROW)[:2]
-    engine_sequence = [row["first_mode"], *([row["first_after"]] if first else [])]
-    inside = (
-        first is None or 0.0 <= first.time <= case.duration
-    )  # an extrapolated end of slip may be after the case's end
-    return row | {"verdict": "right" if engine_sequence == sequence and inside else "wrong"}
+    return row
+
+
+def _assessment(case: Case, motion: Trajectory, rtol: float) -> dict:
+    """The columns of a motion compared with the reference's at the plan's tolerance."""
+    truth = reference.simulate(case, rtol=rtol)
+    scale = scale_of(case, truth, truth.transitions, null_motions(case))
+    result, reading = score_and_reading(case, motion, truth, scale)
+    friction = friction_factor(case, motion, scale.losses, scale.end)
+    first = reading.transitions[0] if reading.transitions else None
+    return {
+        "grade": str(grades.grade(result.off)),
+        "off": result.off,
+        "off_doubt": result.doubt,
+        "friction_factor": friction,
+        "reason": grades.reason(result, scale, friction),
+        "first_mode": str(reading.first_mode),
+        "first_time": first.time if first else np.nan,
+        "first_after": str(first.after) if first else "",
+    }

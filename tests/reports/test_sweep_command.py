@@ -10,10 +10,13 @@ import pyarrow as pa
 import pytest
 from pyarrow import parquet
 
+import adapters
+import cases
 import reference
 from reference.paper.application import slip_end
 from reference.sweeping import plan, table
 from reports import sweep
+from reports.running import tasks
 from reports.running.processes import cluster
 from reports.running.processes.workers import WorkerPool
 from reports.sweeping import boundary_search, local, parts
@@ -237,3 +240,17 @@ def test_forty_thousand_scenarios_take_seconds():
     rows = [table.scenario_rows(asked, start, start + 4000, optimised=True) for start in range(0, 40_000, 4000)]
     assert time.process_time() - began < 3.0
     assert sum(map(len, rows)) == 40_000 and np.sum(rows[0].column("alone")) == 0
+
+
+def test_an_engines_rows_have_the_grades_of_a_report():
+    sweep_plan = plan("disc_in_circle", {"mu": [0.1, 0.2]}, "grid")
+    rows = parts.of_engine(SweepWork(sweep_plan, "pymunk", "native"), 0, 2).to_pylist()
+    for mu, row in zip((0.1, 0.2), rows, strict=True):
+        case = cases.load("disc_in_circle", mu=mu)
+        setting = adapters.engine("pymunk").ladder(case, "native")[0]
+        run = tasks.perform(case, "pymunk", "native", setting, 1, tasks.find_truth(case))
+        assert (row["outcome"], row["grade"], row["setting"]) == ("answered", run.grade, str(setting))
+        # The sweep's truth has a tolerance of 1e-10.
+        assert row["off"] == pytest.approx(run.score.off, rel=1e-5)
+        assert row["friction_factor"] == pytest.approx(run.friction_factor, rel=1e-5)
+        assert row["reason"] == run.reason

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import nan
+from math import isfinite, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +24,8 @@ from adapters import Setting
 from cases import Case, Trajectory, mechanics
 
 from ...judging import ledger
+from ...judging.grades import grade
+from ...judging.score import score
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import find_truths, offers
 from ...running.processes.worker_process import CallResult
@@ -47,7 +49,8 @@ _LAST_STEPS = 2.5
 class ErrorCell:
     """One setting of a grid and its outcome: "answered", "unsupported", "crashed" or "timed_out".
 
-    `errors` are signed, by quantity, arrays of shape (1,) or, for the centre, (2,); NaN if there is none.
+    `errors` are signed, by quantity, arrays of shape (1,) or, for the centre, (2,); NaN if there is none. `off`: the
+    score of the motion.
     """
 
     case: str
@@ -57,6 +60,7 @@ class ErrorCell:
     outcome: str
     reason: str = ""
     errors: dict[str, np.ndarray] = field(default_factory=dict)
+    off: float = nan
 
 
 # --- measuring --------------------------------------------------------------------------------------------------------
@@ -95,18 +99,22 @@ def _cell(call: tuple, answer: CallResult) -> ErrorCell:
     return ErrorCell(case.label, name, route, setting, *(answer.value if answer.outcome == "done" else answer.failure))
 
 
-def errors(case: Case, name: str, route: str, setting: Setting, truth: Truth) -> tuple[str, str, dict[str, np.ndarray]]:
-    """One run of the grid, in a worker: outcome, reason, and its signed errors by quantity."""
+def errors(
+    case: Case, name: str, route: str, setting: Setting, truth: Truth
+) -> tuple[str, str, dict[str, np.ndarray], float]:
+    """One run of the grid, in a worker: outcome, reason, its signed errors by quantity, and off."""
     motion = run_on_clock(solver(name), case, route, setting)
+    true = true_motion(case, truth.method)
     pairs = ledger.match(truth.transitions, reading_of(case, motion).transitions)
     first = next((row.error for row in pairs if row.event == 1 and row.pairing != "spurious"), nan)
     differences = [row.pairing for row in pairs if row.pairing != "paired"]
     signed_errors = {
         "first_transition_time": np.array([first]),
-        **_final(case, motion, true_motion(case, truth.method)),
+        **_final(case, motion, true),
     }
+    assert truth.scale is not None, "a case with a truth has a scale"
     reason = ", ".join(f"{differences.count(kind)} {kind}" for kind in dict.fromkeys(differences))
-    return "answered", reason, signed_errors
+    return "answered", reason, signed_errors, score(case, motion, true, truth.scale).off
 
 
 def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.ndarray]:
@@ -228,6 +236,7 @@ def rows(cells: Sequence[ErrorCell]) -> list[dict[str, Any]]:
             for cell in group:
                 row = {**common, "quantity": quantity, "setting": _vary(grid, cell.setting)}
                 row |= _reason(grid, cell, quantity)
+                row |= {"off": cell.off, "grade": str(grade(cell.off)) if isfinite(cell.off) else ""}
                 table_rows.append({**row, "outcome": cell.outcome, "reason": cell.reason})
     return table_rows
 

@@ -35,6 +35,8 @@ TABLES = {
             "model_parts": "error added by each parameter of the model alone",
             "turn_next": "parameter whose next level reduces the error most; all: only together; none: nothing does",
             "makes_worse": "the parameters whose next level increases the error",
+            "off": "error of the motion as a share of the error of ignoring friction's law",
+            "grade": "off in words",
             "outcome": "answered, unsupported, crashed or timed_out",
             "reason": "the reason of any other outcome than right",
         },

@@ -12,20 +12,16 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from ...drawing.colours import GRADES
 from ...drawing.figure_files import FigureEntry, save
 from ...drawing.style import STYLE, LineStyles
 from ...running.records import REFERENCE
 from . import measure
 from .measure import Stability
 
-# Grades from blue to vermilion, a scale that colour-blind readers see; other outcomes are greys, some of them hatched.
+# Other outcomes than answers are greys, some of them hatched to be distinguishable.
 _FACES: dict[str, dict[str, Any]] = {
-    "excellent": {"facecolor": "#6baed6"},
-    "very good": {"facecolor": "#9ecae1"},
-    "good": {"facecolor": "#d0e4f2"},
-    "rough": {"facecolor": "#fdebd3"},
-    "poor": {"facecolor": "#f9c795"},
-    "unusable": {"facecolor": "#ee8452"},
+    **{grade: {"facecolor": colour} for grade, colour in GRADES.items()},
     "chaotic": {"facecolor": "#efefef", "hatch": "....", "edgecolor": "#9a9a9a"},
     "unsupported": {"facecolor": "white"},
     "crashed": {"facecolor": "#555555"},
