@@ -59,11 +59,10 @@ def points(rows: np.ndarray) -> dict[str, list[float]]:
 def curve_samples(case: Case) -> dict[str, np.ndarray]:
     """Samples of `track` and `outline`, evenly in the parameter.
 
-    For a curved track without ends they cover the part that the plate may reach; any two define a straight one.
+    For a track without ends they cover the part that the plate may reach.
     """
     track, outline = case.track, case.plate.outline
-    limits = track.span if track.features is None else visible_span(case)
-    return {"track": _curve_rows(track, *limits), "outline": _curve_rows(outline, *outline.span)}
+    return {"track": _curve_rows(track, *visible_span(case)), "outline": _curve_rows(outline, *outline.span)}
 
 
 def _curve_rows(curve: Curve, low: float, high: float) -> np.ndarray:

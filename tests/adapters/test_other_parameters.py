@@ -11,7 +11,7 @@ import cases
 from adapters.by_process.engine_geometry import mjcf, sdf
 from adapters.by_process.scene_file import curve_samples, scene
 from adapters.common import facets
-from cases import Case, CoulombFriction, Curve, Gravity, Load, Start, Unilateral, disc
+from cases import Case, CoulombFriction, Curve, Gravity, Load, Start, Unilateral, disc, library
 from tests.scenes.motions import in_other_parameters, in_other_units, warped
 
 EFFECTS = (Gravity(9.81), CoulombFriction(0.15), Unilateral())
@@ -83,6 +83,17 @@ def test_an_exported_track_without_ends_is_where_the_plate_may_come():
     for text in (mjcf(case), sdf(case)):
         assert len(text) > 1000
     json.dumps(scene(case))
+
+
+@pytest.mark.parametrize("length", [1e-6, 1e6])
+def test_an_exported_line_without_ends_scales_with_the_scene(length):
+    """It was 20 units of its parameter long, whatever the plate's size, and about zero, wherever the plate starts."""
+    case = endless(track=library.line(), start=Start(30.0, slip=1.0))
+    here = curve_samples(case)["track"]
+    there = curve_samples(in_other_units(case, length, 1.0, 1.0, 0.0))["track"]
+    assert there[:, 1:3] == pytest.approx(length * here[:, 1:3], rel=1e-9)
+    # As far as it would go in 2 s if gravity acted along the line: v t + g t² and a size.
+    assert (here[:, 1].min(), here[:, 1].max()) == pytest.approx((30.0 - 41.4, 30.0 + 41.4), abs=0.1)
 
 
 @pytest.mark.parametrize("length", [1e-6, 1e6])

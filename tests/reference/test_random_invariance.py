@@ -98,10 +98,21 @@ def times(motion: Trajectory) -> np.ndarray:
 
 def check(case: Case | None, how: dict, method: str) -> None:
     assume(case is not None)
-    here, rough = (reference.simulate(case, rtol=rtol, method=method) for rtol in (1e-12, 1e-9))
+    here, rough = both(case, method)
     assume(here.status not in ("unfinished",))
     # What happens must not hang on the digits that the tolerance leaves.
     assume(events(rough, {}) == events(here, {}))
+    compare(case, here, rough, how, method)
+
+
+def both(case: Case, method: str) -> tuple[Trajectory, Trajectory]:
+    """The case's motion, and the same at a thousand times the tolerance."""
+    here, rough = (reference.simulate(case, rtol=rtol, method=method) for rtol in (1e-12, 1e-9))
+    return here, rough
+
+
+def compare(case: Case, here: Trajectory, rough: Trajectory, how: dict, method: str) -> None:
+    """Assert that the motion is the same in another description."""
     there = reference.simulate(seen(case, how), rtol=1e-12, method=method)
     assert events(there, SWAPPED if how["mirror"] else {}) == events(here, {}), there.reason
     time, sign = TIME ** how["time"], -1.0 if how["mirror"] else 1.0
@@ -122,3 +133,29 @@ def check(case: Case | None, how: dict, method: str) -> None:
 @examples(6, 200)
 def test_a_random_motion_is_the_same_however_it_is_described(method, case, how):
     check(case, how, method)
+
+
+SAMPLE = {
+    # Track with its a, k and p; plate; friction; with flights and restitution; start.
+    "millimetres, light": (
+        scene(waves, 1.1, 2.0, 0.3, 0.1, None, 0.2, False, 0.0, -0.7, 0.4, -3.0, 0.0),
+        dict(length=3.0, time=0.0, mass=-6.0),
+    ),
+    "kilometres, weak gravity": (
+        scene(bowl, 0.9, 1.0, 0.5, 0.12, 0.8, 0.3, True, 0.4, -1.2, 0.5, 2.0, 0.1),
+        dict(length=-3.0, time=2.0, mass=3.0),
+    ),
+    "strong gravity, heavy": (
+        scene(step, 0.5, 3.0, 0.4, 0.08, None, 0.4, False, 0.0, -1.0, 0.3, -6.0, 0.0),
+        dict(length=1.0, time=-3.0, mass=6.0),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_motions_are_the_same_in_other_units(name):
+    case, units = SAMPLE[name]
+    here, rough = both(case, reference.METHODS[0])
+    assert here.status == "completed" and events(rough, {}) == events(here, {}) and here.transitions
+    how = dict(parameter=0.0, turn=0.0, mirror=False, warp=False) | units
+    compare(case, here, rough, how, reference.METHODS[0])
