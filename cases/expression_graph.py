@@ -119,7 +119,7 @@ def _is_exact(value: Node) -> bool:
     return value.op == "number" and isinstance(value.args[0], _EXACT)
 
 
-def _negated(value: Node) -> Node | None:
+def _opposite(value: Node) -> Node | None:
     """x if the node is −x."""
     return value.args[1] if value.op == "*" and value.args[0] is _MINUS else None
 
@@ -140,9 +140,9 @@ def _make(op: str, x: Node, y: Node) -> Node:
 def _sum(x: Node, y: Node) -> Node | None:
     if x is ZERO or y is ZERO:
         return y if x is ZERO else x
-    if (negated := _negated(y)) is not None:
-        return x - negated
-    return y - negated if (negated := _negated(x)) is not None else None
+    if (opposite := _opposite(y)) is not None:
+        return x - opposite
+    return y - opposite if (opposite := _opposite(x)) is not None else None
 
 
 def _difference(x: Node, y: Node) -> Node | None:
@@ -150,7 +150,7 @@ def _difference(x: Node, y: Node) -> Node | None:
         return x
     if x is ZERO or x is y:
         return ZERO if x is y else -y
-    return x + negated if (negated := _negated(y)) is not None else None
+    return x + opposite if (opposite := _opposite(y)) is not None else None
 
 
 def _product(x: Node, y: Node) -> Node | None:
@@ -159,10 +159,10 @@ def _product(x: Node, y: Node) -> Node | None:
     if x is ONE or y is ONE:
         return y if x is ONE else x
     # Signs move outwards, so that they meet and vanish.
-    if (negated := _negated(x)) is not None:
-        return -(negated * y)
-    if (negated := _negated(y)) is not None:
-        return negated if x is _MINUS else -(x * negated)
+    if (opposite := _opposite(x)) is not None:
+        return -(opposite * y)
+    if (opposite := _opposite(y)) is not None:
+        return opposite if x is _MINUS else -(x * opposite)
     if y is _MINUS:
         return -x
     for part, other in ((x, y), (y, x)):
@@ -177,8 +177,8 @@ def _quotient(x: Node, y: Node) -> Node | None:
     if x is y:
         return ONE
     for part, other in ((x, y), (y, x)):
-        if (negated := _negated(part)) is not None:
-            return -(negated / other if part is x else other / negated)
+        if (opposite := _opposite(part)) is not None:
+            return -(opposite / other if part is x else other / opposite)
     (a, p), (b, q) = _base_and_power(x), _base_and_power(y)
     if a is b:
         return a ** (p - q)
@@ -199,8 +199,8 @@ def _power(x: Node, y: Node) -> Node | None:
         return ONE
     if not (_is_exact(y) and isinstance(y.args[0], int)):
         return None
-    if (negated := _negated(x)) is not None:
-        return -(negated**y) if y.args[0] % 2 else negated**y
+    if (opposite := _opposite(x)) is not None:
+        return -(opposite**y) if y.args[0] % 2 else opposite**y
     base, power = _base_and_power(x)
     return base ** (power * y.args[0]) if base is not x else None
 
@@ -217,13 +217,13 @@ def from_sympy(expression: sp.Basic, replace: Mapping[sp.Basic, Node] | None = N
     return _from_sympy(sp.sympify(expression), dict(replace or {}))
 
 
-def _from_sympy(expression: Any, known: dict[sp.Basic, Node]) -> Node:
-    if expression not in known:
-        known[expression] = _converted(expression, known)
-    return known[expression]
+def _from_sympy(expression: Any, nodes: dict[sp.Basic, Node]) -> Node:
+    if expression not in nodes:
+        nodes[expression] = _new_node(expression, nodes)
+    return nodes[expression]
 
 
-def _converted(expression: Any, known: dict[sp.Basic, Node]) -> Node:
+def _new_node(expression: Any, nodes: dict[sp.Basic, Node]) -> Node:
     if expression.is_Symbol:
         return symbol(expression.name)
     if expression.is_Rational:
@@ -231,24 +231,24 @@ def _converted(expression: Any, known: dict[sp.Basic, Node]) -> Node:
     if expression.is_number:  # π, √2, a floating-point number: SymPy's own value, for any precision
         return node(float(expression) if expression.is_Float else expression)
     if expression.is_Add:
-        first, *rest = (_from_sympy(part, known) for part in expression.args)
+        first, *rest = (_from_sympy(part, nodes) for part in expression.args)
         return sum(rest, first)
     if expression.is_Mul:
         above, below = ONE, ONE
         for part in expression.args:
             if part.is_Pow and part.exp.is_Rational and part.exp < 0:
-                below *= _raise(part.base, -part.exp, known)
+                below *= _raise(part.base, -part.exp, nodes)
             else:
-                above *= _from_sympy(part, known)
+                above *= _from_sympy(part, nodes)
         return above / below
     if expression.is_Pow and expression.base is not sp.E:
-        return _raise(expression.base, expression.exp, known)
+        return _raise(expression.base, expression.exp, nodes)
     argument = expression.args[-1]
-    return call("exp" if expression.is_Pow else type(expression).__name__, _from_sympy(argument, known))
+    return call("exp" if expression.is_Pow else type(expression).__name__, _from_sympy(argument, nodes))
 
 
-def _raise(base, power, known: dict[sp.Basic, Node]) -> Node:
-    return _from_sympy(base, known) ** _from_sympy(power, known)
+def _raise(base, power, nodes: dict[sp.Basic, Node]) -> Node:
+    return _from_sympy(base, nodes) ** _from_sympy(power, nodes)
 
 
 # --- walks ------------------------------------------------------------------------------------------------------------
@@ -269,7 +269,7 @@ def in_order(outputs: Iterable[Node], leaves: Container[Node] = ()) -> dict[Node
     return order
 
 
-def replaced(outputs: Iterable[Node], replace: Mapping[Node, Node]) -> list[Node]:
+def substitute(outputs: Iterable[Node], replace: Mapping[Node, Node]) -> list[Node]:
     """The outputs with other nodes for some of their parts."""
     outputs = list(outputs)
     results: dict[Node, Node] = {}

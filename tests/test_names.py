@@ -36,8 +36,8 @@ OF_LIBRARIES = frozenset(
     "get_diskcache_enabled imap_unordered isenabled padded rasterized set_diskcache_enabled sleeping_enabled typed "
     "undefined yaxis_inverted".split()
 )
-# Standard terms: a side, the augmented system, a route, an exception like Python's NotImplementedError.
-STANDARD_TERMS = frozenset("left augmented assisted NotSupported".split())
+# Standard terms: a side, the augmented system, a route.
+STANDARD_TERMS = frozenset("left augmented assisted".split())
 # Functions called `run` are prescribed by an interface: of adapters, studies, pools of workers and commands.
 RUN_INTERFACES = re.compile(
     r"adapters/\w+(/adapter|/engine)?\.py|reports/running/reference_adapter\.py|reports/studies/\w+(/study)?\.py|"
@@ -70,9 +70,9 @@ def identifiers(text: str) -> list[str]:
 
 
 def is_participle(name: str) -> bool:
-    """Whether the last word of a name is a participle and the name no predicate (`is_…`, `has_…`)."""
+    """Whether the last word of a name is a participle and the name no predicate (`is_…`, `has_…`, `Not…`)."""
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower().strip("_").split("_")
-    if words[-1] in NO_PARTICIPLES or words[0] in ("is", "has", "was"):
+    if words[-1] in NO_PARTICIPLES or words[0] in ("is", "has", "was", "not"):
         return False
     return words[-1] in IRREGULAR or (words[-1].endswith("ed") and len(words[-1]) > 4)
 

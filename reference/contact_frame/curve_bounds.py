@@ -37,8 +37,8 @@ class CurveBounds:
         # A range that crosses the end of a closed curve goes on in the next turn.
         last = high + (self.curve.period or 0.0)
         edges = self.curve.features.edges(low, last) if self.curve.features else np.array([low, last])
-        sampled = _sampled(self.curve, edges[:-1], edges[1:])
-        table = np.array([sampled.most, -sampled.least, sampled.speed, -np.diff(edges)])
+        bounds = _extremes(self.curve, edges[:-1], edges[1:])
+        table = np.array([bounds.most, -bounds.least, bounds.speed, -np.diff(edges)])
         self._low, self._high, self._edges, self._tables = low, high, edges, [table]
         while (step := 2 ** (len(self._tables) - 1)) < table.shape[1]:
             table = np.maximum(table[:, :-step], table[:, step:])
@@ -47,10 +47,10 @@ class CurveBounds:
     def extremes(self, low: np.ndarray, high: np.ndarray) -> Extremes:
         """Bounds on the ranges from `low` to `high`, each of shape (n,)."""
         most, least, speed, length = self._of_pieces(low, high)
-        sampled, short = _sampled(self.curve, low, high), high - low <= -length
+        bounds, short = _extremes(self.curve, low, high), high - low <= -length
         return Extremes(
-            np.where(short, sampled.most, most), np.where(short, sampled.least, -least),
-            np.where(short, sampled.speed, speed),
+            np.where(short, bounds.most, most), np.where(short, bounds.least, -least),
+            np.where(short, bounds.speed, speed),
         )  # fmt: skip
 
     def over(self, low: float, high: float) -> tuple[float, float, float]:
@@ -77,7 +77,7 @@ class CurveBounds:
         return result
 
 
-def _sampled(curve: Curve, low: np.ndarray, high: np.ndarray) -> Extremes:
+def _extremes(curve: Curve, low: np.ndarray, high: np.ndarray) -> Extremes:
     """Bounds on ranges no longer than one piece, by samples."""
     at = low + (high - low) * PLACES[:, None]
     jets = curve.jets(at.ravel()).reshape(8, *at.shape)

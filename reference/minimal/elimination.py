@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from cases.expression_graph import ONE, ZERO, Node, replaced, symbol
+from cases.expression_graph import ONE, ZERO, Node, substitute, symbol
 
 from .frames import Frame
 from .tangent_algebra import operations, shorter
@@ -120,7 +120,7 @@ def _free_approach(h: Frame, force: Torsor, C_n) -> Node:
 
 
 def _with_normal_force(motion: Elimination, normal: Node) -> Elimination:
-    return Elimination(*replaced(motion, {NORMAL: normal}))
+    return Elimination(*substitute(motion, {NORMAL: normal}))
 
 
 def rolling(f: Frame, h: Frame, force: Torsor, resistance) -> Elimination:

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from cases.derivation import in_one_thread
-from cases.expression_graph import Node, derivatives, from_sympy, replaced, sqrt, symbol
+from cases.expression_graph import Node, derivatives, from_sympy, sqrt, substitute, symbol
 from cases.expressions import PARAMETER
 
 from .tangent_algebra import TooLong, from_node, operations
@@ -44,18 +44,18 @@ def frame(structure, parameter: Node, prefix: str) -> Frame:
     """The frame of a curve of that structure as a function of a parameter; the names of its sizes get the prefix."""
     (x, y), sizes = structure
     names = {symbol(size.name): symbol(prefix + size.name) for size in sizes}
-    return Frame(*replaced(_frame(x, y), {_S: parameter, **names}))
+    return Frame(*substitute(_frame(x, y), {_S: parameter, **names}))
 
 
 @lru_cache(maxsize=256)
 @in_one_thread
 def _frame(x, y) -> Frame:
     x, y = from_sympy(x), from_sympy(y)
-    P_squared, *plain = _products(x, y, lambda row: derivatives([row], _S)[0])
-    P = sqrt(P_squared)
+    P_square, *plain = _products(x, y, lambda row: derivatives([row], _S)[0])
+    P = sqrt(P_square)
     try:
-        P_squared, *short = _products(from_node(x), from_node(y), lambda row: row.derivative(_S))
-        root = P_squared**_HALF
+        P_square, *short = _products(from_node(x), from_node(y), lambda row: row.derivative(_S))
+        root = P_square**_HALF
         if _pays_off(root.node(), P):
             P, short = root.node(), [(quantity * root**-1).node() for quantity in short]
         else:

@@ -25,8 +25,8 @@ from cases.expression_graph import (
     in_order,
     node,
     python_function,
-    replaced,
     sqrt,
+    substitute,
     symbol,
 )
 
@@ -325,7 +325,7 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
-    load_quantities = tuple(replaced(law.checked_quantities, pose))
+    load_quantities = tuple(substitute(law.checked_quantities, pose))
     return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, load_quantities)
 
 
@@ -348,7 +348,7 @@ def _motion(f: Frame, h: Frame, kind: Kind) -> dict[Node, Node]:
 
 def _force(f: Frame, law: Laws, pose: dict[Node, Node]) -> Torsor:
     """The applied torsor in the frame of the contact, with pose and velocities written in the contact's state."""
-    fx, fy, moment = replaced(law.torsor, pose)
+    fx, fy, moment = substitute(law.torsor, pose)
     return Torsor(fx * f.tx + fy * f.ty, fy * f.tx - fx * f.ty, moment)
 
 

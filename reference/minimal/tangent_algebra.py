@@ -100,7 +100,7 @@ class Sum:
         result = number(0)
         for a, p in self.products.items():
             for b, q in other.products.items():
-                result += _reduced(Sum({_times(a, b): p * q}))
+                result += _reduce(Sum({_times(a, b): p * q}))
         return result
 
     def __pow__(self, power: Number) -> Sum:
@@ -134,11 +134,11 @@ class Sum:
         """As a node, with what all products share in front."""
         if not self.products:
             return ZERO
-        shared = _shared(self.products) if len(self.products) > 1 else {}
+        common = _common_factors(self.products) if len(self.products) > 1 else {}
         total = ZERO
         for powers, coefficient in self.products.items():
-            total += _product_node(((f, p - shared.get(f, 0)) for f, p in powers), coefficient)
-        return total * _product_node(shared.items(), 1) if shared else total
+            total += _product_node(((f, p - common.get(f, 0)) for f, p in powers), coefficient)
+        return total * _product_node(common.items(), 1) if common else total
 
 
 def shorter(value: Node, moving: Container[Node]) -> Node:
@@ -170,11 +170,11 @@ def from_node(value: Node) -> Sum:
         raise TooLong
     sums: dict[Node, Sum] = {}
     for current in order:
-        sums[current] = _converted(current, sums)
+        sums[current] = _convert(current, sums)
     return sums[value]
 
 
-def _converted(value: Node, sums: Mapping[Node, Sum]) -> Sum:
+def _convert(value: Node, sums: Mapping[Node, Sum]) -> Sum:
     if value.op == "number" and isinstance(value.args[0], int | Fraction):
         return number(value.args[0])
     if value.op not in ("+", "-", "*", "/", "**"):
@@ -201,7 +201,7 @@ def _times(a: Powers, b: Powers) -> Powers:
     return tuple(sorted(powers.items(), key=lambda item: item[0].text))
 
 
-def _reduced(value: Sum) -> Sum:
+def _reduce(value: Sum) -> Sum:
     """A product without sin²: 1 − cos² in its place."""
     ((powers, coefficient),) = value.products.items()
     square = next((f for f, p in powers if f.is_function("sin") and p >= 2), None)
@@ -230,13 +230,13 @@ def _short(value: Number) -> Number:
     return int(value) if _whole(value) else value
 
 
-def _shared(products: Iterable[Powers]) -> dict[Factor, Number]:
+def _common_factors(products: Iterable[Powers]) -> dict[Factor, Number]:
     """The factors of all products, with their lowest powers."""
     first, *others = map(dict, products)
-    shared = first
+    common = first
     for powers in others:
-        shared = {f: min(p, powers[f]) for f, p in shared.items() if f in powers}
-    return shared
+        common = {f: min(p, powers[f]) for f, p in common.items() if f in powers}
+    return common
 
 
 def _product_node(powers: Iterable[tuple[Factor, Number]], coefficient: Number) -> Node:

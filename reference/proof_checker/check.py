@@ -59,7 +59,7 @@ def check(record: Mapping[str, Any]) -> str:
     digits = int(record["precision"]["digits"]) + RESERVE
     iv.prec = int(digits * 3.33) + 40
     try:
-        return _Check(record, digits).run()
+        return _Check(record, digits).confirm()
     finally:
         iv.prec = precision
 
@@ -79,25 +79,25 @@ class _Check:
         self.systems: dict[str, _System] = {}
         self.steps = 0
 
-    def run(self) -> str:
+    def confirm(self) -> str:
         record = self.record
         start = self.scene["start"]
         radius, slip, omega = (Fraction(text) for text in (self.scene["radius"], start["slip"], start["omega"]))
         state = {"xi1": raw(Fraction(start["xi1"])), "V": raw(slip - radius * omega), "omega": raw(omega)}
         mode, time = record["first_mode"], iv.mpf(0)
         self._decide(mode, state, "" if slip else "slip", slip)
-        vanished = "" if slip else "slip"
+        last_zero = "" if slip else "slip"
         for n, claim in enumerate(record["transitions"], start=1):
             if claim["before"] != mode:
                 raise NotConfirmed(f"transition {n} begins in {claim['before']}, and the motion is in {mode}")
-            zero, time, state = self._phase(mode, state, time, None, vanished)
+            zero, time, state = self._phase(mode, state, time, None, last_zero)
             if zero is None:
                 raise NotConfirmed(f"transition {n} was not found")
             self._compare(f"time of transition {n}", time, claim["time"])
             turns = self.scene["track_parameter"].partition("s")[2].replace(" ", "")
             shift = _shift(turns)
             self._compare(f"xi1 of transition {n}", number(state["xi1"]) + shift, claim["xi1"])
-            vanished = zero.name
+            last_zero = zero.name
             if zero.name == "slip":
                 state["omega"] = (-number(state["V"]) / iv.mpf(radius.numerator) * radius.denominator)._mpi_
             mode = claim["after"]
@@ -108,7 +108,7 @@ class _Check:
             self._decide(mode, state, zero.name, None)
         if record["status"] == "completed":
             end = Fraction(self.scene["duration"])
-            self._phase(mode, state, time, iv.mpf(end.numerator) / end.denominator, vanished)
+            self._phase(mode, state, time, iv.mpf(end.numerator) / end.denominator, last_zero)
         found = len(record["transitions"])
         return f"confirmed: {record['case']}, {found} transitions, status {record['status']}, {self.steps} steps"
 
@@ -152,24 +152,24 @@ class _Check:
 
     # --- phases -----------------------------------------------------------------------------------------------------
 
-    def _phase(self, mode: str, state: Mapping[str, Raw], time: Any, end: Any, vanished: str):
+    def _phase(self, mode: str, state: Mapping[str, Raw], time: Any, end: Any, last_zero: str):
         """Integrate a mode to its first event, or without an event to `end`."""
         system, current, first = self._system(mode), dict(state), True
         guess = iv.mpf(self.scene_length())
         for _ in range(MOST_STEPS):
             now = system.step([current[name] for name in STATE], guess, self.order, self.tolerance, time)
             self.steps += 1
-            zeros = self._leading_zeros(now, mode, vanished) if first else {}
+            zeros = self._leading_zeros(now, mode, last_zero) if first else {}
             rows = [(name, row, zeros.get(name, 0)) for name, row in now.conditions.items()]
-            found = [zero for row in rows if (zero := first_zero(*row, now.length))]
+            events = [zero for row in rows if (zero := first_zero(*row, now.length))]
             first = False
             if end is not None and (time + now.length).a >= end.b:
-                if any((time + z.low).a <= end.b for z in found):
-                    raise NotConfirmed(f"{found[0].name} may vanish before the end")
+                if any((time + z.low).a <= end.b for z in events):
+                    raise NotConfirmed(f"{events[0].name} may vanish before the end")
                 return None, end, current
-            if found:
-                event = min(found, key=lambda z: z.low.a)
-                if any(not event.high.b < other.low.a for other in found if other is not event):
+            if events:
+                event = min(events, key=lambda z: z.low.a)
+                if any(not event.high.b < other.low.a for other in events if other is not event):
                     raise NotConfirmed("two conditions vanish too close to each other")
                 if end is not None:
                     raise NotConfirmed(f"{event.name} vanishes before the end, at {time + event.low}")
@@ -184,9 +184,9 @@ class _Check:
         """The length of the first step that is tried, s."""
         return float(Fraction(self.scene["duration"])) / 8
 
-    def _leading_zeros(self, now: Step, mode: str, vanished: str) -> dict[str, int]:
+    def _leading_zeros(self, now: Step, mode: str, last_zero: str) -> dict[str, int]:
         """How many leading coefficients of a condition are zero at a phase's start, known or computed as exactly 0."""
-        known = {"slip": 1} if vanished == "slip" else {"slip": 2} if vanished.startswith("cone") else {}
+        known = {"slip": 1} if last_zero == "slip" else {"slip": 2} if last_zero.startswith("cone") else {}
         result = {}
         for name, row in now.conditions.items():
             count = known.get(name, 0)

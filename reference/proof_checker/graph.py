@@ -94,7 +94,7 @@ class Graph:
 
     def sum_of_products(self, a: int, b: int, c: int, d: int) -> int:
         """a b + c d, which is a constant where it is q sin² u + q cos² u with a number q: intervals do not see that."""
-        pairs = [(self._scaled(x), self._scaled(y)) for x, y in ((a, b), (c, d))]
+        pairs = [(self._scale(x), self._scale(y)) for x, y in ((a, b), (c, d))]
         factors = {one[0] * other[0] for one, other in pairs}
         keys = [self._keys[part[1]] for pair in pairs for part in pair]
         if len(factors) == 1 and keys[0] == keys[1] and keys[2] == keys[3]:
@@ -103,20 +103,20 @@ class Graph:
                     return self.constant(factors.pop())
         return self.add(self.mul(a, b), self.mul(c, d))
 
-    def _scaled(self, node: int) -> tuple[Fraction, int]:
+    def _scale(self, node: int) -> tuple[Fraction, int]:
         """A node as a number times another node."""
         match self._keys[node]:
             case ("*", a, b) if (factor := self._value(a)) is not None:
-                scale, inner = self._scaled(b)
+                scale, inner = self._scale(b)
                 return factor * scale, inner
             case ("*", a, b) if (factor := self._value(b)) is not None:
-                scale, inner = self._scaled(a)
+                scale, inner = self._scale(a)
                 return factor * scale, inner
             case ("/", a, b) if self._value(b):
-                scale, inner = self._scaled(a)
+                scale, inner = self._scale(a)
                 return scale / (self._value(b) or 1), inner
             case ("-", a, b) if self._value(a) == 0:
-                scale, inner = self._scaled(b)
+                scale, inner = self._scale(b)
                 return -scale, inner
         return Fraction(1), node
 
@@ -151,7 +151,7 @@ class Graph:
         (A,) = self._lists(a)
 
         def rule(k: int) -> Raw:
-            return iv.exp(number(A[0]))._mpi_ if k == 0 else self._weighted(A, self.c[node], k)
+            return iv.exp(number(A[0]))._mpi_ if k == 0 else self._weigh(A, self.c[node], k)
 
         node = self._node(("exp", a), rule)
         return node
@@ -175,16 +175,16 @@ class Graph:
         (A,) = self._lists(a)
 
         def sine(k: int) -> Raw:
-            return iv.sin(number(A[0]))._mpi_ if k == 0 else self._weighted(A, self.c[cosine_node], k)
+            return iv.sin(number(A[0]))._mpi_ if k == 0 else self._weigh(A, self.c[cosine_node], k)
 
         def cosine(k: int) -> Raw:
-            return iv.cos(number(A[0]))._mpi_ if k == 0 else mpi_neg(self._weighted(A, self.c[sine_node], k))
+            return iv.cos(number(A[0]))._mpi_ if k == 0 else mpi_neg(self._weigh(A, self.c[sine_node], k))
 
         sine_node = self._node(("sin", a), sine)
         cosine_node = self._node(("cos", a), cosine)
         return sine_node, cosine_node
 
-    def _weighted(self, A: Sequence[Raw], other: Sequence[Raw], k: int) -> Raw:
+    def _weigh(self, A: Sequence[Raw], other: Sequence[Raw], k: int) -> Raw:
         """Σ j a_j o_(k−j)/k for j from 1 to k: the rule of a function whose derivative is `other`."""
         total = ZERO
         for j in range(1, k + 1):

@@ -37,18 +37,18 @@ def _run(argv: list[str]) -> int:
     if find_spec("flint") is None:
         raise BadValue('proofs need python-flint, which is not installed; type: pip install "slip-to-roll[proofs]"')
     digits, transitions = _count("--digits", options.digits), _count("--transitions", options.transitions)
-    chosen = cases.select(options.prove)
-    if options.out and len(chosen) > 1:
+    selection = cases.select(options.prove)
+    if options.out and len(selection) > 1:
         raise BadValue(
-            f"{options.prove} has {len(chosen)} variants; name one with --out, for example {chosen[0].label}"
+            f"{options.prove} has {len(selection)} variants; name one with --out, for example {selection[0].label}"
         )
-    paths = [Path(options.out or _file_name(case.label)) for case in chosen]
+    paths = [Path(options.out or _file_name(case.label)) for case in selection]
     for path in paths:
         owned_folder.check_new(path, options.force)
     from .prove import prove
 
     incomplete = 0
-    for case, path in zip(chosen, paths, strict=True):
+    for case, path in zip(selection, paths, strict=True):
         try:
             proof = prove(case, digits or 20, transitions, report=lambda text: print(f"  {text}", flush=True))
         except NotSupported as problem:
