@@ -81,8 +81,8 @@ def test_checker_shares_no_code_with_the_prover():
 
 def test_wrong_sign_of_friction_is_rejected(monkeypatch):
     """The sign of the paper's printed (32) in the prover: friction drives the slip, which never ends."""
-    right = equations.Equations._ratio
-    monkeypatch.setattr(equations.Equations, "_ratio", lambda self, regime: -right(self, regime))
+    right = equations.Dynamics._ratio
+    monkeypatch.setattr(equations.Dynamics, "_ratio", lambda self, regime: -right(self, regime))
     with pytest.raises(NotConfirmed, match="slip"):
         check(record_of("disc_on_line[mu=0.1]"))
 
