@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .features import Features
+from .features import Features, union
 
 # Samples that are enough for any curve a person would draw, unless features require more.
 SAMPLES = 720
@@ -36,7 +36,7 @@ class CurveFormula(Protocol):
 
 def _with_features(curve: CurveFormula, grid: np.ndarray) -> np.ndarray:
     """The parameters, and further ones between them that resolve the curve's features."""
-    return np.union1d(grid, curve.features.places(grid[0], grid[-1])) if curve.features else grid
+    return union(grid, curve.features.places(grid[0], grid[-1])) if curve.features else grid
 
 
 def lengths(curve: CurveFormula, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:

@@ -257,7 +257,8 @@ class Curve:
     @derived
     def features(self) -> features.Features | None:
         """Where its curvature and speed change, and how finely; None for a straight line run through evenly."""
-        if all(sp.diff(part, PARAMETER, 2) == 0 for part in self.expression):
+        rows = [from_sympy(part) for part in self.expression]
+        if not any(slope.symbols for slope in derivatives(rows, _S)):
             return None
         return _features(self)
 

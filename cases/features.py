@@ -47,6 +47,12 @@ _TO_COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(_NODES, DEGREE))
 Function = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
+def union(*parts) -> np.ndarray:
+    """All values in order, each once. (`np.union1d` imports NumPy's masked arrays, a third of a first `load`.)"""
+    values = np.sort(np.concatenate([np.ravel(part) for part in parts]))
+    return values[np.concatenate([np.ones(min(len(values), 1), dtype=bool), values[1:] != values[:-1]])]
+
+
 class Window:
     """A stretch of the parameter in resolved pieces: their `edges`, and the longest `strides` a step may take in each.
 
@@ -124,7 +130,7 @@ class Features:
         fine = [np.linspace(a, b, DEGREE, endpoint=False) for a, b, stride in self._pieces(low, high) if stride < inf]
         count = int(np.ceil((high - low) / apart)) if apart < inf else 1
         every = np.concatenate([np.linspace(low, high, count + 1), *fine])
-        return np.unique(every[(every >= low) & (every <= high)])
+        return union(every[(every >= low) & (every <= high)])
 
     def piece_length(self, at: float) -> float:
         """The length of the piece that a parameter lies in: there the function is a polynomial of degree `DEGREE`."""
@@ -136,7 +142,7 @@ class Features:
         """Sorted parameters on (low, high) that give the function's extremes in every piece."""
         edges = self.edges(low, high)
         parts = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, POINTS, endpoint=False)
-        return np.unique(np.append(parts.ravel(), high))
+        return union(parts, [high])
 
     def edges(self, low: float, high: float) -> np.ndarray:
         """Both limits and the sorted ends of all pieces on (low, high), whether or not they have one scale."""
@@ -148,7 +154,7 @@ class Features:
             number += 1
             following = self._window_at(number) if window.high + shift < high else None
             if following is None:
-                return np.unique(np.concatenate(results))
+                return union(*results)
             window, shift = following
 
     def _pieces(self, low: float, high: float) -> Iterator[tuple[float, float, float]]:
@@ -285,7 +291,7 @@ def _samples(low: float, high: float, centres: Iterable[float]) -> np.ndarray:
     steps = (high - low) * 0.5 ** np.arange(1, HALVINGS + 1)
     around = np.concatenate([-steps, [0.0], steps])
     every = np.concatenate([np.linspace(low, high, SAMPLES), *(centre + around for centre in centres)])
-    return np.unique(every[(every >= low) & (every <= high)])
+    return union(every[(every >= low) & (every <= high)])
 
 
 # --- special points of a formula --------------------------------------------------------------------------------------

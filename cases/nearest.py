@@ -12,6 +12,7 @@ from .case import Case
 from .contact import Contact, find
 from .curves import Curve
 from .errors import DoesNotFit
+from .features import union
 
 # Points of the outline that are looked at: closer than the curvature of any smooth outline is likely to hide a nearer
 # one between two of them, and Newton's method goes on from the nearest.
@@ -98,7 +99,7 @@ class _CurveSamples(NamedTuple):
         if curve.features:
             # All but the two ends that it begins with.
             fine = curve.features.places(low, high)[1:-1]
-            parameters = np.union1d(parameters, fine)
+            parameters = union(parameters, fine)
         parameters = parameters[np.isfinite(curve.point(parameters)).all(axis=0)]
         gaps = np.diff(parameters)
         widths = np.maximum(np.append(gaps, gaps[-1]), np.insert(gaps, 0, gaps[0]))

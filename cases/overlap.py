@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .curves import Curve
+from .features import union
 
 # Corners of the polygon, besides those that show the outline's features.
 CORNERS = 720
@@ -93,7 +94,7 @@ def first_overlap(
     centres = np.array([x + c * mx - s * my, y + s * mx + c * my])
     starts, ends = samples.around(centres)
     batch = np.cumsum((ends - starts).sum(axis=1)) // TOGETHER
-    for number in np.unique(batch):
+    for number in union(batch):
         some = np.flatnonzero(batch == number)
         counts = (ends[some] - starts[some]).ravel()
         point = samples.of(starts[some].ravel(), counts)
@@ -115,7 +116,7 @@ def _polygon(outline: Curve) -> _PolygonPair:
     low, high = outline.span
     places = np.linspace(low, high, CORNERS + 1)
     if outline.features:
-        places = np.union1d(places, outline.features.places(low, high))
+        places = union(places, outline.features.places(low, high))
     corners = outline.point(places[:-1])
     middle = corners[:, :: max(1, len(corners[0]) // CORNERS)].mean(axis=1, keepdims=True)
     # The contact point itself may be a corner; a billionth of the size keeps it outside whatever its rounding.
@@ -134,7 +135,7 @@ def _samples(track: Curve, low: float, high: float, size: float, reach: float) -
     length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
     places = np.linspace(low, high, int(min(MOST, max(FEWEST, POINTS_A_SIZE * length / size))))
     if track.features:
-        places = np.union1d(places, track.features.places(low, high))
+        places = union(places, track.features.places(low, high))
     points = track.point(places)
     # Far out on a track without ends its points may be too large for a double: nothing meets them.
     there = np.isfinite(points).all(axis=0)
