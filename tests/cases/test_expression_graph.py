@@ -1,0 +1,104 @@
+"""Recorded expressions have the values and derivatives of SymPy's, and cost no more operations than are needed."""
+
+import math
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cases.expression_graph import (
+    ON_ARRAYS,
+    ON_FLOATS,
+    ONE,
+    ZERO,
+    call,
+    derivatives,
+    from_sympy,
+    in_order,
+    node,
+    python_function,
+    replaced,
+    sqrt,
+    symbol,
+)
+from cases.expressions import PARAMETER
+
+S, C = PARAMETER, sp.Symbol("c0", positive=True)
+s, c = symbol("s"), symbol("c0")
+
+FORMULAS = st.recursive(
+    st.sampled_from([S, C, sp.Integer(2), sp.Rational(1, 3), sp.Rational(-3, 4), sp.pi, sp.sqrt(2)]),
+    lambda inner: st.one_of(
+        st.builds(lambda a, b: a + b, inner, inner),
+        st.builds(lambda a, b: a * b, inner, inner),
+        st.builds(lambda a, b: a / (2 + b**2), inner, inner),
+        st.builds(lambda a, p: (1 + a**2) ** p, inner, st.sampled_from([2, 3, -1, sp.Rational(1, 2), C])),
+        st.builds(
+            lambda f, a: f(a), st.sampled_from([sp.sin, sp.cos, sp.tanh, sp.atan, lambda u: sp.exp(-(u**2))]), inner
+        ),
+    ),
+    max_leaves=8,
+)
+
+
+@given(formula=FORMULAS, at=st.floats(-2.0, 2.0), size=st.floats(0.1, 2.0))
+@settings(max_examples=150, deadline=None)
+def test_values_and_derivatives_are_those_of_sympy_to_rounding(formula, at, size):
+    rows, exact = [from_sympy(formula)], [formula]
+    for _ in range(3):
+        rows += derivatives(rows[-1:], s)
+        exact.append(sp.diff(exact[-1], S))
+    for functions, argument in ((ON_FLOATS, at), (ON_ARRAYS, np.array([at]))):
+        values = python_function([s, [c]], rows, functions)(argument, (size,))
+        with mpmath.workdps(40):
+            for value, expression in zip(values, exact, strict=True):
+                precise = sp.N(expression.subs({S: sp.Float(at, 40), C: sp.Float(size, 40)}), 30)
+                # Terms of a derivative may cancel; none of these formulas has terms above 1e6.
+                assert abs(float(np.ravel(value)[0]) - float(precise)) <= 1e-9 * (1.0 + abs(float(precise)))
+
+
+def test_equal_expressions_are_one_object_and_what_changes_no_value_is_not_recorded():
+    assert s * c + 1 is s * c + 1
+    assert s + 0 is s and 1 * s is s and s - s is ZERO and s / s is ONE and 0 * s is ZERO
+    assert 0 - (0 - s) is s and (-s) * (-c) is s * c and s - (-c) is s + c and (-s) ** 2 is s**2
+    assert (s * c) / c is s and (s / c) * c is s and sqrt(s) * sqrt(s) is s and c**2 / c is c
+    assert node(2) / 6 is node(1) / 3 and (s**2) ** 3 is s**6
+    assert (s**2) ** (node(1) / 2) is not s  # that is |s|
+
+
+def test_a_common_part_is_computed_once():
+    calls = []
+
+    def sine(x):
+        calls.append(x)
+        return math.sin(x)
+
+    wave = call("sin", c * s)
+    assert python_function([s, [c]], [wave**2, 1 + wave], {"sin": sine})(0.5, (2.0,)) == [
+        math.sin(1.0) ** 2,
+        1 + math.sin(1.0),
+    ]
+    assert calls == [1.0]
+
+
+def test_an_argument_may_be_any_node():
+    part = c**2 + 1
+    function = python_function([s, [part]], [s * part], ON_FLOATS)
+    assert function(3.0, (5.0,)) == [15.0]
+    with pytest.raises(KeyError, match="c0 is no argument"):
+        python_function([s], [s * part], ON_FLOATS)
+
+
+def test_long_sums_are_written_and_differentiated():
+    many = from_sympy(sum(sp.sin(k * S) / k for k in range(1, 300)))
+    value, slope = python_function([s], [many, *derivatives([many], s)], ON_FLOATS)(0.3)
+    assert value == pytest.approx(sum(math.sin(0.3 * k) / k for k in range(1, 300)), rel=1e-13)
+    assert slope == pytest.approx(sum(math.cos(0.3 * k) for k in range(1, 300)), rel=1e-11)
+
+
+def test_parts_are_replaced_at_once():
+    assert replaced([s * c + s], {s: c, c: s}) == [c * s + c]
+    assert len(in_order([(s + c) * (s + c)])) == 4
