@@ -48,23 +48,24 @@ def follows(case: Case, candidate: Phase, t: float, y: Sequence[float], error: f
 
 def _by_value(candidate: Phase, t, y, error) -> bool | None:
     """The decision from values alone if they are far from zero; None if a derivative must decide."""
-    system = candidate.system
+    system, parameters = candidate.system, candidate.parameters
     y = state_in(candidate, y)
-    values = dict(zip(system.conditions, system.conditions_of_numbers(t, y, candidate.parameters), strict=True))
-    if system.condition_rates:
+    values = system.conditions_of_numbers(t, y, parameters)
+    if system.rated:
         # For a velocity that has just vanished, the sign of its rate decides. (All other conditions are forces per
         # mass, and so is this rate.)
-        rates = system.condition_rates_of_numbers(t, y, candidate.parameters)
-        fastest = max(abs(u) / unit for u, unit in zip(y[system.positions :], candidate.lengths, strict=False))
-        for name, rate in zip(system.condition_rates, rates, strict=True):
-            if abs(values[name]) <= vanishes(error) * candidate.size * fastest:
-                values[name] = rate
-    if not all(isfinite(v) for v in values.values()):
+        fastest = max([abs(u) / unit for u, unit in zip(y[system.positions :], candidate.lengths, strict=False)])
+        bound = vanishes(error) * candidate.size * fastest
+        if any([abs(values[place]) <= bound for place in system.rated]):
+            rates = system.condition_rates_of_numbers(t, y, parameters)
+            for place, rate in zip(system.rated, rates, strict=True):
+                values[place] = rate if abs(values[place]) <= bound else values[place]
+    if not all(map(isfinite, values)):
         raise Undecidable
-    scale = max((abs(v) for v in values.values()), default=0.0)
-    if any(abs(v) <= close(error) * scale for v in values.values()):
+    sizes = [abs(value) for value in values]
+    if sizes and min(sizes) <= close(error) * max(sizes):
         return None
-    return all(v > 0 for v in values.values())
+    return not values or min(values) > 0.0
 
 
 def vanishes(error: float) -> float:

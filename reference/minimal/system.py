@@ -123,6 +123,8 @@ class System:
         self.conditions, self.condition_rates = equations.conditions, equations.condition_rates
         self.guards, self.load_quantities = equations.guards, equations.load_quantities
         self.forces = (self.outputs.normal, self.outputs.friction)
+        # The places among the conditions of those that have rates.
+        self.rated = tuple(i for i, name in enumerate(self.conditions) if name in self.condition_rates)
         self.names = tuple(symbol.name for symbol in equations.parameters)
         self.constants = equations.constants
         self.parameters = (*equations.parameters, *self.constants)

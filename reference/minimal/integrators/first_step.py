@@ -6,7 +6,6 @@ that root again, and a cool-down after it would hide the next. So a first step l
 
 from __future__ import annotations
 
-from functools import lru_cache
 from math import exp, inf, isfinite
 from typing import NamedTuple
 
@@ -68,27 +67,28 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
 def _scales(phase: Phase, coefficients: np.ndarray, t: float) -> tuple[float, float]:
     """The longest step (s) that the upper half of the coefficients allows, and the rate (1/s) at which a term grows to
     the plate's size or the forces move the plate that far."""
-    sizes, inverse = np.abs(coefficients), _inverse(coefficients.shape[1])
+    sizes = np.abs(coefficients)
     # heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) uses the last two terms, relative to
     # the state or to 1. A motion from rest at a symmetric place has only every fourth power, and both terms may vanish.
-    first = len(inverse) // 2
+    first = sizes.shape[1] // 2
     last = _largest(sizes[:, first:], axis=0) / max(1.0, *sizes[:, 0].tolist())
-    fastest = float(_largest(last ** inverse[first:]))
+    fastest = _fastest(last.tolist(), first)
     # All terms of positions are used: those of even or of odd order vanish in a motion from rest. If all vanish, the
     # forces balance, and a load may change them: they enter by the time in which they would move the plate by its size.
     forces = phase.system.forces_of_numbers(t, coefficients[:, 0].tolist(), phase.parameters)
     units = np.array(phase.lengths)[:, None]
-    growth = float(_largest(_largest(sizes[: len(units), 1:] / units, axis=0) ** inverse[1:]))
-    return exp(-2.0) / fastest if fastest else inf, max((max(map(abs, forces)) / phase.size) ** 0.5, growth)
+    growth = _largest(sizes[: len(units), 1:] / units, axis=0).tolist()
+    often = max((max(map(abs, forces)) / phase.size) ** 0.5, _fastest(growth, 1))
+    return exp(-2.0) / fastest if fastest else inf, often
 
 
 _largest = np.maximum.reduce
 
 
-@lru_cache(maxsize=16)
-def _inverse(terms: int) -> np.ndarray:
-    """1/k for each power k of a polynomial, and 1 for the first."""
-    return 1.0 / np.maximum(np.arange(terms), 1)
+def _fastest(sizes: list[float], first: int) -> float:
+    """The largest k-th root of the terms' sizes, from the term `first` on. (On floats: NumPy's power takes a
+    microsecond for each zero.)"""
+    return max([size ** (1.0 / k) for k, size in enumerate(sizes, first) if size], default=0.0)
 
 
 def _polynomial(row: list[float], x: float) -> float:
