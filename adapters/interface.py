@@ -33,8 +33,8 @@ Optional, for the range of errors with default settings:
     default_grid(case, route) -> tuple[Setting, ...]
                                                     the default settings and their neighbours: all combinations of a few
                                                     usual values of parameters that the engine leaves to its user, such
-                                                    as step, facets and stiffness (`Setting.combined`). The first one is
-                                                    the first of the ladder
+                                                    as step, facets and stiffness; the first one is the
+                                                    ladder's (`Setting.combinations`)
 
 Optional, for the comparison of the ladder with other settings (`reports.study settings`):
 
@@ -141,7 +141,7 @@ class Setting:
         knobs = dict(self.values) | values
         return Setting.of(**{name: value for name, value in knobs.items() if value is not None})
 
-    def combined(self, **values: Sequence[float | int]) -> tuple[Setting, ...]:
+    def combinations(self, **values: Sequence[float | int]) -> tuple[Setting, ...]:
         """All combinations of some knobs' values, the other knobs as they are; this setting is the first. Knobs that it
         does not have are left out."""
         own = {name: dict.fromkeys((self[name], *some)) for name, some in values.items() if name in self}

@@ -83,7 +83,7 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 def default_grid(case: Case, route: str) -> tuple[Setting, ...]:
     """The default settings with usual steps."""
-    return DEFAULTS.combined(h=(1 / 240, 1 / 120, 1 / 60))
+    return DEFAULTS.combinations(h=(1 / 240, 1 / 120, 1 / 60))
 
 
 @dataclass

@@ -109,7 +109,7 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 
 def default_grid(case: Case, route: str) -> tuple[Setting, ...]:
     """The default settings with usual steps and numbers of facets."""
-    return ladder(case, route)[0].combined(h=(1 / 60, 1 / 120), facets=(32, 64, 128))
+    return ladder(case, route)[0].combinations(h=(1 / 60, 1 / 120), facets=(32, 64, 128))
 
 
 def grid(case: Case, route: str) -> tuple[Setting, ...]:

@@ -157,7 +157,7 @@ USUAL_STIFFNESSES, USUAL_VREGS, USUAL_STEPS = (1.0, 10.0), (1e-3, 1e-2), (1.0, 0
 def default_grid(case: Case, route: str) -> tuple[Setting, ...]:
     """The default settings with usual steps, stiffnesses and regularisations; of a constraint the steps only."""
     defaults = ladder(case, route)[0]
-    return defaults.combined(
+    return defaults.combinations(
         h=[defaults["h"] * share for share in USUAL_STEPS],
         k=[_round(defaults.get("k", 1.0) * factor) for factor in USUAL_STIFFNESSES],
         vreg=USUAL_VREGS,

@@ -122,7 +122,7 @@ USUAL_STEPS, USUAL_FACETS = (1 / 60, 1 / 120), (32, 64, 128)
 
 def default_grid(case: Case, route: str) -> tuple[Setting, ...]:
     """The default settings with usual steps and numbers of facets."""
-    return ladder(case, route)[0].combined(h=USUAL_STEPS, facets=USUAL_FACETS)
+    return ladder(case, route)[0].combinations(h=USUAL_STEPS, facets=USUAL_FACETS)
 
 
 # The grid's steps, coarse to fine: a typical one of games, and those at which facets, corners and iterations matter.

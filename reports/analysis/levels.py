@@ -19,7 +19,7 @@ from ..running.records import Experiment, Run, Truth, is_default, routes
 from . import quantities
 
 # Values of the column `reached`. "Not known": the doubt of the samples or the truth's error bar exceeds the level.
-REACHED, ONE_SETTING, NOT_REACHED, NOT_KNOWN = "reached", "one setting", "not reached", "not known"
+WITHIN, ONE_SETTING, BEYOND, OPEN = "reached", "one setting", "not reached", "not known"
 HOLDS = "From which setting on each route stays within each level of accuracy"
 
 
@@ -50,8 +50,8 @@ def _level(key: tuple[str, str, str], ladder: Sequence[Run], truth: Truth, level
     errors = [(run.score.off, run.score.doubt + bar) for run in ladder if run.score]
     first, settings, is_certain = first_within(errors, level)
     if first is None:
-        return LevelResult(*key, level, NOT_REACHED if is_certain else NOT_KNOWN, (), len(ladder))
-    word = REACHED if settings > 1 else ONE_SETTING
+        return LevelResult(*key, level, BEYOND if is_certain else OPEN, (), len(ladder))
+    word = WITHIN if settings > 1 else ONE_SETTING
     return LevelResult(*key, level, word, tuple(run.setting for run in ladder[first:]), len(ladder))
 
 

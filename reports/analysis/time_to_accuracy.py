@@ -8,13 +8,13 @@ from typing import Any
 
 from ..judging.grades import LEVELS
 from ..running.records import REFERENCE, Experiment
-from .levels import ONE_SETTING, REACHED, LevelResult, level_results
+from .levels import ONE_SETTING, WITHIN, LevelResult, level_results
 from .work_precision import CostMeasurements, times_of
 
 # Further values of the column `reached`: the level is reached, but there is no time, or none to rank by.
 NOT_TIMED, DISTURBED = "not timed", "disturbed"
 # Values with a time.
-WITH_TIMES = (REACHED, ONE_SETTING)
+WITH_TIMES = (WITHIN, ONE_SETTING)
 # Columns of the setting.
 _OF_SETTING = (
     "setting", "settings_within", "cpu_s", "cpu_low_s", "cpu_high_s", "call_s", "first_call_s", "engine_s", "binding_s",

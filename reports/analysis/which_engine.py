@@ -8,7 +8,7 @@ from typing import Any
 
 from ..judging.grades import LEVELS, LIMITS, Grade
 from ..running.records import REFERENCE
-from .levels import NOT_REACHED
+from .levels import BEYOND
 from .time_to_accuracy import WITH_TIMES, break_even, cost
 from .work_precision import groups
 
@@ -78,7 +78,7 @@ def _reason(rows: Sequence[dict[str, Any]], engines: bool) -> str:
     side = [r for r in rows if (r["solver"] != REFERENCE) == engines]
     if not any(r["reached"] in WITH_TIMES for r in side):
         words = dict.fromkeys(r["reached"] for r in side)
-        if engines and set(words) <= {NOT_REACHED}:
+        if engines and set(words) <= {BEYOND}:
             return NO_ENGINE
         return f"{'the engines' if engines else 'the reference'}: {', '.join(words)}" if words else "none was timed"
     return f"{'the engines have' if engines else 'the reference has'} no time of a cold start"

@@ -31,7 +31,7 @@ _WORDS = (
 _SUMMARY_WORDS = (
     "What accuracy costs, over all timed cases",
     "Performance profiles (Dolan and Moré 2002): the fraction of the cases in which a route reaches the level of off "
-    "within the given multiple of the fastest route's CPU time. Reached: off and its doubt stay within the level at "
+    "within the given multiple of the fastest route's CPU time. LevelSpan: off and its doubt stay within the level at "
     "the setting and all finer ones. A route whose line ends below 1 does not reach the level in the other cases.",
 )
 # Factor between the error of a null motion and the top of the axis: room for its name.

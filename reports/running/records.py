@@ -156,11 +156,11 @@ def defaults(group: Sequence[Run]) -> list[Run]:
 
 def one_default(settings: Iterable[Setting]) -> list[Setting]:
     """The settings without those of the grid of default settings except its first."""
-    chosen: list[Setting] = []
+    firsts: list[Setting] = []
     for setting in settings:
-        if not setting.is_default or not any(other.is_default for other in chosen):
-            chosen.append(setting)
-    return chosen
+        if not setting.is_default or not any(other.is_default for other in firsts):
+            firsts.append(setting)
+    return firsts
 
 
 def first_error(run: Run | None) -> float:

@@ -127,15 +127,15 @@ def test_every_catalogue_case_has_a_row_for_every_route_a_result_or_a_reason():
 # --- what must be reached ---------------------------------------------------------------------------------------------
 
 # The paper's application with mu = 0.1, first transition, finest rung, s.
-REACHED = {("exudyn", "native"): 1e-7, ("exudyn", "integrator"): 1e-5,
+WITHIN = {("exudyn", "native"): 1e-7, ("exudyn", "integrator"): 1e-5,
            ("pymunk", "native"): 5e-5, ("pymunk", "assisted"): 2e-8}  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "route"), REACHED)
+@pytest.mark.parametrize(("name", "route"), WITHIN)
 def test_finest_rung_reaches_what_the_route_can(name, route, accuracy):
     pytest.importorskip(f"adapters.{name}")
     accuracy(case="disc_in_circle[mu=0.1]", solver=name, route=route, quantity="first transition, finest rung (s)",
-             error=first_error(name, route, 0.1), tolerance=REACHED[name, route])  # fmt: skip
+             error=first_error(name, route, 0.1), tolerance=WITHIN[name, route])  # fmt: skip
 
 
 def order(errors: list[float], knob: tuple[float, ...]) -> float:
