@@ -1,6 +1,7 @@
 """`python -m reports.submit FOLDER`: check motions before submission, and judge them by the report's criteria.
 
-Exit status: 0 if all of them could be judged, right or wrong; 2, with one sentence, for the first that could not.
+Exit status: 0 if all of them could be judged, whatever their grades; 2, with one sentence, for the first that could
+not.
 """
 
 from __future__ import annotations

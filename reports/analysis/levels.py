@@ -2,7 +2,7 @@
 
 A level is a limit of a grade (`grades.LEVELS`), so it means the same in every case. A route reaches it at a setting if
 off and its doubt together stay within the level there and at all finer settings of the ladder. A single setting, the
-finest one run, may be right by luck, so it is marked. Default settings are not part of a ladder.
+finest one run, may be accurate by luck, so it is marked. Default settings are not part of a ladder.
 """
 
 from __future__ import annotations

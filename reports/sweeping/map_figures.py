@@ -1,4 +1,4 @@
-"""Maps of a sweep over two parameters: kinds of motion, times of the first transition, and where engines are wrong.
+"""Maps of a sweep over two parameters: kinds of motion, times of the first transition, and the grades of engines.
 
 Rows are read part by part, and from a grid only those that a figure can show, so memory does not grow with the sweep.
 """

@@ -38,7 +38,7 @@ TABLES = {
             "off": "error of the motion as a share of the error of ignoring friction's law",
             "grade": "off in words",
             "outcome": "answered, unsupported, crashed or timed_out",
-            "reason": "the reason of any other outcome than right",
+            "reason": "transitions that are not paired with the truth's, or the reason of any other outcome",
         },
     )
 }
