@@ -25,8 +25,8 @@ CONVERGES = 0.2
 # Off may rise by this share from a setting to the next: errors of opposite sign may cancel at one of both.
 SCATTER = 0.5
 # Smaller scores are not compared: of the reference for rounding; of an engine because at a lucky setting its errors
-# cancel to a fraction of a tenth of a percent (pymunk assisted in disc_in_catenary: 0.11, 0.02, 0.054 and 0.021 %; Exudyn
-# native in disc_on_spring: 0.022, 0.008 and 0.018 %; integrator in disc_on_line: 0.0002 and 0.0008 %).
+# cancel to a fraction of a tenth of a percent (pymunk assisted in disc_in_catenary: 0.11, 0.02, 0.054 and 0.021 %;
+# Exudyn native in disc_on_spring: 0.022, 0.008 and 0.018 %; integrator in disc_on_line: 0.0002 and 0.0008 %).
 LEAST_OF_REFERENCE, LEAST_OF_ENGINES = 1e-9, 1e-3
 
 
