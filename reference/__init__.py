@@ -7,7 +7,7 @@ from .solve import METHODS, simulate
 
 if TYPE_CHECKING:
     from .certification.certificate import certify
-    from .proofs.prove import prove
+    from .proofs.prover import prove
     from .sweeping import sweep, sweep_chunks
 
 __all__ = ["METHODS", "certify", "prove", "simulate", "sweep", "sweep_chunks"]
@@ -21,7 +21,7 @@ def __getattr__(name: str) -> Any:
         return certify
     if name == "prove":
         try:
-            from .proofs.prove import prove
+            from .proofs.prover import prove
         except ModuleNotFoundError as problem:
             if problem.name != "flint":
                 raise

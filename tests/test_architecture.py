@@ -117,7 +117,7 @@ PARTS = {
     "errata": {"paper", "solve"},
     "proofs": set(),
     "proof_checker": set(),
-    "certification": {"solve", "minimal", "contact_frame"},
+    "certification": {"solve", "minimal", "contact_frame", "proofs"},
     "sweeping": {"certification", "solve", "minimal"},
 }
 

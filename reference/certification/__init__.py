@@ -3,6 +3,7 @@
 from .agreement import contradiction
 from .bars import Bar
 from .certificate import Certificate, NotCertified, certify
+from .proved import PROVED, WITNESSED
 from .truth_file import TRUTH, DamagedTruth, read, stored_or_new, write
 
 __all__ = [
@@ -10,7 +11,9 @@ __all__ = [
     "Bar",
     "Certificate",
     "DamagedTruth",
+    "PROVED",
     "NotCertified",
+    "WITNESSED",
     "certify",
     "contradiction",
     "stored_or_new",

@@ -15,6 +15,7 @@ import numpy as np
 from cases import Case, CaseError, Mode
 
 from .bars import ULPS, Bar, Shares, ambiguity, bar, roundings, shares
+from .proved import kinds
 from .witnesses import EPS, QUANTITIES, Witness, witnesses
 
 SAMPLES = 11
@@ -49,6 +50,11 @@ class Certificate:
     samples: dict[str, tuple[Bar, ...]]
     witnesses: tuple[str, ...]
     missing: tuple[str, ...] = ()
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """For each transition "proved", if a stored proof encloses it inside its bar, else "witnessed"."""
+        return kinds(self)
 
 
 def certify(case: Case) -> Certificate:

@@ -45,7 +45,7 @@ def _run(argv: list[str]) -> int:
     paths = [Path(options.out or _file_name(case.label)) for case in selection]
     for path in paths:
         owned_folder.check_new(path, options.force)
-    from .prove import prove
+    from .prover import prove
 
     incomplete = 0
     for case, path in zip(selection, paths, strict=True):

@@ -17,7 +17,9 @@ from .signs import Zero, first_zero
 from .steps import NotCovered, NotProved, StateExpansion, ValidStep, exact, interval, step
 
 # Steps of one motion, and phases: beyond them the rest of the motion is not proved.
-MOST_STEPS, MOST_PHASES = 5_000, 500
+MOST_STEPS, MOST_PHASES = 2_000, 500
+# Lengths of a step that are tried, each a quarter of the one before, until all signs are proved.
+MOST_SHORTER = 5
 
 ENDINGS = {
     "painleve": "paradox",
@@ -158,11 +160,8 @@ class _RegimeProof:
             remaining = exact((end - self.time).upper())
             if not remaining > 0:
                 return n
-            now = step(self._field, self._values(), remaining, self._guess, self.order, self.tolerance)
-            self._guess = now.next_length
-            guards = self._with_zeros(now, first=n == 0)
+            now, guards, event = self._step(remaining, first=n == 0)
             self.guards = tuple(guards)
-            event = self._first_event(guards, now.length)
             self.steps += 1
             length = event.zero.high if event else now.length
             part = now.states[0](interval(arb(0), length))
@@ -181,7 +180,21 @@ class _RegimeProof:
                 raise NotProved("an event lies within the error of the motion's end")
             self.event = event.name
             return n + 1
-        raise NotProved(f"the motion takes more than {MOST_STEPS} steps")
+        raise NotCovered(f"the motion takes more than {MOST_STEPS} steps")
+
+    def _step(self, longest: arb, first: bool) -> tuple[Step, dict[str, StateExpansion], _Event | None]:
+        """A validated step with all signs proved; a shorter one where the remainder of a guard hides its sign."""
+        for n in range(MOST_SHORTER):
+            now = step(self._field, self._values(), longest, self._guess, self.order, self.tolerance)
+            self._guess = now.next_length
+            try:
+                guards = self._with_zeros(now, first)
+                return now, guards, self._first_event(guards, now.length)
+            except NotProved:
+                if n == MOST_SHORTER - 1:
+                    raise
+            longest = exact(now.length / 4)
+        raise AssertionError  # the loop returns or raises
 
     def _values(self) -> list[arb]:
         return [self.state[name] for name in self.names]

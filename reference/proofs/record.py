@@ -8,8 +8,6 @@ from dataclasses import asdict, dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from flint import arb
-
 KIND, FORMAT = "proved", 1
 
 
@@ -95,9 +93,38 @@ class Proof:
         """Whether the whole motion is proved, up to its duration or its end."""
         return self.status not in ("unproved", "limited")
 
+    def as_data(self) -> dict[str, Any]:
+        """The record as dicts, lists, numbers and texts."""
+        return {"format": FORMAT, **_plain(asdict(self))}
+
     def as_json(self) -> str:
         """The record as JSON text."""
-        return json.dumps({"format": FORMAT, **_plain(asdict(self))}, indent=1, ensure_ascii=False) + "\n"
+        return json.dumps(self.as_data(), indent=1, ensure_ascii=False) + "\n"
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Proof:
+        """The record from what `as_data` returns."""
+        values = {key: value for key, value in data.items() if key != "format"}
+        values["transitions"] = tuple(_transition(row) for row in data["transitions"])
+        values["phases"] = tuple(_phase(row) for row in data["phases"])
+        values["end"] = DecimalInterval(**data["end"])
+        return cls(**values | {key: tuple(data[key]) for key in ("proved", "assumptions")})
+
+
+def _transition(row: Mapping[str, Any]) -> ProvedTransition:
+    share = row["rolling_share"]
+    return ProvedTransition(
+        **{key: row[key] for key in ("before", "after", "cause", "decision")},
+        time=DecimalInterval(**row["time"]),
+        xi1=DecimalInterval(**row["xi1"]),
+        state={name: DecimalInterval(**ends) for name, ends in row["state"].items()},
+        rolling_share=None if share is None else DecimalInterval(**share),
+    )
+
+
+def _phase(row: Mapping[str, Any]) -> ProvedPhase:
+    begin, end = DecimalInterval(**row["begin"]), DecimalInterval(**row["end"])
+    return ProvedPhase(row["mode"], begin, end, tuple(row["conditions"]), row["steps"])
 
 
 def _plain(value: Any) -> Any:
@@ -107,37 +134,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: _plain(part) for key, part in value.items()}
     return [_plain(part) for part in value] if isinstance(value, list | tuple) else value
-
-
-def outward(ball: arb, digits: int) -> DecimalInterval:
-    """A decimal interval that contains the ball, with ends rounded outward to so many significant digits of its
-    middle (more if the ball is narrower than that)."""
-    low, high = _fraction(ball.lower()), _fraction(ball.upper())
-    size = max(abs(low), abs(high))
-    places = digits - _exponent(size) if size else 0
-    return DecimalInterval(_decimal(low, places, up=False), _decimal(high, places, up=True))
-
-
-def _fraction(exact: arb) -> Fraction:
-    mantissa, exponent = (int(part) for part in exact.man_exp())
-    return Fraction(mantissa) * Fraction(2) ** exponent
-
-
-def _exponent(size: Fraction) -> int:
-    """The power of ten above a positive number, give or take one."""
-    return len(str(size.numerator)) - len(str(size.denominator)) + 1
-
-
-def _decimal(number: Fraction, places: int, up: bool) -> str:
-    """The number rounded down or up to so many decimal places, as text."""
-    scaled = number * Fraction(10) ** places
-    whole = -(-scaled.numerator // scaled.denominator) if up else scaled.numerator // scaled.denominator
-    if places <= 0:
-        return str(whole * 10**-places)
-    text = f"{abs(whole):0{places + 1}d}"
-    fraction = text[-places:].rstrip("0")
-    sign = "-" if whole < 0 else ""
-    return f"{sign}{text[:-places]}.{fraction}" if fraction else f"{sign}{text[:-places]}"
 
 
 def statement(

@@ -61,6 +61,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "truth_error_bar": ("error bar of the transition's true time (in a row of a route: of the first transition)", "s"),
     "reading_doubt": ("change of the time if it is read from other samples; empty: the solver located it", "s"),
     "pairing": ("paired (in truth and run), missed, unresolved (a rebound too short for the samples) or spurious", ""),
+    "certificate": ("proved: a theorem encloses the transition inside its error bar; else witnessed", ""),
     "method": ("the reference's method behind the truth", ""),
     "notes": ("its witnesses, or why there is no truth", ""),
     "run_at": ("time of the run, UTC", ""),

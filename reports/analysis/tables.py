@@ -8,6 +8,8 @@ from math import isfinite, nan
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+from reference.certification import WITNESSED
+
 from ..judging.grades import Grade, grade
 from ..running.records import Experiment, Run, default, defaults, finest, first_error, is_truth, routes
 from ..running.solvers import NOT_INSTALLED
@@ -47,11 +49,14 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
         }
         common |= {"friction_sensitivity": truth.friction_sensitivity}
         notes = truth.failure or f"witnesses: {', '.join(truth.witnesses)}"
-        for event, (transition, bar) in enumerate(zip(truth.transitions, truth.error_bars, strict=True), start=1):
+        kinds = truth.kinds or (WITNESSED,) * len(truth.transitions)
+        certified = zip(truth.transitions, truth.error_bars, kinds, strict=True)
+        for event, (transition, bar, kind) in enumerate(certified, start=1):
             event_columns = {"before": transition.before, "after": transition.after, "time": transition.time}
-            rows.append({**common, "event": event, **event_columns, "truth_error_bar": bar, "notes": notes})
+            event_columns |= {"truth_error_bar": bar, "certificate": kind}
+            rows.append({**common, "event": event, **event_columns, "notes": notes})
         if not truth.transitions:
-            none = {"before": "", "after": "", "time": nan, "truth_error_bar": nan}
+            none = {"before": "", "after": "", "time": nan, "truth_error_bar": nan, "certificate": ""}
             rows.append({**common, "event": 0, **none, "notes": notes})
     return rows
 

@@ -47,8 +47,9 @@ class Truth:
     """The motion that a case's runs are compared with, by `method` of the reference. `error_bars` (s) belong to
     `transitions`.
 
-    `samples` is for figures; `witnesses` are the ways of solving that agree within the bars. `failure` is the reason
-    why there is no truth; the other fields are then empty.
+    `kinds` says for each transition whether it is proved or witnessed (empty: all witnessed). `samples` is for figures;
+    `witnesses` are the ways of solving that agree within the bars. `failure` is the reason why there is no truth; the
+    other fields are then empty.
     """
 
     method: str = ""
@@ -63,6 +64,7 @@ class Truth:
     scale: Scale | None = None  # errors of motions that ignore friction's law
     friction_sensitivity: float = float("nan")  # the score that 1 % of friction makes
     centre_bar: float = float("nan")  # error bar of the motion's centre, m
+    kinds: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

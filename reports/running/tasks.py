@@ -115,6 +115,7 @@ def find_truth(case: Case) -> Truth:
         samples=_drawn_samples(case, _evenly(motion)),
         witnesses=certificate.witnesses,
         centre_bar=_centre_bar(certificate, motion),
+        kinds=certificate.kinds if known else (),
     )
 
 

@@ -18,7 +18,7 @@ from reference import proof_checker  # noqa: E402
 from reference.proof_checker import NotConfirmed, check  # noqa: E402
 from reference.proof_checker.__main__ import main  # noqa: E402
 from reference.proof_checker.formulas import derivative, parse  # noqa: E402
-from reference.proofs import equations, motion, prove, record  # noqa: E402
+from reference.proofs import equations, motion, prove, rounding  # noqa: E402
 
 
 def record_of(label: str, digits: int = 10, transitions: int | None = None) -> dict:
@@ -91,7 +91,7 @@ def test_ends_that_are_not_rounded_outward_are_rejected(monkeypatch):
     def nearest(number: Fraction, places: int, up: bool) -> str:
         return str(float(round(number, places)))
 
-    monkeypatch.setattr(record, "_decimal", nearest)
+    monkeypatch.setattr(rounding, "_decimal", nearest)
     with pytest.raises(NotConfirmed, match="time of transition 1"):
         check(record_of("disc_on_line[mu=0.1]"))
 

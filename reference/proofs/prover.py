@@ -16,7 +16,8 @@ from cases.version import __version__
 
 from .equations import Dynamics, equations
 from .motion import MotionProof, follow
-from .record import DecimalInterval, Proof, ProvedPhase, ProvedTransition, outward, statement
+from .record import DecimalInterval, Proof, ProvedPhase, ProvedTransition, statement
+from .rounding import outward
 from .scene import Scene, exact_scene
 from .single_contact import second_contact
 
@@ -97,13 +98,7 @@ def _is_narrow(motion: MotionProof, digits: int) -> bool:
 
 
 def _record(
-    case: Case,
-    scene: Scene,
-    exact_equations: Dynamics,
-    motion: MotionProof,
-    digits: int,
-    working: int,
-    cpu: float,
+    case: Case, scene: Scene, exact_equations: Dynamics, motion: MotionProof, digits: int, working: int, cpu: float
 ) -> Proof:
     shown = digits + 3
 

@@ -1,0 +1,71 @@
+"""The stored proofs: how much they prove, and that the certified truth agrees with them. Reads files only."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import cases
+from reference.certification import PROVED, read
+from reference.proofs import Proof, catalogue
+
+PROOFS, TRUTH = catalogue.read(), read()
+# A slip of 1e-17 m/s is below the rounding of the speeds, so the witnesses do not have it; in exact numbers it ends.
+BELOW_ROUNDING = {"almost_rolling[slip=1e-17]", "almost_rolling[slip=-1e-17]"}
+
+
+def first_transitions() -> list[str]:
+    return [label for label, proof in PROOFS.items() if proof.transitions and proof.transitions[0].time.width < 1e-12]
+
+
+def whole_sequences() -> list[str]:
+    return [label for label, proof in PROOFS.items() if proof.complete]
+
+
+def test_first_transitions_of_thirty_cases_and_ten_whole_sequences_are_proved():
+    assert len(first_transitions()) >= 30
+    assert len(whole_sequences()) >= 10
+    assert len([label for label in whole_sequences() if PROOFS[label].transitions]) >= 10
+
+
+def test_every_record_belongs_to_a_case():
+    labels = {case.label for name in cases.names() for case in cases.select(name)}
+    assert PROOFS.keys() <= labels
+
+
+@pytest.mark.parametrize("label", PROOFS.keys() & TRUTH.keys() - BELOW_ROUNDING)
+def test_proved_intervals_lie_inside_the_witnessed_bars(label):
+    proof, truth = PROOFS[label], TRUTH[label]
+    for claim, (before, after, time, xi1) in zip(proof.transitions, truth.transitions, strict=proof.complete):
+        assert (claim.before, claim.after) == (str(before), str(after))
+        assert claim.time.inside(*time)
+        assert claim.xi1.inside(*xi1)
+    assert truth.kinds == (PROVED,) * len(proof.transitions) + ("witnessed",) * (
+        len(truth.transitions) - len(proof.transitions)
+    )
+    if proof.complete:
+        assert proof.status == truth.status
+
+
+def test_interval_outside_the_bar_is_witnessed_only():
+    from dataclasses import replace
+
+    certificate = TRUTH["disc_in_circle[mu=0.2]"]
+    (before, after, time, xi1), *others = certificate.transitions
+    moved = replace(certificate, transitions=((before, after, time._replace(value=time.value + 1e-9), xi1), *others))
+    assert certificate.kinds == (PROVED,) * 4
+    assert moved.kinds == ("witnessed",) * 4
+
+
+def test_record_survives_its_file(tmp_path):
+    proof = PROOFS["disc_in_circle[mu=0.2]"]
+    assert Proof.from_data(json.loads(proof.as_json())) == proof
+
+
+@pytest.mark.parametrize("mu, least", [(0.01, 453.9), (0.1, 1.693)])
+def test_papers_claim_is_refuted(mu, least):
+    """Where the slip vanishes rolling needs friction outside the cone; the slip reverses."""
+    first = PROOFS[f"disc_in_circle[mu={mu:g}]"].transitions[0]
+    assert float(first.rolling_share.low) > least and first.after == "slip_backward"
+    assert "rolling would need more than" in PROOFS[f"disc_in_circle[mu={mu:g}]"].statement
