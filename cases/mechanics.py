@@ -5,8 +5,6 @@ A motion is anything with x, y, vx, vy, omega in SI units, numbers or arrays: a 
 
 from __future__ import annotations
 
-from math import cos, sin
-
 import numpy as np
 
 from .case import Case
@@ -30,8 +28,8 @@ def energy(case: Case, motion):
     kinetic, effect = kinetic_energy(case, motion), case.effect(Gravity)
     if effect is None:
         return kinetic
-    fall = np.asarray(motion.x) * cos(effect.direction) + np.asarray(motion.y) * sin(effect.direction)
-    return kinetic - case.plate.mass * effect.g * fall
+    gx, gy = effect.vector
+    return kinetic - case.plate.mass * (gx * np.asarray(motion.x) + gy * np.asarray(motion.y))
 
 
 def energy_growth(total: np.ndarray) -> np.ndarray:

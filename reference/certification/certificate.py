@@ -54,7 +54,7 @@ class Certificate:
     @property
     def kinds(self) -> tuple[str, ...]:
         """For each transition "proved", if a stored proof encloses it inside its bar, else "witnessed"."""
-        return kinds(self)
+        return kinds(self.case, self.transitions)
 
 
 def certify(case: Case) -> Certificate:

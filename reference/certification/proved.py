@@ -2,30 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+
+from cases import Mode
 
 from ..proofs import catalogue
-
-if TYPE_CHECKING:
-    from .certificate import Certificate
+from .bars import Bar
 
 PROVED, WITNESSED = "proved", "witnessed"
 
 
-def kinds(certificate: Certificate) -> tuple[str, ...]:
-    """For each transition "proved" or "witnessed".
+def kinds(label: str, transitions: Sequence[tuple[Mode, Mode, Bar, Bar]]) -> tuple[str, ...]:
+    """For each transition (modes, time, ξ₁) of the case "proved" or "witnessed".
 
-    Proved: the stored proof of the catalogue's case of that name has the same modes up to there, and its intervals of
-    time and place lie inside the certificate's bars.
+    Proved: the stored proof of the catalogue's case of that label has the same modes up to there, and its intervals of
+    time and place lie inside the bars.
     """
-    proof = catalogue.read().get(certificate.case)
+    proof = catalogue.read().get(label)
     count = 0
-    for claim, (before, after, time, xi1) in zip(
-        proof.transitions if proof else (), certificate.transitions, strict=False
-    ):
+    for claim, (before, after, time, xi1) in zip(proof.transitions if proof else (), transitions, strict=False):
         if (claim.before, claim.after) != (str(before), str(after)):
             break
         if not (claim.time.inside(*time) and claim.xi1.inside(*xi1)):
             break
         count += 1
-    return (PROVED,) * count + (WITNESSED,) * (len(certificate.transitions) - count)
+    return (PROVED,) * count + (WITNESSED,) * (len(transitions) - count)

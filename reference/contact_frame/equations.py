@@ -11,7 +11,7 @@ is v̇ t + (v κ_track ṡ_track − ω ṡ_outline) n.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import cos, hypot, inf, pi, sin, sqrt
+from math import hypot, inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -103,7 +103,7 @@ class ContactScene:
         self.track, self.outline = case.track, case.plate.outline
         self.m, self.J = case.plate.mass, case.plate.inertia
         gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
-        self.g = (gravity.g * cos(gravity.direction), gravity.g * sin(gravity.direction)) if gravity else (0.0, 0.0)
+        self.g = gravity.vector if gravity else (0.0, 0.0)
         load, resistance = case.effect(Load), case.effect(RollingResistance)
         self.load, self.load_scales = load.at if load else None, load_scales(load)
         arm = resistance.arm if resistance else None

@@ -18,7 +18,7 @@ Literal and slow: the fast form is tested against it, and `reference.augmented_i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, nan, sin, sqrt
+from math import nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -77,8 +77,7 @@ def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
     F = np.zeros(3)
     gravity, load = case.effect(Gravity), case.effect(Load)
     if gravity is not None:
-        weight = case.plate.mass * gravity.g
-        F[0], F[1] = weight * cos(gravity.direction), weight * sin(gravity.direction)
+        F[:2] = case.plate.mass * np.array(gravity.vector)
     if load is not None:
         F += load.at(*(float(value) for value in motion))
     return F

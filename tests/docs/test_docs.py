@@ -13,6 +13,7 @@ import cases
 import reference
 from cases import registry
 from cases.pictures import animation
+from reference.proofs import command
 from reports import options, publish
 from reports.analysis import levels, time_to_accuracy
 from reports.analysis.columns import COLUMNS
@@ -70,6 +71,7 @@ def test_a_command_of_a_page_exists_and_takes_its_options(page, line):
     module = line.split()[2]
     assert importlib.util.find_spec(module) is not None
     known = {f"--{name.replace('_', '-')}" for name in options._OPTIONS}
+    known |= {option for action in command.parser()._actions for option in action.option_strings}
     assert set(re.findall(r"--[a-z-]+", line)) <= known
 
 
