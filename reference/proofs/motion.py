@@ -182,7 +182,7 @@ class _RegimeProof:
             return n + 1
         raise NotCovered(f"the motion takes more than {MOST_STEPS} steps")
 
-    def _step(self, longest: arb, first: bool) -> tuple[Step, dict[str, StateExpansion], _Event | None]:
+    def _step(self, longest: arb, first: bool) -> tuple[ValidStep, dict[str, StateExpansion], _Event | None]:
         """A validated step with all signs proved; a shorter one where the remainder of a guard hides its sign."""
         for n in range(MOST_SHORTER):
             now = step(self._field, self._values(), longest, self._guess, self.order, self.tolerance)
