@@ -7,14 +7,35 @@ from __future__ import annotations
 
 import subprocess
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 
+from cases import Case
+
+from ..common.facets import stretch, track_kind
+from ..interface import Setting
 from .engine import Engine
 
 FOLDER = Path(__file__).parents[1] / "executables"
 # The steps (s) that the engines themselves begin with: Drake's MultibodyPlantConfig.time_step, MuJoCo's option
 # timestep, DART's World.getTimeStep; Rapier's IntegrationParameters.dt and planck's first example have a game's.
 OWN_STEPS = {"drake": 1e-3, "mujoco": 2e-3, "dartpy": 1e-3}
+# The facets of a curved track are as long as the plate's displacement in a step, by the rule of the adapters of pymunk
+# and Box2D, and not more than these: each box costs time in every step, most of all in cannon-es, a corner of a chain
+# none. The engine's default settings have the facets of a first-time user, as pymunk's.
+MODEST, MOST_FACETS = 64, 8000
+MOST_BOXES = {"cannon": 200, "dartpy": 800, "drake": 800, "matter": 800, "mujoco": 800}
+# The knobs of an engine besides the step and the facets, for the study of settings; the first values are the ladder's.
+KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
+    "cannon": {"iterations": (50, 10)},
+    "drake": {"approximation": ("tamsi", "similar", "lagged"), "stiction": (1e-5, 1e-4)},
+    "matter": {"velocity_iterations": (10, 4)},
+    "mujoco": {"integrator": ("RK4", "Euler", "implicitfast"), "timeconst": (2, 4)},
+    "planck": {"iterations": (8, 20)},
+    "rapier": {"iterations": (16, 4)},
+}
+# Steps (s) of that study.
+GRID_STEPS = (4e-3, 2e-3, 1e-3)
 # Seconds in which an engine has to tell its version; importing one takes a few where the disk is cold.
 MOST_SECONDS = 60.0
 
@@ -55,6 +76,30 @@ class BundledEngine(Engine):
     def own_step(self) -> float:
         """The step (s) of the engine as it comes."""
         return OWN_STEPS.get(self.NAME, super().own_step())
+
+    def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
+        """Steps from coarse to fine, with as many facets as each step needs; the engine's default settings first."""
+        return tuple(self._with_facets(case, setting) for setting in super().ladder(case, route))
+
+    def wide_grid(self, case: Case, route: str) -> tuple[Setting, ...]:
+        """Every combination of three steps, three numbers of facets and the engine's own knobs."""
+        knobs = KNOBS.get(self.NAME, {})
+        curved = track_kind(case) == "chain"
+        shares = (0.25, 1.0, 4.0) if curved else (1.0,)
+        settings = (
+            self._with_facets(case, Setting.of(h=h, **dict(zip(knobs, values, strict=True))), share)
+            for h, share, values in product(GRID_STEPS, shares, product(*knobs.values()))
+        )
+        return tuple(dict.fromkeys(settings))  # at the least and the most facets two shares agree
+
+    def _with_facets(self, case: Case, setting: Setting, share: float = 1.0) -> Setting:
+        """The setting with a number of facets, if the track is curved and no whole circle."""
+        if track_kind(case) != "chain":
+            return setting
+        part, most = stretch(case), MOST_BOXES.get(self.NAME, MOST_FACETS)
+        way = part.top_speed * float(setting["h"])
+        count = MODEST if setting.is_default or not way else round(share * part.length / way)
+        return setting.but(facets=min(max(count, MODEST), most))
 
     def version(self) -> str:
         """The engine's own version, and the digest of the file."""

@@ -96,6 +96,18 @@ function corners(curve, count) {
   return found;
 }
 
+/** About `count` chords of the curve as boxes that reach `depth` behind it on either side of their middle: the middle,
+ * the angle of the direction, and half the length. */
+function boxes(curve, count, depth) {
+  const places = corners(curve, count), found = [];
+  for (let i = 0; i + 1 < places.length; i++) {
+    const [a, b] = [places[i], places[i + 1]], angle = Math.atan2(b.y - a.y, b.x - a.x);
+    const x = (a.x + b.x) / 2 + depth * Math.sin(angle), y = (a.y + b.y) / 2 - depth * Math.cos(angle);
+    found.push({ x, y, angle, half: Math.hypot(b.x - a.x, b.y - a.y) / 2 });
+  }
+  return found;
+}
+
 /** A function that gives the track's left unit normal at the place nearest to a point, which moves little by little. */
 function normals({ points: { track }, closed }) {
   const { x, y, normal_x: nx, normal_y: ny } = track, last = x.length - 2;
@@ -180,4 +192,4 @@ function run(scene, plate, step, rounding) {
   console.log(`# cost cpu_s=${(cpu.user + cpu.system) / 1e6} steps=${n + 1}`);
 }
 
-module.exports = { refuse, load, readScene, gravity, shape, ends, corners, fan, run };
+module.exports = { refuse, load, readScene, gravity, shape, ends, corners, boxes, fan, run };

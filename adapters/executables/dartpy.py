@@ -72,7 +72,7 @@ if track.kind == "line":
 elif track.kind == "hill":
     add_shape(fixed, dart.dynamics.SphereShape(track.radius), track.x, track.y)
 else:
-    for box in plane.chords(scene, CHORDS):
+    for box in plane.chords(scene, scene["setting"].get("facets", CHORDS)):
         x, y = box.x + thick * sin(box.angle), box.y - thick * cos(box.angle)
         add_shape(fixed, dart.dynamics.BoxShape([2 * box.half, 2 * thick, 4 * radius]), x, y, box.angle)
 world.addSkeleton(ground)

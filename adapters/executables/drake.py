@@ -35,6 +35,12 @@ CHORDS, ROUGH = 800, 1e3
 # tolerance there.
 SUNK, CREEP, TOLERANCE = 1e-6, 1e-5, 1e-2
 
+APPROXIMATIONS = {
+    "tamsi": drake.DiscreteContactApproximation.kTamsi,
+    "similar": drake.DiscreteContactApproximation.kSimilar,
+    "lagged": drake.DiscreteContactApproximation.kLagged,
+}
+
 scene = plane.read_scene("Drake", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"))
 radius, mass, start = scene["plate"]["radius"], scene["plate"]["mass"], scene["start"]
 if radius is None:
@@ -50,7 +56,7 @@ is_tuned = scene["setting"].get("rung") != "defaults"
 stiction = scene["setting"].get("stiction", CREEP) if is_tuned else drake.MultibodyPlantConfig().stiction_tolerance
 if is_tuned:
     plant.set_contact_model(drake.ContactModel.kPoint)
-    plant.set_discrete_contact_approximation(drake.DiscreteContactApproximation.kTamsi)
+    plant.set_discrete_contact_approximation(APPROXIMATIONS[scene["setting"].get("approximation", "tamsi")])
 plant.mutable_gravity_field().set_gravity_vector(np.array(plane.gravity(scene)))
 # The engine combines two coefficients as 2 μ₁ μ₂ / (μ₁ + μ₂), which is μ if both are μ.
 friction = drake.CoulombFriction(mu, mu)
@@ -65,7 +71,7 @@ elif track.kind == "hill":
     plant.RegisterCollisionGeometry(plant.world_body(), pose, Sphere(track.radius), "track", friction)
 else:
     thick = 0.5 * radius
-    for number, box in enumerate(plane.chords(scene, CHORDS)):
+    for number, box in enumerate(plane.chords(scene, scene["setting"].get("facets", CHORDS))):
         middle = np.array([box.x + thick * sin(box.angle), box.y - thick * cos(box.angle), 0.0])
         pose = RigidTransform(RollPitchYaw(0.0, 0.0, box.angle), middle)
         shape = Box(2 * box.half, 2 * thick, 4 * radius)

@@ -2,8 +2,9 @@
 """MuJoCo (wheel mujoco): a sphere, or the hull of a prism, on a plane, a sphere or a ring of boxes.
 
 The scene's own MJCF with contact parameters. MuJoCo's contacts are soft by design: in a regularised convex problem a
-sliding contact lifts off a little (its manual, "Computation", contact), and friction creeps. Its step is semi-implicit
-Euler; poses and velocities are at the same times here, as after `mj_step`.
+sliding contact lifts off a little (its manual, "Computation", contact), and friction creeps. Its default step is
+semi-implicit Euler; the ladder has its Runge-Kutta method of fourth order, which converges in a circle where Euler does
+not. Poses and velocities are at the same times, as after `mj_step`.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ root = ElementTree.fromstring(scene["mjcf"])
 option = part(root, "option")
 option.set("timestep", repr(h))
 if is_tuned:
+    option.set("integrator", scene["setting"].get("integrator", "RK4"))
     ratio = scene["setting"].get("impratio", 100)
     option.attrib.update(cone="elliptic", impratio=f"{ratio}", solver="Newton", tolerance="1e-12", iterations="100")
 world = part(root, "worldbody")
@@ -58,7 +60,7 @@ elif track.kind == "hill":
     ElementTree.SubElement(world, "geom", type="sphere", size=repr(track.radius), pos=f"{track.x} {track.y} 0")
 else:
     thick = 0.1
-    for box in plane.chords(scene, CHORDS):
+    for box in plane.chords(scene, scene["setting"].get("facets", CHORDS)):
         x, y = box.x + thick * plane.sin(box.angle), box.y - thick * plane.cos(box.angle)
         ElementTree.SubElement(
             world, "geom", type="box", size=f"{box.half} {thick} 1", pos=f"{x} {y} 0", euler=f"0 0 {box.angle}"
@@ -70,7 +72,8 @@ for geom in root.iter("geom"):
     # The engine takes the larger of the two geoms' numbers.
     geom.attrib.update(friction=f"{mu} 0 0", condim="3" if mu else "1")
     if is_tuned:
-        geom.set("solref", f"{2 * h!r} 1")  # twice the step: the stiffest value that the engine considers safe
+        # Twice the step is the stiffest value that the engine considers safe.
+        geom.set("solref", f"{scene['setting'].get('timeconst', 2) * h!r} 1")
         geom.set("solimp", "0.9999 0.9999 0.001 0.5 2")
 
 model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))

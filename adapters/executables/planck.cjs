@@ -28,7 +28,7 @@ if (track.kind === "line") {
 } else if (track.kind === "hill") {
   ground.createFixture(new planck.Circle({ x: track.x, y: track.y }, track.radius + overlap), material);
 } else {
-  const corners = common.corners(points.track, plate.radius === null ? FEWER : FACETS);
+  const corners = common.corners(points.track, plate.radius === null ? FEWER : scene.setting.facets ?? FACETS);
   ground.createFixture(new planck.Chain(closed.track ? corners.slice(0, -1) : corners, closed.track), material);
 }
 const body = world.createBody({
@@ -47,7 +47,7 @@ world.on("pre-solve", (contact) => touching.push([contact.getManifold(), contact
 
 function step(h) {
   touching = [];
-  world.step(h);
+  world.step(h, scene.setting.iterations ?? 8, 3);
   let most = 0, found;
   for (const [manifold, places] of touching) {
     for (let i = 0; i < manifold.pointCount; i++) {

@@ -24,7 +24,7 @@ async function main() {
   if (tuned) {
     // The engine's small lengths are for bodies of a metre.
     world.lengthUnit = 0.01;
-    world.numSolverIterations = 16;
+    world.numSolverIterations = scene.setting.iterations ?? 16;
   }
   const mu = effects.PerfectlyRough ? ROUGH : effects.CoulombFriction?.mu ?? 0;
   const add = (shape, body) => world.createCollider(shape.setFriction(mu).setRestitution(0).setDensity(0), body);
@@ -36,7 +36,7 @@ async function main() {
   } else if (track.kind === "hill") {
     shape = rapier.ColliderDesc.ball(track.radius).setTranslation(track.x, track.y);
   } else {
-    shape = rapier.ColliderDesc.polyline(flat(common.corners(points.track, FACETS)));
+    shape = rapier.ColliderDesc.polyline(flat(common.corners(points.track, scene.setting.facets ?? FACETS)));
   }
   const ground = add(shape);
   const made = rapier.RigidBodyDesc.dynamic().setTranslation(start.x, start.y).setRotation(start.theta)

@@ -1,11 +1,13 @@
 """The engines that come as executables: named, refusing, and as good as was measured."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 import cases
 from adapters import Setting, by_process, lookup
-from adapters.by_process.bundle import version_of
+from adapters.by_process.bundle import KNOBS, MOST_BOXES, MOST_FACETS, version_of
 from cases.errors import UnknownName
 from reports.running.processes.workers import WorkerPool
 from reports.running.records import Run
@@ -14,7 +16,10 @@ from reports.running.tasks import find_truth, perform
 PAPER = "disc_in_circle[mu=0.2]"
 NAMES = sorted(by_process.bundled_engines())
 # The first transition of the paper's application with h = 1 ms, s: twice what was measured (see the README there).
-MOST_OFF = {"dartpy": 1e-2, "drake": 3e-3, "mujoco": 1e-2, "planck": 2e-4, "rapier": 1e-2}
+MOST_OFF = {"dartpy": 2e-3, "drake": 3e-3, "mujoco": 2e-3, "planck": 8e-4, "rapier": 1e-2}
+# Engines whose friction is another law, by their source: no setting makes a disc slide as it should.
+OTHER_FRICTION = {"cannon", "matter"}
+RIGHT = sorted(set(NAMES) - OTHER_FRICTION)
 
 
 _ABSENT: dict[str, str] = {}
@@ -50,21 +55,72 @@ def row(pool: WorkerPool, name: str, label: str, h: float = 1e-3) -> Run:
 
 
 every_engine = pytest.mark.parametrize("engine", NAMES, indirect=True)
+every_right_engine = pytest.mark.parametrize("engine", RIGHT, indirect=True)
 
 
-@every_engine
+@every_right_engine
 def test_the_first_transition_of_the_paper_is_where_it_was_measured(engine, pool):
     found = row(pool, engine, PAPER)
     assert found.outcome == "answered", found.reason
     assert 0.0 < abs(found.ledger[0].error) < MOST_OFF[engine]
 
 
-@every_engine
+@every_right_engine
 def test_a_disc_on_a_line_rolls_from_where_it_is_known_to(engine, pool):
     found = row(pool, engine, "disc_on_line[mu=0.1]")
-    assert found.outcome == "answered" and found.grade in ("excellent", "very good", "good"), found.reason
-    # MuJoCo's and Rapier's contacts are soft: 1 ms and some at this step.
+    # MuJoCo's contacts are soft: 3.6 ms at this step with its Runge-Kutta method, and off is 1.06 %.
+    good = ("excellent", "very good", "good", *(["rough"] if engine == "mujoco" else []))
+    assert found.outcome == "answered" and found.grade in good, found.reason
     assert abs(found.ledger[0].error) < 5e-3
+
+
+@pytest.mark.parametrize("engine", ["cannon", "matter"], indirect=True)
+def test_friction_of_another_law_is_a_row_that_is_unusable(engine, pool):
+    """Within a step, or a few, the disc rolls: friction does not depend on the normal force there (see the files)."""
+    found = row(pool, engine, "disc_on_line[mu=0.1]")
+    assert found.outcome == "answered" and found.grade == "unusable", found.reason
+    assert found.score.off > 0.5
+
+
+@pytest.mark.parametrize("engine", ["cannon"], indirect=True)
+def test_cannons_friction_is_divided_by_its_step(engine):
+    """mu |g| m is the bound of an impulse, not of a force: the first step stops a slip of up to 3 mu g h / h."""
+    case, adapter = cases.load("disc_on_line[mu=0.1]"), lookup.engine(engine)
+    for h in (4e-3, 1e-3):
+        model = adapter.build(case, "process", Setting.of(h=h))
+        adapter.run(model)
+        motion = adapter.read(model)
+        # Coulomb's friction would take mu g h of 1 m/s.
+        assert motion.vx[0] - motion.vx[1] > 50 * 0.1 * 9.81 * h
+
+
+@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
+def test_mujoco_converges_in_the_circle_with_its_runge_kutta_method(engine, pool):
+    offs = [row(pool, engine, PAPER, h).score.off for h in (2e-3, 5e-4)]
+    assert offs[1] < 0.7 * offs[0] < 0.04
+
+
+@every_engine
+def test_facets_are_as_long_as_the_way_of_a_step(engine):
+    adapter, case = lookup.engine(engine), cases.load(PAPER)
+    first, *others = adapter.ladder(case, "process")
+    most = MOST_BOXES.get(engine, MOST_FACETS)
+    assert first["facets"] == 64
+    counts = [setting["facets"] for setting in others]
+    assert counts == sorted(counts) and counts[-1] <= most
+    # Half the step, twice as many facets.
+    below = [setting for setting in others if 64 < setting["facets"] < most]
+    for coarse, fine in pairwise(below):
+        assert fine["facets"] / coarse["facets"] == pytest.approx(coarse["h"] / fine["h"], rel=0.02)
+    assert all("facets" not in setting for setting in adapter.ladder(cases.load("disc_on_line"), "process"))
+
+
+@every_engine
+def test_the_study_of_settings_has_a_grid_with_every_knob(engine):
+    grid = lookup.engine(engine).wide_grid(cases.load(PAPER), "process")
+    assert len(set(grid)) == len(grid) >= 9
+    for name, values in KNOBS.get(engine, {}).items():
+        assert {setting[name] for setting in grid} == set(values)
 
 
 def rolled(name: str, label: str = "disc_on_incline", **knobs):
@@ -80,7 +136,7 @@ def declared(motion) -> float:
     return float(motion.slip_resolution)
 
 
-@every_engine
+@every_right_engine
 def test_what_rolls_creeps_no_faster_than_is_declared_and_forces_are_told(engine):
     motion, _ = rolled(engine)
     late = motion.t > 0.1
@@ -155,7 +211,7 @@ def test_an_engine_that_is_not_there_says_what_to_install(monkeypatch, tmp_path)
 
 
 def test_all_are_named_and_an_unknown_name_is_none():
-    assert NAMES == ["dartpy", "drake", "mujoco", "planck", "rapier"]
+    assert NAMES == ["cannon", "dartpy", "drake", "matter", "mujoco", "planck", "rapier"]
     with pytest.raises(UnknownName):
         lookup.find("no_such_engine")
 
