@@ -175,7 +175,7 @@ def _run_by_nobody(experiment: Experiment) -> list[str]:
 
 def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasurements:
     """The timed pass, after all other runs; a quick report has none."""
-    from .analysis import baselines, time_to_accuracy, which_engine
+    from .analysis import null_scores, time_to_accuracy, which_engine
     from .analysis.work_precision import CostMeasurements
     from .running import per_solver
     from .running.timing import timings
@@ -186,7 +186,7 @@ def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasu
     full = plan.effort == "full"
     results = timings.measure(local_runs, full, calls)
     labels = tuple(case.label for case in results.cases)
-    costs = CostMeasurements(labels, results.timings, baselines.measure(results.cases, calls), results.failures)
+    costs = CostMeasurements(labels, results.timings, null_scores.measure(results.cases, calls), results.failures)
     rows, _ = per_solver.make_per_solver(time_to_accuracy.rows, (local_runs, costs), per_solver.solvers_of(local_runs))
     extra = timings.measure_extra(local_runs, which_engine.cold_start_keys(rows), full, calls)
     return costs._replace(cold=extra.cold, parts=extra.parts)

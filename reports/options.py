@@ -22,35 +22,19 @@ from cases.owned_folder import OwnedFolder, TemporaryFolder
 from cases.user_files import place
 
 from .page import report_folder
+from .running import ladder_selection
 from .running.records import REFERENCE
+from .running.time_limits import RUN_SECONDS
 
 if TYPE_CHECKING:
     from adapters import Setting
 
     from .running.external_motions import External
 
-# The case families of a quick report, which every solver can run.
-QUICK_CASES = ("disc_in_circle", "disc_on_incline", "disc_on_line")
-# Families with whole ladders in a default report, so that they can be timed: typical scenes of engines, a lift-off, a
-# plate that is not a disc, a track with a search for second contacts, a flight with an impact, and a measured outline.
-WHOLE = (
-    "disc_in_circle",
-    "disc_on_line",
-    "disc_rolling_off_hill",
-    "ellipse_in_circle",
-    "disc_in_cosine",
-    "disc_onto_incline",
-    "pebble_on_incline",
-)
-# The reference's route with the paper's matrix.
-LITERAL = "augmented"
 # The store is in the working folder, like the caches of test runners and linters.
 STORE = ".slip-to-roll"
 # Largest number of jobs; each is a process that imports every engine, about 200 MB.
 MOST_JOBS = 256
-# Time limit of a run by effort, wall seconds; a whole default report takes a few minutes on two cores.
-_LIMITS = {"quick": 20.0, "default": 60.0, "full": 600.0}
-
 # Help for an argument that is one case.
 A_CASE = 'a case: name, "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION'
 
@@ -184,35 +168,15 @@ class BuildPlan:
     @property
     def limit(self) -> float:
         """Time limit of a run, wall seconds."""
-        return _LIMITS[self.effort]
+        return RUN_SECONDS[self.effort]
 
     def select_rungs(self, case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
-        """The rungs to run: all, after the grid of default settings; in a quick report the first default setting and
-        three others; for most cases of the catalogue the first default setting and one.
-
-        For these the reference runs at its finest tolerance, because the truth needs the same compiled equations; with
-        the paper's matrix, which takes fifteen times as long, at its two coarsest."""
-        if self.effort == "full" or (self.effort == "default" and (self.is_selection or case in WHOLE)):
-            return settings
-        if self.effort == "default" and (solver, route) == (REFERENCE, LITERAL):
-            return settings[:2]
-        ladder = [s for s in settings if not s.is_default]
-        third = len(ladder) // 3
-        one = len(ladder) - 1 if solver == REFERENCE else 2 * third
-        places = sorted({0, third, 2 * third} if self.effort == "quick" else {one}) if ladder else []
-        return (*[s for s in settings if s.is_default][:1], *(ladder[i] for i in places))
+        """The settings to run (`ladder_selection.select_rungs`)."""
+        return ladder_selection.select_rungs(self.effort, self.is_selection, case, solver, route, settings)
 
     def ladders(self) -> str:
         """Which settings are run, as a sentence; "" if all are."""
-        if self.effort == "full" or (self.effort == "default" and self.is_selection):
-            return ""
-        if self.effort == "quick":
-            return "Three settings of each ladder and the default settings; --full runs all."
-        return (
-            f"Whole ladders for {', '.join(WHOLE)}. Other cases run with default settings and one fine setting, the "
-            f"reference at its finest tolerance, and its route {LITERAL!r}, which takes fifteen times as long, at its "
-            "two coarsest tolerances; --full runs all."
-        )
+        return ladder_selection.sentence(self.effort, self.is_selection)
 
 
 def solvers() -> tuple[str, ...]:
@@ -232,7 +196,9 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
     out = check_out(options.out)
     store = check_store(options.store, out)
     names = options.case or own
-    case_list, more = choose_cases(names or (QUICK_CASES if effort == "quick" else cases.names(hard=False)), effort)
+    case_list, more = choose_cases(
+        names or (ladder_selection.QUICK_CASES if effort == "quick" else cases.names(hard=False)), effort
+    )
     external = _trajectories(options.trajectory, case_list) + _submissions(options.submissions, case_list)
     is_selection = bool(names)
     if options.dask is not None and own_engines:
@@ -264,8 +230,8 @@ def plan_by_hand(
         raise BadValue("there is no case; give at least one")
     if twice:
         raise BadValue(f"two cases have the name {twice!r}; give each a different name=")
-    if effort not in _LIMITS:
-        raise unknown_name("effort", effort, _LIMITS)
+    if effort not in RUN_SECONDS:
+        raise unknown_name("effort", effort, RUN_SECONDS)
     solver_names, out = choose_solvers(solvers), check_out(out)
     return BuildPlan(
         out, case_list, (), solver_names, effort, whole_jobs(str(jobs)), (), True, check_store(store, out), fresh

@@ -58,11 +58,6 @@ def sliding_disc_in_circle(R, r, mu, g, digits: int = 20) -> FirstZero:
         return FirstZero(time, xi, Mode.SLIP_BACKWARD if mp.cos(xi) < 0 else Mode.SLIP_FORWARD)
 
 
-def bowling_time(v0, mu, g, inertia_ratio=0.5):
-    """Time at which a disc thrown without spin begins to roll: v₀ / (μ g (1 + m r²/J)); `inertia_ratio` is J/(m r²)."""
-    return mp.mpf(v0) / (mp.mpf(mu) * mp.mpf(g) * (1 + 1 / mp.mpf(inertia_ratio)))
-
-
 def pendulum_period(length, g, amplitude):
     """Period of a pendulum: 4 √(l/g) K(sin²(a/2)) (from energy, by sin(φ/2) = sin(a/2) sin u)."""
     return 4 * mp.sqrt(mp.mpf(length) / mp.mpf(g)) * mp.ellipk(mp.sin(mp.mpf(amplitude) / 2) ** 2)

@@ -15,7 +15,7 @@ from ..running.timing.cold_start import ColdStart
 from ..running.timing.time_breakdown import TimeBreakdown
 from ..running.timing.timings import Key
 from . import convergence, quantities
-from .baselines import Baseline
+from .null_scores import Baseline
 from .quantities import UNITS
 
 

@@ -23,14 +23,9 @@ from .records import now
 from .solvers import groups_of, is_missing, named_in, version
 from .storage.fingerprint import Key, adapter_sources, environment_key, of_argument, sources
 from .storage.result_store import Store
+from .time_limits import ASKING_SECONDS, LIMIT_SECONDS
 from .timing.phase_times import PhaseTimes
 from .versions import split_version
-
-# Time limit of a call, wall seconds. A whole default report takes minutes, so a longer run is a failure.
-LIMIT_SECONDS = 60.0
-# Time limit for a solver's version or its settings for a case, wall seconds: these take milliseconds, imports a few
-# seconds.
-ASKING_SECONDS = 20.0
 
 # Kinds of answers that do not depend on the machine, if its identity is the same; these may run on a cluster.
 ELSEWHERE = {"truth", "run", "trial"}

@@ -17,11 +17,12 @@ from adapters import Setting
 from cases import Case
 
 from . import reference_adapter
-from .calls import ASKING_SECONDS, Calls, StorePolicy
+from .calls import Calls, StorePolicy
 from .processes.worker_process import CallResult
 from .records import Experiment, Offer, Run, Truth, gives_motion, now
 from .storage.fingerprint import truth_key
 from .tasks import find_truth, perform, survey
+from .time_limits import ASKING_SECONDS
 from .versions import split_version
 
 # A solver that did not answer for so many cases is not asked about the others, which would take as long.

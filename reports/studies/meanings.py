@@ -11,11 +11,12 @@ from typing import Any
 
 from ..analysis.columns import Table
 from ..drawing.figure_files import FigureEntry
-from ..running.calls import ASKING_SECONDS, Calls
+from ..running.calls import Calls
 from ..running.processes.worker_process import CallResult
 from ..running.records import REFERENCE
 from ..running.solvers import names as all_solvers
 from ..running.solvers import solver
+from ..running.time_limits import ASKING_SECONDS
 from . import Request
 
 TITLE = "What the engines' parameters mean"

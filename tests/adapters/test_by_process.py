@@ -211,7 +211,7 @@ def test_a_report_has_hung_killed_and_lying_engines_in_its_rows(registered, tmp_
         # What has finished is kept whatever the limit is then: the short one for the hung engine reaches no other run,
         # however busy the machine is.
         assert build.main([*words, "--out", "first"]) == 0
-        monkeypatch.setitem(options._LIMITS, "quick", 6.0)
+        monkeypatch.setitem(options.RUN_SECONDS, "quick", 6.0)
         assert build.main([*words, "./hung", "--out", "judged"]) == 0
     table = (tmp_path / "judged" / "tables" / "trajectories.csv").read_text().splitlines()
     outcomes = {line.split(",")[1]: line for line in table if line.split(",")[1] in ("hung", "killed", "lying")}

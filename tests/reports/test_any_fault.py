@@ -79,7 +79,7 @@ def installed(tmp_path, monkeypatch):
         (meanings, "ASKING_SECONDS"),
     ):  # fmt: skip
         monkeypatch.setattr(module, what, LIMIT)
-    monkeypatch.setattr(options, "_LIMITS", {"quick": LIMIT, "default": LIMIT})
+    monkeypatch.setattr(options, "RUN_SECONDS", {"quick": LIMIT, "default": LIMIT})
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.chdir(tmp_path)
 

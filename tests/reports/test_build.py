@@ -312,7 +312,7 @@ def failing(tmp_path_factory, without_figures):
     killer = threading.Thread(target=kill_when_told, args=(packages / "pid",))
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(packages)
-        patch.setattr(options, "_LIMITS", {"default": 6.0})  # s: most of it is room for a busy machine
+        patch.setattr(options, "RUN_SECONDS", {"default": 6.0})  # s: most of it is room for a busy machine
         killer.start()
         argv = ["--out", str(out), "--case", fake_adapter.CASE, "--solver", "fake", "ghost", "--jobs", "1"]
         with without_figures():

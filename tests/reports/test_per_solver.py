@@ -14,7 +14,7 @@ import cases
 from adapters import Setting
 from cases import Cost
 from reports import build, studies
-from reports.analysis import baselines
+from reports.analysis import null_scores
 from reports.analysis.work_precision import CostMeasurements
 from reports.drawing import figures, work_precision_figure
 from reports.drawing.figure_files import FigureContent, FigureEntry
@@ -123,7 +123,7 @@ def measured(ran) -> CostMeasurements:
         )
         for run in ran.runs
     }  # fmt: skip
-    return CostMeasurements((CASE.label,), times, {CASE.label: baselines.baseline(CASE)})
+    return CostMeasurements((CASE.label,), times, {CASE.label: null_scores.baseline(CASE)})
 
 
 def spoilt(ran: Experiment, *changes: dict) -> Experiment:

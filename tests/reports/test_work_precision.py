@@ -13,8 +13,8 @@ import cases
 from adapters import Setting
 from cases import Cost, Mode, Transition
 from reports.analysis import (
-    baselines,
     cost_conclusions,
+    null_scores,
     quantities,
     tables,
     time_to_accuracy,
@@ -65,7 +65,7 @@ def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Cos
         if cpu is not None:
             times[case.label, solver, "r", rung(setting)] = timing(cpu)
     null = {"motion": "never moves", **dict.fromkeys(quantities.UNITS, 3e-3)}
-    nulls = {case.label: baselines.Baseline((null,), dict.fromkeys(quantities.UNITS, BAR))}
+    nulls = {case.label: null_scores.Baseline((null,), dict.fromkeys(quantities.UNITS, BAR))}
     return Experiment((case,), {case.label: truth}, tuple(runs), 0.0), CostMeasurements((case.label,), times, nulls)
 
 
@@ -212,9 +212,9 @@ def test_only_cases_with_whole_ladders_are_timed_in_a_default_report():
 
 
 def test_a_default_report_runs_whole_ladders_of_as_many_families_as_it_times():
-    from reports.options import WHOLE
+    from reports.running.ladder_selection import WHOLE_LADDERS
 
-    assert len(WHOLE) == timings.MOST_CASES and set(WHOLE) <= set(cases.names())
+    assert len(WHOLE_LADDERS) == timings.MOST_CASES and set(WHOLE_LADDERS) <= set(cases.names())
 
 
 def test_reference_and_engines_offer_enough_settings_for_a_curve():
@@ -249,7 +249,7 @@ def test_two_builds_give_the_same_accuracies_to_the_last_digit():
 
 def test_null_scores_of_bowling_are_the_textbook_ones():
     v0, mu, g = 1.0, 0.1, 9.81
-    told = baselines.baseline(cases.load("disc_on_line", mu=mu))
+    told = null_scores.baseline(cases.load("disc_on_line", mu=mu))
     scores = {row["motion"]: row for row in told.rows}
     turn = v0 / (3 * mu * g)
     # It lasts twice as long: it slows down to 2/3 v0 and takes up spin, evenly, and then rolls.
@@ -269,14 +269,14 @@ def test_null_scores_of_bowling_are_the_textbook_ones():
 
 
 def test_a_null_motion_that_makes_no_sense_is_told():
-    told = baselines.baseline(cases.load("frictionless_pendulum"))
+    told = null_scores.baseline(cases.load("frictionless_pendulum"))
     rows = {row["motion"]: row for row in told.rows}
     assert isnan(rows["no friction"]["final_pose"]) and rows["no friction"]["note"]
     assert isfinite(rows["never moves"]["final_pose"])
 
 
 def test_second_method_witnesses_what_is_not_certified():
-    told = baselines.baseline(cases.load("frictionless_pendulum"))
+    told = null_scores.baseline(cases.load("frictionless_pendulum"))
     assert told.witness_errors.keys() == set(quantities.DISTANCES)
     # Two integrators at rtol 1e-13 over a second and a half of a pendulum.
     assert all(0.0 <= far < 1e-11 for far in told.witness_errors.values())

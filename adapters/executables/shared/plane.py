@@ -9,7 +9,7 @@ import json
 import sys
 import time
 from importlib.metadata import version
-from math import atan2, ceil, cos, hypot, pi, sin
+from math import atan2, ceil, cos, hypot, sin
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
@@ -210,8 +210,3 @@ class MotionRows:
         reach = float(np.hypot(outline["x"], outline["y"]).max())
         ease = 1 / plate["mass"] + reach**2 / plate["inertia"]
         return friction["mu"] * ease * (t[1] - t[0]) * (float(np.percentile(scatter, 99)) if scatter.size else 0.0)
-
-
-def nearest_turn(angle: float, before: float) -> float:
-    """The angle plus the whole turns that bring it closest to the previous one."""
-    return angle + 2 * pi * round((before - angle) / (2 * pi))

@@ -1,0 +1,57 @@
+"""Which cases and settings a report runs: whole ladders or a selection of rungs, by effort (quick, default, full)."""
+
+from __future__ import annotations
+
+from adapters import Setting
+
+from .records import REFERENCE
+
+# The case families of a quick report, which every solver can run.
+QUICK_CASES = ("disc_in_circle", "disc_on_incline", "disc_on_line")
+# Families with whole ladders in a default report, so that they can be timed: typical scenes of engines, a lift-off, a
+# plate that is not a disc, a track with a search for second contacts, a flight with an impact, and a measured outline.
+WHOLE_LADDERS = (
+    "disc_in_circle",
+    "disc_on_line",
+    "disc_rolling_off_hill",
+    "ellipse_in_circle",
+    "disc_in_cosine",
+    "disc_onto_incline",
+    "pebble_on_incline",
+)
+# The reference's route with the paper's matrix.
+LITERAL = "augmented"
+
+
+def select_rungs(
+    effort: str, is_selection: bool, case: str, solver: str, route: str, settings: tuple[Setting, ...]
+) -> tuple[Setting, ...]:
+    """The rungs to run: all, after the grid of default settings; in a quick report the first default setting and three
+    others; for most cases of the catalogue the first default setting and one.
+
+    For these the reference runs at its finest tolerance, because the truth needs the same compiled equations; with the
+    paper's matrix, which takes fifteen times as long, at its two coarsest. `is_selection`: whether the user selected
+    the cases, which then have whole ladders.
+    """
+    if effort == "full" or (effort == "default" and (is_selection or case in WHOLE_LADDERS)):
+        return settings
+    if effort == "default" and (solver, route) == (REFERENCE, LITERAL):
+        return settings[:2]
+    ladder = [s for s in settings if not s.is_default]
+    third = len(ladder) // 3
+    one = len(ladder) - 1 if solver == REFERENCE else 2 * third
+    places = sorted({0, third, 2 * third} if effort == "quick" else {one}) if ladder else []
+    return (*[s for s in settings if s.is_default][:1], *(ladder[i] for i in places))
+
+
+def sentence(effort: str, is_selection: bool) -> str:
+    """Which settings are run, for the page; "" if all are."""
+    if effort == "full" or (effort == "default" and is_selection):
+        return ""
+    if effort == "quick":
+        return "Three settings of each ladder and the default settings; --full runs all."
+    return (
+        f"Whole ladders for {', '.join(WHOLE_LADDERS)}. Other cases run with default settings and one fine setting, "
+        f"the reference at its finest tolerance, and its route {LITERAL!r}, which takes fifteen times as long, at its "
+        "two coarsest tolerances; --full runs all."
+    )
