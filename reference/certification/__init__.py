@@ -3,7 +3,7 @@
 from .agreement import contradiction
 from .bars import Bar
 from .certificate import Certificate, NotCertified, certify
-from .proved import PROVED, WITNESSED
+from .proof_kind import PROVED, WITNESSED
 from .truth_file import TRUTH, DamagedTruth, read, stored_or_new, write
 
 __all__ = [

@@ -15,7 +15,7 @@ import numpy as np
 from cases import Case, CaseError, Mode
 
 from .bars import ULPS, Bar, Shares, ambiguity, bar, roundings, shares
-from .proved import kinds
+from .proof_kind import kinds
 from .witnesses import EPS, QUANTITIES, Witness, witnesses
 
 SAMPLES = 11

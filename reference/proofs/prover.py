@@ -51,7 +51,8 @@ ASSUMPTIONS = (
     "rigid plate, Coulomb friction as in the paper's (28)-(34), no impact while the contact lasts",
     "the numbers of the scene as listed",
     "the track is a simple curve",
-    "Arb, python-flint and SymPy's derivatives are correct",
+    "each motion considered stays in one mode for some time after each event",
+    "Arb, python-flint, and SymPy's derivatives and trigonometric simplification are correct",
 )
 
 
