@@ -35,12 +35,15 @@ def check(seed: int, second: bool = False) -> None:
                 motion = reference.simulate(case, rtol=rtol, method=method)
                 status, time = motion.status, float(motion.t[-1])
                 state = [float(getattr(motion(motion.t[-1]), name)) for name in NAMES]
-        if status == "unfinished":  # it ended with a sentence, and is held to energy up to there
-            assert rtol <= 1e-10, about
+        # A speed of the centre is a difference of two in the contact, which turn with the angle and its rounding.
+        rounding = 4.0 * np.finfo(float).eps * abs(hand.state[2])
+        if status == "unfinished" or (status == "breakdown" and rounding > 30.0 * rtol):
+            # It ended with a sentence, and is held to energy up to there. (A moment may spin a plate to 1e15 rad/s: no
+            # step has the tolerance any more.)
+            assert rtol <= 1e-10 or rounding > 30.0 * rtol, about
         else:
             assert status == hand.status, about
-            # A speed of the centre is a difference of two in the contact, which turn with the angle and its rounding.
-            allowed = max(allowed, 4.0 * np.finfo(float).eps * abs(hand.state[2]))
+            allowed = max(allowed, rounding)
             off = distance(hand, state, time)
             assert off <= allowed or off <= allowed * growth(case, terms, hand), (off, about)
         if all(term.conservative for term in terms):
