@@ -431,3 +431,25 @@ def test_long_motion_is_sampled_at_most_so_often():
     # The engine writes a sample at the first step past each period.
     assert 15_000 < len(motion.t) <= exudyn.adapter.MOST_SAMPLES + 1
     assert motion.t[-1] == pytest.approx(2.5, abs=1e-9)
+
+
+def test_steps_are_those_that_the_engine_took():
+    """Newton's method fails at the kinks of the contact law, and the engine halves its steps there."""
+    case = cases.load("eccentric_disc_on_line")
+    setting = exudyn.ladder(case, "integrator")[4]
+    motion = solve(case, "integrator", setting=setting)
+    asked = round(case.duration / setting["h"])
+    assert motion.cost.steps == pytest.approx(len(motion.t), abs=1)
+    assert motion.cost.steps > 1.5 * asked
+
+
+def test_a_slip_that_cannot_reverse_is_not_watched_and_gives_the_same_motion():
+    for label in ("disc_on_line[mu=0.1]", "disc_on_incline"):
+        case = cases.load(label)
+        setting = exudyn.ladder(case, "native")[4]
+        assert "cut" not in setting
+        plain, watched = (solve(case, setting=s) for s in (setting, setting.but(cut=0.01)))
+        assert len(plain.t) == len(watched.t)
+        assert np.array_equal(plain.x, watched.x) and np.array_equal(plain.slip, watched.slip)
+    for label in ("disc_in_circle[mu=0.1]", "driven_disc", "bouncing_disc", "eccentric_disc_on_line"):
+        assert "cut" in exudyn.ladder(cases.load(label), "native")[4]
