@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from math import atan2, isfinite, nan
+from math import atan2, hypot, isfinite, nan
 from typing import Any, TypeVar
 
 import numpy as np
@@ -172,8 +172,9 @@ class Curve:
 
     def speed(self, s):
         """|R_p| in metres per unit of the parameter."""
-        d = self.jet(s)[2:4] if _is_number(s) else self.jets(s)[2:4]
-        return np.hypot(d[0], d[1])
+        if _is_number(s):
+            return hypot(*self.jet(s)[2:4])
+        return np.hypot(*self.jets(s)[2:4])
 
     def curvature(self, s):
         """Signed curvature in 1/m, positive where the curve bends to its left."""

@@ -6,6 +6,8 @@ that root again, and a cool-down after it would hide the next. So a first step l
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import lru_cache
 from math import exp, inf, isfinite
 from typing import NamedTuple
 
@@ -42,11 +44,12 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
     """
     if not isfinite(coefficients.sum()) and not np.isfinite(coefficients).all():
         return FirstStep(t, y, 0, inf, BREAKDOWN)
-    longest, often = _scales(phase, coefficients, t)
+    rows = coefficients.tolist()
+    longest, often = _scales(phase, rows, t)
     names = tuple(phase.system.guards)
     if not names or not 0.0 < often < inf:
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
-    polynomials = coefficients[:, NEAR::-1].tolist()
+    polynomials = [row[NEAR::-1] for row in rows]
     guards, parameters = phase.system.guards_of_numbers, phase.parameters
     part, span, values = PART, end - t, [0.0]
     for _ in range(SHORTER):
@@ -64,31 +67,41 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
     return FirstStep(t, y, 0, longest, names[zero % len(names)])
 
 
-def _scales(phase: Phase, coefficients: np.ndarray, t: float) -> tuple[float, float]:
+def _scales(phase: Phase, rows: list[list[float]], t: float) -> tuple[float, float]:
     """The longest step (s) that the upper half of the coefficients allows, and the rate (1/s) at which a term grows to
     the plate's size or the forces move the plate that far."""
-    sizes = np.abs(coefficients)
-    # heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) uses the last two terms, relative to
-    # the state or to 1. A motion from rest at a symmetric place has only every fourth power, and both terms may vanish.
-    first = sizes.shape[1] // 2
-    last = _largest(sizes[:, first:], axis=0) / max(1.0, *sizes[:, 0].tolist())
-    fastest = _fastest(last.tolist(), first)
-    # All terms of positions are used: those of even or of odd order vanish in a motion from rest. If all vanish, the
-    # forces balance, and a load may change them: they enter by the time in which they would move the plate by its size.
-    forces = phase.system.forces_of_numbers(t, coefficients[:, 0].tolist(), phase.parameters)
-    units = np.array(phase.lengths)[:, None]
-    growth = _largest(sizes[: len(units), 1:] / units, axis=0).tolist()
-    often = max((max(map(abs, forces)) / phase.size) ** 0.5, _fastest(growth, 1))
-    return exp(-2.0) / fastest if fastest else inf, often
+    # If all terms vanish, the forces balance, and a load may change them: they enter by the time in which they would
+    # move the plate by its size.
+    forces = phase.system.forces_of_numbers(t, [row[0] for row in rows], phase.parameters)
+    fastest, growth = _roots(len(rows), len(phase.lengths), len(rows[0]))(rows, phase.lengths)
+    return exp(-2.0) / fastest if fastest else inf, max((max(map(abs, forces)) / phase.size) ** 0.5, growth)
 
 
-_largest = np.maximum.reduce
+@lru_cache(maxsize=64)
+def _roots(variables: int, positions: int, terms: int) -> Callable[..., tuple[float, float]]:
+    """(coefficients, lengths) -> the largest k-th root of the terms k in the upper half, in parts of the state or of 1;
+    and that of all terms of positions, in parts of their lengths. Written out, as loops take twice as long.
 
-
-def _fastest(sizes: list[float], first: int) -> float:
-    """The largest k-th root of the terms' sizes, from the term `first` on. (On floats: NumPy's power takes a
-    microsecond for each zero.)"""
-    return max([size ** (1.0 / k) for k, size in enumerate(sizes, first) if size], default=0.0)
+    heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) uses the last two terms. A motion from
+    rest at a symmetric place has only every fourth power, and both may vanish; so may all even or all odd ones.
+    """
+    rows = [[f"c{i}_{k}" for k in range(terms)] for i in range(variables)]
+    lengths = [f"length_{i}" for i in range(positions)]
+    sizes = ["max(" + ", ".join(f"abs({row[k]})" for row in rows) + ")" for k in range(terms)]
+    grown = [
+        ", ".join(f"abs({row[k]}) / {unit}" for row, unit in zip(rows, lengths, strict=False)) for k in range(terms)
+    ]
+    lines = [
+        "def roots(coefficients, lengths):",
+        f"    {', '.join('(' + ', '.join(row) + ')' for row in rows)} = coefficients",
+        f"    {', '.join(lengths)} = lengths",
+        f"    largest = max(1.0, {sizes[0]})",
+        f"    upper = {', '.join(f'({sizes[k]} / largest) ** {1.0 / k!r}' for k in range(terms // 2, terms))}",
+        f"    return max(upper), max({', '.join(f'max({grown[k]}) ** {1.0 / k!r}' for k in range(1, terms))})",
+    ]
+    scope: dict[str, Callable[..., tuple[float, float]]] = {}
+    exec("\n".join(lines), scope)
+    return scope["roots"]
 
 
 def _polynomial(row: list[float], x: float) -> float:
