@@ -79,9 +79,9 @@ def _compile(system: System, tolerance: float, real: type, optimised: bool):
         )
 
 
-def prepare(phase: Phase, rtol: float = 1e-10) -> None:
+def prepare(phase: Phase, rtol: float = 1e-10, optimised: bool = False) -> None:
     """Compile the phase's equations for that tolerance."""
-    integrators_of(phase.system, tolerance_of(rtol))
+    integrators_of(phase.system, tolerance_of(rtol), float, optimised)
 
 
 def prepare_quadruple(phase: Phase, rtol: float = 1e-10) -> None:
@@ -94,25 +94,27 @@ def tolerance_of(rtol: float) -> float:
     return float(max(FINEST, 10.0 ** np.floor(np.log10(rtol) + 1e-9)))
 
 
-def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
+def integrate(phase: Phase, t: float, y, end: float, rtol: float, optimised: bool = False) -> Segment:
     """Integrate from (t, y) until a guard reaches zero, `end`, or a singularity (guard BREAKDOWN).
 
     The compiled loop integrates a phase to its event in one call; its steps are repeated, one by one, when they are
     requested. If a step could pass over a feature, or the loop ends without an event, the steps are taken one by one.
     """
     tolerance = tolerance_of(rtol)
-    integrators = integrators_of(phase.system, tolerance)
+    integrators = integrators_of(phase.system, tolerance, float, optimised)
     outcome = None if phase.checks_steps else integrators.call(_at_once, phase, t, y, end, tolerance)
     if outcome is None:
         return integrators.call(_one_by_one, phase, t, y, end, float, tolerance)
     event, steps = outcome
     # No closure, to spare the garbage collector.
-    return Segment(phase, t, event, steps, steps, partial(_again, phase, t, y, end, tolerance, event.time, steps))
+    return Segment(
+        phase, t, event, steps, steps, partial(_again, phase, t, y, end, tolerance, event.time, steps, optimised)
+    )
 
 
-def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: float, steps: int):
+def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: float, steps: int, optimised: bool):
     """Times and dense output of a phase that the compiled loop integrated to its end in `steps` steps."""
-    integrators = integrators_of(phase.system, tolerance)
+    integrators = integrators_of(phase.system, tolerance, float, optimised)
     again = integrators.call(_one_by_one, phase, t, y, end, float, tolerance, most_steps=steps)
     return np.append(again.times[:-1], end_time), again.states
 

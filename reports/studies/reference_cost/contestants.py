@@ -32,6 +32,10 @@ class Program(NamedTuple):
     error: float = nan
 
 
+# The methods of `simulate`, and the Taylor method compiled for many runs.
+METHODS = (*reference.METHODS, *(("taylor_optimised",) if taylor.AVAILABLE else ()))
+
+
 def contestants() -> dict[str, Program]:
     """All contestants by name. All are warm: compiled, and run repeatedly."""
     programs: dict[str, Program] = {}
@@ -45,16 +49,16 @@ def contestants() -> dict[str, Program]:
             programs[f"plain C, first slip, mu={mu}"] = Program(plain_c, plain_c() - _exact(mu))
             if abs(plain_c() - _exact(mu)) <= FIRST_SLIP_ERROR:
                 break
-        for method in reference.METHODS:
+        for method in METHODS:
             programs[f"{method}, first slip, mu={mu}"] = _coarsest_program(mu, partial(first_slip, method=method))
             programs[f"simulate by {method}, first slip, new mu={mu}"] = _coarsest_program(
                 mu, partial(whole_call, method=method)
             )
     valley = scenes()["cosine valley, 2 s"]
     exact = slip_on(valley, 1e-14, reference.METHODS[0])()
-    for method in reference.METHODS:
+    for method in METHODS:
         programs[f"{method}, first slip, cosine valley"] = _reaching(exact, partial(slip_on, valley, method=method))
-    for method in reference.METHODS:
+    for method in METHODS:
         for name, case in scenes().items():
             if method != reference.METHODS[0] and name == "superellipse on hill":
                 continue  # this scene tests the search, which is the same for all methods
