@@ -20,8 +20,8 @@ from cases.expression_graph import (
     in_order,
     node,
     python_function,
-    replaced,
     sqrt,
+    substitute,
     symbol,
 )
 from cases.expressions import PARAMETER
@@ -100,5 +100,5 @@ def test_long_sums_are_written_and_differentiated():
 
 
 def test_parts_are_replaced_at_once():
-    assert replaced([s * c + s], {s: c, c: s}) == [c * s + c]
+    assert substitute([s * c + s], {s: c, c: s}) == [c * s + c]
     assert len(in_order([(s + c) * (s + c)])) == 4
