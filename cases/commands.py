@@ -9,9 +9,9 @@
 
 CASE is NAME, "NAME[parameter=value,…]", FILE.py or FILE.py:FUNCTION, in every command of the suite.
 
-`show` and `export` need solvers, which this package knows nothing of: whoever has them declares them as entry points
-of the group "slip_to_roll.commands" (the suite's own are `reports.show` and `reports.export`). There `check` is a
-function that runs a case and says in a line what happens (the suite's own is in `reference.narration`).
+`show` and `export` need solvers, which this package does not import: packages declare them as entry points of the
+group "slip_to_roll.commands" (the suite's are `reports.show` and `reports.export`). The entry point `check` is a
+function that runs a case and describes its motion in one line (the suite's is in `reference.narration`).
 """
 
 from __future__ import annotations
@@ -129,14 +129,14 @@ def new(name: str, force: bool = False) -> str:
     path = Path(f"{name}.py")
     owned_folder.check_new(path, force)
     if not path.exists() and _shadows(name):
-        raise BadValue(f"{name!r} is the name of a Python module, or of what a case uses; {name}.py would stand in its "
-                       "place: give another name")  # fmt: skip
+        raise BadValue(f"{name!r} is the name of a Python module, or of something that a case uses, which {name}.py "
+                       "would replace; give another name")  # fmt: skip
     owned_folder.write(path, TEMPLATE.format(name=name), replace=force)
     return f"written: {path}; edit its curve, then python -m cases check {path}"
 
 
 def _shadows(name: str) -> bool:
-    """Whether a file NAME.py, or a function of that name in it, would stand in the way of something else."""
+    """Whether a file NAME.py, or a function of that name in it, would hide something that a case uses."""
     used = {node.id for node in ast.walk(ast.parse(TEMPLATE.format(name="_"))) if isinstance(node, ast.Name)}
     if name in used or hasattr(builtins, name) or name in sys.stdlib_module_names:
         return True

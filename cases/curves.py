@@ -63,7 +63,7 @@ class Curve:
     def __post_init__(self):
         object.__setattr__(self, "domain", _check_domain(self.domain))
         object.__setattr__(self, "expression", _the_one(_expression(self.function)))
-        # What is too large or too small for a double shows as a value that is not finite, and is told as such.
+        # Values too large or too small for a double are not finite here; the checks report them.
         with np.errstate(all="ignore"):
             first = _first(self)
         if first is not self:
@@ -101,7 +101,7 @@ class Curve:
     @classmethod
     @in_one_thread
     def through(cls, points, closed: bool) -> Curve:
-        """A smooth curve that fits points (n, 2) in metres, in order along it; `residual` tells by how much it misses.
+        """A smooth curve that fits points (n, 2) in metres, in order along it; `residual` is the largest distance.
 
         A Fourier series of s in (0, 2π) if closed, else a polynomial on (−1, 1). Raises BadValue or BadCurve.
         """
@@ -315,7 +315,7 @@ class Curve:
 
 
 def _is_number(s) -> bool:
-    """Whether it is one parameter, not an array of them; a float, the commonest, is told at once."""
+    """Whether it is one parameter, not an array of them; the most common type is tested first."""
     return isinstance(s, float) or np.ndim(s) == 0
 
 

@@ -210,8 +210,8 @@ class Impact:
     normal velocity turns to −e times itself), both by Routh's construction, which follows the slip along the impulse;
     or "moreau", Newton's restitution with Coulomb's law between the whole impulses and the velocities after the
     impact, as engines with a fixed step have it. Newton's restitution can create energy where friction ends or
-    reverses the slip: with "newton" such an impact ends the motion with a reason, with "moreau" the motion goes on, as
-    those engines do. (Wang & Mason 1992, J. Appl. Mech. 59, 635:
+    reverses the slip: with "newton" such an impact ends the motion with a reason, with "moreau" the motion continues,
+    as in those engines. (Wang & Mason 1992, J. Appl. Mech. 59, 635:
     reference looked up, not the text; Routh's book of 1905 is known to us, not looked up. "moreau": Siconos' users'
     guide, "Non Smooth Laws", has the normal part; the whole is derived in `reference.minimal.impact`.)
     """
@@ -232,10 +232,10 @@ Effect = Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance |
 
 _KINDS: tuple[type, ...] = get_args(Effect)
 
-# What an effect needs beside it, any one of them, and why.
+# The effects of which another effect needs at least one, and why.
 _NEEDS: dict[type, tuple[tuple[type, ...], str]] = {
     RollingResistance: ((CoulombFriction, PerfectlyRough), "nothing makes a plate without friction roll"),
-    Flight: ((Unilateral,), "a bilateral guide never lets go"),
+    Flight: ((Unilateral,), "the plate cannot leave a bilateral guide"),
     Impact: ((Flight,), "a plate that does not fly does not land"),
 }
 # Pairs that contradict each other, and why.
@@ -275,7 +275,7 @@ def check_formula(effects) -> tuple[Effect, ...]:
     for kind, (partners, why) in _NEEDS.items():
         if kind in kinds and not set(partners) & set(kinds):
             names = " or ".join(f"{n.__name__}" for n in partners)
-            raise DoesNotFit(f"{kind.__name__} asks for {names} beside it ({why}); add it or leave {kind.__name__} out")
+            raise DoesNotFit(f"{kind.__name__} needs {names} as well ({why}); add it or remove {kind.__name__}")
     for one, other, why in _CONTRADICT:
         if one in kinds and other in kinds:
             raise DoesNotFit(f"{one.__name__} and {other.__name__} contradict each other ({why}); leave one out")

@@ -1,5 +1,5 @@
-"""What an author writes as a formula: what may stand in one, and its sizes lifted out so that one compilation serves
-all. Text is read by `cases.formulas`; nothing here evaluates text.
+"""Formulas of authors: which expressions are allowed, and the separation of their sizes, so that one compilation serves
+all sizes. Text is read by `cases.formulas`; nothing here evaluates text.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ _RECIPROCAL = {
     sp.atanh: lambda u: log((1 + u) / (1 - u)) / 2,
 }  # fmt: skip
 
-# What takes long to derive and compile is refused: of the formulas tried the worst that is admitted took half a minute,
-# and what is ten times as large hours. The longest of the catalogue has 58 parts, is 7 deep and nests two functions; a
+# Limits on formulas that take long to derive and compile: of those tried the slowest accepted one took half a minute,
+# one ten times as large hours. The longest of the catalogue has 58 parts, is 7 deep and nests two functions; a
 # measured curve of ten terms is 22 deep.
 MOST_PARTS, DEEPEST, MOST_NESTING = 300, 40, 6
 # The equations hold a curve's third derivatives: their parts, which grow with the cube of what is multiplied or nested.
@@ -72,7 +72,7 @@ def as_expression(value: object) -> sp.Expr | None:
 
 
 def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: type[Exception]) -> bool:
-    """Whether something in the expression has to be rewritten; raises `error` for what cannot stand in a formula."""
+    """Whether something in the expression has to be rewritten; raises `error` if it contains something else."""
     foreign, parts, todo = False, 0, [(whole, 1, 0)]
     while todo:
         node, depth, nesting = todo.pop()
@@ -190,7 +190,7 @@ def lift_constants(expressions: Sequence[sp.Expr]) -> tuple[tuple[sp.Expr, ...],
 def as_tree(expression: sp.Basic):
     """An expression as (function, argument, …) of such trees, with numbers and symbols for leaves, to be pickled.
 
-    SymPy's own pickles work an expression out anew as they are read, which multiplies out what an author factored.
+    Reading SymPy's own pickles evaluates the expression again, which multiplies out what an author factored.
     """
     return (expression.func, *map(as_tree, expression.args)) if expression.args else expression
 

@@ -58,7 +58,7 @@ def parse(text: str, variables: Mapping[str, sp.Symbol], what: str, error: type[
 
 
 class _FormulaReader:
-    """Walks a syntax tree from its leaves up; what is in no table is refused."""
+    """Walks a syntax tree from its leaves up; rejects what no table contains."""
 
     def __init__(self, variables: Mapping[str, sp.Symbol], source: str):
         self._variables, self._source = variables, source

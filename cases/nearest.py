@@ -14,8 +14,8 @@ from .curves import Curve
 from .errors import DoesNotFit
 from .features import union
 
-# Points of the outline that are looked at: closer than the curvature of any smooth outline is likely to hide a nearer
-# one between two of them, and Newton's method goes on from the nearest.
+# Number of samples of the outline: so dense that a smooth outline is unlikely to have a nearer point between two of
+# them. Newton's method starts at the nearest sample.
 OUTLINE_POINTS = 128
 # Points of the track to a size of the plate.
 POINTS_A_SIZE = 24
@@ -74,7 +74,7 @@ class _Stretches(NamedTuple):
 
 
 def _squares(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Squares of distances of points whose coordinates stand last, m²."""
+    """Squares of distances of points, m²; coordinates are the last axis."""
     x, y = a[..., 0] - b[..., 0], a[..., 1] - b[..., 1]
     return x * x + y * y
 
@@ -125,8 +125,8 @@ def _off(from_point: np.ndarray, normals: np.ndarray, bends: np.ndarray) -> np.n
     """The distances of places, seen from points of a curve (m, 2), from the circles that osculate it there, m, positive
     on its left.
 
-    A sample may be half a sample's distance beside the nearest point: along its normal a place far away would seem
-    nearer than it is by that turned by the normal's angle.
+    A sample may be half a sample's distance from the nearest point, so distances along its normal are too small by that
+    times the angle between the normals.
     """
     (nx, ny), (dx, dy) = normals.T, from_point.T
     twice = 2.0 * (dx * nx + dy * ny) - bends * (dx * dx + dy * dy)

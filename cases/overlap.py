@@ -1,7 +1,7 @@
 """Whether a plate overlaps its track anywhere, in one pose or in many at once.
 
-The plate is looked at as a polygon, which lies inside a convex outline: what is found overlaps indeed, by more than
-the polygon's sagitta. An open outline encloses nothing and overlaps nothing. Polygons and samples are kept by curve.
+The plate is replaced by a polygon inside its convex outline, so a reported overlap is real and deeper than the
+polygon's sagitta. An open outline encloses nothing and overlaps nothing. Polygons and samples are cached by curve.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ import numpy as np
 from .curves import Curve
 from .features import union
 
-# Corners of the polygon, besides those that show the outline's features.
+# Number of corners of the polygon, in addition to those that resolve the outline's features.
 CORNERS = 720
-# Track samples to a size of the plate, and at least and at most so many, besides those that show the track's features.
+# Number of track samples per size of the plate, the fewest and the most, in addition to those for the track's features.
 POINTS_A_SIZE, FEWEST, MOST = 16, 720, 20_000
-# Pairs of a pose and a track point that are looked at together: some megabytes.
+# Number of pairs of a pose and a track point that are tested together: some megabytes.
 TOGETHER = 100_000
 # Cells of a column are counted within this.
 COLUMN = 2**31
@@ -54,7 +54,7 @@ class _OutlineSamples:
     cell: float
 
     def _cells(self, points: np.ndarray) -> np.ndarray:
-        """Column and row of points' cells, whole numbers; far out they run together, and distances tell them apart."""
+        """Column and row of points' cells, whole numbers; far out several share one, and distances separate them."""
         return np.clip(np.floor(points / self.cell), -COLUMN / 4, COLUMN / 4).astype(np.int64)
 
     @cached_property

@@ -1,6 +1,6 @@
-"""An executable as an adapter: a process to a run, its output bounded, read as numbers and never run.
+"""An executable as an adapter: one process per run; its output is bounded, read as numbers and never executed.
 
-What it says of its own cost is told as its own: nobody timed it, and it is ranked nowhere by time.
+The cost that it reports is marked as its own measurement and is not ranked.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from .scene_file import as_json, scene
 FEWEST_STEPS = 60
 # Steps (s) for a case of a few seconds, the first a game's; a longer case has as many steps.
 STEPS, USUAL_DURATION = (1 / 60, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
-# A motion of 100,000 samples with ten columns is some twenty megabytes.
+# A motion of 100,000 samples with ten columns has about twenty megabytes.
 MOST_BYTES = 30 * 2**20
-# Wall seconds of a run, where nobody has set a shorter limit.
+# Time limit of a run, wall seconds, unless a shorter one is set.
 MOST_SECONDS = 600.0
-# The exit status by which an executable refuses a scene; the sentence stands on standard error.
+# Exit status of an executable for an unsupported scene; the reason is on standard error.
 UNSUPPORTED_STATUS = 3
 # Characters of a line that is quoted.
 _QUOTE_CHARACTERS = 200
@@ -42,7 +42,7 @@ _COST = re.compile(r"^#\s*cost\b(.*)$", re.MULTILINE)
 
 @dataclass
 class ProcessModel:
-    """One run: what goes in, and what came out."""
+    """One run: its input and output."""
 
     case: Case
     scene_text: str
@@ -87,7 +87,7 @@ class Engine:
         return Setting.of(rung="defaults", h=min(self.own_step(), longest)), *(Setting.of(h=h) for h in steps)
 
     def own_step(self) -> float:
-        """The step (s) of the engine as it comes: nothing is known of it, and a game's is taken."""
+        """The engine's default step (s): unknown, so that of games is used."""
         return STEPS[0]
 
     def build(self, case: Case, route: str, setting: Setting) -> ProcessModel:
@@ -152,7 +152,7 @@ def _read(file, most: int) -> str:
 
 
 def _quote(message: str) -> str:
-    """What stands on standard error, to append to a sentence: the first line with a word in it, and the last."""
+    """The text on standard error, to append to a sentence: the first line that contains a letter, and the last."""
     lines = [line.strip() for line in message.splitlines() if any(map(str.isalnum, line))]
     ends = [lines[0], *lines[-1:]] if len(lines) > 1 else lines
     return f": {' … '.join(line[:_QUOTE_CHARACTERS] for line in ends)}" if ends else ""
@@ -176,8 +176,8 @@ def _signal(number: int) -> str:
 
 
 def _bound() -> None:
-    """In the new process: no file of it grows beyond the limit, and it ends when whoever asked it ends (Linux), so that
-    a hung one is left nowhere."""
+    """In the new process: limit the size of its files, and end it when its parent ends (Linux), so that a process that
+    hangs does not remain."""
     hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
     most = MOST_BYTES if hard == resource.RLIM_INFINITY else min(MOST_BYTES, hard)
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))

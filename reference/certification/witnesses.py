@@ -59,7 +59,7 @@ class Witness(NamedTuple):
 
 def witnesses(case: Case) -> tuple[list[Witness], list[str]]:
     """All witnesses of a case, the most precise first, and a sentence for each that cannot run or does not reach the
-    end of the motion. If the quickest one, with the fewest steps, does not reach it, no other witness is run.
+    end of the motion. If the fastest one, with the fewest steps, does not reach it, no other witness is run.
 
     Raises FloatingPointError if the second formulation starts and cannot continue.
     """

@@ -1,7 +1,7 @@
 """An algebra of sums of products of powers, with derivatives and sin² = 1 − cos²: it finds that a circle has a constant
 speed and curvature.
 
-It multiplies out, so it suits short formulas only: `TooLong` is raised for others.
+It multiplies out, so it suits short formulas only: `TooLong` is raised for long ones.
 """
 
 from __future__ import annotations

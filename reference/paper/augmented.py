@@ -48,7 +48,7 @@ class AugmentedSystem(NamedTuple):
     """(27) at one instant: its matrix and right-hand side, and the values from which they were assembled.
 
     `ratio` is the μ of (30) with its sign, `arm` the resisting couple per normal force with its sign (m), `rolls` and
-    `rotation_fixed` tell whether the rows of rolling and of a fixed rotation are present.
+    `rotation_fixed` are true if the rows of rolling and of a fixed rotation are present.
     """
 
     matrix: np.ndarray

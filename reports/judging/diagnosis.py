@@ -264,12 +264,13 @@ def _late_rates(columns: Columns, slopes: Mapping[str, np.ndarray]) -> str:
     when, names = "before" if mean < 0.0 else "after", ", ".join(shifts)
     if max(abs(shift) for shift in shifts.values()) <= HALF[1]:
         return (
-            f"{names} seem to stand half a step {when} the poses, as a semi-implicit step leaves them: slip, "
-            "and what is read from it, is off by what half a step changes; write velocities of the poses' times"
+            f"{names} seem to belong to times half a step {when} the poses, as with semi-implicit steps: slip and "
+            "everything read from it have an error of half a step; write velocities of the poses' times"
         )
+    seconds = abs(mean) * float(np.median(np.diff(t)))
     return (
-        f"{names} seem to stand {abs(mean):.2g} steps ({abs(mean) * float(np.median(np.diff(t))):.2g} s) {when} the "
-        "poses; write velocities of the poses' times"
+        f"{names} seem to belong to times {abs(mean):.2g} steps ({seconds:.2g} s) {when} the poses; "
+        "write velocities of the poses' times"
     )
 
 
@@ -330,7 +331,7 @@ def slip_half_a_step_beside(case: Case, motion: Trajectory) -> str:
         return ""
     when = "before" if shift < 0.0 else "after"
     return (
-        f"slip seems to stand half a step {when} the poses: every transition is off by as much; "
+        f"slip seems to belong to times half a step {when} the poses, so every transition has that error; "
         "write the slip of the poses' times"
     )
 

@@ -60,8 +60,8 @@ class Scale:
     `time` (s) for the time in a wrong mode.
 
     `end` (s) and `phases` are the truth's, `slips` (m/s) the largest slip in each. `either` has the time spans (s) in
-    which slip is too slow to be told from a roll; they are rolls in `phases`. `fastest_slip` (m/s) is the largest of
-    `slips`, or the fastest speed where nothing slips; `losses` are those of `friction_factor`. `null_motion` names the
+    which slip is too slow to be distinguished from a roll; they are rolls in `phases`. `fastest_slip` (m/s) is the
+    largest of `slips`, or the fastest speed where nothing slips; `losses` are those of `friction_factor`. `null_motion` names the
     null motion with the smallest pose error, "" where none differs from the truth: `pose` is then the plate's reach.
     """
 
@@ -106,7 +106,7 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
     slowest = _SAME * speed
     phases = phases_of(truth.first_mode, events, end)
     slips = tuple(_largest_slip(truth, phase) for phase in phases)
-    # A slip that is too slow to be told from a roll is one, for the truth and for every other motion.
+    # A slip that is too slow to be distinguished from a roll is one, for the truth and for every other motion.
     either = tuple(
         (phase.begin, phase.end)
         for phase, largest in zip(phases, slips, strict=True)
@@ -323,7 +323,7 @@ def _integrals(
 def _standing(
     motion: Trajectory, truth: Trajectory, times: np.ndarray, begin: float, case: Case
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Pose and slip errors at the times of a plate that stands still where it was last at the time `begin`."""
+    """Pose and slip errors at the times of a plate at rest in its last pose before the time `begin`."""
     true = truth(times)
     i = max(int(np.searchsorted(motion.t, begin, side="right")) - 1, 0)
     first = truth(float(np.clip(motion.t[0], 0.0, truth.t[-1])))

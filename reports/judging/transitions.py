@@ -43,7 +43,7 @@ _JUMP = 0.5
 _SMALLEST_JUMP = 1e-6
 # An impact no farther from the end than this part of its time is at the end: some roundings of where parabolas meet.
 _ROUNDING = 1e-14
-# A contact of fewer samples tells no slope.
+# Fewest samples of a contact from which slopes are computed.
 _FEWEST = 4
 
 

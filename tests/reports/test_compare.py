@@ -189,7 +189,7 @@ def test_slip_half_a_step_beside_its_poses_is_noticed(tmp_path, capsys, shift, w
     frame = table(FULL[:8]).iloc[::4]
     moved = frame.assign(slip=MOTION(np.clip(frame.t + 4e-3 * shift, 0.0, MOTION.t[-1])).slip)
     status, text, _ = judged(tmp_path, capsys, moved)
-    assert status == 0 and f"slip seems to stand half a step {when} the poses" in text
+    assert status == 0 and f"slip seems to belong to times half a step {when} the poses" in text
     assert "half a step" not in judged(tmp_path, capsys, frame)[1]
 
 

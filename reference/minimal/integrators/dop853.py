@@ -59,9 +59,9 @@ _STAGE_WEIGHTS = np.abs(DOP853.D)
 # Before a first step the rates are evaluated this far ahead, in parts of the motion's time scale.
 PROBE = 1e-2
 
-# The phase stops if STANDS steps together cover no more than STILL of it so far: towards a singularity the tolerance
-# needs digits that are lost to rounding, long before a step is as short as a rounding of the time.
-STANDS, STILL = 500, 1e-9
+# The phase stops if MOST_TINY_STEPS steps together cover at most the fraction TINY of it so far: near a singularity
+# the tolerance needs digits that are lost to rounding, long before a step is as short as a rounding of the time.
+MOST_TINY_STEPS, TINY = 500, 1e-9
 
 
 def _weights(x):
@@ -160,7 +160,7 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
             )
         times.append(solver.t)
         pieces.append(piece)
-        if len(times) > STANDS and solver.t - times[-STANDS] <= STILL * (solver.t - t):
+        if len(times) > MOST_TINY_STEPS and solver.t - times[-MOST_TINY_STEPS] <= TINY * (solver.t - t):
             event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
             return _end_event(phase, times, pieces, event, solver.nfev)
         if (len(pieces) >= MOST_LOOKED_AT or tries >= MOST_TRIES) and solver.status != "finished":
