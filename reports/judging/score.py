@@ -61,8 +61,9 @@ class Scale:
 
     `end` (s) and `phases` are the truth's, `slips` (m/s) the largest slip in each. `either` has the time spans (s) in
     which slip is too slow to be distinguished from a roll; they are rolls in `phases`. `fastest_slip` (m/s) is the
-    largest of `slips`, or the fastest speed where nothing slips; `losses` are those of `friction_factor`. `null_motion` names the
-    null motion with the smallest pose error, "" where none differs from the truth: `pose` is then the plate's reach.
+    largest of `slips`, or the fastest speed where nothing slips; `losses` are those of `friction_factor`. `null_motion`
+    names the null motion with the smallest pose error, "" where none differs from the truth: `pose` is then the plate's
+    reach.
     """
 
     pose: float

@@ -40,7 +40,7 @@ def level(effects, **start):
     "make, says",
     [
         (lambda: level((Gravity(9.81), RollingResistance(0.01))), "CoulombFriction or PerfectlyRough"),
-        (lambda: level((Gravity(9.81), Flight())), "add it or leave Flight out"),
+        (lambda: level((Gravity(9.81), Flight())), "add it or remove Flight"),
         (lambda: level((Gravity(9.81), Unilateral(), Impact(0.5))), "needs Flight"),
         (lambda: level((CoulombFriction(0.1), PerfectlyRough())), "contradict"),
         (lambda: level((CoulombFriction(0.1), Sandpaper())), "give PerfectlyRough"),
