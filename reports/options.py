@@ -101,6 +101,11 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "seed": dict(metavar="N", default="0", help="seed of random and sobol (default: 0)"),
     "rtol": dict(metavar="R", default="1e-10", help="relative tolerance of the reference (default: 1e-10)"),
     "certify": dict(action="store_true", help="compute certified error bars (seconds per scenario)"),
+    "baseline": dict(metavar="DIR", help="folder of the report to compare with"),
+    "worse_than": dict(
+        metavar="SHARE", default="10%", help="growth of an error that is accepted, as 10%% or 0.1 (default: 10%%)"
+    ),
+    "format": dict(metavar="NAME", default="text", help="text, json or junit (default: text)"),
     "refine": dict(
         metavar="WIDTH",
         help="locate the boundaries between outcomes to this width in the first varied parameter",

@@ -20,7 +20,7 @@ ALLOWED = {
 FLOORS = (
     {"cli"},
     {
-        "build", "compare", "compare_builds", "comparison", "publish", "submit",
+        "build", "compare", "compare_builds", "comparison", "gate", "publish", "submit",
         "study", "show", "export", "sweep", "animate",
     },
     {"options"},

@@ -1,0 +1,196 @@
+"""`python -m reports.gate --baseline A [REPORT]`: whether a report is worse than a baseline.
+
+Each run of the baseline is compared with the run of the same case, solver, route and setting in REPORT (default:
+`report`). A run is worse if it has no motion any more, if it is missing, or if its error (off) has grown by more than
+--worse-than, by more than the doubts of both, and to more than 0.01 %. Exit status: 0 if no run is worse, 1 if one is,
+2 with one sentence if the two cannot be compared.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from io import StringIO
+from math import isfinite
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+from cases import BadValue
+from cases.command_line import status
+from cases.user_files import place, text
+
+from . import options
+from .running.records import legible
+
+COMMAND = "reports.gate"
+FORMATS = ("text", "json", "junit")
+# What identifies a run, and the further columns that are compared.
+KEYS, VALUES = ("case", "solver", "route", "setting"), ("outcome", "off", "off_doubt")
+# Smaller errors count as none: 4 digits, as in a ranking.
+LEAST_OFF = 1e-4
+# Size limit of a table in bytes; the largest of a full report has a tenth of it.
+_LARGEST = 100 * 2**20
+
+
+class RunChange(NamedTuple):
+    """A run in two reports: "worse", "better", "same" or "new", the errors (off) of both, and why."""
+
+    case: str
+    solver: str
+    route: str
+    setting: str
+    change: str
+    baseline: float
+    now: float
+    reason: str
+
+
+class _Result(NamedTuple):
+    outcome: str
+    off: float
+    doubt: float
+
+
+def compare(baseline: Path, report: Path, tolerance: float, solvers: Sequence[str] = ()) -> list[RunChange]:
+    """The runs of both reports, those of the baseline first; raises BadValue if they have no run in common.
+
+    `tolerance`: the relative growth of off that is accepted. `solvers`: only these, by name; of all versions.
+    """
+    old, new = (_results(folder, solvers) for folder in (baseline, report))
+    if not old.keys() & new.keys():
+        raise BadValue(
+            f"{baseline} and {report} have no run in common; build both with the same cases, solvers and settings"
+        )
+    changes = [RunChange(*key, *_change(result, new.get(key), tolerance)) for key, result in old.items()]
+    nan = float("nan")
+    return changes + [RunChange(*key, "new", nan, new[key].off, "") for key in new if key not in old]
+
+
+def _change(old: _Result, new: _Result | None, tolerance: float) -> tuple[str, float, float, str]:
+    """Change, both errors and the reason."""
+    if new is None:
+        change = "worse" if old.outcome == "answered" else "same"
+        return change, old.off, float("nan"), "the run is missing"
+    if old.outcome != "answered" or new.outcome != "answered":
+        change = "same" if old.outcome == new.outcome else "worse" if old.outcome == "answered" else "better"
+        return change, old.off, new.off, f"{old.outcome}, now {new.outcome}" if change != "same" else ""
+    sure = abs(new.off - old.off) > old.doubt + new.doubt
+    if sure and new.off > max(old.off * (1 + tolerance), LEAST_OFF):
+        return "worse", old.off, new.off, f"off {100 * old.off:.3g} %, now {100 * new.off:.3g} %"
+    if sure and old.off > max(new.off * (1 + tolerance), LEAST_OFF):
+        return "better", old.off, new.off, f"off {100 * old.off:.3g} %, now {100 * new.off:.3g} %"
+    return "same", old.off, new.off, ""
+
+
+def _results(folder: Path, solvers: Sequence[str]) -> dict[tuple[str, str, str, str], _Result]:
+    """The runs of a report by case, solver (without version), route and setting; raises BadValue."""
+    import pandas as pd
+
+    file = folder / "tables" / "trajectories.csv"
+    if not file.is_file():
+        raise BadValue(f"{folder} contains no report; give a folder that `python -m reports.build --out` wrote")
+    try:
+        frame = pd.read_csv(StringIO(text("table", file, _LARGEST)), dtype=str, keep_default_na=False)
+    except (ValueError, OverflowError, RecursionError) as problem:
+        raise BadValue(f"{file} cannot be read as comma-separated values: {problem}") from problem
+    missing = [name for name in (*KEYS, *VALUES) if name not in frame.columns]
+    if missing:
+        raise BadValue(f"{file} has no column {missing[0]}; give a report of version 0.2.0 or newer")
+    frame["solver"] = [name.partition("@")[0] for name in frame["solver"]]
+    unknown = sorted(set(solvers) - set(frame["solver"]))
+    if unknown:
+        raise BadValue(f"{folder} has no runs of the solver {unknown[0]}; its tables list the solvers it has")
+    results = {}
+    for row in frame.to_dict("records"):
+        if not solvers or row["solver"] in solvers:
+            case, solver, route, setting = (str(row[name]) for name in KEYS)
+            off, doubt = _number(row["off"]), _number(row["off_doubt"])
+            result = _Result(str(row["outcome"]), off, doubt if isfinite(doubt) else 0.0)
+            results[case, solver, route, setting] = result
+    return results
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return float("nan")
+
+
+# --- output -----------------------------------------------------------------------------------------------------------
+
+
+def as_text(changes: Sequence[RunChange]) -> str:
+    """The changed runs, one per line, and the counts."""
+    lines = [
+        f"{run.change}: {run.case}, {run.solver} {run.route}, {run.setting}: {run.reason}"
+        for run in changes
+        if run.change in ("worse", "better")
+    ]
+    counts = Counter(run.change for run in changes)
+    lines.append(", ".join(f"{counts[name]} {name}" for name in ("worse", "better", "same", "new")))
+    return "\n".join(map(legible, lines))  # an untrusted report can contain any text
+
+
+def as_json(changes: Sequence[RunChange]) -> str:
+    """Counts and all runs; an error that is not known is null."""
+    rows = [
+        {
+            name: None if isinstance(value, float) and not isfinite(value) else value
+            for name, value in run._asdict().items()
+        }
+        for run in changes
+    ]
+    return json.dumps({"counts": Counter(run.change for run in changes), "runs": rows}, indent=1)
+
+
+def as_junit(changes: Sequence[RunChange]) -> str:
+    """JUnit's XML: a test case for each run of the baseline, with a failure if it is worse."""
+    runs = [run for run in changes if run.change != "new"]
+    worse = sum(run.change == "worse" for run in runs)
+    suite = ElementTree.Element("testsuite", name="slip-to-roll gate", tests=str(len(runs)), failures=str(worse))
+    for run in runs:
+        name = legible(f"{run.case} {run.setting}")
+        case = ElementTree.SubElement(suite, "testcase", classname=legible(f"{run.solver}.{run.route}"), name=name)
+        if run.change == "worse":
+            ElementTree.SubElement(case, "failure", message=legible(run.reason))
+    return ElementTree.tostring(suite, encoding="unicode")
+
+
+def tolerance_of(words: str) -> float:
+    """A relative tolerance from text: 10% or 0.1; raises BadValue."""
+    number = _number(words.removesuffix("%")) / (100.0 if words.endswith("%") else 1.0)
+    if not (isfinite(number) and number >= 0.0):
+        raise BadValue(f"--worse-than is {words!r}; give a share such as 10% or 0.1")
+    return number
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status."""
+
+    def work(words: list[str]) -> int:
+        parser = options.parser(
+            COMMAND, "Whether a report is worse than a baseline: exit status 1 if it is.",
+            "baseline", "solver", "worse_than", "format",
+            words={"REPORT*": "the folder of a report (default: report)"},
+            example=f"python -m {COMMAND} --baseline old --solver exudyn --worse-than 10%% --format junit > gate.xml",
+        )  # fmt: skip
+        arguments = parser.parse_args(words)
+        if not arguments.baseline or len(arguments.REPORT) > 1:
+            raise BadValue("give --baseline DIR, and at most one report to compare with it")
+        if arguments.format not in FORMATS:
+            raise BadValue(f"--format is {arguments.format!r}; give one of {', '.join(FORMATS)}")
+        tolerance = tolerance_of(arguments.worse_than)
+        report = place("report", (arguments.REPORT or ["report"])[0])
+        changes = compare(place("report", arguments.baseline), report, tolerance, arguments.solver or ())
+        print({"text": as_text, "json": as_json, "junit": as_junit}[arguments.format](changes))
+        return int(any(run.change == "worse" for run in changes))
+
+    return status(COMMAND, work, argv)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

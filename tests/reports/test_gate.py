@@ -1,0 +1,99 @@
+"""`reports.gate`: which changes of a report make it fail, in every format."""
+
+import json
+from xml.etree import ElementTree
+
+import pandas as pd
+import pytest
+
+from reports import cli, gate
+
+KEY = {"case": "disc_on_line[mu=0.1]", "solver": "exudyn", "route": "native", "setting": "h=0.001"}
+RUN = KEY | {"outcome": "answered", "off": 0.02, "off_doubt": 1e-5}
+
+
+def report(folder, *rows):
+    (folder / "tables").mkdir(parents=True)
+    pd.DataFrame(rows).to_csv(folder / "tables" / "trajectories.csv", index=False)
+    return str(folder)
+
+
+@pytest.mark.parametrize(
+    ("now", "worse"),
+    [
+        ({}, False),
+        ({"off": 0.0219}, False),  # 9.5 %
+        ({"off": 0.0221}, True),  # 10.5 %
+        ({"off": 0.0221, "off_doubt": 0.01}, False),
+        ({"off": 0.001}, False),
+        ({"outcome": "crashed", "off": ""}, True),
+        ({"solver": "exudyn@1.13.6", "off": 0.03}, True),
+    ],
+)
+def test_a_run_is_worse_by_more_than_the_share_and_the_doubt(now, worse, tmp_path, capsys):
+    old, new = report(tmp_path / "old", RUN), report(tmp_path / "new", RUN | now)
+    assert gate.main(["--baseline", old, new, "--worse-than", "10%"]) == int(worse)
+    assert ("worse: disc_on_line[mu=0.1], exudyn native, h=0.001: " in capsys.readouterr().out) is worse
+
+
+def test_a_missing_run_is_worse_and_a_new_one_is_not(tmp_path, capsys):
+    other = RUN | {"case": "disc_on_incline"}
+    both, one = report(tmp_path / "both", RUN, other), report(tmp_path / "one", RUN)
+    assert gate.main(["--baseline", both, one]) == 1
+    assert "the run is missing" in capsys.readouterr().out
+    assert gate.main(["--baseline", one, both]) == 0
+    assert "1 new" in capsys.readouterr().out
+
+
+def test_errors_below_four_digits_do_not_count(tmp_path):
+    old = report(tmp_path / "old", RUN | {"off": 1e-6, "off_doubt": 0.0})
+    assert gate.main(["--baseline", old, report(tmp_path / "a", RUN | {"off": 9e-5, "off_doubt": 0.0})]) == 0
+    assert gate.main(["--baseline", old, report(tmp_path / "b", RUN | {"off": 2e-4, "off_doubt": 0.0})]) == 1
+
+
+def test_only_the_selected_solvers_count(tmp_path):
+    other = RUN | {"solver": "pymunk"}
+    old, new = report(tmp_path / "old", RUN, other), report(tmp_path / "new", RUN, other | {"off": 0.5})
+    assert gate.main(["--baseline", old, new, "--solver", "exudyn"]) == 0
+    assert cli.main(["gate", "--baseline", old, new, "--solver", "pymunk"]) == 1
+
+
+def test_formats_for_programs(tmp_path, capsys):
+    other = RUN | {"case": "disc_on_incline"}
+    old = report(tmp_path / "old", RUN, other)
+    new = report(tmp_path / "new", RUN, other | {"outcome": "crashed", "off": "", "off_doubt": ""})
+    assert gate.main(["--baseline", old, new, "--format", "json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert told["counts"] == {"same": 1, "worse": 1} and told["runs"][1]["now"] is None
+    assert gate.main(["--baseline", old, new, "--format", "junit"]) == 1
+    suite = ElementTree.fromstring(capsys.readouterr().out)
+    assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
+    (failure,) = suite.iter("failure")
+    assert failure.get("message") == "answered, now crashed"
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--worse-than", "ten"], "--worse-than is 'ten'; give a share such as 10% or 0.1"),
+        (["--worse-than", "-5%"], "expected one argument"),
+        (["--worse-than=-5%"], "--worse-than is '-5%'; give a share such as 10% or 0.1"),
+        (["--format", "yaml"], "--format is 'yaml'; give one of text, json, junit"),
+        (["--solver", "nobody"], "has no runs of the solver nobody"),
+        (["no such folder"], "contains no report"),
+    ],
+)
+def test_invalid_input_is_one_sentence(words, sentence, tmp_path, capsys):
+    old = report(tmp_path / "old", RUN)
+    words = words if words[0].startswith("no") else [old, *words]
+    assert gate.main(["--baseline", old, *words]) == 2
+    told = capsys.readouterr()
+    assert sentence in told.err and told.err.count("\n") == 1 and not told.out
+
+
+def test_reports_without_a_common_run_cannot_be_compared(tmp_path, capsys):
+    old, new = report(tmp_path / "old", RUN), report(tmp_path / "new", RUN | {"case": "disc_on_incline"})
+    assert gate.main(["--baseline", old, new]) == 2
+    assert "no run in common" in capsys.readouterr().err
+    assert gate.main([new]) == 2
+    assert "give --baseline DIR" in capsys.readouterr().err
