@@ -201,7 +201,7 @@ def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
         "default": (_percent(row["default_off"]), _range(row)),
         "finest": (_percent(row["finest_off"]), _worst(row["finest_off_worst"])),
         "grade": (row["median_grade"] or "–", ""),
-        **{f"≤ {percent(level)}": _count(row, name) for name, level in _COUNT_LEVELS.items()},
+        "≤ 1 %": (str(row["good_cases"]), f"≤ 0.01 %: {row['excellent_cases']}"),
         "friction ×": (f"{float(f'{factor:.2g}'):g}" if isfinite(factor) else "–", ""),
         "digits": (digits, ""),
         **({"time to 1 %": _time(row)} if row["cost_case"] else {}),
@@ -214,12 +214,6 @@ def _time(row: Mapping[str, Any]) -> tuple[str, str]:
     return (seconds(first), f"1,000 runs: {seconds(thousand)}") if isfinite(first) else ("–", "")
 
 
-def _count(row: Mapping[str, Any], name: str) -> tuple[str, str]:
-    """In how many cases a level is reached, and in how many of these no finer setting confirms it."""
-    alone = row[f"{name}_one_setting"]
-    return str(row[f"{name}_cases"]), f"{alone} by one setting" if alone else ""
-
-
 def _percent(off: float) -> str:
     return percent(off).replace("less than ", "< ") if isfinite(off) else "–"
 
@@ -227,7 +221,7 @@ def _percent(off: float) -> str:
 def _range(row: Mapping[str, Any]) -> str:
     """The range of off over all cases and default settings."""
     low, high = row["default_off_best"], row["default_off_worst"]
-    return f"{_percent(low)} to {_percent(high)}" if isfinite(high) else ""
+    return f"{_percent(low).removesuffix(' %')} to {_percent(high)}" if isfinite(high) else ""
 
 
 def _worst(off: float) -> str:
@@ -252,8 +246,8 @@ def notes(table: Sequence[Mapping[str, Any]]) -> list[str]:
     return [
         "default, finest: error (off) with default settings and at the finest setting run, in",
         "percent of the error of ignoring friction's law; medians of the cases answered (default: and of usual values)",
-        f"cases: those where 1 % of friction makes an off of {LEAST:g} at least; ≤ 1 %, ≤ 0.01 %: number of cases in",
-        "which off + doubt stays within that from a setting on",
+        f"cases: those where 1 % of friction makes an off of {LEAST:g} at least; ≤ 1 %: number of cases in which",
+        "off and its doubt stay within that from a setting on",
         "friction ×: farthest from 1; digits: mean of all cases at the finest setting run, 0 if not answered",
         *(f"not ranked: {name} ({words})" for name, words in parts.items()),
     ]

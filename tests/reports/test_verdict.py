@@ -115,7 +115,7 @@ def test_default_settings_are_a_grid_shown_as_median_and_range():
     rows = table(*runs, run("b", "one", "native", 0.2, grid[0]), run("a", "one", "native", 0.01))
     (row,) = rows
     assert (row["default_off_best"], row["default_off"], row["default_off_worst"]) == (0.1, pytest.approx(0.3), 0.9)
-    assert verdict.cells(row)["default"] == ("30 %", "10 % to 90 %")
+    assert verdict.cells(row)["default"] == ("30 %", "10 to 90 %")
 
 
 def test_a_tie_is_in_the_sentence():
