@@ -357,3 +357,22 @@ def test_two_thousand_flights_over_ripples_end_where_they_first_touch(lot):
     for seed in range(100 * lot, 100 * (lot + 1)):
         check(seed)
         agree(seed)
+
+
+@pytest.mark.slow
+def test_certificates_of_random_landings_on_ripples_hold_the_closest_approach():
+    """The disc is off its ripples before a certified landing's bar, and overlaps them after it."""
+    certified = 0
+    for seed in range(60):
+        scene = rippled(seed)
+        if scene.shape != "disc" or scene.case.effect(Impact):
+            continue
+        certificate = reference.certify(scene.case)
+        if certificate.status != "landing":
+            continue
+        end, certified = certificate.end, certified + 1
+        assert end.bar < 1e-9, seed
+        # The closest approach is known to a rounding of positions, 1e-14 m.
+        assert closest(scene, end.value - end.bar).apart > -1e-14, seed
+        assert closest(scene, end.value + end.bar).apart < 1e-14, seed
+    assert certified >= 15
