@@ -85,7 +85,7 @@ def parse(text: str) -> ast.expr:
 def derivative(tree: ast.expr) -> ast.expr:
     """The derivative by s of a formula in s, by the rules of calculus."""
     zero, one = ast.Constant(0), ast.Constant(1)
-    if not any(isinstance(node, ast.Name) and node.id == "s" for node in ast.walk(tree)):
+    if not _has_parameter(tree):
         return zero
     match tree:
         case ast.Name():
@@ -96,6 +96,8 @@ def derivative(tree: ast.expr) -> ast.expr:
             return _simple(derivative(left), tree.op, derivative(right))
         case ast.BinOp(left=left, op=ast.Mult(), right=right):
             return _plus(_times(derivative(left), right), _times(left, derivative(right)))
+        case ast.BinOp(left=left, op=ast.Div(), right=right) if not _has_parameter(right):
+            return _over(derivative(left), right)
         case ast.BinOp(left=left, op=ast.Div(), right=right):
             above = _minus(_times(derivative(left), right), _times(left, derivative(right)))
             return _over(above, _times(right, right))
@@ -107,6 +109,10 @@ def derivative(tree: ast.expr) -> ast.expr:
         case ast.Call(func=ast.Name(id=name), args=[inner]):
             return _times(_outer(name, inner), derivative(inner))
     raise ValueError(f"a record has a formula that cannot be read: {ast.unparse(tree)}")
+
+
+def _has_parameter(tree: ast.expr) -> bool:
+    return any(isinstance(node, ast.Name) and node.id == "s" for node in ast.walk(tree))
 
 
 def _outer(name: str, u: ast.expr) -> ast.expr:
