@@ -203,7 +203,7 @@ def polygon(case: Case, count: int) -> np.ndarray:
     """
     outline = case.plate.outline
     s = np.linspace(*outline.span, 64 * 721)
-    # On straight parts of the outline rounding makes the tangent's angle decrease now and then.
+    # On straight parts of the outline rounding makes the tangent's angle decrease in places.
     angle = np.maximum.accumulate(outline.tangent_angle(s))
     corners = outline.point(np.interp(angle[0] + 2 * pi * np.arange(count) / count, angle, s))
     return np.sqrt(_area(*outline.point(s[:-1])) / _area(*corners)) * corners

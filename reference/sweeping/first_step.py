@@ -33,15 +33,15 @@ class FirstSteps(NamedTuple):
 def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstSteps:
     """The states after a first short step from `t`; `sound` where all guards are positive there and half-way."""
     p = now.system.positions
-    often = _often(now, t, y)
-    h = np.minimum(PART / often, end - t)
+    largest_rate = _largest_rate(now, t, y)
+    h = np.minimum(PART / largest_rate, end - t)
     whole = _runge_kutta(now, t, y, h)
     half = _runge_kutta(now, t, y, 0.5 * h)
     later = _runge_kutta(now, t + 0.5 * h, half, 0.5 * h)
     sizes = [*now.lengths, *(length / h for length in now.lengths)][: len(y)]
     scale = np.array([np.broadcast_to(size, t.shape) for size in sizes])
     scale[p:] += np.abs(y[p:])
-    sound = np.isfinite(often) & (often > 0.0) & (h > 0.0)
+    sound = np.isfinite(largest_rate) & (largest_rate > 0.0) & (h > 0.0)
     sound &= (np.abs(whole - later) <= ROUNDINGS * (scale + np.abs(y))).all(axis=0)
     velocities = [name in now.system.condition_rates for name in now.system.guards]
     for part, state in ((0.5, half), (1.0, later)):
@@ -51,8 +51,8 @@ def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstS
     return FirstSteps(t + h, later, sound)
 
 
-def _often(now: Columns, t: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """How fast the state changes, 1/s: by its speeds, its accelerations and the contact's forces."""
+def _largest_rate(now: Columns, t: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The largest rate at which the states change, 1/s, from their speeds, accelerations and contact forces."""
     p = now.system.positions
     forces = now.system.record(*now.system.outputs_of_arrays(t, y, now.parameters))
     fastest = np.sqrt(np.maximum(np.abs(forces.normal), np.abs(forces.friction)) / now.size)
@@ -77,7 +77,7 @@ def _runge_kutta(now: Columns, t: np.ndarray, y: np.ndarray, h: np.ndarray) -> n
 
 def course(now: Columns, t: np.ndarray, y: np.ndarray, guard: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A guard's first and second time derivative at its zero, and its size before that, each (n,)."""
-    h = 10.0 * PART / _often(now, t, y)
+    h = 10.0 * PART / _largest_rate(now, t, y)
     values = []
     for part in (-2.0, -1.0, 0.0, 1.0, 2.0):
         there = _runge_kutta(now, t, y, part * h)
@@ -85,4 +85,4 @@ def course(now: Columns, t: np.ndarray, y: np.ndarray, guard: int) -> tuple[np.n
     before, back, here, on, after = values
     slope = (8.0 * (on - back) - (after - before)) / (12.0 * h)
     bend = (16.0 * (on + back) - (after + before) - 30.0 * here) / (12.0 * h * h)
-    return slope, bend, np.abs(slope) / _often(now, t, y) + np.abs(here)
+    return slope, bend, np.abs(slope) / _largest_rate(now, t, y) + np.abs(here)

@@ -38,7 +38,7 @@ class Folder(OwnedFolder):
         with self.write_lock(patience=0.0):
             if self.fresh:
                 self.clear()
-            other = _different(self.value("asked"), json.loads(json.dumps(identity)))
+            other = _first_difference(self.value("asked"), json.loads(json.dumps(identity)))
             if other and not self.is_empty:
                 raise BadValue(
                     f"{self.path} holds another sweep ({other}); give another --out, or --fresh to delete its files"
@@ -96,7 +96,7 @@ class Folder(OwnedFolder):
             yield part
 
 
-def _different(there: Any, identity: dict[str, Any]) -> str:
+def _first_difference(there: Any, identity: dict[str, Any]) -> str:
     """The first thing in which two sweeps differ; "" if they are the same."""
     if not isinstance(there, dict):
         return f"{RECORD} does not identify it"

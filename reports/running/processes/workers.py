@@ -190,7 +190,7 @@ class _Worker:
         self.index, self.busy, self.has_begun, self.limit, self.subject = index, True, False, limit, args[:1]
         self.deadline = time.monotonic() + _STARTUP_SECONDS
         with suppress(BrokenPipeError, ConnectionResetError):
-            # If it died while idle, `answer` sees the closed pipe.
+            # If the process has ended while idle, `answer` finds the pipe closed.
             self.pipe.send_bytes(message)
 
     def answer(self) -> CallResult | None:

@@ -49,6 +49,7 @@ def _in_space(quantity: str, time: float) -> Reading:
 
 
 def _bowling() -> Publication:
+    """Drake's bowling ball, which slides and then rolls: numbers at three times."""
     names = ("x", "z", "vx", "vz", "wx", "wz")
     rows = (
         (1.0, 2e-6, (0.188846948, 7.44315099, 0.377693896, 6.88630198, 25.7912332, -16.3860333)),
