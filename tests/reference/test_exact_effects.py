@@ -172,7 +172,9 @@ def test_load_in_time_gives_its_integral(method):
     motion = reference.simulate(case, method=method, rtol=1e-12)
     t = np.linspace(0.1, 2.0, 7)
     assert motion(t).vx == pytest.approx(amplitude / (M * w) * (1 - np.cos(w * t)), rel=CLOSE[method])
-    assert motion(t).x == pytest.approx(amplitude / (M * w) * (t - np.sin(w * t) / w), rel=CLOSE[method])
+    # The first place is a tenth of the last: its error may be that of the last one.
+    exact = amplitude / (M * w) * (t - np.sin(w * t) / w)
+    assert motion(t).x == pytest.approx(exact, abs=CLOSE[method] * exact[-1])
 
 
 @METHODS
