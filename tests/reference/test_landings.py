@@ -337,14 +337,17 @@ def agree(seed: int) -> None:
     assert time.process_time() - begun < LIMIT + TRANSITION * len(other.transitions), seed
     assert other.status == one.status, (seed, one.status, other.status)
     times, others = _times(one.transitions, one.t[-1]), _times(other.transitions, other.end)
-    assert len(times) == len(others), seed
-    if np.all(np.abs(others - times) <= 1e-9):
+    if len(times) == len(others) and np.all(np.abs(others - times) <= 1e-9):
         return
     # Some slides over ripples are unstable: each impact multiplies an earlier difference, of a rounding too. What the
-    # first formulation's own tolerance moves a time by is then not known any better.
-    rough = reference.simulate(case, rtol=1e-12)
-    moved = np.maximum.accumulate(np.abs(_times(rough.transitions, rough.t[-1]) - times))
-    assert np.all(np.abs(others - times) <= 1e-9 + 10.0 * moved), seed
+    # first formulation's own tolerance moves a time by is then not known any better, and nothing after it is compared.
+    rough_motion = reference.simulate(case, rtol=1e-12)
+    rough = _times(rough_motion.transitions, rough_motion.t[-1])
+    count = min(len(times), len(rough))
+    moved = np.maximum.accumulate(np.abs(rough[:count] - times[:count]))
+    stable = count if len(times) == len(rough) else int(np.sum(moved <= 1e-9))
+    assert len(others) >= stable and (len(others) == len(times) or stable < len(times)), seed
+    assert np.all(np.abs(others[:stable] - times[:stable]) <= 1e-9 + 10.0 * moved[:stable]), seed
 
 
 def _times(transitions, end: float) -> np.ndarray:
