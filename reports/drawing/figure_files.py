@@ -165,7 +165,8 @@ def minify(svg: str) -> str:
     """
     svg = re.sub(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r' d="([^"]*)"', lambda m: f' d="{_path(m[1])}"', svg)
-    svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{_short(float(m[2]))}"', svg)
+    # Matplotlib before 3.9 lists the place of every letter of some texts.
+    svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{" ".join(_short(float(n)) for n in m[2].split())}"', svg)
     svg = re.sub(r"\s*\n\s*", "\n", svg)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg)  # groups are named and never referred to
     for place, name in enumerate(dict.fromkeys(re.findall(r' id="([^"]*)"', svg))):

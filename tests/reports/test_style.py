@@ -31,3 +31,9 @@ def test_a_name_that_begins_another_is_not_taken_for_it():
 
 def test_a_path_of_two_pieces_keeps_both():
     assert figure_files._path("M 1 1 L 2 1 L 2 2 z M 5 5 L 6 5 z") == "M1 1l1 0 0 1zM5 5l1 0z"
+
+
+def test_places_of_single_letters_are_rounded():
+    """As Matplotlib 3.8 writes them."""
+    svg = '<svg ><text><tspan x="0 5.726074" y="-1.004">ab</tspan></text></svg>'
+    assert '<tspan x="0 5.73" y="-1">' in figure_files.minify(svg)
