@@ -123,7 +123,7 @@ WALK = {
             CHECK,
             Step(
                 "python -m cases show my_valley mu=0.3",
-                (r"^my_valley\[mu=0\.3\]$", r"begins: slip_forward", r"reference: runs it", r"picture: my_valley\.png"),
+                (r"^my_valley\[mu=0\.3\]$", r"begins: roll", r"reference: runs it", r"picture: my_valley\.png"),
                 ("my_valley.png",),
             ),
             Step("python -m reports.animate my_valley", (r"s of animation.*: my_valley.*\.gif$",), ("my_valley*.gif",)),
