@@ -219,6 +219,7 @@ WALK = {
     ),
     "paper.md": Page(
         (
+            Left("python -m reference --prove disc_in_circle", "the page of proofs does it"),
             Step(
                 "python -m reports.study paper",
                 (r"^written: .*paper/paper_remark\.csv$",),
@@ -243,6 +244,24 @@ WALK = {
         ),
         MY_ENGINE,
     ),
+    "proofs.md": Page(
+        (
+            Left('pip install -e ".[proofs]"', "the walk installs the wheel, and python-flint before the next step"),
+            Step(
+                'python -m reference --prove "disc_in_circle[mu=0.2]" --digits 50',
+                (
+                    r"\[0\.63005376392730307737114978183480012127161082126899",
+                    r"^written: disc_in_circle_mu_0\.2\.proof\.json",
+                ),
+                ("disc_in_circle_mu_0.2.proof.json",),
+                before="python -m pip install --quiet --disable-pip-version-check python-flint",
+            ),
+            Step(
+                "python -m reference.proof_checker disc_in_circle_mu_0.2.proof.json",
+                (r"^confirmed: disc_in_circle\[mu=0\.2\], 4 transitions",),
+            ),
+        )
+    ),
     "published.md": Page(
         (Left("python -m reports.build", WHOLE), Left("python -m reports.publish report", OF_A_RELEASE))
     ),
@@ -257,6 +276,11 @@ WALK = {
                 "python -m reports.compare_builds report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
                 "it reads the report above",
             ),
+            Left(
+                "slip-to-roll gate --baseline A --solver exudyn --worse-than 10%",
+                "A stands for a report of the reader's",
+            ),
+            Left("python -m reports.gate", "the form of the command above; tests/reports/test_gate.py runs it"),
             Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs in \d+ s: \d+ answered \(",), REPORT),
             Step(
                 "python -m reports.study stability --paper",
