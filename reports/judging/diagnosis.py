@@ -350,7 +350,9 @@ def rounding(columns: Columns, truth: Trajectory) -> str:
             continue
         off = values - exact
         off = off - 2 * pi * np.round(off[0] / (2 * pi)) if name == "theta" else off
-        if np.ptp(values) > 0.0 and np.sqrt(np.mean(off**2)) <= 10.0**-decimals:
+        # Values that are rounded and change do so by a unit of the last decimal; less is noise of a constant.
+        quantum = 10.0**-decimals
+        if np.ptp(values) > 0.5 * quantum and np.sqrt(np.mean(off**2)) <= quantum:
             coarse[name] = decimals
     if not coarse:
         return ""
