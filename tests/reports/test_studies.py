@@ -1,5 +1,6 @@
 """Every study says what its tables hold: a table or column without words is refused here, not after a report's runs."""
 
+from dataclasses import replace
 from math import nan
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pytest
 import cases
 from adapters import Setting
 from adapters.lookup import engines
+from cases import CoulombFriction, Gravity
 from reference.paper.closed_form import sliding_disc_in_circle
 from reference.sweeping import plan
 from reports import studies
@@ -145,3 +147,11 @@ def test_the_page_of_parameters_is_what_the_adapters_tell(name):
     kept = [line for line in page if line.startswith(f"| {name} |")]
     again = "python -m reports.studies.meanings > docs/engine_parameters.md"
     assert kept == meanings.as_lines(meanings.of_one(name)), again
+
+
+def test_an_effect_adds_operations_to_the_largest_mode_and_a_case_without_it_has_fewer():
+    smooth, rubs = (
+        replace(CASE, effects=effects) for effects in ((Gravity(9.81),), (Gravity(9.81), CoulombFriction(0.1)))
+    )
+    (few, events), (more, more_events) = map(effect_costs.compiled_size, (smooth, rubs))
+    assert 0 < few < more and events < more_events

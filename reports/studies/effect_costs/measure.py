@@ -145,17 +145,16 @@ def _middle(ladder: Sequence[Setting]) -> Setting:
 
 @lru_cache
 def compiled_size(case: Case) -> tuple[int, int]:
-    """Operation count of the case's largest compiled mode of contact (rates and events, after elimination of common
-    subexpressions), and the largest number of events monitored in a mode."""
-    import sympy as sp
-
+    """Operation count of the case's largest compiled mode of contact (rates and events, each common part counted once),
+    and the largest number of events monitored in a mode."""
+    from cases.expression_graph import in_order
     from reference.minimal.modes import candidates, phase
 
     systems = [phase(case, regime).system for regime in candidates(case)]
 
     def operations(system) -> int:
-        subexpressions, rest = sp.cse([*system.rates, *system.guards.values()])
-        return int(sp.count_ops([e for _, e in subexpressions]) + sp.count_ops(rest))
+        nodes = in_order([*system.rates, *system.guards.values()])
+        return sum(node.op not in ("number", "symbol") for node in nodes)
 
     return max(map(operations, systems)), max(len(system.guards) for system in systems)
 
