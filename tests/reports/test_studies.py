@@ -9,7 +9,7 @@ import pytest
 import cases
 from adapters import Setting
 from adapters.lookup import engines
-from cases import CoulombFriction, Gravity
+from cases import CoulombFriction, Gravity, Unilateral
 from reference.paper.closed_form import sliding_disc_in_circle
 from reference.sweeping import plan
 from reports import studies
@@ -150,8 +150,7 @@ def test_the_page_of_parameters_is_what_the_adapters_tell(name):
 
 
 def test_an_effect_adds_operations_to_the_largest_mode_and_a_case_without_it_has_fewer():
-    smooth, rubs = (
-        replace(CASE, effects=effects) for effects in ((Gravity(9.81),), (Gravity(9.81), CoulombFriction(0.1)))
-    )
-    (few, events), (more, more_events) = map(effect_costs.compiled_size, (smooth, rubs))
+    smooth, rough = ((Gravity(9.81),), (Gravity(9.81), CoulombFriction(0.1), Unilateral()))
+    few, events = effect_costs.compiled_size(replace(CASE, effects=smooth))
+    more, more_events = effect_costs.compiled_size(replace(CASE, effects=rough))
     assert 0 < few < more and events < more_events
