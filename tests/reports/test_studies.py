@@ -151,6 +151,7 @@ def test_the_page_of_parameters_is_what_the_adapters_tell(name):
 
 def test_an_effect_adds_operations_to_the_largest_mode_and_a_case_without_it_has_fewer():
     smooth, rough = ((Gravity(9.81),), (Gravity(9.81), CoulombFriction(0.1), Unilateral()))
-    few, events = effect_costs.compiled_size(replace(CASE, effects=smooth))
-    more, more_events = effect_costs.compiled_size(replace(CASE, effects=rough))
+    case = cases.load("disc_in_circle", mu=0.1)
+    few, events = effect_costs.compiled_size(replace(case, effects=smooth))
+    more, more_events = effect_costs.compiled_size(replace(case, effects=rough))
     assert 0 < few < more and events < more_events
