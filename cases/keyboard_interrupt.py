@@ -6,15 +6,19 @@ not in a script, a notebook or a test.
 
 from __future__ import annotations
 
+import _thread
 import atexit
 import signal
 import sys
+import time
 from types import FrameType, TracebackType
 
 # While `python -m` imports packages, this is in the place of the program's name.
 _IMPORTING = "-m"
 # The name of the file that pip makes of the console command.
 _CONSOLE = "slip-to-roll"
+# Long enough for a callback of Python's own (microseconds) to return before the interrupt is raised again.
+_PAUSE = 0.01
 
 
 def say_so(command: str) -> None:
@@ -33,11 +37,24 @@ def say_so(command: str) -> None:
         else:
             usual(kind, problem, trace)
 
-    sys.excepthook = hook
+    usual_unraisable = sys.unraisablehook
+
+    def unraisable(given) -> None:
+        if isinstance(given.exc_value, KeyboardInterrupt):  # in a callback, where Python prints and ignores it
+            _thread.start_new_thread(_interrupt_again, ())
+        else:
+            usual_unraisable(given)
+
+    sys.excepthook, sys.unraisablehook = hook, unraisable
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, note)
         # Ignore an interrupt while Python shuts down, after the command's last output.
         atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
+
+
+def _interrupt_again() -> None:
+    time.sleep(_PAUSE)
+    _thread.interrupt_main()
 
 
 def _interrupt_behind(problem: BaseException | None) -> KeyboardInterrupt | None:

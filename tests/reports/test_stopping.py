@@ -184,3 +184,21 @@ def test_killed_anywhere_a_build_goes_on_to_identical_tables_and_leaves_nothing(
         for name, frame in tables(folder).items():
             pd.testing.assert_frame_equal(frame, expected[name], obj=name)
         assert left(folder) == []
+
+
+IN_A_CALLBACK = """
+import signal, time
+from cases.keyboard_interrupt import say_so
+say_so("a command")
+class Ends:
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+Ends()  # Python ignores an exception of __del__, and of callbacks in the middle of an import
+time.sleep(20)
+print("went on")
+"""
+
+
+def test_an_interrupt_that_python_ignores_in_a_callback_stops_the_command():
+    told = subprocess.run([sys.executable, "-c", IN_A_CALLBACK], capture_output=True, text=True, timeout=60)
+    assert (told.stdout, told.stderr) == ("", "\na command: stopped\n")
