@@ -69,8 +69,8 @@ def check_regular(curve: CurveToCheck) -> None:
 def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
     """Even samples, and the special points of the formula with both sides of each."""
     centres = np.array(features.centres(curve.expression, PARAMETER))
-    beside = BESIDE * (high - low)
-    centres = np.concatenate([centres - beside, centres, centres + beside])
+    shift = BESIDE * (high - low)
+    centres = np.concatenate([centres - shift, centres, centres + shift])
     return features.union(np.linspace(low, high, SAMPLES), centres[(centres > low) & (centres < high)])
 
 

@@ -1,6 +1,6 @@
 """The executables that come with the suite, in `adapters/executables`: each an engine by its short name.
 
-Asked with --version they tell their engine's version, or end with what has to be installed.
+With --version they print their engine's version, or end with the name of the package to install.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
 }
 # Steps (s) of that study.
 GRID_STEPS = (4e-3, 2e-3, 1e-3)
-# Seconds in which an engine has to tell its version; importing one takes a few where the disk is cold.
+# Time limit (s) for printing the version; importing an engine takes a few seconds where the disk cache is empty.
 MOST_SECONDS = 60.0
 
 
@@ -74,7 +74,7 @@ class BundledEngine(Engine):
         return [*first.removeprefix("#!").split(), str(path)]
 
     def own_step(self) -> float:
-        """The step (s) of the engine as it comes."""
+        """The engine's default step (s)."""
         return OWN_STEPS.get(self.NAME, super().own_step())
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:

@@ -176,9 +176,9 @@ class Geometry:
         inside, meets = np.ones(boxes.number, dtype=bool), np.ones(boxes.number, dtype=bool)
         blur = np.zeros((3, boxes.number))
         for i, (curve, table, core) in enumerate(places):
-            within, beside = _core_membership(curve, table[LOW], table[HIGH], core[:, w])
+            within, outside = _core_membership(curve, table[LOW], table[HIGH], core[:, w])
             inside &= within
-            meets &= ~beside
+            meets &= ~outside
             blur[1 + i] = np.where(within, 0.0, table[REACH] ** 2 / self.reach)
         return inside, meets & ~inside, blur
 

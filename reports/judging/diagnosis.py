@@ -102,12 +102,17 @@ def _off(table: Columns, truth: Trajectory, size: float) -> float:
         return np.inf
     inside, state = true
     with np.errstate(over="ignore", invalid="ignore"):
-        turn = table["theta"][inside] - state.theta
-        turn = size * (turn - 2 * pi * np.round(turn[0] / (2 * pi)))
+        turn = size * _turn(table["theta"][inside], state.theta)
         off = float(
             np.sqrt(np.mean((table["x"][inside] - state.x) ** 2 + (table["y"][inside] - state.y) ** 2 + turn**2))
         )
     return off if np.isfinite(off) else np.inf
+
+
+def _turn(values: np.ndarray, exact: np.ndarray) -> np.ndarray:
+    """The difference of two angles (rad), without the whole turns of its first sample."""
+    off = values - exact
+    return off - 2 * pi * np.round(off[0] / (2 * pi))
 
 
 def _true(table: Columns, truth: Trajectory):
@@ -144,8 +149,8 @@ def _fits(case: Case, table: Columns, truth: Trajectory, size: float) -> Iterato
         return
     inside, state = true
     t = table["t"][inside]
-    off_x, off_y, off_turn = (table[name][inside] - getattr(state, name) for name in ("x", "y", "theta"))
-    off_turn = off_turn - 2 * pi * np.round(off_turn[0] / (2 * pi))
+    off_x, off_y = (table[name][inside] - getattr(state, name) for name in ("x", "y"))
+    off_turn = _turn(table["theta"][inside], state.theta)
     rates = (state.vx, state.vy, size * np.asarray(state.omega))
 
     def lag(weight: np.ndarray) -> float:
@@ -348,8 +353,7 @@ def rounding(columns: Columns, truth: Trajectory) -> str:
         decimals = _decimals(values)
         if decimals is None:
             continue
-        off = values - exact
-        off = off - 2 * pi * np.round(off[0] / (2 * pi)) if name == "theta" else off
+        off = _turn(values, exact) if name == "theta" else values - exact
         # Values that are rounded and change do so by a unit of the last decimal; less is noise of a constant.
         quantum = 10.0**-decimals
         if np.ptp(values) > 0.5 * quantum and np.sqrt(np.mean(off**2)) <= quantum:

@@ -36,7 +36,7 @@ STEPS = 2000
 
 
 class Hashable(SimpleNamespace):
-    """A namespace that a cache can tell by its identity."""
+    """A namespace that is hashed by its identity, so that a cache accepts it as a key."""
 
     __hash__ = object.__hash__
 
