@@ -1,6 +1,6 @@
 """The command `python -m cases`.
 
-    python -m cases                            lists every case in one line, hard ones with a star
+    python -m cases                            lists every case, hard ones with a star
     python -m cases new NAME [--force]         writes NAME.py, a commented case to start from
     python -m cases check CASE [mu=0.3 …]      says what is wrong in a case or a file of cases, and where; else what
                                                happens
@@ -24,6 +24,8 @@ import sys
 from collections.abc import Callable, Sequence
 from importlib.metadata import entry_points
 from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import fill
 
 from . import lookup, owned_folder, registry
 from .command_line import status
@@ -31,6 +33,8 @@ from .errors import BadValue, CaseError, unknown_name
 
 OWN = ("new", "check")
 BY_OTHERS = ("show", "export")
+# Narrowest column of summaries in a listing, in characters.
+_NARROWEST = 20
 # Of a file, with room for an ending.
 LONGEST_NAME = 100
 NO_SOLVER = "no solver is installed that could run it (pip install -e .)"
@@ -107,12 +111,18 @@ def _of_others(command: str) -> Callable | None:
     return points[0].load() if points else None
 
 
-def listing() -> str:
-    """Every case with its first line; a star marks the hard ones."""
+def listing(width: int | None = None) -> str:
+    """Every case with its summary, in lines of at most `width` characters (default: the terminal's width); a star marks
+    the hard ones."""
     names = registry.names()
-    width = max(map(len, names))
+    indent = max(map(len, names)) + 3
+    width = max(width or get_terminal_size().columns, indent + _NARROWEST)
     entries = [(name, registry.entry(name)) for name in names]
-    return "\n".join(f"{name:{width}} {'*' if case.hard else ' '} {case.summary}" for name, case in entries)
+    lines = []
+    for name, case in entries:
+        first = f"{name:{indent - 3}} {'*' if case.hard else ' '} "
+        lines.append(fill(case.summary, width, initial_indent=first, subsequent_indent=" " * indent))
+    return "\n".join(lines)
 
 
 def new(name: str, force: bool = False) -> str:

@@ -43,7 +43,7 @@ def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
         "case", "case_file", "solver", "engine", "trajectory", "submissions",
-        "quick", "full", "jobs", "dask", "store", "fresh", "paper", "list",
+        "quick", "full", "jobs", "dask", "store", "fresh", "paper", "verbose", "list",
         out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
     )  # fmt: skip
@@ -101,6 +101,9 @@ def listing(files: Sequence[str]) -> str:
 
 def _build(plan: BuildPlan) -> int:
     """Make and write the report and print its summary; returns the exit status of `main`."""
+    from .running.timing.phase_times import PhaseTimes
+
+    times = PhaseTimes()  # first, so that imports and installations count
     from .drawing.figure_files import for_print
     from .page import report_folder
     from .page.text import lost_text
@@ -121,7 +124,11 @@ def _build(plan: BuildPlan) -> int:
     versions.make(plan.solvers, _say)
     try:
         progress = Display(usual(len(plan.cases), timings=plan.effort != "quick", studies=_requested_studies(plan)))
-        with progress as display, Calls(plan.jobs, plan.limit, store, display) as calls, _machines(plan, calls):
+        with (
+            progress as display,
+            Calls(plan.jobs, plan.limit, store, display, times=times) as calls,
+            _machines(plan, calls),
+        ):
             calls.begin(plan.solvers)
             local_runs = run_cases(plan.cases, plan.solvers, calls, plan.select_rungs)
             costs = _measure(plan, local_runs, calls)
@@ -237,7 +244,7 @@ def _write(
     Returns the rows of the verdict, and the items made without a solver because they fail with its results.
     `local_runs`: the experiment without external motions."""
     from .drawing.figure_files import embed_command
-    from .page import html, motions, pictures, report_folder, table_files
+    from .page import chapters, html, motions, pictures, report_folder, table_files
     from .page.manifest import manifest
     from .running import external_motions, per_solver
     from .running.solvers import missing_words
@@ -274,9 +281,6 @@ def _write(
         ]
     )
 
-    # The page shows the time of the report up to its own writing; the manifest has the total.
-    facts["seconds"] = phase_times.total(calls.times.phases).wall
-
     def render_page(
         experiment: Experiment, costs: CostMeasurements, frames: dict[str, Any], study_results: Sequence[Result]
     ) -> str:
@@ -291,12 +295,14 @@ def _write(
         output.note(omissions)
         page = render_page(*(per_solver.without(each, {one.solver for one in omissions}) for each in records))
     table_files.describe(output)
-    (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     calls.times.book("page")
+    # One total for the page, the terminal and the manifest: all phases up to the complete page.
     facts["phases"], facts["seconds"] = (
         phase_times.time_summary(calls.times.phases),
         phase_times.total(calls.times.phases).wall,
     )
+    page = page.replace(chapters.TOTAL_TIME, phase_times.total_words(calls.times.phases))
+    (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     facts["left_out"] = [one._asdict() for one in output.left_out]
     report_folder.sign(place, facts)
     return rows, output.left_out
@@ -325,19 +331,21 @@ def _summary(
     from .running.solvers import missing_words
     from .running.timing import phase_times
 
-    lines = [verdict.in_terminal(verdicts), "", *verdict.notes(verdicts), "", verdict.sentence(verdicts), ""]
+    lines = [*verdict.filled(verdict.sentence(verdicts)), "", verdict.in_terminal(verdicts), ""]
+    lines += [*verdict.legend(verdicts), ""]
+    if plan.verbose:
+        lines += [verdict.details(verdicts), "", *verdict.notes(verdicts), ""]
     many, counts = len(experiment.cases), tables.outcome_counts(experiment)
-    lines += [f"{many} case{'s' * (many != 1)}, {len(experiment.runs):,} runs in {experiment.seconds:.0f} s: {counts}"]
+    lines += [f"{many} case{'s' * (many != 1)}, {len(experiment.runs):,} runs: {counts}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in experiment.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in study_results if result.failure]
     lines += [f"{one.item} made without {one.solver}: {one.reason}" for one in left_out]
     lines += missing_words(experiment.versions)
     store = calls.store
-    lines += [
-        f"store: {store.taken_words()}; {store.size_words()}",
-    ]
+    lines += [f"store: {store.taken_words()}{f'; {store.size_words()}' if plan.verbose else ''}"]
     lines += [f"store: {sentence}" for sentence in store.trouble()]
-    lines += [phase_times.words(calls.times.phases)]
+    total, parts = phase_times.total_words(calls.times.phases), phase_times.parts_words(calls.times.phases)
+    lines += [f"the report took {total}{f': {parts}' if plan.verbose else '; --verbose prints more'}"]
     return "\n".join([*lines, str(plan.out / "index.html")])
 
 

@@ -89,6 +89,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "fresh": dict(action="store_true", help="run everything again, without stored results"),
     "paper": dict(action="store_true", help="figures also as PDF, tables also as LaTeX"),
     "force": dict(action="store_true", help="replace existing files"),
+    "verbose": dict(action="store_true", help="print more: a second table, where the time went, and the store"),
     "list": dict(action="store_true", help="print cases and solvers, and stop"),
     "vary": dict(
         metavar="PARAMETER=VALUES",
@@ -169,6 +170,7 @@ class BuildPlan:
     trajectories: tuple[External, ...] = ()
     paper: bool = False  # whether figures are also written as PDF and tables as LaTeX
     dask: str | None = None  # scheduler of the cluster for untimed runs
+    verbose: bool = False  # whether the terminal shows details
 
     @property
     def limit(self) -> float:
@@ -211,7 +213,7 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
     files = tuple(dict.fromkeys((*files, *more)))
     return BuildPlan(
         out, case_list, files, solver_names, effort, jobs, tuple(argv), is_selection, store, options.fresh, external,
-        options.paper, options.dask,
+        options.paper, options.dask, options.verbose,
     )  # fmt: skip
 
 

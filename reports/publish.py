@@ -264,10 +264,17 @@ def _number(place: Path, table: str, column: str, **keys: str) -> float:
         raise BadValue(f"{name} of the report has no {column} for {', '.join(keys.values())}; {_AGAIN}") from None
 
 
+# The README's sentence on the times of the commands.
+_MINUTES = re.compile(r"\breport \d+ minutes?\b")
+
+
 def refresh(readme: Path, place: Path) -> None:
-    """Update the README's part from the published report; raises BadValue if the README has no such part."""
+    """Update the README's part and the report's time from the published report; raises BadValue if the README has no
+    such part."""
     before, after = around(readme)
-    write(readme, before + headline(place) + after)
+    phases = _manifest(place)["phases"].values()
+    minutes = max(1, round(sum(phase["wall_s"] for phase in phases) / 60.0))
+    write(readme, before + headline(place) + _MINUTES.sub(f"report {minutes} minute{'s' * (minutes > 1)}", after))
 
 
 def around(readme: Path) -> tuple[str, str]:

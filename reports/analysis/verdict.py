@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
 from math import hypot, inf, isfinite, log, nan
 from statistics import median
+from textwrap import wrap
 from typing import Any
 
 from ..judging.friction_sensitivity import LEAST
@@ -228,26 +229,87 @@ def _worst(off: float) -> str:
     return f"worst {_percent(off)}" if isfinite(off) else ""
 
 
-def in_terminal(table: Sequence[Mapping[str, Any]]) -> str:
-    """The table for the terminal: ranked engines, then the routes that are partly this project's."""
-    from tabulate import tabulate
+# Widest table of the terminal, in characters: that of a terminal that was not resized.
+WIDTH = 80
+# Headings of the two tables of the terminal, by the headings of `cells`.
+_SHORT = {
+    "answered": "cases run",
+    "default": "default",
+    "finest": "finest",
+    "≤ 1 %": "≤ 1 %",
+    "friction ×": "friction ×",
+}
+_DETAILS = {"grade": "grade", "digits": "digits"}
 
+
+def in_terminal(table: Sequence[Mapping[str, Any]]) -> str:
+    """The table for the terminal, at most `WIDTH` wide: ranked engines, then routes that are partly this project's."""
+    return _in_terminal(table, [{new: cells(row)[old][0] for old, new in _SHORT.items()} for row in table])
+
+
+def details(table: Sequence[Mapping[str, Any]]) -> str:
+    """Further columns for the terminal, at most `WIDTH` wide: grade, worst case, digits and times."""
     lines = []
     for row in table:
-        rank = f"{row['digits_rank']:.0f}. " if isfinite(row["digits_rank"]) else ""
-        line = {"engine": f"{rank}{row['solver']} {row['route']}"}
-        lines.append(line | {name: main for name, (main, _) in cells(row).items()})
-    return tabulate(lines, headers="keys", tablefmt="plain", disable_numparse=True, stralign="right")
+        texts = cells(row)
+        line = {"worst": texts["finest"][1].removeprefix("worst "), "≤ 0.01 %": str(row["excellent_cases"])}
+        line |= {new: texts[old][0] for old, new in _DETAILS.items()}
+        if "time to 1 %" in texts:
+            first, thousand = texts["time to 1 %"]
+            line |= {"first run": first, "1,000 runs": thousand.removeprefix("1,000 runs: ")}
+        lines.append(line)
+    return _in_terminal(table, lines)
+
+
+def _in_terminal(table: Sequence[Mapping[str, Any]], lines: Sequence[Mapping[str, str]]) -> str:
+    from tabulate import tabulate
+
+    names = [f"{row['solver']} {row['route']}" for row in table]
+    ranks = [f"{row['digits_rank']:.0f}. " if isfinite(row["digits_rank"]) else "" for row in table]
+
+    def text(names: Sequence[str]) -> str:
+        labels = [{"engine": rank + name} for rank, name in zip(ranks, names, strict=True)]
+        pairs = [label | dict(line) for label, line in zip(labels, lines, strict=True)]
+        return tabulate(pairs, headers="keys", tablefmt="plain", disable_numparse=True, stralign="right")
+
+    excess = max(map(len, text(names).splitlines()), default=0) - WIDTH
+    if excess <= 0:
+        return text(names)
+    # The engines' names are the only cells without a bound.
+    longest = max(len(rank + name) for rank, name in zip(ranks, names, strict=True)) - excess
+    return text([_shorten(name, longest - len(rank)) for rank, name in zip(ranks, names, strict=True)])
+
+
+def _shorten(name: str, longest: int) -> str:
+    return name if len(name) <= longest else f"{name[: longest - 1]}…"
+
+
+def legend(table: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What the columns of `in_terminal` mean, in lines of at most `WIDTH` characters."""
+    no_rank = [f"{row['solver']} {row['route']}" for row in table if row["our_part"]]
+    return filled(
+        "default, finest: error with default settings and at the finest setting run, 100 % = as bad as ignoring "
+        "friction's law (medians of the cases run).",
+        "≤ 1 %: number of cases that stay within 1 %. friction ×: friction compared with the law's, in the worst case.",
+        *([f"Without a rank, because this project computes the contact: {', '.join(no_rank)}."] if no_rank else []),
+    )
 
 
 def notes(table: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What the table's columns mean, and what the routes without a rank are."""
+    """What the columns of `details` mean, and what the routes without a rank are, in lines of at most `WIDTH`."""
     parts = {f"{row['solver']} {row['route']}": row["our_part"] for row in table if row["our_part"]}
+    return filled(
+        "worst, grade: the largest error and the grade of the median error, at the finest setting run.",
+        f"Cases: those where 1 % of friction changes the error by {LEAST:g} or more. ≤ 1 %, ≤ 0.01 %: number of cases "
+        "in which the error and its doubt stay within that from a setting on.",
+        "digits: mean of -log10(error) over all cases, between -1 and 4, and its doubt; 0 if not answered.",
+        *(f"Not ranked: {name} ({words})." for name, words in parts.items()),
+    )
+
+
+def filled(*texts: str) -> list[str]:
+    """The texts in lines of at most `WIDTH`; a number and its percent sign stay together."""
+    joined = [text.replace(" %", "\N{NO-BREAK SPACE}%") for text in texts]
     return [
-        "default, finest: error (off) with default settings and at the finest setting run, in",
-        "percent of the error of ignoring friction's law; medians of the cases answered (default: and of usual values)",
-        f"cases: those where 1 % of friction makes an off of {LEAST:g} at least; ≤ 1 %: number of cases in which",
-        "off and its doubt stay within that from a setting on",
-        "friction ×: farthest from 1; digits: mean of all cases at the finest setting run, 0 if not answered",
-        *(f"not ranked: {name} ({words})" for name, words in parts.items()),
+        line.replace("\N{NO-BREAK SPACE}", " ") for text in joined for line in wrap(text, WIDTH, break_on_hyphens=False)
     ]

@@ -95,7 +95,8 @@ def write(
     def make_verdict(experiment: Experiment, *times: pd.DataFrame) -> dict[str, pd.DataFrame]:
         verdicts[:] = verdict.rows(experiment, [row for frame in times for row in records(frame)])
         # The terminal's text is made here as well, so that a row that fails there is omitted from both.
-        verdict.in_terminal(verdicts), verdict.notes(verdicts), verdict.sentence(verdicts)
+        for in_words in (verdict.sentence, verdict.in_terminal, verdict.legend, verdict.details, verdict.notes):
+            in_words(verdicts)
         return {"verdict": pd.DataFrame(verdicts, columns=list(verdict.COLUMNS))}
 
     output.add(make_verdict, (shown, *times), {"verdict": verdict.HOLDS}, "table verdict")

@@ -248,6 +248,18 @@ def test_without_a_place_in_the_readme_for_the_picture_nothing_is_written(text, 
     assert (tmp_path / "README.md").read_text() == text
 
 
+def test_the_readme_has_the_time_of_the_published_report(report, tmp_path):
+    file = tmp_path / "README.md"
+    file.write_text(
+        f"{publish.BEGIN}{publish.END} On two cores: installation 1 minute, report 99 minutes, tests 4 minutes."
+    )
+    place = tmp_path / cases.__version__
+    shutil.copytree(report, place)
+    publish.refresh(file, place)
+    whole = sum(phase["wall_s"] for phase in MANIFEST["phases"].values())
+    assert f"installation 1 minute, report {whole / 60:.0f} minutes, tests 4 minutes." in file.read_text()
+
+
 # --- the watch --------------------------------------------------------------------------------------------------------
 
 

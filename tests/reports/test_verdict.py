@@ -139,10 +139,30 @@ def test_the_terminal_has_a_row_for_each_route_and_says_what_is_not_ranked():
         one="our contact geometry around one's step",
     )  # fmt: skip
     head, first, second = verdict.in_terminal(rows).splitlines()
-    for text in ("1. one native", "1.2 %", "0.1 %", "very good", "1.50 ± 0.00"):
+    for text in ("1. one native", "1.2 %", "0.1 %"):
         assert text in first
+    _, first_details, _ = verdict.details(rows).splitlines()
+    for text in ("1. one native", "very good", "1.50 ± 0.00"):
+        assert text in first_details
     assert "one assisted" in second and "." not in second.split("one")[0]
-    assert "not ranked: one assisted (our contact geometry around one's step)" in verdict.notes(rows)
+    assert "Not ranked: one assisted (our contact geometry around one's step)." in verdict.notes(rows)
+    assert "one assisted" in " ".join(verdict.legend(rows))
+
+
+@pytest.mark.parametrize("name", ["one", "an_engine_with_a_name_that_is_far_longer_than_a_terminal_is_wide" * 2])
+def test_every_line_of_the_terminal_fits_80_characters(name):
+    rows = table(
+        run("a", name, "native", 12.3456, DEFAULTS, friction=-123.4), run("a", name, "native", 1e-9, friction=1e-9),
+        run("a", name, "assisted", 1e-6), run("a", "two", "native", 0.2),
+        **{name: "our contact geometry around this engine's step, in a description of many words " * 3},
+    )  # fmt: skip
+    lines = [
+        *verdict.filled(verdict.sentence(rows)), *verdict.in_terminal(rows).splitlines(), *verdict.legend(rows),
+        *verdict.details(rows).splitlines(), *verdict.notes(rows),
+    ]  # fmt: skip
+    assert max(map(len, lines)) <= 80
+    assert all(line.split("%")[0].rstrip() for line in lines if "%" in line)  # no line begins with a percent sign
+    assert "two native" in verdict.in_terminal(rows)  # only the names that do not fit are shortened
 
 
 def test_an_adapter_says_what_of_its_routes_is_not_its_engines_own():

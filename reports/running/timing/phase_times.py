@@ -49,15 +49,19 @@ def total(phases: Mapping[str, PhaseTime]) -> PhaseTime:
     return PhaseTime(sum(s.wall for s in phases.values()), sum(s.cpu for s in phases.values()))
 
 
-def words(phases: Mapping[str, PhaseTime]) -> str:
-    """One line with the time of the whole report and the wall time of its longest phases."""
+def total_words(phases: Mapping[str, PhaseTime]) -> str:
+    """Wall and CPU time of all phases, for the terminal and the page."""
+    whole = total(phases)
+    return f"{whole.wall:.0f} s, {whole.cpu:.0f} s of CPU time"
+
+
+def parts_words(phases: Mapping[str, PhaseTime]) -> str:
+    """The wall times of the longest phases, and that of the others; "" if none took half a second."""
     longest = sorted(phases.items(), key=lambda pair: -pair[1].wall)
     items = [f"{name} {s.wall:.0f} s" for name, s in longest[:_MOST_PHASES] if s.wall >= 0.5]
-    whole = total(phases)
-    others = whole.wall - sum(s.wall for _, s in longest[: len(items)])
+    others = total(phases).wall - sum(s.wall for _, s in longest[: len(items)])
     more = [f"all else {others:.0f} s"] if len(items) < len(phases) else []
-    parts = ", ".join([*items, *more])
-    return f"the report took {whole.wall:.0f} s, {whole.cpu:.0f} s of CPU time{': ' if parts else ''}{parts}"
+    return ", ".join([*items, *more])
 
 
 # --- CPU time ---------------------------------------------------------------------------------------------------------
