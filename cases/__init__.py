@@ -4,6 +4,7 @@ from . import keyboard_interrupt  # the first of all: what follows takes a secon
 
 # isort: split
 from .case import Case
+from .chain import Chain
 from .curves import Curve
 from .effects import (
     CoulombFriction,
@@ -17,6 +18,7 @@ from .effects import (
     Unilateral,
 )
 from .errors import BadCurve, BadValue, CaseError, DoesNotFit, NotSupported, UnknownName
+from .outline import Outline, arc
 from .plate import Plate, disc
 from .registry import case, entry, load, load_file, names, select
 from .start import Start
@@ -28,6 +30,7 @@ __all__ = [
     "BadValue",
     "Case",
     "CaseError",
+    "Chain",
     "Cost",
     "CoulombFriction",
     "Curve",
@@ -39,6 +42,7 @@ __all__ = [
     "Load",
     "Mode",
     "NotSupported",
+    "Outline",
     "PerfectlyRough",
     "Plate",
     "RollingResistance",
@@ -49,6 +53,7 @@ __all__ = [
     "Unilateral",
     "UnknownName",
     "__version__",
+    "arc",
     "case",
     "disc",
     "entry",

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import effects
+from .chain import Chain
 from .curves import Curve
 from .effects import E, Effect, Gravity
 from .errors import BadValue, parameter, positive, real
@@ -50,6 +51,8 @@ class Case:
         ):
             if not isinstance(value, kind):
                 raise BadValue(f"the {what} of a case is {value!r}; give a {kind.__name__}")
+        if isinstance(self.track, Chain) or isinstance(self.plate.outline, Chain):
+            raise BadValue("curves with corners cannot be simulated yet; give smooth curves")
         object.__setattr__(self, "effects", effects.check_formula(self.effects))
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
         object.__setattr__(self, "parameters", _check_parameters(self.parameters))

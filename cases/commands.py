@@ -32,6 +32,11 @@ from .command_line import status
 from .errors import BadValue, CaseError, unknown_name
 
 OWN = ("new", "check")
+
+CENTRE_OUTSIDE = (
+    "the centre of mass, the origin of the outline, lies outside the outline; if that is not meant, use "
+    "Plate.homogeneous(outline, mass)"
+)
 BY_OTHERS = ("show", "export")
 # Narrowest column of summaries in a listing, in characters.
 _NARROWEST = 20
@@ -167,6 +172,8 @@ def check(text: str, changes: Sequence[str] = ()) -> str:
         except CaseError as problem:
             raise BadValue(f"{case.label}: {problem}") from problem
         lines.append(f"{case.label}: fits; {does}")
+        if not case.plate.encloses_centre:
+            lines.append(f"{case.label}: {CENTRE_OUTSIDE}")
     lines += [
         f"{name}: its docstring names no source yet (Source: …); the acceptance tests ask for one"
         for name in selection.names

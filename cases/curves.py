@@ -87,7 +87,7 @@ class Curve:
 
     def __reduce__(self):
         """A curve travels to another process as its expression, a tree of SymPy objects; no text is read back."""
-        return _restore, ([expressions.as_tree(part) for part in self.expression], self.domain, self.residual)
+        return restore, ([expressions.as_tree(part) for part in self.expression], self.domain, self.residual)
 
     @in_one_thread
     def at(self, s) -> tuple[sp.Expr, sp.Expr]:
@@ -370,7 +370,7 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
 
 
 @in_one_thread
-def _restore(trees, domain, residual) -> Curve:
+def restore(trees, domain, residual) -> Curve:
     """The curve that a process sent. It was checked there, so it is not checked again."""
     curve, expression = object.__new__(Curve), tuple(map(expressions.from_tree, trees))
     vars(curve).update(function=curve.at, domain=domain, residual=residual, expression=_the_one(expression))

@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import sqrt
+from math import cos, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from .area import area_inside
+from .chain import Chain, moved
+from .corner import Edge
 from .curves import Curve
-from .errors import BadCurve, BadValue, positive
+from .errors import BadCurve, BadValue, not_negative, positive, whole
 from .library import circle
+from .outline import Outline, arc
+
+# A centroid nearer than this part of the outline's size to the origin is there: the rounding of its integrals.
+CENTRED = 1e-15
 
 
 @dataclass(frozen=True, repr=False)
 class Plate:
     """A rigid plate: its outline in its own frame, whose origin is the centre of mass; mass in kg, inertia in kg m².
 
-    The outline runs counter-clockwise around the plate (BadCurve if it is closed and runs the other way).
+    The outline is a smooth curve or an `Outline` with corners. It runs counter-clockwise around the plate (BadCurve if
+    it is closed and runs the other way).
     """
 
     outline: Curve
@@ -27,11 +36,90 @@ class Plate:
 
     def __post_init__(self):
         if not isinstance(self.outline, Curve):
-            raise BadValue(f"the outline is {self.outline!r}; give a Curve")
+            raise BadValue(f"the outline is {self.outline!r}; give a Curve, or an Outline with corners")
         object.__setattr__(self, "mass", positive("mass of the plate", self.mass))
         object.__setattr__(self, "inertia", positive("inertia of the plate", self.inertia))
         if _runs_clockwise(self.outline):
             raise BadCurve("the outline runs clockwise; reverse its parameter so that the plate is on its left")
+
+    @classmethod
+    def homogeneous(
+        cls,
+        outline: Curve,
+        mass: float,
+        holes: Iterable[Curve] = (),
+        inlays: Iterable[tuple[Curve, float]] = (),
+    ) -> Plate:
+        """A plate of one density, but for holes, and for inlays: pairs (outline, density in units of the plate's).
+
+        All outlines are in one frame of any origin; the plate's is moved so that its origin is the centre of mass.
+        `mass` is the whole mass, kg. Raises BadCurve for an open outline, or a hole or inlay that is not inside.
+        """
+        parts = [(hole, 0.0) for hole in holes]
+        parts += [(inlay, not_negative("density of an inlay", density)) for inlay, density in inlays]
+        rows = [(1.0, area_inside(outline))]
+        for part, density in parts:
+            if not _contains(outline, part.point(_places(part)).T):
+                raise BadCurve("a hole or inlay is not inside the outline; give one that is")
+            rows.append((density - 1.0, area_inside(part)))
+        weight = sum(density * area.area for density, area in rows)
+        x = sum(density * area.area * area.x for density, area in rows) / weight
+        y = sum(density * area.area * area.y for density, area in rows) / weight
+        moment = sum(density * (a.polar_moment + a.area * ((a.x - x) ** 2 + (a.y - y) ** 2)) for density, a in rows)
+        mass = positive("mass of the plate", mass)
+        least = CENTRED * float(np.hypot(*outline.point(_places(outline))).max())
+        x, y = (value if abs(value) > least else 0.0 for value in (x, y))
+        if x or y:
+            outline = outline.moved(-x, -y) if isinstance(outline, Outline) else moved(outline, -x, -y)
+        return cls(outline, mass, mass * moment / weight)
+
+    @classmethod
+    def polygon(cls, points, mass: float, radius: float = 0.0) -> Plate:
+        """A homogeneous polygon through points (n, 2) in metres, counter-clockwise; corners of `radius`, m."""
+        return cls.homogeneous(Outline.polygon(points, radius), mass)
+
+    @classmethod
+    def rectangle(cls, width: float, height: float, mass: float, radius: float = 0.0) -> Plate:
+        """A homogeneous rectangle; its outline begins at the lower left corner. Corners rounded with `radius`, m."""
+        a, b = 0.5 * positive("width of rectangle", width), 0.5 * positive("height of rectangle", height)
+        return cls.polygon([(-a, -b), (a, -b), (a, b), (-a, b)], mass, radius)
+
+    @classmethod
+    def half_disc(cls, radius: float, mass: float) -> Plate:
+        """A homogeneous half disc, round side down; its outline begins at the left end of the arc."""
+        r = positive("radius of half_disc", radius)
+        return cls.homogeneous(Outline((arc((0.0, 0.0), r, -pi, 0.0), Edge.between((r, 0.0), (-r, 0.0)))), mass)
+
+    @classmethod
+    def reuleaux(cls, width: float, mass: float) -> Plate:
+        """A homogeneous Reuleaux triangle of constant `width` (m), one corner up; its outline begins with the arc at
+        the bottom."""
+        d = positive("width of reuleaux", width)
+        # Each arc's centre is the opposite corner, at d/√3 from the middle.
+        away, sixth = d / sqrt(3.0), pi / 6
+        centres = [(away * cos(angle), away * sin(angle)) for angle in (3 * sixth, 7 * sixth, 11 * sixth)]
+        starts = (-4 * sixth, 0.0, 4 * sixth)
+        return cls.homogeneous(
+            Outline([arc(centre, d, start, start + 2 * sixth) for centre, start in zip(centres, starts, strict=True)]),
+            mass,
+        )
+
+    @classmethod
+    def gear(cls, radius: float, teeth: int, depth: float, mass: float, rounding: float = 0.0) -> Plate:
+        """A homogeneous gear with straight flanks: tips on a circle of `radius`, roots `depth` inside it, m.
+
+        A tip takes a quarter of a tooth's angle, a root as much; `rounding` is the radius of all corners, m.
+        """
+        r, d = positive("radius of gear", radius), positive("depth of gear", depth)
+        n = whole("teeth of gear", teeth, 3, 1000)
+        if not d < r:
+            raise BadValue(f"depth = {d:g} of gear is not below its radius {r:g}; give a smaller one")
+        points = []
+        for tooth in range(n):
+            for part, away in ((-1, r), (1, r), (3, r - d), (5, r - d)):
+                angle = 2 * pi * (tooth + part / 8) / n - pi / 2
+                points.append((away * cos(angle), away * sin(angle)))
+        return cls.polygon(points, mass, rounding)
 
     def __repr__(self) -> str:
         shape = f"radius={self.radius:.6g}" if self.radius else repr(self.outline)
@@ -41,6 +129,11 @@ class Plate:
     def gyration(self) -> float:
         """Radius of gyration about the centre of mass, m."""
         return sqrt(self.inertia / self.mass)
+
+    @property
+    def encloses_centre(self) -> bool:
+        """Whether the centre of mass is inside the outline; true of an open outline, which encloses nothing."""
+        return not self.outline.period or _contains(self.outline, ((0.0, 0.0),))
 
     @property
     def inner(self) -> float:
@@ -69,6 +162,23 @@ def _runs_clockwise(outline: Curve) -> bool:
     return bool(outline.period and outline.tangent_angle(high) < outline.tangent_angle(low))
 
 
+def _places(outline: Curve) -> np.ndarray:
+    """Parameters half a degree apart and at corners; distances are stationary at other extremes, so that the error is
+    about 1e-5."""
+    even = np.linspace(*outline.span, 721)
+    return np.union1d(even, outline.vertices(0.01)) if isinstance(outline, Chain) else even
+
+
+def _contains(outline: Curve, points) -> bool:
+    """Whether points (n, 2) are inside a closed outline: its tangent polygon winds around each."""
+    x, y = outline.point(_places(outline))
+    for px, py in points:
+        angles = np.arctan2(y - py, x - px)
+        if round(float(((np.diff(angles) + pi) % (2 * pi) - pi).sum()) / (2 * pi)) == 0:
+            return False
+    return True
+
+
 class _Sizes(NamedTuple):
     inner: float
     reach: float
@@ -79,13 +189,14 @@ class _Sizes(NamedTuple):
 @lru_cache(maxsize=256)
 def _sizes(outline: Curve) -> _Sizes:
     """The sizes of a plate that depend only on its outline, about the outline's origin."""
-    # Half a degree apart; distances are stationary at their extremes, so the error is about 1e-5.
-    points = outline.point(np.linspace(*outline.span, 721))
+    points = outline.point(_places(outline))
     away = np.hypot(*points)
     return _Sizes(float(away.min()), float(away.max()), float(np.ptp(points, axis=1).max()), _radius(outline))
 
 
 def _radius(outline: Curve) -> float | None:
+    if isinstance(outline, Chain):
+        return None
     s = np.linspace(*outline.span, 17)
     r = np.hypot(*outline.point(s))
     bend = outline.curvature(s)

@@ -1,0 +1,78 @@
+"""Outlines with corners, and arcs: closed chains that run counter-clockwise around a plate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+import numpy as np
+
+from .chain import Chain, corner_points
+from .corner import Edge
+from .curves import Curve, cos, sin
+from .errors import BadCurve, BadValue, finite, not_negative, positive
+
+
+class Outline(Chain):
+    """A closed chain: the outline of a plate with corners, counter-clockwise around it."""
+
+    def __init__(self, pieces: Sequence[Curve]):
+        super().__init__(pieces, True)
+        if self.rotation < 0:
+            raise BadCurve("the outline runs clockwise; give its pieces in the other order, each reversed")
+
+    @classmethod
+    def of(cls, curve: Curve) -> Outline:
+        """A closed smooth curve as an outline of one piece."""
+        return cls((curve,))
+
+    @classmethod
+    def polygon(cls, points, radius: float = 0.0) -> Outline:
+        """A polygon through points (n, 2) in metres, counter-clockwise; its corners are rounded with `radius` (m) if
+        one is given. Raises BadValue for an edge too short for that radius."""
+        places, radius = corner_points(points, 3), not_negative("radius of the corners", radius)
+        if places[0] == places[-1]:
+            raise BadValue("the last point of the polygon is its first; leave it out")
+        if not radius:
+            return cls(tuple(map(Edge.between, places, [*places[1:], places[0]])))
+        return cls(_rounded(places, radius))
+
+
+# An edge that remains between two round corners is at least this part of the original one.
+SHORTEST = 1e-9
+
+
+def _rounded(places: list[tuple[float, float]], radius: float) -> tuple[Curve, ...]:
+    """Edges and arcs of a polygon with rounded corners."""
+    corners = np.array(places)
+    along = np.roll(corners, -1, axis=0) - corners
+    lengths = np.hypot(*along.T)
+    angles = np.arctan2(along[:, 1], along[:, 0])
+    turns = (angles - np.roll(angles, 1) + pi) % (2 * pi) - pi
+    cuts = radius * np.abs(np.tan(0.5 * turns))
+    pieces: list[Curve] = []
+    for i, (start, length, angle, turn) in enumerate(zip(corners, lengths, angles, turns, strict=True)):
+        if not cuts[i] + cuts[(i + 1) % len(corners)] < length * (1.0 - SHORTEST):
+            raise BadValue(
+                f"edge {i} of the polygon is {length:.6g} m long, too short for corners of radius {radius:g} m; give a "
+                "smaller radius"
+            )
+        unit = np.array([np.cos(angle), np.sin(angle)])
+        side = 1.0 if turn > 0.0 else -1.0
+        begin, end = start + cuts[i] * unit, start + (length - cuts[(i + 1) % len(corners)]) * unit
+        if turn:
+            middle = begin + side * radius * np.array([-unit[1], unit[0]])
+            first = angle - turn - side * pi / 2
+            pieces.append(arc((middle[0], middle[1]), radius, first, first + turn))
+        pieces.append(Edge.between((begin[0], begin[1]), (end[0], end[1])))
+    return tuple(pieces)
+
+
+def arc(centre: tuple[float, float], radius: float, start: float, end: float) -> Curve:
+    """An arc of a circle from one polar angle about its centre to another, rad; clockwise if the second is smaller."""
+    x, y = finite("x of the arc's centre", centre[0]), finite("y of the arc's centre", centre[1])
+    r, start, end = positive("radius of arc", radius), finite("start of arc", start), finite("end of arc", end)
+    if start == end:
+        raise BadValue(f"the arc begins and ends at {start:g}; give two angles")
+    way = 1 if end > start else -1
+    return Curve(lambda s: (x + r * cos(way * s), y + r * sin(way * s)), (way * start, way * end))

@@ -1,0 +1,166 @@
+"""Curves with corners and homogeneous plates: closed forms of areas, centres of mass and inertias; rejected input."""
+
+import pickle
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cases import BadCurve, BadValue, Chain, NotSupported, Outline, Plate, arc, library
+from cases.area import area_inside
+from cases.chain import moved
+from cases.corner import Corner, Edge
+
+SQUARE = [(0, 0), (2, 0), (2, 1), (0, 1)]
+# The integrals are sums of tens to hundreds of terms, summed exactly; each term has a few roundings.
+EXACT = 1e-15
+
+
+def gear_moment(radius, teeth, depth):
+    """Second polar moment and area of the gear's triangles from its middle, ∫ r² = (|a|² + a·b + |b|²)·area/6."""
+    steps = 2 * pi / teeth * np.array([0.25, 0.25, 0.25, 0.25])
+    ends = [(radius, radius), (radius, radius - depth), (radius - depth, radius - depth), (radius - depth, radius)]
+    areas = [a * b * np.sin(step) / 2 for (a, b), step in zip(ends, steps, strict=True)]
+    moments = [
+        area * (a * a + a * b * np.cos(step) + b * b) / 6 for area, (a, b), step in zip(areas, ends, steps, strict=True)
+    ]
+    return teeth * sum(moments), teeth * sum(areas)
+
+
+# Half disc: centroid at 4r/(3π), J = m r²(1/2 − 16/(9π²)). Reuleaux: each of three sectors of radius d and angle π/3
+# counted once, less two triangles of side d. A triangle of sides a, b, c: m (a² + b² + c²)/36.
+@pytest.mark.parametrize(
+    ("plate", "inertia"),
+    [
+        (lambda: Plate.half_disc(0.3, 2.0), 2.0 * 0.3**2 * (0.5 - 16 / (9 * pi**2))),
+        (lambda: Plate.rectangle(0.4, 0.3, 3.0), 3.0 * (0.4**2 + 0.3**2) / 12),
+        (lambda: Plate.polygon([(1, 1), (5, 1), (1, 4)], 2.0), 2.0 * (9 + 16 + 25) / 36),
+        (lambda: Plate.homogeneous(moved(library.ellipse(2.0, 0.5), 7.0, -3.0), 1.5), 1.5 * (4 + 0.25) / 4),
+        (lambda: Plate.homogeneous(library.circle(1.0), 1.0, holes=[library.circle(0.5)]), (1 + 0.25) / 2),
+        (lambda: Plate.homogeneous(library.circle(1.0), 3.0, inlays=[(library.circle(0.5), 5.0)]), 3 * (1 + 0.25) / 4),
+        (lambda: Plate.gear(0.1, 12, 0.02, 1.0), np.divide(*gear_moment(0.1, 12, 0.02))),
+    ],
+)  # fmt: skip
+def test_inertias_are_the_published_ones(plate, inertia):
+    assert plate().inertia == pytest.approx(inertia, rel=EXACT)
+
+
+def test_centre_of_mass_is_the_outlines_origin():
+    plate = Plate.half_disc(1.0, 1.0)
+    assert plate.outline.point(0.5 * pi - pi)[1] == pytest.approx(4 / (3 * pi) - 1.0, abs=EXACT)
+    # A disc with a hole of half its radius that touches the middle: the centre moves by r/6 to the other side.
+    holed = Plate.homogeneous(library.circle(1.0), 1.0, holes=[moved(library.circle(0.499), 0.5, 0.0)])
+    share = 0.499**2 / (1 - 0.499**2)
+    assert holed.outline.point(0.0)[0] == pytest.approx(1.0 + 0.5 * share, abs=EXACT)
+    assert Plate.homogeneous(library.circle(0.7), 1.0).radius == 0.7
+
+
+def test_reuleaux_triangle_has_constant_width_and_its_area():
+    plate = Plate.reuleaux(0.2, 1.0)
+    assert area_inside(plate.outline).area == pytest.approx(0.5 * (pi - sqrt(3)) * 0.04, rel=4 * EXACT)
+    low, high = plate.outline.span
+    x, y = plate.outline.point(np.linspace(low, high, 3001))
+    widths = [np.ptp(x * np.cos(a) + y * np.sin(a)) for a in np.linspace(0, pi, 40)]
+    np.testing.assert_allclose(widths, 0.2, rtol=1e-6)  # 3,000 samples
+    assert plate.outline.point(0.5 * (plate.outline.pieces[0].span[1] + low))[1] < 0
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(st.floats(0.5, 2.0), st.floats(0.0, 1.0)), min_size=3, max_size=8), st.floats(-50, 50))
+def test_polygon_is_the_sum_of_its_triangles(rays, shift):
+    """Star-shaped polygons about a shifted point; the shoelace formulas about that point."""
+    angles = 2 * pi * (np.arange(len(rays)) + 0.4 * np.array([part for _, part in rays])) / len(rays)
+    points = np.array([r for r, _ in rays]) * np.array([np.cos(angles), np.sin(angles)])
+    x, y = points
+    u, v = np.roll(points, -1, axis=1)
+    cross = x * v - y * u
+    area, polar = cross.sum() / 2, (cross * (x * x + x * u + u * u + y * y + y * v + v * v)).sum() / 12
+    centre = np.array([((x + u) * cross).sum(), ((y + v) * cross).sum()]) / (6 * area)
+    plate = Plate.polygon((points.T + shift).tolist(), 1.0)
+    # The points themselves are rounded at the distance of the shift.
+    rounding = 1e-13 * (1 + abs(shift))
+    assert plate.inertia == pytest.approx(polar / area - centre @ centre, rel=rounding)
+    first = plate.outline.point(plate.outline.span[0])
+    np.testing.assert_allclose(first, points[:, 0] - centre, atol=rounding)
+
+
+def test_chain_is_continuous_in_place_and_direction_over_two_rounds():
+    outline = Plate.gear(0.1, 5, 0.03, 1.0).outline
+    low, high = outline.span
+    s = np.linspace(low - (high - low), high, 20001)
+    step = s[1] - s[0]
+    assert np.abs(np.diff(outline.tangent_angle(s))).max() <= 1.001 * step  # corners turn by their parameter, edges not
+    assert np.hypot(*np.diff(outline.point(s), axis=1)).max() <= 1.001 * step  # edges have unit speed
+    assert outline.tangent_angle(high) - outline.tangent_angle(low) == pytest.approx(2 * pi)
+    assert len(outline.corners) == 20 and sum(corner.turn < 0 for corner in outline.corners) == 10
+    x0, x1, y0, y1 = outline.bounds
+    assert max(x1 - x0, y1 - y0) < 0.2
+
+
+def test_elements_cover_the_parameter_and_agree_with_the_chain():
+    outline = Outline([arc((0.0, 0.0), 1.0, -pi, 0.0), Edge.between((1.0, 0.0), (-1.0, 0.0))])
+    for number in range(-5, 6):
+        element = outline.element(number)
+        low, high = element.piece.span
+        middle = 0.5 * (low + high)
+        s = middle + element.shift
+        assert outline.element_at(s) == element
+        np.testing.assert_allclose(outline.point(s), element.piece.point(middle), atol=1e-14)
+        angle = element.piece.tangent_angle(middle) + 2 * pi * element.turns
+        assert outline.tangent_angle(s) == pytest.approx(angle, abs=1e-13)
+    table = Chain.polyline([(-1, 0), (0, 0), (0, -1)])
+    assert table.element(3) is None and table.element(-1) is None and table.domain == pytest.approx((0, 2 + pi / 2))
+    assert isinstance(table.element(1).piece, Corner) and table.element(1).piece.turn == pytest.approx(-pi / 2)
+
+
+def test_rounded_polygon_has_no_corner_and_its_area():
+    outline = Outline.polygon(SQUARE, 0.2)
+    assert not outline.corners
+    assert area_inside(outline).area == pytest.approx(2 - (4 - pi) * 0.2**2, rel=EXACT)
+    corner_inside = Outline.polygon([(0, 0), (2, 0), (2, 2), (1, 1), (0, 2)], 0.1)
+    assert not corner_inside.corners and corner_inside.rotation == 1
+
+
+def test_chain_travels_and_compares_by_its_pieces():
+    outline = Outline.polygon(SQUARE)
+    copy = pickle.loads(pickle.dumps(outline))
+    assert copy == outline and hash(copy) == hash(outline) and type(copy) is Outline and copy.span == outline.span
+    assert outline != Outline.polygon([(0, 0), (2, 0), (2, 1.5), (0, 1)])
+    edge = Edge.between((0.0, 0.0), (1.0, 2.0))
+    assert pickle.loads(pickle.dumps(edge)) == edge and pickle.loads(pickle.dumps(edge)).constants == edge.constants
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "text"),
+    [
+        (lambda: Outline.polygon([(0, 0), (2, 0), (0, 1), (2, 1)]), BadCurve, "crosses itself near (1, 0.5)"),
+        (lambda: Outline.polygon([(0, 0), (0, 1), (1, 1)]), BadCurve, "runs clockwise"),
+        (lambda: Outline.polygon([(0, 0), (1, 0)]), BadValue, "give at least 3"),
+        (lambda: Outline.polygon([(0, 0), (1, 0), (1, 0), (0, 1)]), BadValue, "points 1 and 2 are the same"),
+        (lambda: Outline.polygon([(0, 0), (1, 0), (0, 1), (0, 0)]), BadValue, "leave it out"),
+        (lambda: Outline.polygon([(0, 0), (1, 0), (0, float("nan"))]), BadValue, "y of a point"),
+        (lambda: Outline.polygon(SQUARE, 0.5), BadValue, "too short for corners of radius"),
+        (lambda: Chain([Edge.between((0, 0), (1, 0)), Edge.between((1, 1e-9), (2, 0))]), BadCurve, "pieces that join"),
+        (lambda: Chain.polyline([(0, 0), (1, 0), (0, 0)]), BadCurve, "turns back"),
+        (lambda: Chain([library.line()]), BadCurve, "has no ends"),
+        (lambda: Chain([]), BadValue, "smooth curves"),
+        (lambda: Chain(3), BadValue, "smooth curves"),
+        (lambda: Outline.polygon(SQUARE).jet(0.0), NotSupported, "smooth curve"),
+        (lambda: Plate.homogeneous(library.parabola(1.0), 1.0), BadCurve, "closed outline"),
+        (lambda: Plate.homogeneous(library.circle(1.0), 1.0, holes=[library.circle(1.1)]), BadCurve, "not inside"),
+        (lambda: Plate.gear(0.1, 8, 0.2, 1.0), BadValue, "below its radius"),
+        (lambda: arc((0, 0), 1.0, 2.0, 2.0), BadValue, "two angles"),
+    ],
+)
+def test_what_is_no_chain_is_rejected_in_one_sentence(make, error, text):
+    with pytest.raises(error) as problem:
+        make()
+    assert text in str(problem.value)
+
+
+def test_centre_of_mass_outside_its_outline_is_noticed():
+    assert Plate.half_disc(1.0, 1.0).encloses_centre
+    assert not Plate(moved(library.circle(1.0), 2.0, 0.0), 1.0, 1.0).encloses_centre
+    assert Plate(library.parabola(1.0), 1.0, 1.0).encloses_centre  # an open outline encloses nothing
