@@ -146,7 +146,7 @@ WALK = {
             COMPARED,
             Step(
                 'python -m reports.build --case "disc_in_circle[mu=0.2]" --trajectory mine=disc_in_circle/motion.csv',
-                (ASSISTED, r"^ *(\d\. )?mine file +1 of 1 .* excellent ", *BUILT),
+                (r"^ *(\d\. )?mine file +1 of 1 .* excellent ", ASSISTED, *BUILT),
                 REPORT,
             ),
             Step(
