@@ -4,7 +4,7 @@ An adapter imports `cases`, the code that engines share (`common`) and the defin
 no other part of the suite.
 """
 
-from .interface import EngineFailure, Meaning, Setting, other_laws, our_part
+from .interface import EngineFailure, Meaning, Setting, other_laws, our_part, refusal
 from .lookup import engine, engines
 
-__all__ = ["EngineFailure", "Meaning", "Setting", "engine", "engines", "other_laws", "our_part"]
+__all__ = ["EngineFailure", "Meaning", "Setting", "engine", "engines", "other_laws", "our_part", "refusal"]

@@ -47,6 +47,9 @@ Optional:
                                                     of them, as "pymunk@6.11.1". Read from the source, not imported
     OUR_PARTS: dict[str, str]                       by route, what of it is not the engine's own, in a phrase; such a
                                                     route is not ranked. Routes called assisted and integrator have one
+    SLIP_LAWS: tuple[str, ...]                      the routes that support a friction coefficient that depends on the
+                                                    slip velocity (`CoulombFriction.by_speed`); without a declaration,
+                                                    `refusal` rejects such a case before `refuses` is called
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
                                                     and rolling resistance, and for which cases its law differs
 
@@ -64,7 +67,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
-from cases import Case
+from cases import Case, CoulombFriction
 
 # Names that every adapter must define.
 PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version")
@@ -91,6 +94,15 @@ def our_part(adapter: Any, route: str) -> str:
     """What of a route is not its engine's own, in a phrase; "" for an engine by itself."""
     own = getattr(adapter, "OUR_PARTS", {})
     return str(own[route]) if route in own else _OUR_PARTS.get(route, "").format(adapter.NAME)
+
+
+def refusal(adapter: Any, case: Case, route: str) -> str | None:
+    """Why a route does not support a case, in one sentence, or None: by what the adapter has to declare, then by its
+    own `refuses`."""
+    friction = case.effect(CoulombFriction)
+    if friction and friction.by_speed and route not in getattr(adapter, "SLIP_LAWS", ()):
+        return f"The {route} route does not support friction that depends on the slip velocity."
+    return adapter.refuses(case, route)
 
 
 def _never(case: Case) -> bool:

@@ -64,6 +64,8 @@ def refuses(case: Case, route: str) -> str | None:
     if missing:
         return f"This adapter does not support {' and '.join(missing)}."
     friction = case.effect(CoulombFriction)
+    if friction and friction.by_speed:
+        return "pybullet's bodies have one friction coefficient for all slip velocities."
     if friction and friction.stick != friction.mu:
         return "pybullet has one friction coefficient for slip and stick."
     if not case.effect(Unilateral):

@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from math import cos, inf, isfinite, nan, pi, sin
-from typing import TypeVar, get_args
+from typing import Any, TypeVar, get_args
 
 import numpy as np
 import sympy as sp
 
-from . import expressions, features, formulas
+from . import expressions, features, formulas, slip_laws
 from .derivation import derived, in_one_thread
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
 from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
@@ -118,13 +118,13 @@ class Load:
         return features.Features(values, centres, sizes=features.largest(values, 0.0, features.WINDOW, to_come))
 
 
-def checked_quantities(formulas: Sequence[sp.Expr]) -> tuple[sp.Expr, ...]:
-    """The quantities that an integrator has to check along each step under a load of these formulas: the arguments of
-    the load's functions, then the formulas. Empty if the load's features in time and its derivatives at a step's start
-    show all that it does.
+def checked_quantities(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol] = MOTION) -> tuple[sp.Expr, ...]:
+    """The quantities that an integrator has to check along each step under a load of these formulas (or friction by a
+    formula in other `symbols`): the arguments of the formulas' functions, then the formulas. Empty if the features in
+    time and the derivatives at a step's start show all that they do.
     """
-    time, *moving = MOTION
-    arguments = dict.fromkeys(a for formula in formulas for a in features.arguments(formula, MOTION))
+    time, moving = MOTION[0], [symbol for symbol in symbols if symbol != MOTION[0]]
+    arguments = dict.fromkeys(a for formula in formulas for a in features.arguments(formula, symbols))
     to_check = [a for a in arguments if a.has(*moving) or features.degree(a, [time]) == inf]
     if not to_check and max(features.degree(formula, moving) for formula in formulas) <= SIMPLE:
         return ()
@@ -145,26 +145,59 @@ def _formula(what: str, value) -> sp.Expr:
 
 @dataclass(frozen=True)
 class CoulombFriction:
-    """Dry friction: |T| = mu·N against the slip velocity, |T| ≤ mu_static·N without slip (mu_static=None: mu)."""
+    """Dry friction: |T| = mu·N against the slip velocity, |T| ≤ mu_static·N without slip (mu_static=None: mu at rest).
 
-    mu: float
+    `mu` is a number, or a formula in v, the slip speed (m/s, v ≥ 0): text such as "0.1 + 0.1*exp(-v/0.05) + 0.02*v", or
+    an expression in `cases.slip_laws.SLIP_SPEED`. Raises BadValue for anything else, and for a formula that
+    `cases.slip_laws` rejects.
+    """
+
+    mu: float | Any
     mu_static: float | None = None
 
+    @in_one_thread
     def __post_init__(self):
-        object.__setattr__(self, "mu", not_negative("mu of CoulombFriction", self.mu))
-        if self.mu == 0.0:
+        object.__setattr__(self, "mu", slip_laws.coefficient("mu of CoulombFriction", self.mu))
+        if self.at_rest == 0.0:
             raise BadValue("mu of CoulombFriction is 0; leave CoulombFriction out for a scene without friction")
         if self.mu_static is not None:
             object.__setattr__(self, "mu_static", not_negative("mu_static of CoulombFriction", self.mu_static))
-            if self.mu_static < self.mu:
-                raise BadValue(
-                    f"mu_static of CoulombFriction is {self.mu_static:g}, below mu = {self.mu:g}; give at least mu"
-                )
+            if self.mu_static < self.at_rest:
+                mu = f"mu = {self.at_rest:g}" + (" at v = 0" if self.by_speed else "")
+                raise BadValue(f"mu_static of CoulombFriction is {self.mu_static:g}, below {mu}; give at least mu")
+
+    def __reduce__(self):
+        """Friction by a formula travels to another process as that formula."""
+        return _restore_friction, (expressions.as_tree(self.mu) if self.by_speed else self.mu, self.mu_static)
+
+    @property
+    def by_speed(self) -> bool:
+        """Whether the coefficient depends on the slip speed."""
+        return isinstance(self.mu, sp.Expr)
+
+    def at(self, speed):
+        """The coefficient at a slip speed v ≥ 0 (m/s), or at an array of them; a number for all if it is constant."""
+        return self._function(speed) if self.by_speed else self.mu
+
+    @derived
+    def _function(self) -> Callable:
+        return slip_laws.function(self.mu)
+
+    @derived
+    def at_rest(self) -> float:
+        """The coefficient of a slip that begins: mu at v = 0."""
+        return float(self.at(0.0))
 
     @property
     def stick(self) -> float:
         """The coefficient that bounds friction without slip."""
-        return self.mu if self.mu_static is None else self.mu_static
+        return self.at_rest if self.mu_static is None else self.mu_static
+
+
+@in_one_thread
+def _restore_friction(mu, mu_static: float | None) -> CoulombFriction:
+    """The friction that a process sent."""
+    return CoulombFriction(mu if isinstance(mu, float) else expressions.from_tree(mu), mu_static)
 
 
 @dataclass(frozen=True)
@@ -279,4 +312,9 @@ def check_formula(effects) -> tuple[Effect, ...]:
     for one, other, why in _CONTRADICT:
         if one in kinds and other in kinds:
             raise DoesNotFit(f"{one.__name__} and {other.__name__} contradict each other ({why}); leave one out")
+    if Impact in kinds and any(isinstance(e, CoulombFriction) and e.by_speed for e in effects):
+        raise DoesNotFit(
+            "the laws of Impact have one coefficient of friction; give mu of CoulombFriction as a number, or leave "
+            "Impact out"
+        )
     return effects

@@ -52,7 +52,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
         one(effects, Gravity),
     )
     if friction and friction.stick > STRONGEST_FRICTION:
-        name = "mu" if friction.mu > STRONGEST_FRICTION else "mu_static"
+        name = "mu" if friction.at_rest > STRONGEST_FRICTION else "mu_static"
         raise BadValue(
             f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
         )

@@ -85,6 +85,8 @@ def refuses(case: Case, route: str) -> str | None:
     if missing:
         return f"box2d does not support {' and '.join(missing)}."
     friction, outline = case.effect(CoulombFriction), case.plate.outline
+    if friction and friction.by_speed:
+        return "Box2D's shapes have one friction coefficient for all slip velocities."
     if friction and friction.stick != friction.mu:
         return "box2d has one friction coefficient for slip and stick."
     if not case.effect(Unilateral):

@@ -55,6 +55,7 @@ class Engine:
 
     routes = ("process",)
     TELLS_COST = True
+    SLIP_LAWS = routes  # an executable decides when it sees the scene
 
     def __init__(self, path: Path):
         if not self.runs(path):

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from cases import Case, Curve
+from cases import Case, CoulombFriction, Curve, Effect
 from cases.contact import start_motion
 
 from ..common.facets import visible_span
@@ -22,6 +22,9 @@ from . import engine_geometry
 
 SCHEMA, VERSION = "slip-to-roll/scene", 1
 SCHEMA_FILE = Path(__file__).with_name("scene.schema.json")
+
+# Coulomb friction whose mu is a formula in v, the slip speed.
+FRICTION_BY_SPEED = "CoulombFrictionBySpeed"
 
 # Chords of a closed curve of a thousand sides miss it by 5e-6 of its radius.
 SAMPLES = 1001
@@ -39,7 +42,7 @@ def scene(case: Case) -> dict[str, Any]:
             "plate": {"mass": case.plate.mass, "inertia": case.plate.inertia, "radius": case.plate.radius},
             "track": [str(part) for part in case.track.expression],
             "outline": [str(part) for part in case.plate.outline.expression],
-            "effects": {type(effect).__name__: asdict(effect) for effect in case.effects},
+            "effects": {_effect_name(effect): asdict(effect) for effect in case.effects},
             "start": start_motion(case)._asdict(),
             "duration": case.duration,
             "closed": {"track": bool(case.track.period), "outline": bool(case.plate.outline.period)},
@@ -48,6 +51,13 @@ def scene(case: Case) -> dict[str, Any]:
             "sdf": engine_geometry.sdf(case),
         }
     )
+
+
+def _effect_name(effect: Effect) -> str:
+    """The name of an effect for a program, which rejects names that it does not know: friction by a formula has a name
+    of its own, so that no program takes the formula for a number."""
+    by_speed = isinstance(effect, CoulombFriction) and effect.by_speed
+    return FRICTION_BY_SPEED if by_speed else type(effect).__name__
 
 
 def points(rows: np.ndarray) -> dict[str, list[float]]:

@@ -327,7 +327,7 @@ def _creep(record: StepRecord, samples: _MotionSamples, normal_force: np.ndarray
     scatter = 0.5 * _usual(np.abs(np.diff(normal_force))[next_step])
     friction, plate = case.effect(CoulombFriction), case.plate
     ease = 1 / plate.mass + plate.reach**2 / plate.inertia
-    missing = h * (friction.mu if friction else 0.0) * scatter * ease
+    missing = h * (friction.at_rest if friction else 0.0) * scatter * ease
     speed = float(np.hypot(samples.rates[:, 0], samples.rates[:, 1]).max(initial=0.0))
     lag = _lag(case, samples)[next_step] if record.contacts is None else np.empty(0)
     return 0.5 * speed * turn**2 + missing + _usual(lag)

@@ -14,12 +14,26 @@ sys.exudynFast = True  # type: ignore[attr-defined]
 with redirect_stdout(StringIO()):  # the import prints which build it is
     import exudyn as _  # noqa: F401
 
-from .adapter import NAME, build, default_grid, grid, ladder, read, refuses, routes, run, version, wide_grid  # noqa: E402
+from .adapter import (  # noqa: E402
+    NAME,
+    SLIP_LAWS,
+    build,
+    default_grid,
+    grid,
+    ladder,
+    read,
+    refuses,
+    routes,
+    run,
+    version,
+    wide_grid,
+)
 from .meanings import MEANINGS  # noqa: E402
 
 __all__ = [
     "MEANINGS",
     "NAME",
+    "SLIP_LAWS",
     "build",
     "default_grid",
     "grid",

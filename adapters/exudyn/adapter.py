@@ -60,6 +60,8 @@ routes = ("native", "integrator")
 KNOWN = "exudyn>=1.13"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
+# Routes whose contact law is the suite's, with a coefficient that may depend on the slip velocity.
+SLIP_LAWS = ("integrator",)
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
 
 # Samples of one run: enough to extrapolate a transition to the accuracy of the finest rung, and few enough for a
@@ -128,7 +130,9 @@ def refuses(case: Case, route: str) -> str | None:
     if missing:
         return f"Exudyn's contacts do not support {' and '.join(missing)}."
     friction = case.effect(CoulombFriction)
-    if friction and friction.stick != friction.mu:
+    if friction and friction.by_speed and route not in SLIP_LAWS:
+        return "Exudyn's contacts have one friction coefficient for all slip velocities."
+    if friction and friction.stick != friction.at_rest:
         return "Exudyn's contacts have one friction coefficient; mu_static cannot differ from mu."
     if route == "native":
         return native.refuses(case)

@@ -15,7 +15,7 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, Load, PerfectlyRough, Unilateral
+from cases import Case, CoulombFriction, Load, PerfectlyRough, Unilateral
 from cases.mechanics import gravity
 
 from ..common.flights import BEYOND, Follower
@@ -54,6 +54,8 @@ class PenaltyContact:
     def __init__(self, case: Case, setting: Setting):
         self.case, self.k, self.vreg = case, setting["k"], setting["vreg"]
         self.damping, self.mu = critical_damping(case, setting), friction_coefficient(case)
+        friction = case.effect(CoulombFriction)
+        self.by_speed = friction.at if friction and friction.by_speed else None
         self.load = case.effect(Load)
         self.rough = rough_friction(case) if case.effect(PerfectlyRough) else 0.0
         self.unilateral = case.effect(Unilateral) is not None
@@ -83,7 +85,11 @@ class PenaltyContact:
         """The friction force (N) along the track's tangent, against the slip velocity."""
         if self.rough:
             return -self.grip(touch) * touch.share
-        return -self.mu * abs(touch.normal_force) * touch.share
+        return -self.coefficient(touch) * abs(touch.normal_force) * touch.share
+
+    def coefficient(self, touch: PenaltyState) -> float:
+        """The coefficient of friction at a slip velocity."""
+        return self.by_speed(abs(touch.slip)) if self.by_speed else self.mu
 
     def grip(self, touch: PenaltyState) -> float:
         """The friction (N) of a perfectly rough contact that creeps with vreg.
@@ -130,8 +136,10 @@ class PenaltyContact:
         if self.rough:
             viscous, row_axis = by_velocity * self.grip(touch) / self.vreg, normal
         else:
-            viscous = by_velocity * self.mu * abs(N) / self.vreg if abs(touch.share) < 1.0 else 0.0
-            slope = copysign(self.mu, N) * touch.share
+            # A coefficient's own slope is neglected: friction changes faster by `vreg` than by any law it may follow.
+            mu = self.coefficient(touch)
+            viscous = by_velocity * mu * abs(N) / self.vreg if abs(touch.share) < 1.0 else 0.0
+            slope = copysign(mu, N) * touch.share
             row_axis = (normal[0] - slope * tangent[0], normal[1] - slope * tangent[1], normal[2] - slope * tangent[2])
         # Two outer products; with NumPy they take four times as long.
         return np.array(

@@ -249,9 +249,9 @@ def steps_until(
 
 
 def friction_coefficient(case: Case) -> float:
-    """The friction coefficient mu, zero without friction."""
+    """The friction coefficient mu, at rest if it depends on the slip velocity; zero without friction."""
     friction = case.effect(CoulombFriction)
-    return friction.mu if friction else 0.0
+    return friction.at_rest if friction else 0.0
 
 
 def critical_damping(case: Case, setting: Setting) -> float:

@@ -8,7 +8,7 @@ are those of `adapters.laws.runs`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, sin, sqrt
+from math import cos, exp, log, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -63,6 +63,27 @@ def load(route: Route) -> None:
     exact = moment / (plate.inertia * rate) * (1 - np.cos(rate * t))
     suspect = "moment of Load, inertia of the plate"
     hold("load", "omega", run.motion.omega - exact, tolerance * abs(moment) / plate.inertia, suspect)
+
+
+def friction_by_speed(route: Route) -> None:
+    """A disc that slides with μ = a + b exp(−v/w): u = exp(v/w) obeys u̇ = −k (a u + b), k = g (1 + m r²/J)/w."""
+    d = route.draw("friction by speed")
+    plate, radius, g, time = _disc(d)
+    a, b, width = d.mu(0.06, 0.2), d.between(0.2, 0.4), d.between(0.2, 0.6) * radius / time
+    slip = d.signed(3.0, 5.0) * width
+    lever = plate.mass * radius / plate.inertia
+    rate = g * (1 + lever * radius) / width
+    first = exp(abs(slip) / width)
+    # Up to a tenth of the width before it rolls.
+    duration = log((first + b / a) / (exp(0.1) + b / a)) / (rate * a)
+    friction = CoulombFriction(f"{a!r} + {b!r}*exp(-v/{width!r})")
+    run = route.simulate(Case(LEVEL, plate, (Gravity(g), friction, Unilateral()), Start(0.0, slip=slip), duration))
+    exact = width * np.log((first + b / a) * np.exp(-rate * a * run.motion.t) - b / a)
+    # Friction acts up to a step early or late, by the largest coefficient; until then its change has grown as the
+    # difference of two slip speeds does, by the ratio of their rates at most.
+    tolerance = (a + b) * run.kick * (1 + lever * radius) * (a + b) / a + 1e-9
+    suspect = "mu of CoulombFriction as a formula of v: a coefficient, the width of the exponential, or the unit of v"
+    hold("friction by speed", "the slip", np.sign(slip) * run.motion.slip - exact, tolerance, suspect)
 
 
 class Drop(NamedTuple):
@@ -206,7 +227,16 @@ Law = Callable[[Route], None]
 
 LAWS: dict[str, Law] = {
     law.__name__: law
-    for law in (load, bounce, bounce_with_friction, landing, perfectly_rough, guide, rolling_resistance)
+    for law in (
+        load,
+        friction_by_speed,
+        bounce,
+        bounce_with_friction,
+        landing,
+        perfectly_rough,
+        guide,
+        rolling_resistance,
+    )
 }
 
 # The laws that check an effect. (Without `Unilateral` the contact is a bilateral guide.)
@@ -217,6 +247,6 @@ OF_EFFECT: dict[type, tuple[str, ...]] = {
     RollingResistance: ("rolling_resistance", "equations_of_motion"),
     Flight: ("free_fall", "landing"),
     Unilateral: ("lift_off", "guide"),
-    CoulombFriction: ("friction_torque", "sticking_threshold", "equations_of_motion"),
+    CoulombFriction: ("friction_torque", "sticking_threshold", "equations_of_motion", "friction_by_speed"),
     Gravity: ("free_fall", "equations_of_motion"),
 }

@@ -24,7 +24,7 @@ import numpy as np
 from cases import Case, Load, NotSupported, Plate, Trajectory
 from cases.mechanics import gravity
 
-from ..interface import Setting, other_laws
+from ..interface import Setting, other_laws, refusal
 from .scenes import Draw, draw
 
 # Each engine's own tests use the finest rung; the one before costs half, and every tolerance follows it.
@@ -141,9 +141,9 @@ class LawRun:
 
 @lru_cache(maxsize=64)
 def _run(adapter, route: str, case: Case) -> LawRun:
-    refusal = adapter.refuses(case, route)
-    if refusal:
-        raise NotSupported(refusal)
+    reason = refusal(adapter, case, route)
+    if reason:
+        raise NotSupported(reason)
     differences = other_laws(adapter, case, route)
     if differences:
         raise NotSupported("; ".join(differences))

@@ -1,9 +1,23 @@
 """pymunk's adapter; `adapters.pymunk.adapter` describes it."""
 
-from .adapter import NAME, bare_run, build, default_grid, grid, ladder, read, refuses, routes, run, version, wide_grid
+from .adapter import (
+    NAME,
+    SLIP_LAWS,
+    bare_run,
+    build,
+    default_grid,
+    grid,
+    ladder,
+    read,
+    refuses,
+    routes,
+    run,
+    version,
+    wide_grid,
+)
 from .meanings import MEANINGS
 
 __all__ = [
-    "MEANINGS", "NAME", "build", "default_grid", "grid", "ladder", "read", "refuses", "routes", "run", "bare_run",
-    "version", "wide_grid",
+    "MEANINGS", "NAME", "SLIP_LAWS", "build", "default_grid", "grid", "ladder", "read", "refuses", "routes", "run",
+    "bare_run", "version", "wide_grid",
 ]  # fmt: skip

@@ -48,6 +48,8 @@ routes = ("native", "assisted")
 KNOWN = "pymunk>=6.11"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
+# Routes that set the coefficient in each step, by the slip velocity.
+SLIP_LAWS = ("assisted",)
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
 
 
@@ -64,7 +66,9 @@ def refuses(case: Case, route: str) -> str | None:
     if missing:
         return f"pymunk does not support {' and '.join(missing)}."
     friction = case.effect(CoulombFriction)
-    if friction and friction.stick != friction.mu:
+    if friction and friction.by_speed and route not in SLIP_LAWS:
+        return "pymunk's shapes have one friction coefficient for all slip velocities."
+    if friction and friction.stick != friction.at_rest:
         return "pymunk has one friction coefficient for slip and stick."
     impact = case.effect(Impact)
     if impact and impact.restitution > 0.0 and route == "assisted":

@@ -16,7 +16,7 @@ from typing import Any
 import pymunk
 from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
-from cases import Case, Curve, Load, Unilateral
+from cases import Case, CoulombFriction, Curve, Load, Unilateral
 from cases.contact import Contact, MotionPoint, start_motion
 from cases.mechanics import gravity
 
@@ -51,6 +51,8 @@ class ContactGuide:
         self._before = _velocities(start_motion(case))
         gx, gy = gravity(case)
         self._gravity, self._drive = (float(gx), float(gy)), drive
+        friction = case.effect(CoulombFriction)
+        self._coefficient = friction.at if friction and friction.by_speed else None
         # Gravity and load give the change of the velocities in the first, half step; later, the previous step does.
         self._change: Torsor | None = None
 
@@ -97,6 +99,17 @@ class ContactGuide:
             normal = -normal
         arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
         arbiter.surface_velocity = velocity
+        if self._coefficient:
+            arbiter.friction = self._coefficient(abs(self._slip_within(Vec2d(X, Y), Vec2d(tx, ty))))
+
+    def _slip_within(self, point: Vec2d, tangent: Vec2d) -> float:
+        """The slip velocity in the middle of the change of velocity that this step makes, as predicted."""
+        assert self._change is not None, "the velocities were predicted before"
+        (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
+        more_x, more_y, more_turn = (0.5 * part for part in self._change)
+        omega += more_turn
+        ux, uy = vx + more_x - omega * (point.y - y), vy + more_y + omega * (point.x - x)
+        return ux * tangent.x + uy * tangent.y
 
     def _bend(self) -> tuple[float, float]:
         """The distance (m) of the path from the chord of this step, towards the inside of the path."""

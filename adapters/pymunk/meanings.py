@@ -12,7 +12,7 @@ from ..interface import Meaning
 MEANINGS = (
     Meaning(
         CoulombFriction,
-        "friction of both shapes, multiplied; here mu and 1",
+        "friction of both shapes, multiplied; here mu and 1 (assisted: where mu depends on v, that of each step)",
         "Coulomb's cone for the impulses of a step, one coefficient for slip and stick",
     ),
     Meaning(PerfectlyRough, "friction", "Coulomb's cone with a coefficient of 1e9"),

@@ -36,7 +36,7 @@ ROUGH = 1e9
 def friction_coefficient(case: Case) -> float:
     """The coefficient of both shapes together: mu, zero without friction, ROUGH for a perfectly rough contact."""
     friction = case.effect(CoulombFriction)
-    return ROUGH if case.effect(PerfectlyRough) else friction.mu if friction else 0.0
+    return ROUGH if case.effect(PerfectlyRough) else friction.at_rest if friction else 0.0
 
 
 # --- the shapes' fineness --------------------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import pose
 
-from .loads import load_scales
+from .loads import load_scales, slip_scales
 from .steps import StepFailure
 
 # A normal force of a rounding below zero is a release at N = 0, as in the start of `disc_in_circle`.
@@ -90,9 +90,16 @@ class Place(NamedTuple):
 class ContactLaws(NamedTuple):
     """The coefficients of friction and rolling resistance; None: the case has no such effect."""
 
-    slip: float | None  # coefficient against slip
+    slip: float | None  # coefficient against slip; of one that depends on the slip speed, its value at v = 0
     stick: float  # coefficient that holds
     arm: float | None
+    by_speed: Callable[[float], float] | None = None  # the coefficient that depends on the slip speed
+
+
+def _laws(friction: CoulombFriction | None, arm: float | None) -> ContactLaws:
+    if friction is None:
+        return ContactLaws(None, 0.0, arm)
+    return ContactLaws(friction.at_rest, friction.stick, arm, friction.at if friction.by_speed else None)
 
 
 class ContactScene:
@@ -106,11 +113,12 @@ class ContactScene:
         self.g = gravity.vector if gravity else (0.0, 0.0)
         load, resistance = case.effect(Load), case.effect(RollingResistance)
         self.load, self.load_scales = load.at if load else None, load_scales(load)
+        self.slip_scales = slip_scales(friction)
         arm = resistance.arm if resistance else None
         if case.effect(PerfectlyRough):
             self.laws = ContactLaws(inf, inf, arm)
         else:
-            self.laws = ContactLaws(friction.mu, friction.stick, arm) if friction else ContactLaws(None, 0.0, arm)
+            self.laws = _laws(friction, arm)
         self.unilateral = case.effect(Unilateral) is not None
         # Features that a step could pass over: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
@@ -187,8 +195,17 @@ class ContactScene:
 
     def load_allows(self, times: np.ndarray, states: np.ndarray, turns: int) -> bool:
         """Whether the load allows a step through these states (ξ₁, ξ₂, ω, v) of the contact, shape (4, n)."""
-        bodies = np.array([self.body(z, turns) for z in states.T.tolist()]).T
-        return self.load_scales is None or self.load_scales.allows(times, bodies)
+        if self.load_scales is None:
+            return True
+        return self.load_allows_flight(times, np.array([self.body(z, turns) for z in states.T.tolist()]).T)
+
+    def load_allows_flight(self, times: np.ndarray, bodies: np.ndarray) -> bool:
+        """Whether the load allows a step of a flight through (x, y, θ, vx, vy, ω), shape (6, n)."""
+        return self.load_scales is None or self.load_scales.allows(times, *bodies)
+
+    def slip_allows(self, times: np.ndarray, states: np.ndarray, phase: ContactPhase) -> bool:
+        """Whether friction's law allows a step through these states in a phase of slip."""
+        return self.slip_scales is None or not phase.slip or self.slip_scales.allows(phase.slip * states[3])
 
     def forces(self, t: float, z, phase: ContactPhase, turns: int) -> Forces:
         """Forces and rates in one phase: Newton–Euler with one linear condition each on friction and couple."""
@@ -199,7 +216,7 @@ class ContactScene:
         down = v * q.bend_track * along_track - w * along_outline + w * w * an - (ay * q.tx - ax * q.ty)
         back = w * w * at - (ax * q.tx + ay * q.ty)
         # Per mass N = down − ω̇ arm_t for every phase; v̇ = −back + T − ω̇ arm_n; J ω̇ = arm_t N − arm_n T + couple.
-        friction, couple = ratios(self.laws, phase)
+        friction, couple = ratios(self.laws, phase, v)
         if phase.turn == 0:
             N, spin_rate, push, inverse_mass = down, 0.0, down, 1.0
             T = back if phase.slip == 0 else friction * N
@@ -275,9 +292,11 @@ def speeds(q: Place, w: float, v: float) -> tuple[float, float]:
     return along_track, along_track - v
 
 
-def ratios(laws: ContactLaws, phase: ContactPhase) -> tuple[float, float]:
-    """Friction and couple per normal force if they oppose a motion; 0 if they are absent or static."""
-    friction = -phase.side * phase.slip * laws.slip if phase.slip and laws.slip is not None else 0.0
+def ratios(laws: ContactLaws, phase: ContactPhase, v: float = 0.0) -> tuple[float, float]:
+    """Friction and couple per normal force at slip v if they oppose a motion; 0 if they are absent or static."""
+    friction = 0.0
+    if phase.slip and laws.slip is not None:
+        friction = -phase.side * phase.slip * (laws.by_speed(phase.slip * v) if laws.by_speed else laws.slip)
     couple = -phase.side * phase.turn * laws.arm if phase.turn and laws.arm is not None else 0.0
     return friction, couple
 

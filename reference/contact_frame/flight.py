@@ -59,7 +59,7 @@ class _FlightCourse:
         self.solver = FrequencyLimitedDOP853(
             self.rates, t, np.array(body), end, pace=pace, steps_per_turn=steps_per_turn, work=work,
             features=scene.in_time,
-            load_allows=scene.load_scales.allows if scene.load_scales else None, rtol=self.rtol, atol=1e-2 * self.rtol,
+            load_allows=scene.load_allows_flight if scene.load_scales else None, rtol=self.rtol, atol=1e-2 * self.rtol,
         )  # fmt: skip
         self.pieces: list[tuple[float, float, Callable]] = []
         self.nodes = [(t, np.array(body))]

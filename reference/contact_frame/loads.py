@@ -1,4 +1,4 @@
-"""The longest step of the second formulation that a load in place or velocity allows.
+"""The longest step of the second formulation that a load in place or velocity, or friction by a formula, allows.
 
 Every function in a formula changes over a characteristic length: exp and tanh over one, sine and cosine over a part of
 a turn, a logarithm or a power over its argument's distance from zero. A step is short enough if no argument changes by
@@ -9,16 +9,17 @@ functions alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import exp, inf, log
 
 import numpy as np
 import sympy as sp
 
-from cases import Load
+from cases import CoulombFriction, Load
 from cases.derivation import in_one_thread
 from cases.effects import MOTION, checked_quantities
 from cases.expression_graph import ON_ARRAYS, function_of
+from cases.slip_laws import SLIP_SPEED
 
 # A step changes an argument by at most this part of the function's length: events are detected only at steps' ends.
 QUARTER = 0.25
@@ -30,30 +31,29 @@ WAVE = 4.0
 LOW_POWER = 8
 
 
-class LoadScales:
-    """The arguments of the functions in a load's formulas, and the lengths over which those functions change."""
+class FormulaScales:
+    """The arguments of the functions in formulas of some symbols, and the lengths over which those functions change."""
 
     @in_one_thread
-    def __init__(self, load: Load):
-        formulas = load.expression
+    def __init__(self, formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]):
         pairs = dict.fromkeys(
             (node, argument)
             for formula in formulas
             for node in sp.preorder_traversal(formula)
             if node.is_Function or node.is_Pow
             for argument in node.args
-            if argument.has(*MOTION)
+            if argument.has(*symbols)
         )
         # A force may contain a function multiplied by any of the formulas' numbers.
         numbers = {abs(float(n)) for formula in formulas for n in formula.atoms(sp.Number)}
         negligible = NEGLIGIBLE + sum(abs(log(number)) for number in numbers if number)
         self._lengths = [_length(node, negligible) for node, _ in pairs]
-        self._arguments = function_of(MOTION, [argument for _, argument in pairs], ON_ARRAYS)
+        self._arguments = function_of(symbols, [argument for _, argument in pairs], ON_ARRAYS)
 
-    def allows(self, times: np.ndarray, bodies: np.ndarray) -> bool:
-        """Whether a step is short enough, by `times` (n,) and (x, y, θ, vx, vy, ω) along it, shape (6, n)."""
+    def allows(self, *values: np.ndarray) -> bool:
+        """Whether a step is short enough, by the values of the symbols along it, each of shape (n,)."""
         with np.errstate(all="ignore"):
-            rows = [np.broadcast_to(row, times.shape) for row in self._arguments(times, *bodies)]
+            rows = [np.broadcast_to(row, values[0].shape) for row in self._arguments(*values)]
         return all(_within(row, length) for row, length in zip(rows, self._lengths, strict=True))
 
 
@@ -68,9 +68,17 @@ def _within(row: np.ndarray, length: Length) -> bool:
     return float(np.ptp(row)) <= QUARTER * length(low, high)
 
 
-def load_scales(load: Load | None) -> LoadScales | None:
+def load_scales(load: Load | None) -> FormulaScales | None:
     """The bounds that a load sets on steps; None if it sets none."""
-    return LoadScales(load) if load is not None and checked_quantities(load.expression) else None
+    return FormulaScales(load.expression, MOTION) if load is not None and checked_quantities(load.expression) else None
+
+
+def slip_scales(friction: CoulombFriction | None) -> FormulaScales | None:
+    """The bounds that friction by a formula sets on steps of a slip; None if it sets none."""
+    if friction is None or not friction.by_speed:
+        return None
+    formulas, symbols = [friction.mu], [SLIP_SPEED]
+    return FormulaScales(formulas, symbols) if checked_quantities(formulas, symbols) else None
 
 
 def _length(node: sp.Expr, negligible: float) -> Length:

@@ -9,7 +9,6 @@ module integrates phases of contact and chains them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from math import inf, pi, sqrt
 from typing import NamedTuple
 
@@ -21,7 +20,7 @@ from cases.contact import start_motion
 
 from . import flight_guards
 from .advancement import TooManyRounds
-from .equations import ContactPhase, leaves, lets_go, rates
+from .equations import ContactPhase, ContactScene, leaves, lets_go, rates
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, MotionState
 from .second_contacts import Overlaps
 from .steps import FrequencyLimitedDOP853, StepFailure
@@ -278,7 +277,7 @@ def _integrate(course: MotionState, now: ContactState, guards: dict[str, Callabl
         method=FrequencyLimitedDOP853, rtol=course.rtol, atol=1e-2 * course.rtol, events=events,
         dense_output=bool(course.record),
         pace=lambda t, z: scene.pace(t, z.tolist(), turns), steps_per_turn=course.steps_per_turn, work=course.work,
-        load_allows=partial(scene.load_allows, turns=turns) if scene.load_scales else None,
+        load_allows=_formulas_allow(scene, phase, turns),
         after_step=overlaps.look if overlaps else None, features=scene.in_contact,
     )  # fmt: skip
     out_of_work = not solution.success and course.work.used_up
@@ -286,6 +285,13 @@ def _integrate(course: MotionState, now: ContactState, guards: dict[str, Callabl
         raise StepFailure(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
     course.record.contact(start, float(solution.t[-1]), solution.sol, turns)
     return solution
+
+
+def _formulas_allow(scene: ContactScene, phase: ContactPhase, turns: int):
+    """Whether load and friction allow a step, as a function of times and states; None if they always do."""
+    if scene.load_scales is None and scene.slip_scales is None:
+        return None
+    return lambda times, states: scene.load_allows(times, states, turns) and scene.slip_allows(times, states, phase)
 
 
 def _inside(i: int, low: float, high: float):

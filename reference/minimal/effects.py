@@ -6,6 +6,7 @@ and conditions, so that no equation tests which effects there are, and an effect
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar, NamedTuple
@@ -15,8 +16,9 @@ import sympy as sp
 from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.derivation import in_one_thread
 from cases.effects import MOTION, checked_quantities
-from cases.expression_graph import ONE, ZERO, Node, from_sympy, sqrt, symbol
+from cases.expression_graph import ONE, ZERO, Node, from_sympy, sqrt, substitute, symbol
 from cases.expressions import constants, lift_constants
+from cases.slip_laws import SLIP_SPEED
 
 from .elimination import GYRATION, Elimination
 
@@ -87,6 +89,15 @@ class Frictionless:
     ratio = ZERO
     by_magnitude = False  # whether the law needs the sign of the normal force
 
+    def with_law(self, motion: Elimination, side) -> Elimination:
+        """The equations of a slip with the law in place of `ratio`, where that is no number."""
+        return motion
+
+    def checked_arguments(self, motion: Elimination) -> tuple[Node, ...]:
+        """The arguments of the law's functions, which have to be checked along each step of a slip together with the
+        friction force; empty if the law's derivatives at a step's start show all that it does."""
+        return ()
+
     def conditions(self, slips: bool, motion: Elimination, side) -> Conditions:
         return {}
 
@@ -121,6 +132,31 @@ class Coulomb(Frictionless):
         assert friction is not None
         sign = SLIP_SIGN.get(mode, 0.0)
         return {"k": -sign * side * friction.mu, "sigma": sign, "mu_stick": friction.stick}
+
+
+@dataclass(frozen=True)
+class CoulombBySpeed(Coulomb):
+    """Coulomb friction with a coefficient that depends on the slip speed: its formula with its constants lifted."""
+
+    formula: sp.Expr
+    sizes: tuple[sp.Symbol, ...]
+
+    def with_law(self, motion: Elimination, side) -> Elimination:
+        (coefficient,) = self._nodes([self.formula], motion)
+        return Elimination(*substitute(motion, {RATIO: -SIGMA * side * coefficient}))
+
+    def checked_arguments(self, motion: Elimination) -> tuple[Node, ...]:
+        return self._nodes(checked_quantities([self.formula], [SLIP_SPEED]), motion)
+
+    def values(self, case: Case, mode: Mode, side: int) -> dict[str, float]:
+        friction = case.effect(CoulombFriction)
+        assert friction is not None
+        sizes = {f"mu_c{i}": value for i, value in enumerate(constants([friction.mu]))}
+        return {"sigma": SLIP_SIGN.get(mode, 0.0), "mu_stick": friction.stick} | sizes
+
+    def _nodes(self, expressions: Sequence[sp.Expr], motion: Elimination) -> tuple[Node, ...]:
+        names: dict[sp.Basic, Node] = {size: symbol(f"mu_{size.name}") for size in self.sizes}
+        return tuple(from_sympy(e, {**names, SLIP_SPEED: SIGMA * motion.slip}) for e in expressions)
 
 
 # --- resistance to rotation -------------------------------------------------------------------------------------------
@@ -204,17 +240,21 @@ class Laws(NamedTuple):
 @lru_cache(maxsize=1024)
 def laws(case: Case) -> Laws:
     """The contributions of the case's effects to the equations."""
-    load = case.effect(Load)
-    return _laws(frozenset(type(effect) for effect in case.effects), load.expression if load else None)
+    load, friction = case.effect(Load), case.effect(CoulombFriction)
+    mu = friction.mu if friction and friction.by_speed else None
+    return _laws(frozenset(type(effect) for effect in case.effects), load.expression if load else None, mu)
 
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None) -> Laws:
+def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None, mu: sp.Expr | None) -> Laws:
     loads: list[Weight | AppliedLoad] = [Weight()] if Gravity in kinds else []
     if load is not None:
         loads.append(AppliedLoad(*lift_constants(load)))
     friction = Coulomb() if CoulombFriction in kinds else Rough() if PerfectlyRough in kinds else Frictionless()
+    if mu is not None:
+        (formula,), sizes = lift_constants([mu])
+        friction = CoulombBySpeed(formula, sizes)
     resistance = LeverArm() if RollingResistance in kinds else NoResistance()
     return Laws(tuple(loads), friction, resistance, Unilateral in kinds)
 

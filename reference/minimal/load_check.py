@@ -139,16 +139,18 @@ def _events(coefficients: np.ndarray) -> np.ndarray:
 
 
 def _quantities(phase: Phase, course: Course, parts: np.ndarray, shift: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Arguments (k, n), and force and moment over the radius of gyration (3, n; N) at these parts of the step; `shift`:
-    with each component of the states changed alternately up and down by that part of itself."""
+    """Arguments (k, n), and the forces: friction by a formula, the load's force and moment over the radius of gyration
+    (3 or 4, n; N) at these parts of the step; `shift`: with each component of the states changed alternately up and
+    down by that part of itself."""
     times, states = course.start + course.length * parts, course.states(parts)
     if shift:
         signs = shift * (-1.0) ** np.arange(len(parts))
         times, states = times * (1.0 + signs), states * (1.0 - signs)
     with np.errstate(all="ignore"):  # what has no value, or overflows, is looked for in the result
         rows = phase.system.load_quantities_of_arrays(times, states, phase.parameters)
+    forces = phase.system.checked_forces
     every = np.empty((len(rows), len(parts)))
     for own, row in zip(every, rows, strict=True):
         own[:] = row  # a constant one is a number
     every[-1] /= phase.size
-    return every[:-3], every[-3:]
+    return every[:-forces], every[-forces:]

@@ -123,12 +123,13 @@ def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: flo
 @lru_cache(maxsize=256)
 def phase(case: Case, regime: Regime) -> Phase:
     """The equations of that regime with the case's parameters."""
-    size, checks = case.plate.gyration, bool(laws(case).checked_quantities)
+    size = case.plate.gyration
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
         parameters = parameter_values(case, {}, equations)
         features = _features(case.effect(Load))
-        return Phase(regime, equations, parameters, size, (size, size, 1.0), tuple(range(6)), case, features, checks)
+        checks, rows = bool(equations.load_quantities), tuple(range(6))
+        return Phase(regime, equations, parameters, size, (size, size, 1.0), rows, case, features, checks)
     equations = contact_system(case, regime.kind)
     law = laws(case)
     values = {"nu": float(regime.side)}
@@ -137,6 +138,7 @@ def phase(case: Case, regime: Regime) -> Phase:
     lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
     parameters = parameter_values(case, values, equations)
     features = _features(case.effect(Load), case.track, case.plate.outline)
+    checks = bool(equations.load_quantities)
     return Phase(regime, equations, parameters, size, lengths, _places(equations), case, features, checks)
 
 

@@ -31,7 +31,7 @@ from cases.expression_graph import (
 )
 
 from . import series
-from .effects import SIGMA, TURN, Laws, laws
+from .effects import MASS, SIGMA, TURN, Laws, laws
 from .elimination import (
     GYRATION,
     U1,
@@ -56,6 +56,9 @@ THETA = _MOTION[3]
 # value forces have no digits left; the place changes by less than that.
 PARADOX = 1e-9
 
+# The force and the moment of a load.
+LOAD_FORCES = 3
+
 # The order of the series that decide first, and the number of operations up to which they are written as one function:
 # that takes 6 ms for a disc in a circle, 26 ms for a disc in a cosine valley, and saves nine tenths of each call.
 QUICK, SHORT = 2, 64
@@ -68,7 +71,8 @@ class Equations:
     The first `positions` variables are positions, the others velocities. `conditions` must hold for a decision for this
     mode, `condition_rates` are the rates of those that are velocities; `guards` are positive while the mode lasts: the
     conditions and the geometry's limits, without those that the state cannot change. `load_quantities` are checked
-    along each step: arguments of a load's functions, then force and moment (N, N m).
+    along each step: arguments of functions in a load or in friction's law, then `checked_forces` forces: friction by a
+    formula, force and moment of the load (N, N m).
     """
 
     variables: tuple[Node, ...]
@@ -79,6 +83,7 @@ class Equations:
     condition_rates: dict[str, Node] = field(default_factory=dict)
     guards: dict[str, Node] = field(default_factory=dict)
     load_quantities: tuple[Node, ...] = ()
+    checked_forces: int = LOAD_FORCES
 
     @property
     def all(self) -> list[Node]:
@@ -122,6 +127,7 @@ class System:
         self.rates, self.outputs = equations.rates, equations.outputs
         self.conditions, self.condition_rates = equations.conditions, equations.condition_rates
         self.guards, self.load_quantities = equations.guards, equations.load_quantities
+        self.checked_forces = equations.checked_forces
         self.forces = (self.outputs.normal, self.outputs.friction)
         # The places among the conditions of those that have rates.
         self.rated = tuple(i for i, name in enumerate(self.conditions) if name in self.condition_rates)
@@ -310,6 +316,7 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
         motion = sliding(f, h, force, law.friction.ratio, law.resistance.couple)
     else:
         motion = rolling(f, h, force, law.resistance.couple)
+    motion = law.friction.with_law(motion, law.side) if kind.slips else motion
     conditions = law.friction.conditions(kind.slips, motion, law.side)
     conditions |= law.resistance.conditions(kind.holds, motion, law.side)
     if (
@@ -327,8 +334,19 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
-    load_quantities = tuple(substitute(law.checked_quantities, pose))
-    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, load_quantities)
+    checked, checked_forces = _checked(law, motion, pose, kind)
+    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, checked, checked_forces)
+
+
+def _checked(law: Laws, motion: Elimination, pose: dict[Node, Node], kind: Kind) -> tuple[tuple[Node, ...], int]:
+    """What is checked along each step: arguments, then forces (the load's, after friction by a formula); and the number
+    of the forces."""
+    by_load = tuple(substitute(law.checked_quantities, pose))
+    by_friction = law.friction.checked_arguments(motion) if kind.slips else ()
+    if not by_friction:
+        return by_load, LOAD_FORCES
+    forces = by_load[-LOAD_FORCES:] or (ZERO,) * LOAD_FORCES
+    return (*by_friction, *by_load[:-LOAD_FORCES], MASS * motion.friction, *forces), 1 + LOAD_FORCES
 
 
 def _motion(f: Frame, h: Frame, kind: Kind) -> dict[Node, Node]:

@@ -25,7 +25,7 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Gravity, Load, Mode, RollingResistance
 
-from .kinematics import I2, Kinematics, U, kinematics
+from .kinematics import I2, Kinematics, U, kinematics, slip_velocity
 
 # (30): the friction coefficient's sign is opposite to the slip velocity's.
 SIGN = {Mode.SLIP_FORWARD: -1.0, Mode.SLIP_BACKWARD: +1.0}
@@ -154,7 +154,7 @@ def assemble(
     case: Case, mode: Mode, k: Kinematics, motion: Sequence[float], side: int = 1, turn: int | None = None
 ) -> AugmentedSystem:
     """Assemble (27) from given kinematics, whether or not they fit the contact; `motion` as in `applied_torsor`."""
-    ratio = _friction_ratio(case, mode, side)
+    ratio = _friction_ratio(case, mode, side, k)
     arm, rotation_fixed = _resistance(case, mode, side, turn, k)
     rolls = mode in WITHOUT_SLIP
     size = 6 + rolls + rotation_fixed
@@ -170,10 +170,17 @@ def assemble(
     return AugmentedSystem(matrix, right, k, ratio, arm, rolls, rotation_fixed)
 
 
-def _friction_ratio(case: Case, mode: Mode, side: int) -> float:
-    """μ of (30): against the slip, by the magnitude of the normal force; 0 without slip or friction."""
+def _friction_ratio(case: Case, mode: Mode, side: int, k: Kinematics) -> float:
+    """μ of (30): against the slip, by the magnitude of the normal force; 0 without slip or friction.
+
+    A coefficient that depends on the slip speed is μ(|v|) with v of (12), smooth where an integrator's stage passes
+    v = 0.
+    """
     friction = case.effect(CoulombFriction)
-    return SIGN.get(mode, 0.0) * side * friction.mu if friction else 0.0
+    if friction is None or mode not in SIGN:
+        return 0.0
+    mu = friction.at(-SIGN[mode] * slip_velocity(k)) if friction.by_speed else friction.mu
+    return SIGN[mode] * side * mu
 
 
 def _resistance(case: Case, mode: Mode, side: int, turn: int | None, k: Kinematics) -> tuple[float, bool]:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, CaseError, CoulombFriction, Gravity, Load, RollingResistance
+from cases import Case, CaseError, CoulombFriction, Gravity, Load, NotSupported, RollingResistance
 from cases.contact import start_motion
 from cases.expressions import constants
 from cases.overlap import first_overlap
@@ -98,7 +98,13 @@ def scenes(
 
 
 def structure(case: Case) -> Structure:
-    """The structure of a case: what it must share with other scenarios to be simulated with them."""
+    """The structure of a case: what it must share with other scenarios to be simulated with them; raises NotSupported
+    for friction that depends on the slip velocity."""
+    friction = case.effect(CoulombFriction)
+    if friction and friction.by_speed:
+        raise NotSupported(
+            "a sweep does not support a mu that depends on the slip velocity; simulate such cases one by one"
+        )
     track, outline = case.track, case.plate.outline
     ends = tuple((c.domain is None, c.period is None) for c in (track, outline))
     kinds = tuple(type(effect) for effect in case.effects)

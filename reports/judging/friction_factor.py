@@ -72,7 +72,7 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
     impulse = push_x * normal[0] + push_y * normal[1]
     if case.effect(Unilateral) is None:
         impulse = np.abs(impulse)
-    rates = friction.mu * np.abs(slip) + (resistance.arm * np.abs(omega) if resistance else 0.0)
+    rates = friction.at(np.abs(slip)) * np.abs(slip) + (resistance.arm * np.abs(omega) if resistance else 0.0)
     work = np.sum(h * _middle(load[:, 0] * vx + load[:, 1] * vy + load[:, 2] * omega))
     total = energy(case, motion)[inside]
     return Losses(float(total[0] - total[-1] + work), float(np.sum(_middle(rates) * impulse)))

@@ -65,10 +65,11 @@ def null_motions(case: Case) -> dict[str, Trajectory]:
     return motions
 
 
-def with_friction(case: Case, *, mu: float) -> Case:
-    """The case with another coefficient of friction, the static one in proportion."""
+def with_friction(case: Case, *, mu: float | Any) -> Case:
+    """The case with another coefficient of friction, a number or a formula; the static one in proportion."""
     friction = case.effect(CoulombFriction)
     assert friction is not None, "the case has Coulomb friction"
-    static = None if friction.mu_static is None else friction.mu_static * mu / friction.mu
-    other = CoulombFriction(mu, static)
+    other = CoulombFriction(mu)
+    if friction.mu_static is not None:
+        other = CoulombFriction(mu, friction.mu_static * other.at_rest / friction.at_rest)
     return replace(case, effects=tuple(other if isinstance(e, CoulombFriction) else e for e in case.effects))

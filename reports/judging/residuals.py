@@ -174,7 +174,7 @@ def _broken_force_laws(case: Case, motion: Trajectory) -> list[str]:
     slow = _slow(case, motion)
     # Forces too small to affect a motion of the scene are ignored: those of a weightless plate at rest are rounding.
     scale = CONE * max(float(np.abs(normal).max()), case.plate.mass * slow**2 / case.plate.reach)
-    beyond = np.abs(tangential) - (friction.stick if friction else 0.0) * np.abs(normal)
+    beyond = np.abs(tangential) - _cone(friction, motion.slip) * np.abs(normal)
     if not case.effect(PerfectlyRough) and np.max(beyond) > scale:
         violations.append(f"friction exceeds its cone by {np.max(beyond):.3g} N at t = {t[np.argmax(beyond)]:.6g} s")
     if case.effect(Unilateral) and normal.min() < -scale:
@@ -189,6 +189,13 @@ def _broken_force_laws(case: Case, motion: Trajectory) -> list[str]:
         if error > tolerance:
             violations.append(f"the forces do not make the motion: {what} is off by {error:.3g} kg m/s")
     return violations
+
+
+def _cone(friction: CoulombFriction | None, slip: np.ndarray) -> float | np.ndarray:
+    """The largest friction per normal force at each slip velocity."""
+    if friction is None or not friction.by_speed:
+        return friction.stick if friction else 0.0
+    return np.maximum(friction.stick, friction.at(np.abs(np.nan_to_num(slip))))
 
 
 def _slow(case: Case, motion: Trajectory) -> float:

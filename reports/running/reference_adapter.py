@@ -17,6 +17,7 @@ NAME = "reference"
 # The compiled package of the Taylor method; the other routes are pure Python.
 ENGINE = "heyoka"
 routes = solve.ROUTES
+SLIP_LAWS = routes
 
 # From a coarse tolerance to the limit of double precision.
 _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)

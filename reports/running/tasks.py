@@ -16,7 +16,7 @@ import numpy as np
 
 import cases
 import reference
-from adapters import EngineFailure, Setting, gate, other_laws, our_part
+from adapters import EngineFailure, Setting, gate, other_laws, our_part, refusal
 from cases import Case, CaseError, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, contradiction, stored_or_new
 
@@ -55,9 +55,9 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
     part = ""
     try:
         part = legible(our_part(module, route))
-        refusal = module.refuses(case, route)
-        if refusal:
-            return Offer(route, (), "unsupported", legible(refusal), part)
+        reason = refusal(module, case, route)
+        if reason:
+            return Offer(route, (), "unsupported", legible(reason), part)
         offered = tuple(islice(getattr(module, knobs)(case, route), _MOST_SETTINGS + 1))
         if knobs == "ladder" and hasattr(module, "default_grid"):
             first = tuple(islice(module.default_grid(case, route), _MOST_SETTINGS))

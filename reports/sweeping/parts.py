@@ -15,7 +15,7 @@ import pyarrow as pa
 from pyarrow import parquet
 
 import reference
-from adapters import EngineFailure
+from adapters import EngineFailure, refusal
 from cases import BadValue, Case, NotSupported, Trajectory
 from reference.sweeping import MANY, Plan, table
 
@@ -129,9 +129,9 @@ def of_engine(work: SweepWork, start: int, stop: int) -> pa.Table:
 def _engine_run(work: SweepWork, parameters: dict[str, float], reference_row: dict) -> dict:
     """The columns of one run with the engine's default settings."""
     case, engine = work.plan.make(**parameters), solver(work.solver)
-    refusal = engine.refuses(case, work.route)
-    if refusal:
-        return {"outcome": "unsupported", "reason": str(refusal)}
+    reason = refusal(engine, case, work.route)
+    if reason:
+        return {"outcome": "unsupported", "reason": str(reason)}
     setting = next((s for s in engine.ladder(case, work.route) if s.is_default), None)
     if setting is None:
         raise BadValue(f"{work.solver} has no default setting by the route {work.route}")

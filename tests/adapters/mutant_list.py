@@ -37,6 +37,7 @@ from .mutants import (
     osculating,
     outline,
     plate,
+    slip_law,
     start,
     track,
     where,
@@ -92,6 +93,18 @@ FRICTION = [
     ),
     case_mutant(
         "backward friction 5 % less", IN_VALLEY, MU, where(lambda c: c.start.slip > 0, friction(lambda mu: 0.95 * mu))
+    ),
+    case_mutant(
+        "mu of v = 0 at all speeds", "friction_by_speed", "formula of v", slip_law(lambda mu, v: mu.subs(v, 0))
+    ),
+    case_mutant(
+        "slip speed doubled in mu", "friction_by_speed", "formula of v", slip_law(lambda mu, v: mu.subs(v, 2 * v))
+    ),
+    case_mutant(
+        "slip speed 2 % off in mu",
+        "friction_by_speed",
+        "formula of v",
+        slip_law(lambda mu, v: mu.subs(v, 1.02 * v)),
     ),
     case_mutant(
         "sticking threshold half a percent off", "sticking_threshold", "mu_static", friction(lambda mu: 1.005 * mu)

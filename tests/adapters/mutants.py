@@ -30,6 +30,7 @@ from cases import (
 from cases.contact import start_motion
 from cases.effects import MOTION
 from cases.shapes import as_line
+from cases.slip_laws import SLIP_SPEED
 
 # Samples of a motion, about as many as an engine's steps in a scene of the laws.
 STEPS = 2000
@@ -50,6 +51,7 @@ def of_case(change: Callable[[Case], Case] = lambda case: case, spoil=lambda cas
     return Hashable(
         NAME="mutant",
         routes=("native",),
+        SLIP_LAWS=("native",),
         refuses=lambda case, route: None,
         ladder=lambda case, route: (Setting.of(), Setting.of()),
         build=lambda case, route, setting: case,
@@ -88,6 +90,15 @@ def effect(kind: type, change: Callable[[Any], Any]) -> Callable[[Case], Case]:
 def friction(change: Callable[[float], float]) -> Callable[[Case], Case]:
     """The case with another coefficient, of slip and stick alike."""
     return effect(CoulombFriction, lambda e: CoulombFriction(change(e.mu), e.mu_static and change(e.mu_static)))
+
+
+def slip_law(change: Callable[[Any, Any], Any]) -> Callable[[Case], Case]:
+    """The case with another formula (mu, v) of friction that depends on the slip velocity."""
+
+    def changed(e: CoulombFriction) -> CoulombFriction:
+        return CoulombFriction(change(e.mu, SLIP_SPEED), e.mu_static) if e.by_speed else e
+
+    return effect(CoulombFriction, changed)
 
 
 def load(change: Callable[[dict, Case], dict]) -> Callable[[Case], Case]:

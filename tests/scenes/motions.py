@@ -9,11 +9,12 @@ from math import pi
 import numpy as np
 
 import reference
-from cases import Case, Curve, Gravity, Load, RollingResistance, Start, Trajectory
+from cases import Case, CoulombFriction, Curve, Gravity, Load, RollingResistance, Start, Trajectory
 from cases import curves as c
 from cases.contact import start_motion
 from cases.effects import MOTION
 from cases.expressions import PARAMETER
+from cases.slip_laws import SLIP_SPEED
 
 
 @lru_cache(maxsize=256)
@@ -48,6 +49,13 @@ def _turned_load(load: Load, length: float, time: float, mass: float, turn: floa
     fx, fy, moment = (e.subs(back, simultaneous=True) for e in load.expression)
     force = mass * length / time**2
     return Load(force * (a * fx - b * fy), force * (b * fx + a * fy), force * length * moment)
+
+
+def _scaled_friction(friction: CoulombFriction, per_speed: float) -> CoulombFriction:
+    """The same friction for slip speeds in another unit; `per_speed`: the old number of a new speed of one."""
+    if not friction.by_speed:
+        return friction
+    return CoulombFriction(friction.mu.subs(SLIP_SPEED, per_speed * SLIP_SPEED), friction.mu_static)
 
 
 def _mirrored_curve(curve: Curve) -> Curve:
@@ -88,6 +96,7 @@ def in_other_units(case: Case, length: float, time: float, mass: float, turn: fl
             case,
             {
                 Gravity: lambda e: Gravity(e.g * length / time**2, e.direction + turn),
+                CoulombFriction: lambda e: _scaled_friction(e, time / length),
                 Load: lambda e: _turned_load(e, length, time, mass, turn),
                 RollingResistance: lambda e: RollingResistance(e.arm * length),
             },

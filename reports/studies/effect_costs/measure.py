@@ -80,6 +80,8 @@ def stages(scene: str) -> tuple[Stage, ...]:
 
 
 def _name(effect: Effect, before: Sequence[Effect]) -> str:
+    if isinstance(effect, CoulombFriction) and effect.by_speed:
+        return "friction by slip speed"
     again = any(type(effect) is type(e) for e in before)
     return "static friction" if again else type(effect).__name__
 
@@ -109,6 +111,7 @@ SCENES: dict[str, tuple[Callable[[tuple[Effect, ...]], Case], tuple[Effect, ...]
             CoulombFriction(0.15, 0.2),
             RollingResistance(0.002),
             Load(fx="-0.1*vx", fy="-0.1*vy"),
+            CoulombFriction("0.12 + 0.03*exp(-v/0.1) + 0.01*v", 0.2),
         ),
     ),
     "over_crest": (

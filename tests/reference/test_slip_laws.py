@@ -1,0 +1,214 @@
+"""Friction that depends on the slip velocity: exact motions, both formulations, energy, invariance, and its end."""
+
+from dataclasses import replace
+from math import exp, log
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import cases
+import reference
+from cases import BadValue, Case, CoulombFriction, DoesNotFit, Flight, Gravity, Impact, Mode, Start, Unilateral
+from cases.library import circle, line
+from reference import contact_frame
+from reference.minimal.modes import candidates, phase, start_state, state_in
+from reference.paper.augmented import fill, solution
+from reference.sweeping.scenario_values import structure
+from reports.judging.residuals import examine
+from tests.reference.test_two_formulations import check_agreement
+from tests.scenes.motions import energy, in_other_units, mirrored, work_done
+from tests.scenes.slip_laws import GAUSSIAN, HYPERBOLIC, PEAK, STRIBECK, G, random_scene, sliding_disc
+
+
+def simulate_all(case: Case, rtol: float = 1e-13):
+    """The motion by every method of the reference, the second formulation last."""
+    return [reference.simulate(case, rtol, method) for method in reference.solve.ROUTES] + [
+        contact_frame.solve(case, rtol=rtol)
+    ]
+
+
+def in_circle(mu, **options) -> Case:
+    effects = (Gravity(G), CoulombFriction(mu, **options), Unilateral())
+    return Case(circle(1.0), cases.disc(0.1, 1.0), effects, Start(-0.1), 2.5)
+
+
+# --- exact motions ----------------------------------------------------------------------------------------------------
+
+
+def test_slip_under_viscous_friction_decays_exponentially():
+    """dv/dt = −3 g (μ₀ + c v): v = (v₀ + μ₀/c) exp(−3 g c t) − μ₀/c, zero after log(1 + c v₀/μ₀)/(3 g c)."""
+    mu, c, v0 = 0.1, 0.05, 1.0
+    case, rate = sliding_disc(f"{mu} + {c}*v"), 3.0 * G * c
+    for motion in simulate_all(case):
+        assert [t.after for t in motion.transitions] == [Mode.ROLL]
+        assert motion.transitions[0].time == pytest.approx(log(1.0 + c * v0 / mu) / rate, abs=1e-12)
+    motion = reference.simulate(case, 1e-13)
+    for t in np.linspace(0.0, 0.99 * motion.transitions[0].time, 20):
+        assert motion(t).slip == pytest.approx((v0 + mu / c) * exp(-rate * t) - mu / c, abs=1e-12)
+        assert motion(t).friction_force == pytest.approx(-(mu + c * motion(t).slip) * G, abs=1e-12)
+
+
+@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC, GAUSSIAN, PEAK])
+def test_slip_ends_where_the_quadrature_says(mu):
+    """t = ∫ dv/(3 μ(v) g) from 0 to v₀, by mpmath in parts at the places where μ changes."""
+    law = sp.lambdify(sp.Symbol("v"), sp.sympify(mu, rational=True), "mpmath")
+    peak = [0.5 + k * 1e-4 for k in (-8, -3, -1, 0, 1, 3, 8)]
+    with mpmath.workdps(25):
+        edges = [0, 0.01, 0.05, 0.1, 0.2, *peak, 0.7, 1]
+        exact = float(mpmath.quad(lambda v: 1 / (3 * law(v) * mpmath.mpf("9.81")), edges))
+    for motion in simulate_all(sliding_disc(mu)):
+        assert motion.transitions[0].time == pytest.approx(exact, abs=1e-12)
+
+
+def test_a_disc_on_a_ramp_slips_at_the_speed_where_three_coefficients_make_the_slope():
+    """v̇ = g (sin α − 3 μ(v) cos α): on a slope steeper than it can roll on, slip tends to μ(v) = tan(α)/3."""
+    mu, c, slope = 0.1, 0.05, 0.6
+    effects = (Gravity(G, -np.pi / 2 - np.arctan(slope)), CoulombFriction(f"{mu} + {c}*v"), Unilateral())
+    case = Case(line(), cases.disc(0.1, 1.0), effects, Start(0.0), 8.0)
+    final, rate = -(slope / 3.0 - mu) / c, 3.0 * G * c * np.cos(np.arctan(slope))
+    times = np.linspace(0.0, 8.0, 30)
+    for method in reference.METHODS:
+        motion = reference.simulate(case, 1e-13, method)
+        assert motion.first_mode is Mode.SLIP_BACKWARD and not motion.transitions
+        allowed = 5e-12 if method == "dop853" else 1e-12  # DOP853 makes 60 steps at its tolerance of 1e-13
+        assert motion(times).slip == pytest.approx(final * (1.0 - np.exp(-rate * times)), abs=allowed)
+
+
+# --- agreement --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC, PEAK])
+def test_the_eliminated_equations_agree_with_the_literal_matrix(mu):
+    case = in_circle(mu)
+    for regime in candidates(case):
+        now = phase(case, regime)
+        for slip in (0.03, 0.5):
+            sign = -1.0 if regime.mode is Mode.SLIP_BACKWARD else 1.0
+            start = Start(0.3, slip=0.0 if regime.mode is Mode.ROLL else sign * slip, omega=2.0)
+            y = start_state(replace(case, start=start))
+            outputs = now.system.record(*now.system.outputs_of_numbers(0.0, state_in(now, y), now.parameters))
+            literal = solution(fill(case, regime.mode, y))
+            assert outputs.u1_dot == pytest.approx(literal.q2_ddot[0], rel=1e-12)
+            assert outputs.u2_dot == pytest.approx(literal.q2_ddot[1], rel=1e-12)
+            assert outputs.normal == pytest.approx(literal.normal_force, rel=1e-12)
+            assert outputs.friction == pytest.approx(literal.friction_force, rel=1e-12)
+
+
+@pytest.mark.parametrize("mu_static", [None, 0.4])
+@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC])
+def test_all_methods_agree_in_a_circle(mu, mu_static):
+    first, *others = simulate_all(in_circle(mu, mu_static=mu_static), 1e-12)
+    assert len(first.transitions) >= 3
+    for other in others:
+        assert [t.after for t in other.transitions] == [t.after for t in first.transitions]
+        assert [t.time for t in other.transitions] == pytest.approx([t.time for t in first.transitions], abs=2e-11)
+
+
+def test_both_formulations_agree_on_random_scenes():
+    rng = np.random.default_rng(34)
+    assert sum(check_agreement(random_scene(rng)) for _ in range(8)) == 0
+
+
+@pytest.mark.slow
+def test_both_formulations_agree_on_two_thousand_random_scenes():
+    rng = np.random.default_rng(20261123)
+    assert sum(check_agreement(random_scene(rng)) for _ in range(2000)) < 20  # one per cent
+
+
+# --- energy and invariance --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC, GAUSSIAN])
+def test_the_energy_closes_with_the_work_of_friction(mu):
+    motion = reference.simulate(in_circle(mu, mu_static=0.4), 1e-13)
+    assert examine(motion.case, motion).energy <= 1e-10
+    lost = np.diff(energy(motion.case, motion(np.array([0.0, motion.t[-1]]))))[0]
+    assert lost == pytest.approx(work_done(motion.case, motion), abs=1e-10 * abs(lost))
+    assert lost < -0.1
+
+
+def test_mirror_rotation_and_units_change_nothing():
+    case = in_circle(STRIBECK, mu_static=0.3)
+    here = reference.simulate(case, 1e-13)
+    swapped = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
+    there = reference.simulate(in_other_units(mirrored(case), 1e3, 10.0, 1e-3, 0.7), 1e-13)
+    assert len(here.transitions) >= 4
+    assert [t.after for t in there.transitions] == [swapped.get(t.after, t.after) for t in here.transitions]
+    times = [t.time for t in there.transitions]
+    assert times == pytest.approx([10.0 * t.time for t in here.transitions], rel=1e-11)
+
+
+# --- what does not change ---------------------------------------------------------------------------------------------
+
+
+def test_a_coefficient_that_is_a_number_has_the_equations_it_always_had():
+    """The same compiled system, whether it is written as a number or as text, and none of the law's symbols."""
+    number, text = CoulombFriction(0.2, 0.3), CoulombFriction("0.1 + 0.1", 0.3)
+    assert number == text and not text.by_speed
+    for regime in candidates(in_circle(0.2)):
+        system = phase(in_circle(0.2), regime).system
+        assert not system.load_quantities
+        assert not {"exp"} & {node.op for node in system.rates}
+        assert not any(name.startswith("mu_c") for name in system.names)
+
+
+def test_cases_that_differ_in_the_numbers_of_their_laws_share_one_compiled_system():
+    one = in_circle("0.1 + 0.2*exp(-v/0.05) + 0.02*v")
+    other = in_circle("0.3 + 0.4*exp(-v/0.07) + 0.01*v")
+    for regime in candidates(one):
+        assert phase(one, regime).system is phase(other, regime).system
+
+
+# --- endings ----------------------------------------------------------------------------------------------------------
+
+
+def test_friction_that_grows_as_the_slip_falls_ends_in_painleves_paradox():
+    """A rod dragged on its end jams where 1 + 3 cos²φ = 3 μ(v) sin φ cos φ, though μ is small while it is fast."""
+    steady = cases.load("sliding_rod", mu=0.3)
+    law = CoulombFriction("0.3 + 1.6*exp(-v/0.5)")
+    effects = tuple(law if isinstance(e, CoulombFriction) else e for e in steady.effects)
+    case = replace(steady, effects=effects)
+    ours, theirs = reference.simulate(case, 1e-12), contact_frame.solve(case, rtol=1e-12)
+    assert ours.status == theirs.status
+    assert float(ours.t[-1]) == pytest.approx(theirs.end, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("mu", "words"),
+    [
+        ("0.3 - 0.1*v", "is -"),
+        ("0.2 - 0.3*exp(-((v - 1)/1e-4)**2)", "at v = 1 m/s"),
+        ("0.1 + sqrt(v)", "not smooth at v = 0"),
+        ("0.1 + v*log(v)", "no finite value at v = 0"),
+        ("0.1*exp(v)", "no finite value"),
+        ("0.1 + w", "use v and"),
+        ("0.1*v", "greater than 0 there"),
+        ("-0.1", "zero or more"),
+        ([0.1], "a number, or a formula in v"),
+        (None, "a number, or a formula in v"),
+    ],
+)
+def test_a_wrong_law_gets_one_line_that_says_what_to_write(mu, words):
+    with pytest.raises(BadValue, match="mu of CoulombFriction") as told:
+        CoulombFriction(mu)
+    assert words in str(told.value) and "\n" not in str(told.value)
+
+
+def test_static_friction_below_the_law_at_rest_is_rejected():
+    with pytest.raises(BadValue, match=r"below mu = 0\.2 at v = 0"):
+        CoulombFriction(STRIBECK, 0.15)
+
+
+def test_impacts_need_one_coefficient():
+    effects = (Gravity(G), CoulombFriction(STRIBECK), Unilateral(), Flight(), Impact(0.5))
+    with pytest.raises(DoesNotFit, match="the laws of Impact have one coefficient"):
+        Case(line(), cases.disc(0.1, 1.0), effects, Start(0.0, gap=0.1), 1.0)
+
+
+def test_proofs_and_sweeps_reject_it_in_one_sentence():
+    with pytest.raises(cases.NotSupported, match="friction that depends on the slip velocity"):
+        reference.prove(in_circle(STRIBECK))
+    with pytest.raises(cases.NotSupported, match="a sweep does not support"):
+        structure(in_circle(STRIBECK))
