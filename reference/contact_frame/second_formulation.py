@@ -47,6 +47,10 @@ NEGLIGIBLE = 1e-9
 # A start's spin or slip below this part of the other is a few roundings of it.
 NOTHING = 1e-15
 
+# Steps vanish at p = 0 when it is about the root of a step over the motion's time, 1e-7; this part of its first value
+# shows that p is what vanishes.
+JAMMED = 1e-2
+
 # Far more changes of phase than any motion makes during one turn; a loop without progress ends with a status.
 MOST_CHANGES = 5000
 
@@ -280,11 +284,23 @@ def _integrate(course: MotionState, now: ContactState, guards: dict[str, Callabl
         load_allows=_formulas_allow(scene, phase, turns),
         after_step=overlaps.look if overlaps else None, features=scene.in_contact,
     )  # fmt: skip
-    out_of_work = not solution.success and course.work.used_up
-    if not (solution.success or out_of_work) or not np.isfinite(solution.y[:, -1]).all():
+    usable = solution.success or course.work.used_up
+    if not solution.success and _jams(scene, phase, solution, turns):
+        solution.t_events[list(guards).index("painleve")] = solution.t[-1:]
+        usable = True
+    if not usable or not np.isfinite(solution.y[:, -1]).all():
         raise StepFailure(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
     course.record.contact(start, float(solution.t[-1]), solution.sol, turns)
     return solution
+
+
+def _jams(scene: ContactScene, phase: ContactPhase, solution, turns: int) -> bool:
+    """Whether steps vanished because Painlevé's number does: friction that grows as the slip falls stops the slip at
+    once there, and the number p falls as the root of the remaining time."""
+    if not phase.slip or scene.laws.by_speed is None:
+        return False
+    first, last = (scene.forces(solution.t[i], solution.y[:, i].tolist(), phase, turns).inverse_mass for i in (0, -1))
+    return last <= JAMMED * first
 
 
 def _formulas_allow(scene: ContactScene, phase: ContactPhase, turns: int):
