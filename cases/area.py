@@ -56,11 +56,17 @@ def _integrals(pieces: tuple[Curve, ...], x: float, y: float) -> tuple[float, ..
     return area, first_x, first_y, moment
 
 
+def _divide(edges: np.ndarray, parts: int) -> np.ndarray:
+    """The edges, with each interval between two of them divided into equal parts."""
+    inner = edges[:-1, None] + np.diff(edges)[:, None] * (np.arange(parts) / parts)
+    return np.append(inner.ravel(), edges[-1])
+
+
 def _along(piece: Curve, x: float, y: float) -> tuple[float, ...]:
     """The contributions of one piece to the four integrals around the area."""
     before: np.ndarray | None = None
     for halving in range(HALVINGS + 1):
-        edges = np.linspace(*piece.span, 2**halving + 1)
+        edges = _divide(np.array(piece.knots or piece.span), 2**halving)
         half = 0.5 * np.diff(edges)
         s = ((edges[:-1] + half)[:, None] + half[:, None] * _PLACES).ravel()
         weights = (half[:, None] * _WEIGHTS).ravel()

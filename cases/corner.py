@@ -103,7 +103,7 @@ class Edge(Curve):
     def of(cls, curve: Curve) -> Edge:
         """A straight curve with ends as an edge, with the same parameter."""
         edge = object.__new__(cls)
-        facts = {name: vars(curve)[name] for name in ("function", "domain", "residual", "expression")}
+        facts = {name: vars(curve)[name] for name in ("function", "domain", "residual", "_expression")}
         vars(edge).update(facts)
         return edge
 

@@ -9,12 +9,10 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
-import sympy as sp
 
 from . import curve_tables, features
 from .curve_tables import SAMPLES, corners, total_turning
 from .errors import BadCurve
-from .expressions import PARAMETER
 
 # Distance from a special point of the formula, in spans: a jump shows as a step there, a smooth curve has none.
 BESIDE = 1e-9
@@ -39,7 +37,9 @@ class CurveToCheck(curve_tables.CurveFormula, Protocol):
     """The interface of `cases.curves.Curve` that these checks use."""
 
     @property
-    def expression(self) -> tuple[sp.Expr, sp.Expr]: ...
+    def centres(self) -> tuple[float, ...]: ...
+    @property
+    def may_cross(self) -> bool: ...
     @property
     def domain(self) -> tuple[float, float] | None: ...
     @property
@@ -68,7 +68,7 @@ def check_regular(curve: CurveToCheck) -> None:
 
 def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
     """Even samples, and the special points of the formula with both sides of each."""
-    centres = np.array(features.centres(curve.expression, PARAMETER))
+    centres = np.array(curve.centres)
     shift = BESIDE * (high - low)
     centres = np.concatenate([centres - shift, centres, centres + shift])
     return features.union(np.linspace(low, high, SAMPLES), centres[(centres > low) & (centres < high)])
@@ -124,6 +124,8 @@ def check_simple(curve: CurveToCheck) -> None:
     A closed curve that does neither turns once (Hopf's theorem of turning tangents: not looked up). A curve without
     ends is checked on `Curve.span`, if it is finite there.
     """
+    if curve.may_cross:
+        return
     turning = total_turning(curve)
     if not np.isfinite(turning):
         return

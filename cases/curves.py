@@ -21,16 +21,17 @@ from . import curve_tables as tables
 from . import expressions, features, formulas, parametrisation, point_fit
 from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
-from .errors import BadCurve, BadValue, finite
-from .expression_graph import ON_ARRAYS, ON_FLOATS, derivatives, from_sympy, python_function, symbol
+from .errors import BadCurve, BadValue, NotSupported, finite, not_negative
+from .expression_graph import derivatives, from_sympy
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
+from .jets import S, jet_function
 from .parametrisation import MOST_ROUNDS
+from .pieces import CurvePart, CurvePieces
+from .spline import spline
 
 __all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
 
 T = TypeVar("T")
-
-_S = symbol(PARAMETER.name)
 
 # The range looked at when a curve without a domain has no period, in units in which it changes: a hundred of them
 # either way would already overflow a cosh; ten are what a drawing shows.
@@ -47,7 +48,7 @@ class Curve:
     `function` takes a SymPy symbol and returns a pair of expressions made with the functions of `cases.curves`
     (sin, cos, exp, …), or is a pair of strings such as ("s", "-0.3*cos(2*s)"). `domain` is the
     parameter's range (a, b), or None for all real numbers. Floating-point constants of the expression are its sizes:
-    curves that differ only in them share one compiled system.
+    curves that differ only in them share one compiled system. A curve that crosses itself needs `may_cross`.
 
     Raises BadCurve for a cusp (R_p = 0), a curve that crosses itself, a value that is not finite or an expression
     without derivatives, BadValue for a bad domain.
@@ -57,37 +58,68 @@ class Curve:
     domain: tuple[float, float] | None = None
     # Of a curve through measured points: the largest distance of a point from it, m.
     residual: float | None = None
-    expression: tuple[sp.Expr, sp.Expr] = field(init=False)
+    may_cross: bool = False
+    # Of a curve in pieces: these; such a curve has no single formula.
+    parts: CurvePieces | None = field(init=False, default=None)
+    _expression: tuple[sp.Expr, sp.Expr] | None = field(init=False, default=None)
 
     @in_one_thread
     def __post_init__(self):
         object.__setattr__(self, "domain", _check_domain(self.domain))
-        object.__setattr__(self, "expression", _the_one(_expression(self.function)))
+        object.__setattr__(self, "_expression", _the_one(_expression(self.function)))
+        self._check()
+
+    def _check(self) -> None:
+        """Check the curve, unless an equal one was checked: then share what is known of that."""
         # Values too large or too small for a double are not finite here; the checks report them.
         with np.errstate(all="ignore"):
             first = _first(self)
         if first is not self:
             vars(self).update({name: fact for name, fact in vars(first).items() if name not in _NO_DOMAIN})
 
+    @classmethod
+    def in_pieces(cls, pieces: CurvePieces, residual: float | None = None, may_cross: bool = False) -> Curve:
+        """A curve made of pieces with formulas of their own."""
+        curve = _restore_pieces(pieces, residual, may_cross)
+        curve._check()
+        return curve
+
+    @property
+    def expression(self) -> tuple[sp.Expr, sp.Expr]:
+        """(X, Y) as expressions in the parameter. Raises NotSupported for a curve in pieces."""
+        if self._expression is None:
+            raise NotSupported("the curve is in pieces and has no single formula; use its points, or its pieces")
+        return self._expression
+
     @in_one_thread
     def __repr__(self) -> str:
-        parts = [_shorten(str(part)) for part in self.expression]
         where = "" if self.domain is None else f", {self.domain[0]:g} <= s <= {self.domain[1]:g}"
+        if self.parts is not None:
+            return f"Curve({self.parts.count} pieces{where})"
+        parts = [_shorten(str(part)) for part in self.expression]
         return f"Curve({', '.join(parts)}{where})"
 
     def __eq__(self, other) -> bool:
-        return isinstance(other, Curve) and (self.expression, self.domain) == (other.expression, other.domain)
+        return isinstance(other, Curve) and self._hash == other._hash and self._key == other._key
 
     def __hash__(self) -> int:
         return self._hash
 
+    @property
+    def _key(self) -> tuple:
+        """What equal curves share."""
+        return self._expression if self.parts is None else self.parts.key, self.domain, self.may_cross
+
     @cached_property
     def _hash(self) -> int:
-        return hash((self.expression, self.domain))
+        return hash(self._key)
 
     def __reduce__(self):
         """A curve travels to another process as its expression, a tree of SymPy objects; no text is read back."""
-        return restore, ([expressions.as_tree(part) for part in self.expression], self.domain, self.residual)
+        if self.parts is not None:
+            return _restore_pieces, (self.parts, self.residual, self.may_cross)
+        trees = [expressions.as_tree(part) for part in self.expression]
+        return restore, (trees, self.domain, self.residual, self.may_cross)
 
     @in_one_thread
     def at(self, s) -> tuple[sp.Expr, sp.Expr]:
@@ -97,6 +129,19 @@ class Curve:
             raise BadValue(f"the parameter of a curve is {s!r}; give an expression")
         x, y = (part.xreplace({PARAMETER: place}) for part in self.expression)
         return x, y
+
+    @classmethod
+    def spline(cls, points, smoothing: float = 0.0, closed: bool = False, may_cross: bool = False) -> Curve:
+        """A curve with four continuous derivatives through points (n, 2) in metres, in order along it.
+
+        Its parameter is the length of the chords between the points. `smoothing` (m): how far a point may be from the
+        curve, for points with errors; `residual` is the largest distance. Points may be an array, a pandas frame with
+        columns x and y, or the name of a CSV file with two columns. Raises BadValue or BadCurve.
+        """
+        if not isinstance(closed, bool | np.bool_):
+            raise BadValue(f"closed is {closed!r}; give True for a closed curve, False for an open one")
+        result = spline(point_fit.as_points(points), not_negative("smoothing", smoothing), bool(closed))
+        return cls.in_pieces(result.pieces, result.residual, may_cross)
 
     @classmethod
     @in_one_thread
@@ -128,16 +173,29 @@ class Curve:
 
     @derived
     def constants(self) -> tuple[float, ...]:
-        """The values of `structure`'s symbols: the sizes in the order in which the expression names them."""
-        return expressions.constants(self.expression)
+        """The values of `structure`'s symbols: the sizes in the order in which the expression names them. None for a
+        curve in pieces, whose parts have them."""
+        return expressions.constants(self.expression) if self.parts is None else ()
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """The parameters at which a curve in pieces changes its formula, with both ends; none for any other curve."""
+        return self.parts.breaks if self.parts is not None else ()
+
+    def part(self, number: int) -> Curve | CurvePart:
+        """One piece of a curve in pieces as a curve with ends; any other curve is its only part."""
+        return self if self.parts is None else self.parts.part(number)
 
     @derived
     def _jet(self) -> Callable:
-        return _jet_function(self.structure, on_arrays=False)
+        if self.parts is not None:
+            at = self.parts.jet
+            return lambda s, constants: at(s)
+        return jet_function(self.structure, on_arrays=False)
 
     @derived
     def _jets(self) -> Callable:
-        return _jet_function(self.structure, on_arrays=True)
+        return jet_function(self.structure, on_arrays=True)
 
     def jet(self, s: float) -> tuple[float, ...]:
         """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives."""
@@ -146,6 +204,8 @@ class Curve:
     def jets(self, s) -> np.ndarray:
         """The same for an array of parameters, shape (8, n)."""
         s = np.atleast_1d(np.asarray(s, dtype=float))
+        if self.parts is not None:
+            return self.parts.jets(s)
         jets = np.empty((8, *s.shape))
         for row, values in zip(jets, self._jets(s, self.constants), strict=True):
             row[...] = values  # a constant one is a number
@@ -153,7 +213,10 @@ class Curve:
 
     def jets_of(self, s: Any, constants: tuple) -> list:
         """The same rows for curves of this structure with sizes of their own, each of the parameters' shape (n,); a
-        constant row may be a number. Parameters may be anything that NumPy's functions take, such as intervals."""
+        constant row may be a number. Parameters may be anything that NumPy's functions take, such as intervals; of a
+        curve in pieces they are arrays, and it has no sizes."""
+        if self.parts is not None:
+            return list(self.parts.jets(s))
         return self._jets(s, constants)
 
     def point(self, s) -> np.ndarray:
@@ -205,6 +268,8 @@ class Curve:
         its formulas have a common period: the shortest part of that after which it repeats itself (looked at in a few
         places, to rounding).
         """
+        if self.parts is not None:
+            return self.parts.period
         if self.domain is not None:
             start, length = self.domain[0], self.domain[1] - self.domain[0]
             probes = np.array([start])
@@ -241,7 +306,7 @@ class Curve:
         if self.domain is not None or self.period:
             low, high = self.span
             return (high - low) / (2 * np.pi)
-        places = parametrisation.places(features.centres(self.expression, PARAMETER))
+        places = parametrisation.places(self.centres)
         with np.errstate(all="ignore"):
             return parametrisation.unit(places, self.jets(places))
 
@@ -256,10 +321,17 @@ class Curve:
         return low * self.unit, high * self.unit
 
     @derived
+    def centres(self) -> tuple[float, ...]:
+        """Special points of the formula: centres of bumps and steps, poles, knots."""
+        return features.centres(self.expression, PARAMETER) if self.parts is None else self.parts.breaks[1:-1]
+
+    @derived
     def features(self) -> features.Features | None:
         """Where its curvature and speed change, and how finely; None for a straight line run through evenly."""
+        if self.parts is not None:
+            return features.Features.of_edges(self.parts.edges, bool(self.period))
         rows = [from_sympy(part) for part in self.expression]
-        if not any(slope.symbols for slope in derivatives(rows, _S)):
+        if not any(slope.symbols for slope in derivatives(rows, S)):
             return None
         return _features(self)
 
@@ -370,10 +442,22 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
 
 
 @in_one_thread
-def restore(trees, domain, residual) -> Curve:
+def restore(trees, domain, residual, may_cross) -> Curve:
     """The curve that a process sent. It was checked there, so it is not checked again."""
     curve, expression = object.__new__(Curve), tuple(map(expressions.from_tree, trees))
-    vars(curve).update(function=curve.at, domain=domain, residual=residual, expression=_the_one(expression))
+    vars(curve).update(
+        function=curve.at, domain=domain, residual=residual, may_cross=may_cross, parts=None,
+        _expression=_the_one(expression),
+    )  # fmt: skip
+    return curve
+
+
+def _restore_pieces(pieces: CurvePieces, residual: float | None, may_cross: bool) -> Curve:
+    """The same for a curve in pieces."""
+    curve, domain = object.__new__(Curve), (pieces.breaks[0], pieces.breaks[-1])
+    vars(curve).update(
+        function=curve.at, domain=domain, residual=residual, may_cross=may_cross, parts=pieces, _expression=None
+    )
     return curve
 
 
@@ -384,7 +468,7 @@ def _the_one(expressions: T) -> T:
 
 
 # What a curve does not share with one that is equal to it.
-_NO_DOMAIN = ("function", "domain", "residual", "expression")
+_NO_DOMAIN = ("function", "domain", "residual", "may_cross", "parts", "_expression")
 
 
 @lru_cache(maxsize=512)
@@ -405,20 +489,8 @@ def _features(curve: Curve) -> features.Features:
         return np.array([(xp * ys - yp * xs) / speed**3, speed]), np.array([np.hypot(xs, ys) / speed**2, speed])
 
     ends = curve.span if curve.domain is not None or curve.period else None
-    centres = features.centres(curve.expression, PARAMETER)
+    centres = curve.centres
     # Bends are known to rounding of the sharpest one; a speed, which may grow without bound, of its own.
     sizes = features.largest(bend_and_speed, *curve.span, centres) * [1.0, 0.0] if ends is None else 0.0
     window = features.WINDOW * curve.unit
     return features.Features(bend_and_speed, centres, ends, bool(curve.period), sizes, window)
-
-
-@lru_cache(maxsize=512)
-@in_one_thread
-def _jet_function(structure, on_arrays: bool):
-    """A function (s, constants) -> eight rows of a structure, for floats or arrays."""
-    functions = ON_ARRAYS if on_arrays else ON_FLOATS
-    (x, y), symbols = structure
-    rows = [from_sympy(x), from_sympy(y)]
-    for _ in range(3):
-        rows += derivatives(rows[-2:], _S)
-    return python_function([_S, [symbol(size.name) for size in symbols]], rows, functions)

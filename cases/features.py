@@ -80,6 +80,14 @@ class Window:
         self.strides: list[float] = np.where(varies & (not alike), PART * lengths, inf).tolist()
         self.plain = bool(alike)
 
+    @classmethod
+    def of_edges(cls, edges: Sequence[float]) -> Window:
+        """A window whose pieces are known: the function is smooth between the edges and has no finer scale there."""
+        window = object.__new__(cls)
+        window.low, window.high, window.plain = edges[0], edges[-1], False
+        window.edges, window.strides = list(edges), (PART * np.diff(edges)).tolist()
+        return window
+
 
 class Features:
     """The pieces of a function of one parameter, on (low, high), repeated if periodic.
@@ -104,6 +112,14 @@ class Features:
         self._sides: dict[bool, list[Window]] = {True: [], False: []}
         if limits:
             self._sides[True].append(Window(function, *limits, self._centres, sizes))
+
+    @classmethod
+    def of_edges(cls, edges: Sequence[float], periodic: bool) -> Features:
+        """The features of a function that is smooth between known edges, and has no finer scale there."""
+        features = object.__new__(cls)
+        features._limits, features._period = (edges[0], edges[-1]), edges[-1] - edges[0] if periodic else None
+        features._sides = {True: [Window.of_edges(edges)], False: []}
+        return features
 
     @property
     def plain(self) -> bool:

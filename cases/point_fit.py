@@ -108,6 +108,22 @@ def read(path: str | Path) -> np.ndarray:
     return np.array(rows, dtype=float).reshape(-1, 2)
 
 
+def as_points(source) -> np.ndarray:
+    """Points (n, 2) from an array, a pandas frame with columns x and y, or the name of a CSV file."""
+    if isinstance(source, str | Path):
+        return read(source)
+    columns = getattr(source, "columns", None)
+    if columns is not None and {"x", "y"} <= set(columns):
+        source = source[["x", "y"]]
+    try:
+        points = np.array(source, dtype=float)
+    except (TypeError, ValueError, OverflowError):
+        raise BadValue("points are not numbers; give a list of pairs (x, y) in metres") from None
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise BadValue(f"points have shape {points.shape}; give pairs (x, y), shape (n, 2)")
+    return points
+
+
 def _check(points, closed: bool) -> np.ndarray:
     try:
         points = np.array(points, dtype=float)

@@ -17,7 +17,7 @@ from cases import Case, CoulombFriction, RollingResistance
 
 from .minimal import modes
 from .minimal.integrators.segment import Segment
-from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, Regime, full_state
+from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, full_state
 from .minimal.system import PARADOX, System
 from .paper import contact_forces
 from .paper.augmented import (
@@ -91,7 +91,7 @@ class LiteralSystem:
             forces = solution(equations)
         except np.linalg.LinAlgError:
             forces = _NO_SOLUTION
-        return [_guard(self.case, self.regime, name, equations, forces) for name in self.guards]
+        return [_guard(self.phase, name, equations, forces) for name in self.guards]
 
     def guards_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """The guards' values at many instants, states of shape (variables, n)."""
@@ -133,13 +133,15 @@ class LiteralSystem:
         return ContactQuantities(slip, omega, forces.normal_force / mass, forces.friction_force / mass)
 
 
-def _guard(case: Case, regime: Regime, name: str, equations: AugmentedSystem, forces: Solution) -> float:
+def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution) -> float:
     """The value of one guard, positive while the mode lasts. Forces per mass, couples over mass and radius of
     gyration."""
+    case, regime, parts = phase.case, phase.regime, phase.parts
     k, mass, size = equations.k, case.plate.mass, case.plate.gyration
     curve, _, end = name.partition("_")
     if curve in ("track", "outline"):
-        xi, domain = (k.q[0], case.track.domain) if curve == "track" else (k.q[1], case.plate.outline.domain)
+        track, outline = (case.track.part(parts[0]), case.plate.outline.part(parts[1]))
+        xi, domain = (k.q[0], track.domain) if curve == "track" else (k.q[1], outline.domain)
         assert domain is not None  # a curve without ends has no such guard
         return float(xi - domain[0] if end == "start" else domain[1] - xi)
     pressing = regime.side * forces.normal_force
@@ -186,7 +188,7 @@ class _LiteralPhase(Phase):
 
     def __reduce__(self):
         """Pickle as the ordinary phase from which it was made."""
-        return _with_matrix, (modes.phase(self.case, self.regime),)
+        return _with_matrix, (modes.phase(self.case, self.regime, self.parts),)
 
 
 def _with_matrix(now: Phase) -> _LiteralPhase:

@@ -22,7 +22,7 @@ from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import LIFT_OFF, LOCATION_ERROR, simulate_phases, undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
-from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase, senses, start_state, state_in
+from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase_at, senses, start_state, state_in
 from .minimal.second_contacts import until_second_contact
 
 
@@ -152,7 +152,7 @@ def prepare(case: Case, regime: Regime, method: str, rtol: float) -> None:
     """Compile the equations of the regime in which a motion starts. Those of other regimes are compiled when a motion
     of this process first enters them."""
     prepare_phase, _ = INTEGRATORS[method]
-    prepare_phase(phase(case, regime), rtol)
+    prepare_phase(phase_at(case, regime, start_state(case)), rtol)
 
 
 def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
@@ -160,8 +160,9 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
     common: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
     if not segments:
         # No motion and no contact force: the plate leaves at once, or no force is consistent.
-        now, nothing = phase(case, candidates(case)[-1]), np.zeros(1)
-        start = _observe(case, now, nothing, np.array(state_in(now, start_state(case)))[:, None])
+        first, nothing = start_state(case), np.zeros(1)
+        now = phase_at(case, candidates(case)[-1], first)
+        start = _observe(case, now, nothing, np.array(state_in(now, first))[:, None])
         start = start._replace(normal_force=nothing, friction_force=nothing)
         return Trajectory(t=np.zeros(1), **start._asdict(), **common, first_mode=at_once(status))
 

@@ -40,8 +40,8 @@ def scene(case: Case) -> dict[str, Any]:
             "case": case.label,
             "units": UNITS,
             "plate": {"mass": case.plate.mass, "inertia": case.plate.inertia, "radius": case.plate.radius},
-            "track": [str(part) for part in case.track.expression],
-            "outline": [str(part) for part in case.plate.outline.expression],
+            "track": formula(case.track),
+            "outline": formula(case.plate.outline),
             "effects": {_effect_name(effect): asdict(effect) for effect in case.effects},
             "start": start_motion(case)._asdict(),
             "duration": case.duration,
@@ -58,6 +58,11 @@ def _effect_name(effect: Effect) -> str:
     of its own, so that no program takes the formula for a number."""
     by_speed = isinstance(effect, CoulombFriction) and effect.by_speed
     return FRICTION_BY_SPEED if by_speed else type(effect).__name__
+
+
+def formula(curve: Curve) -> list[str] | None:
+    """The coordinates as formulas of s; null for a curve in pieces, which has only its `points`."""
+    return None if curve.parts is not None else [str(part) for part in curve.expression]
 
 
 def points(rows: np.ndarray) -> dict[str, list[float]]:

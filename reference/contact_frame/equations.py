@@ -108,6 +108,8 @@ class ContactScene:
     def __init__(self, case: Case):
         self.case = case
         self.track, self.outline = case.track, case.plate.outline
+        # Formulas of the geometry: within a phase those of one piece of a curve in pieces.
+        self.track_jet, self.outline_jet = self.track.jet, self.outline.jet
         self.m, self.J = case.plate.mass, case.plate.inertia
         gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
         self.g = gravity.vector if gravity else (0.0, 0.0)
@@ -122,7 +124,8 @@ class ContactScene:
         self.unilateral = case.effect(Unilateral) is not None
         # Features that a step could pass over: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
-        curves = [(0, self.track.features), (1, self.outline.features)]
+        # A phase ends at the knots of a curve in pieces.
+        curves = [(row, curve.features) for row, curve in enumerate((self.track, self.outline)) if not curve.knots]
         self.in_contact = [*self.in_time, *((row, features) for row, features in curves if features)]
         self.reach = float(np.hypot(*self.outline.point(np.linspace(*self.outline.span, TRACK_SAMPLES))).max())
         self.is_disc = case.plate.radius is not None
@@ -165,8 +168,8 @@ class ContactScene:
         return self.track.domain is not None and not self.track.period
 
     def place(self, xi1: float, xi2: float) -> Place:
-        _, _, Xp, Yp, Xs, Ys, _, _ = self.track.jet(xi1)
-        x, y, xp, yp, xs, ys, _, _ = self.outline.jet(xi2)
+        _, _, Xp, Yp, Xs, Ys, _, _ = self.track_jet(xi1)
+        x, y, xp, yp, xs, ys, _, _ = self.outline_jet(xi2)
         P, p = hypot(Xp, Yp), hypot(xp, yp)
         return Place(
             P, p, Xp / P, Yp / P, (Xp * Ys - Yp * Xs) / P**3, (xp * ys - yp * xs) / p**3,

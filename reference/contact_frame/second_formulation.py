@@ -21,6 +21,7 @@ from cases.contact import start_motion
 from . import flight_guards
 from .advancement import TooManyRounds
 from .equations import ContactPhase, ContactScene, leaves, lets_go, rates
+from .knots import KnotEnds
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, MotionState
 from .second_contacts import Overlaps
 from .steps import FrequencyLimitedDOP853, StepFailure
@@ -172,11 +173,14 @@ def _off(course: MotionState, z, turns: int) -> FlightState | EndState:
 
 def _contact(course: MotionState, now: ContactState) -> ContactState | FlightState | EndState:
     phase, turns = now.phase, now.turns
-    guards = _guards(course, phase, turns)
+    guards, knots = _guards(course, phase, turns), KnotEnds(course.scene, now.z)
+    if knots.any:
+        guards["knot"] = knots.inside
     overlaps = Overlaps(course.case, course.surroundings(), turns) if course.overlaps else None
     if overlaps:
         guards["elsewhere"] = overlaps.before
-    solution = _integrate(course, now, guards, overlaps)
+    with knots.formulas():
+        solution = _integrate(course, now, guards, overlaps)
     course.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
     guard_names = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
     if not guard_names:
@@ -184,6 +188,8 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
     stop = next((STOPS[name] for name in guard_names if name in STOPS), None)
     if stop:
         return EndState(stop)
+    if guard_names == ["knot"] and knots.beyond(z):
+        return ContactState(z, turns, phase)
     after: ContactState | FlightState | EndState
     if _vanishes(course, phase, guard_names, z, turns):
         if course.scene.laws.stick == inf and not lets_go(course.scene, course.t, z, phase, turns):

@@ -117,6 +117,33 @@ def _split(low: float, high: float, parts: int) -> tuple[np.ndarray, np.ndarray]
     return edges[:-1], edges[1:]
 
 
+def _ranges(curve: Curve, low: np.ndarray, high: np.ndarray) -> list[Interval]:
+    """Bounds on place and two derivatives between `low` and `high`, (n,): six rows."""
+    if curve.parts is None:
+        return [bounds(row, low) for row in curve.jets_of(Interval(low, high), curve.constants)[:6]]
+    # Every range in its parts between knots, by the formula of each.
+    first, last = curve.parts.numbers(low), curve.parts.numbers(high)
+    counts = np.maximum(last - first, 0) + 1
+    which = np.repeat(np.arange(len(low)), counts)
+    numbers = first[which] + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    start, end = curve.parts.ends(numbers)
+    # The first and the last piece are continued to the range's ends, which may lie beyond those of the curve.
+    start = np.where(numbers == first[which], low[which], start)
+    end = np.where(numbers == last[which], high[which], end)
+    rows = np.empty((2, 6, len(numbers)))
+    forms = curve.parts.form(numbers)
+    for form in np.unique(forms):
+        some = forms == form
+        values = curve.parts.rows_on(Interval(start[some], end[some]), numbers[some])[:6]
+        for i, value in enumerate(values):
+            own = bounds(value, start[some])
+            rows[0, i, some], rows[1, i, some] = own.low, own.high
+    starts = np.cumsum(counts) - counts
+    return [
+        Interval(np.minimum.reduceat(rows[0, i], starts), np.maximum.reduceat(rows[1, i], starts)) for i in range(6)
+    ]
+
+
 def piece_bounds(curve: Curve, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """The bounds on the pieces of a curve between `low` and `high`, shape (ROWS, n): infinite where there are none."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -124,7 +151,7 @@ def piece_bounds(curve: Curve, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         at = curve.jets(middle)
         speed = np.hypot(at[2], at[3])
         tx, ty = at[2] / speed, at[3] / speed
-        x, y, xp, yp, xs, ys = (bounds(row, middle) for row in curve.jets_of(Interval(low, high), curve.constants)[:6])
+        x, y, xp, yp, xs, ys = _ranges(curve, low, high)
         both = Interval(-half, half)
 
         def along(u: Interval, v: Interval) -> Interval:

@@ -13,7 +13,7 @@ from math import isfinite
 from cases import Case
 
 from . import series
-from .modes import Phase, Regime, candidates, phase, state_in
+from .modes import Phase, Regime, candidates, phase_at, state_in
 from .series import Series
 from .system import QUICK
 
@@ -35,7 +35,7 @@ def decide(
     as zero and the next derivative decides. Raises Undecidable if numbers are not finite.
     """
     for regime in candidates(case) if among is None else among:
-        if follows(case, phase(case, regime), t, y, error):
+        if follows(case, phase_at(case, regime, y), t, y, error):
             return regime
     return None
 

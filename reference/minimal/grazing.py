@@ -50,7 +50,7 @@ def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
 
 def _expand(now: Phase, t: float, y) -> tuple[np.ndarray, list[float]]:
     """The coefficients in time of the state, shape (variables, ORDER + 1), and of the normal force's guard."""
-    now = phase(now.case, now.regime)  # whose system has series, whatever equations integrated the segment
+    now = phase(now.case, now.regime, now.parts)  # whose system has series, whatever equations integrated the segment
     state, conditions = now.system.expand(t, y, [0.0] * len(y), now.parameters, ORDER)
     force = conditions[list(now.system.conditions).index(GUARD)]
     return np.array([component.c for component in state]), list(force.c)

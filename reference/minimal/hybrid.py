@@ -18,6 +18,7 @@ from .elimination import Elimination
 from .grazing import over_touch
 from .impact import ContactVelocity, collide, energy, law_of
 from .integrators.segment import BREAKDOWN, LOST_SIGHT, OUT_OF_STEPS, Segment
+from .knots import passed
 from .landing import Landing, Landings
 from .modes import (
     FLIGHT,
@@ -29,7 +30,7 @@ from .modes import (
     full_state,
     in_contact,
     in_flight,
-    phase,
+    phase_at,
     senses,
     state_in,
     without_slip,
@@ -93,6 +94,7 @@ CAUSES = {
     "normal_force": "the normal force vanished",
     "landing": "impact",
     "rest": "bouncing came to rest",
+    **dict.fromkeys(("track_start", "track_end", "outline_start", "outline_end"), "the curvature jumped at a knot"),
 }
 
 
@@ -126,7 +128,7 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
     bounces, progress, idle, steps = Bounces(case), _Progress(), 0, 0
     landings, place = None, (initial.xi1, initial.xi2)
     for _ in range(MOST_PHASES):
-        now = phase(case, regime)
+        now = phase_at(case, regime, y)
         y = state_in(now, y)
         if progress.none(now, t, y):
             return segments, transitions, ACCUMULATION
@@ -218,6 +220,8 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
         t, y = across.event.time, full_state(case, now, across.event.state)
         return Step((segment, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
     y = full_state(case, now, segment.event.state)
+    if (knot := passed(case, segment, y)) is not None:
+        return _beyond_knot(case, segment, *knot)
     if guard in ENDS:
         return Step((segment,), t, ending=ENDS[guard])
     if guard == OUT_OF_STEPS:
@@ -236,6 +240,18 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
     return Step((segment,), t, (y[0], y[1]), guard, y, following)
 
 
+def _beyond_knot(case: Case, segment: Segment, y: Sequence[float], is_smooth: bool) -> Step:
+    """The step after a knot: the same regime, or, where the curvature or the parameter's speed jumps, the one that
+    follows from slip and spin, which do not."""
+    now, t, guard = segment.phase, segment.event.time, str(segment.event.guard)
+    if is_smooth:
+        return Step((segment,), t, (y[0], y[1]), guard, tuple(y), now.regime)
+    m = Elimination(*now.system.outputs_of_numbers(t, segment.event.state, now.parameters))
+    touch = ContactVelocity(m.slip, 0.0, m.omega)
+    theta = y[4] if len(y) > 4 else np.nan
+    return _rest(case, (segment,), t, (y[0], y[1]), theta, touch, guard, True)
+
+
 def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[float]) -> Regime | None:
     """The regime of contact that follows a guard's zero, or None."""
     slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
@@ -246,7 +262,7 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
         # Friction or resistance has reached its bound from inside; the motion that begins is against it.
         slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])
         starting = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
-        starting = [r for r in starting if _unique_force(phase(case, r), t, y)]
+        starting = [r for r in starting if _unique_force(phase_at(case, r, y), t, y)]
         return starting[0] if len(starting) == 1 else decide(case, t, y, LOCATION_ERROR, starting)
     slip, turn = 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn
     following = decide(case, t, y, LOCATION_ERROR, able(case, slip, turn))
@@ -310,7 +326,7 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> 
     """
     if case.effect(Unilateral) is None:
         return NO_MODE
-    now, m = phase(case, candidates(case)[-1]), _free(case, t, y)
+    now, m = phase_at(case, candidates(case)[-1], y), _free(case, t, y)
     state = state_in(now, y)
     if not np.isfinite(m.free_approach):
         raise Undecidable
@@ -327,7 +343,7 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> 
 
 def _free(case: Case, t: float, y: Sequence[float]) -> Elimination:
     """The quantities of the contact's equations at a full state; `free_approach` is valid without contact, too."""
-    now = phase(case, candidates(case)[-1])
+    now = phase_at(case, candidates(case)[-1], y)
     return Elimination(*now.system.outputs_of_numbers(t, state_in(now, y), now.parameters))
 
 

@@ -17,6 +17,7 @@ from typing import NamedTuple
 from cases import Case, Curve, Load, Mode, Plate, Start
 from cases.contact import pose, start_motion, velocity
 from cases.features import Features
+from cases.pieces import CurvePart
 
 from .effects import SLIP_SIGN, Laws, laws
 from .elimination import U1, U2, X1, X2
@@ -43,6 +44,9 @@ class Regime(NamedTuple):
 
 FLIGHT = Regime(Mode.FLIGHT)
 
+# Of curves that are not in pieces: their only parts.
+WHOLE = (0, 0)
+
 
 class Phase(NamedTuple):
     """A regime of a case with its equations and their parameters: everything that an integrator needs.
@@ -50,7 +54,7 @@ class Phase(NamedTuple):
     `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: a change of order
     one. `places` are the rows of its variables in the full state. `features` are those that a step could pass over,
     each with its row of the state (None: time); `checks_load`: whether a step could pass over a change of a load in
-    place or velocity.
+    place or velocity. `parts`: the numbers of the pieces of track and outline, of curves in pieces.
     """
 
     regime: Regime
@@ -62,6 +66,7 @@ class Phase(NamedTuple):
     case: Case
     features: tuple[tuple[int | None, Features], ...] = ()
     checks_load: bool = False
+    parts: tuple[int, int] = WHOLE
 
     @property
     def checks_steps(self) -> bool:
@@ -69,8 +74,8 @@ class Phase(NamedTuple):
         return bool(self.features) or self.checks_load
 
     def __reduce__(self):
-        """Pickle case and regime only: everything else is derived from these."""
-        return phase, (self.case, self.regime)
+        """Pickle case, regime and pieces only: everything else is derived from these."""
+        return phase, (self.case, self.regime, self.parts)
 
 
 def candidates(case: Case) -> tuple[Regime, ...]:
@@ -119,27 +124,49 @@ def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: flo
     return (copysign(1.0, slip) if slips else 0.0), (copysign(1.0, omega) if turns else 0.0)
 
 
+def phase(case: Case, regime: Regime, parts: tuple[int, int] = WHOLE) -> Phase:
+    """The equations of that regime with the case's parameters, on pieces of curves in pieces."""
+    return _phase(case, regime, WHOLE) if parts == WHOLE else _phase_on(case, regime, parts)
+
+
+def phase_at(case: Case, regime: Regime, y: Sequence[float]) -> Phase:
+    """The equations of that regime at a full state: of curves in pieces, on those that it belongs to."""
+    track, outline = case.track.parts, case.plate.outline.parts
+    if (track is None and outline is None) or regime.mode is Mode.FLIGHT:
+        return _phase(case, regime, WHOLE)
+    return phase(case, regime, (track.number(y[0]) if track else 0, outline.number(y[1]) if outline else 0))
+
+
+# Phases on further pieces have equations of the first, and numbers of their own.
+@lru_cache(maxsize=2048)
+def _phase_on(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
+    return _make_phase(case, regime, parts)
+
+
 # A phase holds its compiled equations: the cache takes half a megabyte for each structure.
 @lru_cache(maxsize=256)
-def phase(case: Case, regime: Regime) -> Phase:
-    """The equations of that regime with the case's parameters."""
-    size = case.plate.gyration
+def _phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
+    return _make_phase(case, regime, parts)
+
+
+def _make_phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
+    track, outline, size = case.track.part(parts[0]), case.plate.outline.part(parts[1]), case.plate.gyration
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
-        parameters = parameter_values(case, {}, equations)
+        parameters = parameter_values(case, {}, equations, track, outline)
         features = _features(case.effect(Load))
         checks, rows = bool(equations.load_quantities), tuple(range(6))
         return Phase(regime, equations, parameters, size, (size, size, 1.0), rows, case, features, checks)
-    equations = contact_system(case, regime.kind)
+    equations = contact_system(case, regime.kind, track, outline)
     law = laws(case)
     values = {"nu": float(regime.side)}
     values |= law.friction.values(case, regime.mode, regime.side)
     values |= law.resistance.values(case, regime.turn, regime.side)
     lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
-    parameters = parameter_values(case, values, equations)
-    features = _features(case.effect(Load), case.track, case.plate.outline)
+    parameters = parameter_values(case, values, equations, track, outline)
+    features = _features(case.effect(Load), track, outline)
     checks = bool(equations.load_quantities)
-    return Phase(regime, equations, parameters, size, lengths, _places(equations), case, features, checks)
+    return Phase(regime, equations, parameters, size, lengths, _places(equations), case, features, checks, parts)
 
 
 @lru_cache(maxsize=256)
@@ -156,7 +183,7 @@ def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, fl
 
 
 @lru_cache(maxsize=1024)
-def _features(load: Load | None, *curves: Curve) -> tuple[tuple[int | None, Features], ...]:
+def _features(load: Load | None, *curves: Curve | CurvePart) -> tuple[tuple[int | None, Features], ...]:
     """The features that no step may pass over: of a load and, in contact, of track and outline, if they have any."""
     all_features: list[tuple[int | None, Features | None]] = [(None, load.features if load else None)]
     all_features += [(row, curve.features) for row, curve in enumerate(curves)]

@@ -29,6 +29,7 @@ from cases.expression_graph import (
     substitute,
     symbol,
 )
+from cases.pieces import CurvePart
 
 from . import series
 from .effects import MASS, SIGMA, TURN, Laws, laws
@@ -288,9 +289,8 @@ _STATES = {
 }
 
 
-def contact_system(case: Case, kind: Kind) -> System:
-    """The equations of one kind of contact of a case, derived once per structure."""
-    track, outline = case.track, case.plate.outline
+def contact_system(case: Case, kind: Kind, track: Curve | CurvePart, outline: Curve | CurvePart) -> System:
+    """The equations of one kind of contact on parts of a case's curves, derived once per structure."""
     return _in_contact(track.structure, outline.structure, (_has_ends(track), _has_ends(outline)), laws(case), kind)
 
 
@@ -396,14 +396,16 @@ def _ends(has_ends: tuple[bool, bool]) -> dict[str, Node]:
     return guards
 
 
-def _has_ends(curve: Curve) -> bool:
+def _has_ends(curve: Curve | CurvePart) -> bool:
     return curve.domain is not None and curve.period is None
 
 
-def parameter_values(case: Case, values: dict[str, float], system: System) -> tuple[float, ...]:
-    """The runtime parameters in the system's order: the case's own and the mode's `values`, by name, and the system's
-    constants."""
-    numbers = _sizes(case.track, case.plate) | values
+def parameter_values(
+    case: Case, values: dict[str, float], system: System, track: Curve | CurvePart, outline: Curve | CurvePart
+) -> tuple[float, ...]:
+    """The runtime parameters in the system's order: those of parts of the case's curves, the case's own, the mode's
+    `values`, by name, and the system's constants."""
+    numbers = _sizes(track, outline, case.plate) | values
     for load in laws(case).loads:
         numbers |= load.values(case)
     parameters = [numbers[name] for name in system.names]
@@ -414,11 +416,12 @@ def parameter_values(case: Case, values: dict[str, float], system: System) -> tu
 
 # Cached by arguments that do not include friction: scenes are often made again with another friction.
 @lru_cache(maxsize=1024)
-def _sizes(track: Curve, plate: Plate) -> dict[str, float]:
+def _sizes(track: Curve | CurvePart, outline: Curve | CurvePart, plate: Plate) -> dict[str, float]:
     """The parameters of curves and plate in all modes, by name."""
     sizes: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
-    for prefix, curve in (("track", track), ("outline", plate.outline)):
-        sizes |= {f"{prefix}_c{i}": value for i, value in enumerate(curve.constants)}
+    for prefix, curve in (("track", track), ("outline", outline)):
+        names = (size.name for size in curve.structure[1])
+        sizes |= {f"{prefix}_{name}": value for name, value in zip(names, curve.constants, strict=True)}
         if curve.domain:
             sizes |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}
     return sizes

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, CaseError, CoulombFriction, Gravity, Load, NotSupported, RollingResistance
+from cases import Case, CaseError, CoulombFriction, Curve, Gravity, Load, NotSupported, RollingResistance
 from cases.contact import start_motion
 from cases.expressions import constants
 from cases.overlap import first_overlap
@@ -112,9 +112,12 @@ def structure(case: Case) -> Structure:
     load = case.effect(Load)
     features = (track.features, outline.features, load.features if load else None)
     plain = all(feature is None or feature.plain for feature in features) and not laws(case).checked_quantities
-    return Structure(
-        track.structure, outline.structure, laws(case), ends, kinds, case.start.in_contact, level_start, plain
-    )
+    return Structure(_form(track), _form(outline), laws(case), ends, kinds, case.start.in_contact, level_start, plain)
+
+
+def _form(curve: Curve) -> Any:
+    """What curves of one structure share; of a curve in pieces all of it, as its numbers are no parameters."""
+    return curve.structure if curve.parts is None else curve.parts.key
 
 
 def numbers(case: Case) -> dict[str, float]:

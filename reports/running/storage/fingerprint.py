@@ -113,6 +113,8 @@ def content(case: Case) -> str | None:
 def plain(value: Any) -> Any:
     """A value of any kind as numbers, texts, formulas and digests of arrays; raises TypeError if it cannot be
     compared."""
+    if isinstance(value, Curve) and value.parts is not None:
+        return ["Curve in pieces", plain(value.parts)]
     if isinstance(value, Curve):
         return ["Curve", [sp.srepr(part) for part in value.expression], plain(value.domain)]
     if isinstance(value, sp.Basic):

@@ -91,6 +91,8 @@ def neighbours(case: Case, count: int = NEIGHBOURS) -> Iterator[Case]:
         return float(np.nextafter(value, inf if up else -inf)) if value else value
 
     def curve(original: Curve) -> Curve:
+        if original.parts is not None:
+            return original  # its pieces would no longer meet
         floats = sorted({abs(float(f)) for e in original.expression for f in e.atoms(sp.Float)})
         new_values = {size: move(size) for size in floats}
         swap = {

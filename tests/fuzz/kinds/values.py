@@ -68,6 +68,10 @@ MAKERS = {
         ),
     ),
     "Curve": (Curve, dict(function=lambda s: (s, s**2), domain=(-1.0, 1.0))),
+    "Curve.spline": (
+        Curve.spline,
+        dict(points=[(0.1 * i, 0.01 * i * i) for i in range(12)], smoothing=0.0, closed=False, may_cross=False),
+    ),
     "Curve.through": (Curve.through, dict(points=[(0.1 * i, 0.01 * i * i) for i in range(12)], closed=False)),
     "Curve.from_csv": (Curve.from_csv, dict(path="nowhere.csv", closed=True)),
     "simulate": (

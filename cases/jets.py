@@ -1,0 +1,29 @@
+"""Functions that evaluate a curve's position and first three derivatives, written from its structure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import sympy as sp
+
+from .derivation import in_one_thread
+from .expression_graph import ON_ARRAYS, ON_FLOATS, derivatives, from_sympy, python_function, symbol
+from .expressions import PARAMETER
+
+# A curve's expressions with symbols for its sizes, and these symbols.
+Structure = tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Symbol, ...]]
+
+S = symbol(PARAMETER.name)
+
+
+@lru_cache(maxsize=512)
+@in_one_thread
+def jet_function(structure: Structure, on_arrays: bool) -> Callable:
+    """A function (s, constants) -> eight rows of a structure, for floats or arrays."""
+    functions = ON_ARRAYS if on_arrays else ON_FLOATS
+    (x, y), symbols = structure
+    rows = [from_sympy(x), from_sympy(y)]
+    for _ in range(3):
+        rows += derivatives(rows[-2:], S)
+    return python_function([S, [symbol(size.name) for size in symbols]], rows, functions)

@@ -1,0 +1,129 @@
+"""Splines through points: what they pass through, how smooth they are, which input is rejected."""
+
+import pickle
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from cases import BadCurve, BadValue, Curve, NotSupported, Plate, UnknownName
+
+
+def cosine(count, depth=0.3):
+    x = np.linspace(-3.0, 3.0, count)
+    return np.column_stack([x, -depth * np.cos(2 * x)])
+
+
+def ellipse_points(count, start=0.0):
+    angle = start + np.linspace(0.0, 2 * np.pi, count, endpoint=False)
+    return np.column_stack([np.cos(angle), 0.6 * np.sin(angle)])
+
+
+def test_a_spline_passes_through_its_points_in_order():
+    points = cosine(30)
+    curve = Curve.spline(points)
+    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    assert np.abs(curve.point(lengths).T - points).max() <= 1e-14
+    assert curve.residual <= 1e-14 and curve.domain == (0.0, pytest.approx(lengths[-1], rel=1e-15))
+
+
+@pytest.mark.parametrize("curve", [Curve.spline(cosine(30)), Curve.spline(ellipse_points(30), closed=True)])
+def test_position_and_three_derivatives_are_continuous_at_every_knot(curve):
+    pieces, sizes = curve.parts, np.abs(curve.jets(np.array(curve.knots))).max(axis=1)
+    for number in range(0 if curve.period else 1, pieces.count):
+        s = curve.knots[number]
+        jump = np.subtract(pieces.jet_on(s, number), pieces.jet_on(s, number - 1))
+        # Coefficients of the third derivative have the rounding of a place over the cube of a piece's length.
+        length = np.diff(curve.knots).min()
+        rounding = 1e-14 * np.repeat(length ** -np.arange(4.0), 2)
+        assert np.all(np.abs(jump) <= rounding + 1e-14 * sizes), (number, jump)
+
+
+def test_a_spline_of_exact_points_converges_with_its_order():
+    """A quintic spline is of order 6; its curvature, by second derivatives, of order 4."""
+    off = []
+    for count in (30, 60, 120):
+        curve = Curve.spline(cosine(count))
+        s = np.linspace(0.2, 0.8, 2000) * curve.domain[1]
+        x, y = curve.point(s)
+        exact = 1.2 * np.cos(2 * x) / (1 + (0.6 * np.sin(2 * x)) ** 2) ** 1.5
+        off.append((np.abs(y + 0.3 * np.cos(2 * x)).max(), np.abs(curve.curvature(s) - exact).max()))
+    orders = np.log2(np.array(off[:-1]) / np.array(off[1:]))
+    assert np.all(orders[:, 0] > 5.5) and np.all(orders[:, 1] > 3.5), orders
+
+
+def test_a_closed_spline_continues_in_every_turn():
+    curve = Curve.spline(ellipse_points(24), closed=True)
+    s = np.linspace(-2.0, 2.0, 101) * curve.period
+    # The parameter of a point two turns away has four times the rounding.
+    assert np.abs(curve.jets(s) - curve.jets(s + 2 * curve.period))[:4].max() <= 1e-13
+    turn = curve.tangent_angle(s[-1]) - curve.tangent_angle(s[0])
+    assert turn == pytest.approx(8 * np.pi, abs=1e-12)
+    again = Curve.spline(np.vstack([ellipse_points(24), ellipse_points(1)]), closed=True)
+    assert again.period == pytest.approx(curve.period, rel=1e-15)
+
+
+def test_one_evaluation_and_many_agree_to_the_last_bit():
+    curve = Curve.spline(ellipse_points(24), closed=True)
+    s = np.linspace(-7.0, 13.0, 300)
+    assert np.array_equal(np.array([curve.jet(value) for value in s.tolist()]).T, curve.jets(s))
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_smoothing_is_a_tolerance_in_metres(closed):
+    points = ellipse_points(120) if closed else cosine(120)
+    noise = np.random.default_rng(7).normal(0.0, 0.002, points.shape)
+    curve = Curve.spline(points + noise, smoothing=0.008, closed=closed)
+    assert 0.0 < curve.residual <= 0.008 and len(curve.knots) < 60
+    s = np.linspace(0.05, 0.95, 400) * curve.domain[1]
+    x, y = curve.point(s)
+    off = np.hypot(x, y / 0.6) - 1.0 if closed else y + 0.3 * np.cos(2 * x)
+    assert np.abs(off).max() <= 0.008  # nearer to the curve that was measured than the tolerance
+
+
+def test_points_from_arrays_files_and_frames_are_the_same(tmp_path):
+    points = cosine(20)
+    file = tmp_path / "track.csv"
+    file.write_text("x,y\n" + "\n".join(f"{float(x)!r},{float(y)!r}" for x, y in points))
+    frame = pd.DataFrame({"time": range(20), "y": points[:, 1], "x": points[:, 0]})
+    curves = [Curve.spline(source) for source in (points, points.tolist(), file, str(file), frame)]
+    assert all(curve == curves[0] and hash(curve) == hash(curves[0]) for curve in curves)
+    assert curves[0] != Curve.spline(points[:-1])
+
+
+def test_a_spline_travels_to_another_process():
+    curve = Curve.spline(ellipse_points(24), closed=True)
+    back = pickle.loads(pickle.dumps(curve))
+    assert back == curve and back.jet(0.3) == curve.jet(0.3) and back.residual == curve.residual
+
+
+def test_repeated_points_count_once():
+    points = cosine(20)
+    assert Curve.spline(np.repeat(points, 2, axis=0)) == Curve.spline(points)
+
+
+@pytest.mark.parametrize(
+    "error, message, make",
+    [
+        (BadValue, "give at least 6", lambda: Curve.spline(cosine(5))),
+        (BadValue, "point 3 is not finite", lambda: Curve.spline([(0, 0), (1, 0), (np.nan, 1)] * 4)),
+        (BadValue, r"shape \(n, 2\)", lambda: Curve.spline([1, 2, 3])),
+        (BadValue, "not numbers", lambda: Curve.spline([("a", "b")] * 9)),
+        (BadValue, "smoothing is -1", lambda: Curve.spline(cosine(20), smoothing=-1.0)),
+        (BadValue, "closed is", lambda: Curve.spline(cosine(20), closed="no")),
+        (UnknownName, "there is no file of points", lambda: Curve.spline("nowhere.csv")),
+        (BadCurve, "part of the closed curve has", lambda: Curve.spline(ellipse_points(40)[:30], closed=True)),
+        (NotSupported, "no single formula", lambda: Curve.spline(cosine(20)).expression),
+    ],
+)  # fmt: skip
+def test_wrong_points_are_rejected_in_one_sentence(error, message, make):
+    with pytest.raises(error, match=message):
+        make()
+
+
+def test_a_homogeneous_plate_may_have_a_spline_for_its_outline():
+    """The points of an ellipse, off its centre: its area, centre and inertia to the order of the interpolation."""
+    points = ellipse_points(80) + [0.3, -0.2]
+    plate = Plate.homogeneous(Curve.spline(points, closed=True), mass=2.0)
+    assert plate.inertia == pytest.approx(2.0 * (1.0 + 0.36) / 4, rel=1e-8)
+    assert np.abs(plate.outline.point(0.0) - [1.0, 0.0]).max() < 1e-9  # about the centre of mass
