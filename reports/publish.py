@@ -162,7 +162,7 @@ def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> N
 
 
 # References of a page to separate figures: for readers without scripts, links around embedded figures, lines of links.
-_LINE = re.compile(r'<p>(?:<a href="figures/[^"]*">[^<]*</a>(?:, )?)+, as figures of their own\.</p>')
+_LINE = re.compile(r'<p>(?:<a href="figures/[^"]*">[^<]*</a>(?:, )?)+, as separate figures\.</p>')
 _LINK = re.compile(r'<a href="figures/[^"]*">(.*?)</a>', re.DOTALL)
 _WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>", re.DOTALL)
 _INSTEAD = (

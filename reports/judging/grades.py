@@ -33,7 +33,7 @@ LEVELS = tuple(sorted((limit for name, limit in LIMITS.items() if name is not Gr
 # Sequences that agree only without phases as long as this part of the motion do not agree.
 _LONGEST = 0.1
 # A friction × within these limits is not a reason for a grade.
-_USUAL_FRICTION = (0.9, 1.1)
+USUAL_FRICTION = (0.9, 1.1)
 
 
 def grade(off: float) -> Grade:
@@ -65,7 +65,7 @@ def reason(score: Score, scale: Scale, friction: float) -> str:
     note = sequence_note(score, scale)
     if note != "same sequence":
         phrases.append(note)
-    if isfinite(friction) and not _USUAL_FRICTION[0] <= friction <= _USUAL_FRICTION[1]:
+    if isfinite(friction) and not USUAL_FRICTION[0] <= friction <= USUAL_FRICTION[1]:
         phrases.append(f"friction and other losses are {_short(friction)} times those of the law")
     if grade(score.off + score.doubt) is not grade(score.off):
         phrases.append(f"its samples leave {percent(score.doubt)} in doubt")

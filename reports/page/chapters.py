@@ -1,4 +1,4 @@
-"""Data for the templates of the chapters: cases by family, summary of all cases, failures, provenance."""
+"""Data for the templates of cases and data: cases by family, all cases in one table, failures, provenance."""
 
 from __future__ import annotations
 
@@ -11,27 +11,22 @@ import cases as catalogue
 from cases import Case
 
 from ..drawing.figure_files import FigureEntry, short_digest
-from ..judging.grades import Grade
+from ..judging.grades import Grade, percent
 from ..running.records import REFERENCE, Experiment, finest, routes
 from ..running.solvers import NOT_INSTALLED
-from . import motions
-from .fragments import command_of, picture, records, switch, table, verbatim
-from .text import default_text, first_error_text, level_text, off_text
+from . import case_tables, motions
+from .fragments import command_of, picture, records, short_percent, switch, table
 
 if TYPE_CHECKING:
     import pandas as pd
 
 # Stands for the report's total time, which is known only when the page is complete.
 TOTAL_TIME = "{total time}"
-# Tables of the chapter on failures, by severity: an unusable motion is the worst, because the solver does not report
-# it. "Not installed" lists requested versions only; an engine that is not installed has a line above the tables.
-_FAILURES = {
-    Grade.UNUSABLE: "Unusable",
-    "crashed": "Crashed",
-    "timed_out": "Timed out",
-    "unsupported": "Unsupported",
-    NOT_INSTALLED: "Not installed",
-}
+# Failures by severity: an unusable motion is the worst, because the solver does not report it. "Not installed" are
+# requested versions only; an engine that is not installed has a line above the table.
+_FAILURES = (Grade.UNUSABLE, "crashed", "timed_out", "unsupported", NOT_INSTALLED)
+# Cases named in a row of the table of failures.
+_NAMED_CASES = 3
 
 
 def anchor(label: str) -> str:
@@ -57,105 +52,106 @@ def cases(
     """The cases, and their index by family."""
     entries: list[dict[str, Any]] = []
     families: dict[str, list[dict[str, Any]]] = {}
+    tables = {name: case_tables.by_case(records(frames[name])) for name in ("headline", "transitions", "truth")}
+    finest_runs = [run for group in routes(experiment.runs).values() if (run := finest(group) or group[-1])]
     for case in experiment.cases:
         label, family = case.label, motions.family(case)
         case_figures = [d for d in figure_entries if d.case == label and d.name != "headline"]
-        # The player replaces the figures of the motion. Without scripts these figures are read from the folder.
-        motion_figures = [d for d in case_figures if label in moving and d.name.startswith(("motion_", "scene_"))]
+        # The player and the plots replace the figures of a case; they are read from the folder.
+        is_moving = label in moving
+        runs = [run for run in finest_runs if run.case == label]
+        settings = {(run.solver, run.route): str(run.setting) for run in runs}
+        reasons = {(run.solver, run.route): run.reason for run in runs}
+        rows = {name: groups.get(label, []) for name, groups in tables.items()}
+        truth = experiment.truths[label]
         entry = {
             "label": label,
             "anchor": anchor(label),
             "said": case_summary(case),
             "words": f"{label} {family} {case_summary(case)}".lower(),
-            "failure": experiment.truths[label].failure,
-            "moving": label in moving,
-            "static": [picture(d, figures, inside=False) for d in motion_figures],
-            "pictures": [picture(d, figures) for d in case_figures if d not in motion_figures],
+            "failure": truth.failure,
+            "moving": is_moving,
+            "pictures": [picture(d, figures, inside=not is_moving) for d in case_figures],
             "command": command_of(label, manifest),
-            "tables": _case_tables(experiment, label, frames),
+            "sensitivity": percent(truth.friction_sensitivity) if isfinite(truth.friction_sensitivity) else "",
+            "engines": case_tables.engines(rows["headline"], reasons),
+            "transitions": case_tables.transitions(rows["truth"], rows["transitions"], settings),
         }
         entries.append(entry)
         families.setdefault(family, []).append(entry)
     return {"cases": entries, "families": list(families.items())}
 
 
-def _case_tables(experiment: Experiment, label: str, frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
-    groups = routes(run for run in experiment.runs if run.case == label).values()
-    finest_keys = {(r.solver, r.route, r.setting) for r in map(finest, groups) if r}
-    case_tables = []
-    events = frames["transitions"]
-    events = events[events["case"] == label] if len(events) else events
-    if len(events):
-        table_rows = events[[(r["solver"], r["route"], r["setting"]) in finest_keys for r in records(events)]]
-        if len(table_rows):
-            # The reference comes last.
-            table_rows = table_rows.sort_values("solver", key=lambda names: names == REFERENCE, kind="stable")
-            case_tables.append(
-                _table("Transitions at the finest setting", table_rows, ("case", "setting", "version"), True)
-            )
-    orders = frames["convergence"]
-    table_rows = orders[orders["case"] == label] if len(orders) else orders
-    if len(table_rows):
-        case_tables.append(_table("Observed orders", table_rows, ("case", "settings_used", "version"), False))
-    return case_tables
-
-
-def _table(title: str, frame: pd.DataFrame, without: Sequence[str], is_open: bool) -> dict[str, Any]:
-    columns = {c: c.replace("_", " ") for c in map(str, frame.columns) if c not in without}
-    return {"title": title, "open": is_open, **table(frame, columns)}
-
-
 def headline(frame: pd.DataFrame, figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any]:
-    """All cases against all routes: off at the finest setting run, and the error of the first transition."""
+    """All cases against all engines: off with default settings and at the finest setting run."""
     rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
-    solver_routes = [route_key for route_key in dict.fromkeys(key[1:] for key in rows) if route_key[1]]
+    solver_routes = [key for key in dict.fromkeys(key[1:] for key in rows) if key[1] and key[0] != REFERENCE]
     return {
         "pictures": [picture(d, figures) for d in figure_entries if d.name == "headline"],
-        "routes": [
-            {"solver": solver, "route": route, "switch": switch(solver, route)} for solver, route in solver_routes
-        ],
+        "routes": [{"solver": solver, "route": route} for solver, route in solver_routes],
         "rows": [
             {
                 "case": case,
                 "anchor": anchor(case),
-                "cells": [_cell(rows.get((case, *route_key)), *route_key) for route_key in solver_routes],
+                "cells": [
+                    _cell(rows.get((case, *route_key)), *route_key, which)
+                    for route_key in solver_routes
+                    for which in ("default", "finest")
+                ],
             }
             for case in dict.fromkeys(key[0] for key in rows)
         ],
     }
 
 
-def _cell(row: dict[str, Any] | None, solver: str, route: str) -> dict[str, Any]:
-    """A cell's text, and the number by which it is sorted: off at the finest setting run."""
-    cell: dict[str, Any] = {"solver": solver, "switch": switch(solver, route), "text": "", "small": [], "order": ""}
+def _cell(row: dict[str, Any] | None, solver: str, route: str, which: str) -> dict[str, Any]:
+    """A cell's text, grade, and the number by which it is sorted: off with these settings."""
+    cell: dict[str, Any] = {"solver": solver, "route": route, "text": "", "grade": "", "order": "1e308"}
     if row is None:
         return cell
-    cell["text"] = off_text(row, "finest")
-    if isfinite(row["finest_off"]):
-        cell["order"] = repr(float(row["finest_off"]))
-        texts = [level_text(row), first_error_text(row, "finest"), default_text(row)]
-        # Single words, so that no line break splits a number.
-        cell["small"] = [verbatim(text).split(" ") for text in texts if text and not row["is_truth"]]
-    return cell
+    off = row[f"{which}_off"]
+    if not isfinite(off):
+        return cell | {"text": "–" if which == "finest" else "", "grade": "none"}
+    return cell | {
+        "text": short_percent(off),
+        "grade": str(row[f"{which}_grade"]).replace(" ", "-"),
+        "order": repr(float(off)),
+    }
 
 
 def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
-    """Runs without a usable motion, by severity."""
-    tables = []
-    columns = {name: name for name in ("case", "solver", "route", "setting", "reason")}
-    for outcome, title in _FAILURES.items():
-        rows = frame[(frame["outcome"] == outcome) | (frame["grade"] == outcome)] if len(frame) else frame
-        if outcome == NOT_INSTALLED and not len(rows):
-            continue
-        tables.append({"title": title, **table(rows, columns)})
-    return tables
+    """Runs without a usable motion, by severity: one row for each solver, route and reason, with the cases."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for row in records(frame):
+        word = next((w for w in _FAILURES if w in (row["outcome"], row["grade"])), "")
+        if word:
+            groups.setdefault((str(word), row["solver"], row["route"], row["reason"]), []).append(row["case"])
+    order = [str(word) for word in _FAILURES]
+    entries = []
+    for (word, solver, route, reason), labels in sorted(groups.items(), key=lambda item: order.index(item[0][0])):
+        names = list(dict.fromkeys(labels))
+        more = f" and {len(names) - _NAMED_CASES} more" if len(names) > _NAMED_CASES else ""
+        entries.append(
+            {
+                "outcome": word.replace("_", " "),
+                "kind": word,
+                "solver": solver,
+                "route": route,
+                "switch": switch(solver, route),
+                "runs": len(labels),
+                "cases": f"{', '.join(names[:_NAMED_CASES])}{more}",
+                "reason": reason,
+            }
+        )
+    return entries
 
 
 def left_out(frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
     """A table of the tables and figures made without a solver's results; an empty list if there are none."""
     rows = frames.get("left_out")
     title = "Tables and figures without the results of a solver"
-    return [] if rows is None else [{"title": title, **table(rows, {c: c for c in ("item", "solver", "reason")})}]
+    columns = {c: c for c in ("item", "solver", "reason")}
+    return [] if rows is None else [{"title": title, **table(rows, columns, most=len(rows))}]
 
 
 def provenance(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""The chapter "What accuracy costs in time": the answer first, then the measurements behind it."""
+"""The chapter "What accuracy costs in time": one table of all routes within the main level, then the measurements."""
 
 from __future__ import annotations
 
@@ -7,25 +7,24 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..analysis import cost_conclusions, cost_tables, which_engine
+from ..analysis import cost_conclusions
 from ..analysis.levels import ONE_SETTING
 from ..analysis.number_format import seconds, times
-from ..analysis.time_to_accuracy import WITH_TIMES
+from ..analysis.time_to_accuracy import WITH_TIMES, cost
 from ..analysis.work_precision import CostMeasurements, groups
 from ..drawing.figure_files import FigureEntry
 from ..judging.grades import LEVELS, percent
+from ..running.records import REFERENCE
 from .fragments import picture, records, switch, table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# Parts of a warm run, and whole calls, with the headings of their columns.
-_PARTS = {
-    "engine_s": "engine", "binding_s": "its binding", "callback_s": "our callback", "notes_s": "our recording",
-    "cpu_s": "run, warm", "call_s": "whole call, warm", "first_call_s": "whole call, cold start",
-}  # fmt: skip
+# Parts of a warm run, with the headings of their columns.
+_PARTS = {"cpu_s": "run, warm", "engine_s": "engine", "binding_s": "binding", "callback_s": "our callback",
+          "notes_s": "our recording"}  # fmt: skip
 # Columns of the fits that the page leaves out.
-_OMITTED_COLUMNS = ("settings_used", "settings")
+_OMITTED_COLUMNS = ("settings_used", "settings", "version")
 
 
 def section(
@@ -47,15 +46,14 @@ def section(
         "first": headline.first,
         "rest": f"{headline.rest} {cost_conclusions.set_up(points)}",
         "level": percent(cost_conclusions.LEVEL),
-        "runs": ["first run (cold start)" if runs == 1 else f"{runs:,} runs" for runs in which_engine.RUNS],
-        "answers": _answers(answers),
+        "parts": list(_PARTS.values()),
+        "calls": _calls(time_rows),
         "failed": list(measurements.failures.items()),
-        "shares": _shares(time_rows),
         "levels": _levels(time_rows),
-        "pictures": [picture(d, figures) for d in figure_entries if d.name == "work_precision"],
-        "fits": table(fits, _name(fits)),
-        "nulls": table(frames["null_scores"], _name(frames["null_scores"])),
-        "tables": list(cost_tables.HOLDS),
+        # The plot of all settings replaces these figures.
+        "pictures": [picture(d, figures, inside=not d.case) for d in figure_entries if d.name.startswith("work_prec")],
+        "fits": table(fits, _name(fits), file="work_precision_fits"),
+        "nulls": table(frames["null_scores"], _name(frames["null_scores"]), file="null_scores"),
     }
 
 
@@ -63,42 +61,29 @@ def _name(frame: pd.DataFrame) -> dict[str, str]:
     return {c: c.replace("_", " ") for c in map(str, frame.columns) if c not in _OMITTED_COLUMNS}
 
 
-def _answers(answers: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """A row for each case at the main level: first run and 1,000 runs, engine and reference."""
+def _calls(time_rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The routes within the main level, case by case, the fastest first run first: whole calls and the parts of a warm
+    run."""
     table_rows = []
-    for (case,), rows in groups([r for r in answers if r["level"] == cost_conclusions.LEVEL], "case").items():
-        runs = rows[0]["break_even_runs"]
-        even = f"{runs:,.0f} runs" if isfinite(runs) else ("never" if rows[0]["cheaper"] else "")
-        sides = [
-            _side(row, party) for row in sorted(rows, key=lambda r: r["runs"]) for party in ("engine", "reference")
-        ]
-        table_rows.append({"case": case, "sides": sides, "even": even, "order": _order(runs)})
-    return table_rows
-
-
-def _side(row: dict[str, Any], party: str) -> dict[str, Any]:
-    """The fastest route of the engines or of the reference with its time, or the reason why there is none."""
-    if not row[party]:
-        # If there are two reasons, the engines' is the first.
-        return {"reason": row["reason"].split("; ")[0 if party == "engine" else -1], "order": ""}
-    total = row[f"{party}_total_s"]
-    side = {"reason": "", "route": row[party], "time": seconds(total), "order": _order(total)}
-    ahead = row["cheaper"] == row[party]
-    return side | {"ahead": ahead, "factor": times(row["factor"]) if ahead else ""}
-
-
-def _shares(time_rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Settings within the main level: the parts of a warm run, the whole call, the cold start."""
-    rows = []
     reaching = [r for r in time_rows if r["reached"] in WITH_TIMES and r["level"] == cost_conclusions.LEVEL]
     for (case,), group in groups(reaching, "case").items():
-        for row in sorted(group, key=lambda r: r["call_s"]):
-            cells = [_text(case), _text(_who(row))]
-            cells += [_time(row[name]) for name in _PARTS]
+        for row in sorted(group, key=lambda r: (not isfinite(cost(r, 1)), cost(r, 1), r["call_s"])):
             runs = row["break_even_runs"]
-            cells.append(_number(f"{runs:,.0f}" if isfinite(runs) else "", runs))
-            rows.append(_row(row, cells))
-    return {"heads": _heads("case", "route", *_PARTS.values(), "reference faster from, runs"), "rows": rows}
+            table_rows.append(
+                {
+                    "case": case,
+                    "solver": row["solver"],
+                    "route": row["route"],
+                    "switch": switch(row["solver"], row["route"]),
+                    "is_reference": row["solver"] == REFERENCE,
+                    "first": _time(cost(row, 1)),
+                    "thousand": _time(cost(row, 1000)),
+                    "call": _time(row["call_s"]),
+                    "parts": [_time(row[name]) for name in _PARTS],
+                    "even": _number(f"{runs:,.0f}" if isfinite(runs) else "", runs),
+                }
+            )
+    return table_rows
 
 
 def _levels(time_rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -106,9 +91,14 @@ def _levels(time_rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     rows = []
     for _, group in groups(time_rows, "case", "solver", "route").items():
         by_level = {row["level"]: row for row in group}
-        cells = [_text(group[0]["case"]), _text(_who(group[0]))]
-        rows.append(_row(group[0], [*cells, *(_level_cell(by_level[level]) for level in LEVELS)]))
-    return {"heads": _heads("case", "route", *(f"≤ {percent(level)}" for level in LEVELS)), "rows": rows}
+        cells = [_text(group[0]["case"]), _text(f"{group[0]['solver']} {group[0]['route']}")]
+        cells += [_level_cell(by_level[level]) for level in LEVELS]
+        where = {"solver": group[0]["solver"], "route": switch(group[0]["solver"], group[0]["route"])}
+        rows.append(where | {"cells": cells})
+    heads = [
+        _head(name, place > 1) for place, name in enumerate(("case", "route", *(f"≤ {percent(v)}" for v in LEVELS)))
+    ]
+    return {"heads": heads, "rows": rows, "count": len(rows), "columns": len(heads), "file": "time_to_accuracy"}
 
 
 def _level_cell(row: dict[str, Any]) -> dict[str, Any]:
@@ -119,17 +109,8 @@ def _level_cell(row: dict[str, Any]) -> dict[str, Any]:
     return _number(f"{seconds(row['cpu_s'])}{mark}{ratio}", row["cpu_s"])
 
 
-def _who(row: Mapping[str, Any]) -> str:
-    return f"{row['solver']} {row['route']}"
-
-
-def _heads(*names: str) -> list[dict[str, Any]]:
-    """Headings of a table whose first two columns are text and whose others are numbers."""
-    return [{"title": name, "number": place > 1, "tip": ""} for place, name in enumerate(names)]
-
-
-def _row(row: Mapping[str, Any], cells: list[dict[str, Any]]) -> dict[str, Any]:
-    return {"solver": row["solver"], "route": switch(row["solver"], row["route"]), "cells": cells}
+def _head(name: str, is_number: bool) -> dict[str, Any]:
+    return {"title": name, "unit": "", "column": "", "number": is_number, "tip": ""}
 
 
 def _text(text: str) -> dict[str, Any]:
@@ -142,8 +123,4 @@ def _time(value: float) -> dict[str, Any]:
 
 def _number(text: str, value: float) -> dict[str, Any]:
     """A cell that is sorted by a number; a cell without one is sorted last."""
-    return {"text": text, "kind": "number", "order": _order(value) or "1e308"}
-
-
-def _order(value: float) -> str:
-    return f"{value:.10g}" if isfinite(value) else ""
+    return {"text": text, "kind": "number", "order": f"{value:.10g}" if isfinite(value) else "1e308"}

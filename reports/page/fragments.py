@@ -13,6 +13,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from ..analysis import tables
+from ..analysis.columns import unit_of
 from ..drawing.figure_files import FigureEntry
 from ..judging.grades import Grade
 from ..running import per_solver
@@ -25,6 +26,13 @@ if TYPE_CHECKING:
 _TEMPLATES = Path(__file__).parent / "templates"
 _POWER, _ZERO = re.compile(r"(\d)e([+-])0(\d)\b"), re.compile(r"\b0\.0e\+00\b")
 _REMARKS = ("reason", "note", "notes")
+# Rows of a long table that are shown at first, and the length up to which a table is whole.
+FIRST_ROWS, _WHOLE = 8, 12
+# The most columns of a table, for a window 1440 pixels wide.
+_WIDEST = 14
+# The unit at the end of a description.
+_UNIT = re.compile(r"(?:, | \()(s|m|rad|m/s|m²|J|N|kg|MB|%)\)?$")
+_LONGEST_UNIT = 5
 # Words of a table with their own colours.
 _WITH_COLOUR = (*tables.OUTCOMES, *Grade, "paired", "missed", "spurious", "unresolved")
 
@@ -56,6 +64,7 @@ def picture(entry: FigureEntry, folder: Path, inside: bool = True) -> dict[str, 
         data["alt"] = f"{entry.title}: {entry.case}" if entry.case else entry.title
         file = folder / f"{entry.name}.svg"
         data["source"] = Markup(_address(file.read_text(encoding="utf-8"))) if inside else f"figures/{file.name}"
+        data["inside"] = inside
     return data
 
 
@@ -70,19 +79,26 @@ def _address(svg: str) -> str:
 
 
 def table(
-    frame: pd.DataFrame, columns: Mapping[str, str], words: Mapping[str, str] | None = None
-) -> dict[str, list[dict[str, Any]]]:
+    frame: pd.DataFrame,
+    columns: Mapping[str, str],
+    words: Mapping[str, str] | None = None,
+    file: str = "",
+    most: int | None = None,
+) -> dict[str, Any]:
     """Headings and rows of some columns for the template.
 
     A column's description is its tooltip. A number whose text a program cannot read, such as 1,700, has a sort key.
-    Columns of remarks that are empty in all rows are omitted.
+    Columns of remarks that are empty in all rows are omitted, of a wide table also those beyond `_WIDEST`. A long table
+    has its first rows, or `most`; a script gets the others from its `file` inside the page.
     """
     columns = {c: title for c, title in columns.items() if c not in _REMARKS or any(frame[c].astype(bool))}
-    numeric = {c for c in columns if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
-    heads = [{"title": title, "number": c in numeric, "tip": (words or {}).get(c, "")} for c, title in columns.items()]
+    shown = columns if len(columns) <= _WIDEST else _narrowed(frame, columns)
+    numeric = {c for c in shown if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
+    heads = [_head(c, title, c in numeric, (words or {}).get(c, "")) for c, title in shown.items()]
+    top = frame.head((len(frame) if len(frame) <= _WHOLE else FIRST_ROWS) if most is None else most)
     rows = []
-    for row in records(frame):
-        cells = [_cell(row[c], c, c in numeric) for c in columns]
+    for row in records(top):
+        cells = [_cell(row[c], c, c in numeric) for c in shown]
         rows.append(
             {
                 "solver": str(row.get("solver", "")),
@@ -90,12 +106,43 @@ def table(
                 "cells": cells,
             }
         )
-    return {"heads": heads, "rows": rows}
+    counts = {"count": len(frame), "columns": len(columns)}
+    return {"heads": heads, "rows": rows, "file": file, **counts}
+
+
+def _narrowed(frame: pd.DataFrame, columns: Mapping[str, str]) -> dict[str, str]:
+    """The first columns whose values differ."""
+    varied = [c for c in columns if len(frame) < 2 or frame[c].astype(str).nunique() > 1]
+    return {c: columns[c] for c in varied[:_WIDEST]}
+
+
+def _head(column: str, title: str, is_number: bool, description: str) -> dict[str, Any]:
+    """The heading of a column: its name, and its unit if the dictionary or its description ends with one."""
+    match = _UNIT.search(description)
+    unit = unit_of(column) or (match[1] if match else "")
+    unit = unit if len(unit) <= _LONGEST_UNIT and unit != "1" else ""
+    return {
+        "title": title.removesuffix(f" {unit}") if unit else title,
+        "unit": unit,
+        "column": column,
+        "number": is_number,
+        "tip": description,
+    }
 
 
 def verbatim(text: str) -> str:
     """A number's text in its short form: 1.1e-7 and 0, not 1.1e-07 and 0.0e+00."""
     return _POWER.sub(lambda m: f"{m[1]}e{m[2].removeprefix('+')}{m[3]}", _ZERO.sub("0", text))
+
+
+def short_percent(off: float) -> str:
+    """Off in percent with few characters and without the sign: 278, 31, 2.1, .27, <.01."""
+    share = 100.0 * off
+    if share < 0.005:
+        return "<.01"
+    if share >= 9.95:
+        return f"{share:,.0f}"
+    return f"{share:.1f}" if share >= 0.995 else f"{share:.2f}".removeprefix("0")
 
 
 def switch(solver: str, route: str) -> str:

@@ -1,4 +1,4 @@
-"""The first screen of the page: what was compared, the verdict, the motion of the paper's disc."""
+"""The first screen of the page: the verdict, the map of engines and cases, off against cost, a motion."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 from ..analysis import verdict
 from ..judging.friction_sensitivity import LEAST
+from ..running.ladder_selection import ladder_case
 from ..running.records import REFERENCE, Experiment, routes
 from ..running.solvers import missing_words
 from .chapters import anchor, case_summary
 from .fragments import records
+from .grade_map import engine_map
+from .off_chart import off_chart
+from .solver_ids import identifier
 from .text import lost_text
 
 if TYPE_CHECKING:
     import pandas as pd
-
-# The paper's application; shown if the report contains it.
-_HERO = "disc_in_circle[mu=0.2]"
 
 
 def screen(
@@ -28,12 +29,17 @@ def screen(
     manifest: Mapping[str, Any],
 ) -> dict[str, Any]:
     """Data for the template of the first screen."""
-    rows = [_row(row) for row in records(frames["verdict"])]
-    hero = next((m for m in moving if m["label"] == _HERO), moving[0] if moving else None)
-    case = next((c for c in experiment.cases if hero and c.label == hero["label"]), None)
+    verdicts = records(frames["verdict"])
+    rows = [_row(row) for row in verdicts]
+    hero = ladder_case(experiment.cases)
+    shown = next((m for m in moving if m["label"] == hero), moving[0] if moving else None)
+    case = next((c for c in experiment.cases if shown and c.label == shown["label"]), None)
+    friction_cases = verdict.friction_cases(experiment)
+    timings = records(frames["work_precision"]) if "work_precision" in frames else []
+    cost_case = next((row["cost_case"] for row in verdicts if row["cost_case"]), hero)
     return {
         "compared": _comparison(experiment),
-        "sentence": verdict.sentence(records(frames["verdict"])),
+        "sentence": verdict.sentence(verdicts),
         "lead": verdict.LEAD,
         "tie": verdict.TIE,
         "lost": lost_text(manifest["lost"]),
@@ -42,10 +48,13 @@ def screen(
         ],
         "engines": [row for row in rows if not row["our_part"]],
         "partly_ours": [row for row in rows if row["our_part"]],
-        "friction_cases": len(verdict.friction_cases(experiment)),
+        "map": engine_map(experiment, [(row["solver"], row["route"]) for row in verdicts], friction_cases),
+        "is_ours": {(row["solver"], row["route"]) for row in verdicts if row["our_part"]},
+        "chart": off_chart(cost_case, records(frames["trajectories"]), timings),
+        "friction_cases": len(friction_cases),
         "least": f"{LEAST:g}",
-        "cost_case": next((row["cost_case"] for row in records(frames["verdict"])), ""),
-        "hero": hero and {"label": hero["label"], "anchor": anchor(hero["label"]), "said": case_summary(case)},
+        "cost_case": next((row["cost_case"] for row in verdicts), ""),
+        "hero": shown and {"label": shown["label"], "anchor": anchor(shown["label"]), "said": case_summary(case)},
         "absent": missing_words(experiment.versions),
         "provenance": f"Made {manifest['made_at'][:10]} on {manifest['machine']}.",
     }
@@ -76,8 +85,3 @@ def _row(row: Mapping[str, Any]) -> dict[str, Any]:
         "doubt": row["digits_doubt"],
         "cells": [{"head": head, "text": text, "small": small} for head, (text, small) in verdict.cells(row).items()],
     }
-
-
-def identifier(name: str) -> str:
-    """A solver's name with only the characters that a CSS identifier allows."""
-    return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in name)

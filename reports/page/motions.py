@@ -1,6 +1,8 @@
-"""Motions for the page's player: the true motion, and the difference of every route from it.
+"""Motions for the page's player: the true motion, and the difference of engines from it with default settings and at
+finer ones.
 
-Numbers are compressed 32-bit floats whose mantissas are rounded to 16 bits (five digits), which keeps the page small.
+Numbers are compressed 32-bit floats. The mantissas of the truth are rounded to 16 bits (five digits), those of
+differences to 10 bits (three digits), which keeps the page small.
 """
 
 from __future__ import annotations
@@ -19,17 +21,20 @@ import cases
 from cases import Case
 from cases.pictures.layout import visible
 
+from ..judging.grades import percent
 from ..running import per_solver
 from ..running.per_solver import LeftOut
-from ..running.records import REFERENCE, Experiment, Run, Truth, finest, routes
+from ..running.records import REFERENCE, Experiment, Run, Truth, routes
 
 # Samples of a motion, including its transitions: a player 800 pixels wide cannot show more.
 SAMPLES = 401
 # The samples include the exact times of at most this many transitions, spread over all of them.
 _EXACT = 120
-TRUE = ("x", "y", "theta", "slip", "xi1", "xi2", "lambda", "normal_force", "friction_force")
-# Solver minus truth, with the names of `distances.differences`; the friction force is the solver's own value.
-OFF = ("x", "y", "angle", "slip", "xi1", "xi2", "lambda")
+TRUE = ("x", "y", "theta", "slip", "xi1", "normal_force", "friction_force")
+# Solver minus truth, with the names of `distances.differences`.
+OFF = ("x", "y", "angle", "slip")
+# Bits of a mantissa: of the truth, and of differences.
+_BITS, _BITS_OF_DIFFERENCES = 16, 10
 
 
 def motions(experiment: Experiment) -> tuple[list[dict[str, Any]], list[LeftOut]]:
@@ -55,7 +60,7 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
     return {
         "label": case.label,
         "down": case.scene.down,
-        "t": pack(times, whole=True),
+        "t": pack(times, bits=23),
         "start": float(times[0]),
         "end": float(times[-1]),
         "modes": _modes(truth),
@@ -67,14 +72,16 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         },
         "outline": pack(case.scene.corners()),
         "truth": pack(np.array([_at(times, truth.samples, name) for name in TRUE])),
-        "runs": [_run(run, times) for run in finest_motions(experiment, case.label)],
+        "runs": [_run(run, times) for run in moving_runs(experiment, case.label)],
     }
 
 
-def finest_motions(experiment: Experiment, label: str) -> list[Run]:
-    """The finest motion of every route except the reference's, which coincides with the truth."""
-    runs = map(finest, routes(run for run in experiment.runs if run.case == label).values())
-    return [run for run in runs if run and run.solver != REFERENCE and len(run.samples.get("t", ())) > 1]
+def moving_runs(experiment: Experiment, label: str) -> list[Run]:
+    """The runs of a case that have a motion to show, route by route from coarse to fine: with the first default
+    setting, and at the finest or all others. Not the reference's, which coincide with the truth."""
+    runs = [run for run in experiment.runs if run.case == label and run.solver != REFERENCE and run.score]
+    shown = [run for group in routes(runs).values() for run in group if not run.setting.is_default or run.rung == 1]
+    return [run for run in shown if len(run.off.get("t", ())) > 1]
 
 
 def family(case: Case) -> str:
@@ -87,11 +94,11 @@ def family(case: Case) -> str:
 
 
 def _run(run: Run, times: np.ndarray) -> dict[str, Any]:
-    off = {"t": run.off["t"], **{name: run.off[name] for name in OFF}}
-    columns = [_at(times, off, name) for name in OFF] + [_at(times, run.samples, "friction_force")]
+    columns = [_at(times, run.off, name) for name in OFF]
     events = [row.time for row in run.ledger if isfinite(row.time)]
-    facts = {"solver": run.solver, "route": run.route, "setting": str(run.setting), "outcome": run.outcome}
-    return facts | {"events": events[:_EXACT], "data": pack(np.array(columns))}
+    facts = {"solver": run.solver, "route": run.route, "setting": str(run.setting), "default": run.setting.is_default}
+    facts |= {"score": percent(run.score.off) if run.score else "", "grade": run.grade}
+    return facts | {"events": events[:_EXACT], "data": pack(np.array(columns), bits=_BITS_OF_DIFFERENCES)}
 
 
 def _times(truth: Truth) -> np.ndarray:
@@ -116,13 +123,15 @@ def _modes(truth: Truth) -> list[tuple[float, str, str]]:
     return [first, *((event.time, str(event.after), event.cause) for event in truth.transitions)]
 
 
-def pack(values: np.ndarray, whole: bool = False) -> str:
+def pack(values: np.ndarray, bits: int = _BITS) -> str:
     """Numbers as base64 text of compressed 32-bit floats, grouped by byte position.
 
-    The mantissa is rounded to 16 bits unless `whole`, which is for times: users zoom in on transitions.
+    The mantissa is rounded to so many `bits`; all 23 are for times, since users zoom in on transitions.
     """
-    bits = np.ascontiguousarray(values, dtype="<f4").view("<u4").ravel()
-    if not whole:
-        bits = ((bits.astype(np.uint64) + 0x40) & 0xFFFFFF80).astype("<u4")
-    bits = np.where(np.isfinite(np.ravel(values)), bits, 0x7FC00000).astype("<u4")
-    return b64encode(zlib.compress(bits.view(np.uint8).reshape(-1, 4).T.tobytes(), 9)).decode()
+    words = np.ascontiguousarray(values, dtype="<f4").view("<u4").ravel()
+    rest = 23 - bits
+    if rest:
+        half, mask = np.uint64(1 << (rest - 1)), np.uint64(0xFFFFFFFF >> rest << rest)
+        words = ((words.astype(np.uint64) + half) & mask).astype("<u4")
+    words = np.where(np.isfinite(np.ravel(values)), words, 0x7FC00000).astype("<u4")
+    return b64encode(zlib.compress(words.view(np.uint8).reshape(-1, 4).T.tobytes(), 9)).decode()

@@ -18,6 +18,7 @@ from cases import Case
 
 from . import reference_adapter
 from .calls import Calls, StorePolicy
+from .ladder_selection import ladder_case
 from .processes.worker_process import CallResult
 from .records import Experiment, Offer, Run, Truth, gives_motion, now
 from .storage.fingerprint import truth_key
@@ -57,7 +58,7 @@ def run_cases(
     truths = find_truths(cases, calls)
     offers_by_case = offers(cases, solvers, calls)
     runs, tasks = _plan(cases, offers_by_case, truths, thin)
-    _fill(runs, _make(tasks, calls))
+    _fill(runs, _make(tasks, calls), ladder_case(cases))
     seconds, parts = time.perf_counter() - began, _our_parts(offers_by_case)
     return Experiment(tuple(cases), truths, tuple(runs), seconds, dict(calls.versions), parts)
 
@@ -171,8 +172,9 @@ def hopeless(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
     return None
 
 
-def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]]) -> None:
-    """Put the runs into their places; only the finest of each route keeps its samples and differences.
+def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]], whole_case: str) -> None:
+    """Put the runs into their places. The finest of each route keeps its samples and differences; its first default
+    setting, and each setting of `whole_case`, keep the differences.
 
     Figures need no others, and those of a thousand runs would take some hundred megabytes.
     """
@@ -184,4 +186,10 @@ def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]]) -> None:
         if gives_motion(result) and (best is None or place > best):
             finest[route], outdated_place = place, place if best is None else best
         if outdated_place != finest.get(route):
-            runs[outdated_place] = replace(runs[outdated_place], samples={}, off={})
+            runs[outdated_place] = _thinned(runs[outdated_place], whole_case)
+
+
+def _thinned(run: Run, whole_case: str) -> Run:
+    """A run that is not its route's finest: without samples, and without differences unless these are shown."""
+    is_shown = run.rung == 1 and run.setting.is_default or run.case == whole_case
+    return replace(run, samples={}, off=run.off if is_shown else {})

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from adapters import Setting
+from cases import Case
 
 from .records import REFERENCE
 
@@ -19,6 +22,8 @@ WHOLE_LADDERS = (
     "disc_onto_incline",
     "pebble_on_incline",
 )
+# The paper's application: all its settings are shown in motion, if a report contains it.
+_PAPER_CASE = "disc_in_circle[mu=0.2]"
 # The reference's route with the paper's matrix.
 LITERAL = "augmented"
 
@@ -42,6 +47,12 @@ def select_rungs(
     one = len(ladder) - 1 if solver == REFERENCE else 2 * third
     places = sorted({0, third, 2 * third} if effort == "quick" else {one}) if ladder else []
     return (*[s for s in settings if s.is_default][:1], *(ladder[i] for i in places))
+
+
+def ladder_case(cases: Sequence[Case]) -> str:
+    """The label of the case whose motions are kept at every setting: the paper's application, else the first case."""
+    labels = [case.label for case in cases]
+    return _PAPER_CASE if _PAPER_CASE in labels else labels[0] if labels else ""
 
 
 def sentence(effort: str, is_selection: bool) -> str:

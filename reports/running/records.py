@@ -102,8 +102,9 @@ class Run:
 @dataclass(frozen=True)
 class Experiment:
     """All results in the requested order: truths by case label, and the runs. Only the finest run of each route has its
-    `samples` and `off`. `versions`: of the solvers, "" if unknown. `our_parts`: by solver and route, what of it is not
-    the engine's own, for routes that have such a part."""
+    `samples`; its first default setting has its `off` as well, and of one case every setting. `versions`: of the
+    solvers, "" if unknown. `our_parts`: by solver and route, what of it is not the engine's own, for routes that have
+    such a part."""
 
     cases: tuple[Case, ...]
     truths: dict[str, Truth]

@@ -3,14 +3,18 @@ or a request (`open_page`)."""
 
 from __future__ import annotations
 
+import base64
 import csv
-import io
+import math
 import re
+import zlib
 from html import unescape
 
 import pytest
 
 from reports.page.chapters import anchor
+from reports.page.fragments import verbatim
+from reports.page.text import shorten
 
 from .conftest import CASES
 
@@ -37,21 +41,110 @@ def after_frames(page, count=20):
 # --- the first screen -------------------------------------------------------------------------------------------------
 
 
+def table_of(page_file, name):
+    """The rows of a table's file."""
+    return list(csv.DictReader((page_file.parent / "tables" / f"{name}.csv").read_text().splitlines()))
+
+
 @pytest.mark.parametrize("width", WIDTHS)
-def test_the_first_screen_holds_the_answer_table_whole(open_page, width):
+def test_the_first_screen_holds_sentence_and_map_whole(open_page, width):
     wide, high = WIDTHS[width]
     page = open_page(wide, high)
-    page.wait_for_selector(".first .player[data-time]")
-    box = page.locator("table.answer").bounding_box()
-    assert box["x"] >= 0 and box["x"] + box["width"] <= wide
-    # A phone may take one swipe.
-    assert box["y"] + box["height"] <= (2 * high if width == "phone" else high)
-    # Nothing of it is cut off, and nothing scrolls sideways: neither its frame nor the page.
-    cut = "e => e.scrollWidth - e.clientWidth"
-    assert page.eval_on_selector(".scroll:has(table.answer)", cut) <= 1
+    page.wait_for_selector(".pair .player[data-time]")
+    assert page.locator("p.verdict").bounding_box()["y"] < high / 3
+    box = page.locator("table.map").bounding_box()
+    assert box["x"] >= 0 and box["y"] + box["height"] <= high
+    # A phone shows the map's first columns and scrolls the others within its frame; the page scrolls nowhere sideways.
+    assert width == "phone" or box["x"] + box["width"] <= wide
     assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
-    rows = page.locator("table.answer tbody tr")
-    assert rows.count() == 5 and all(row.is_visible() for row in rows.all())  # four routes and a heading
+    rows = page.locator("table.map tbody tr")
+    assert rows.count() == 9 and all(row.is_visible() for row in rows.all())  # two of each route, and a line
+    tabs = page.locator("nav.chapters a")
+    assert tabs.all_inner_texts() == ["Answer", "Cases", "Cost", "Evidence", "Data"]
+    assert all(0 <= tab.bounding_box()["x"] and sum_of(tab.bounding_box()) <= wide for tab in tabs.all())
+
+
+def sum_of(box):
+    return box["x"] + box["width"]
+
+
+def test_each_cell_of_the_map_has_the_numbers_of_the_tables(open_page, page_file):
+    page = open_page()
+    cases_shown = page.locator("table.map .case").all_inner_texts()
+    assert set(cases_shown) == set(CASES)
+    rows = {
+        (r["case"], r["solver"], r["route"]): r for r in table_of(page_file, "headline") if r["solver"] != "reference"
+    }
+    runs = table_of(page_file, "trajectories")
+    seen = 0
+    for body in page.locator("table.map tbody[data-solver]").all():
+        key = (body.get_attribute("data-solver"), body.get_attribute("data-route"))
+        for line in body.locator("tr").all():
+            settings = line.locator("th").last.inner_text()
+            for case, cell in zip(cases_shown, line.locator("td").all(), strict=True):
+                row = rows[case, *key]
+                off, grade = float(row[f"{settings}_off"]), row[f"{settings}_grade"]
+                shown, _, small = cell.inner_text().partition(" ")
+                number = float(shown.removeprefix("<"))
+                assert 100 * off < 0.005 if shown == "<.01" else number == pytest.approx(100 * off, rel=0.06, abs=0.006)
+                assert cell.get_attribute("class").split()[0] == grade.replace(" ", "-")
+                setting = row["finest_setting"] if settings == "finest" else "rung=defaults"
+                run = next(
+                    r
+                    for r in runs
+                    if (r["case"], r["solver"], r["route"]) == (case, *key) and r["setting"].startswith(setting)
+                )
+                factor = float(run["friction_factor"] or "nan")
+                if not 0.9 <= factor <= 1.1:
+                    assert float(small.removeprefix("friction × ")) == pytest.approx(factor, rel=0.06)
+                else:
+                    assert (small == "") == run["sequence"].startswith("same sequence")
+                seen += 1
+    assert seen == 2 * 4 * len(CASES)
+
+
+def test_a_click_on_the_map_opens_the_case(open_page):
+    page = open_page()
+    page.locator("table.map tbody td a").first.click()
+    page.wait_for_selector("article:visible .player[data-time]")
+    assert page.locator("article:visible h3").first.inner_text() == page.locator(
+        "table.map .case"
+    ).first.inner_text() or (page.url.endswith(page.locator("table.map .case a").first.get_attribute("href")))
+
+
+def test_the_colours_of_grades_are_those_of_the_limits(open_page):
+    page = open_page()
+    keys = page.locator("#answer .key").all_inner_texts()
+    assert keys == ["excellent", "very good", "good", "rough", "poor", "unusable", "hatched"]
+    colour = "e => getComputedStyle(e).backgroundColor"
+    legend = {key.inner_text().replace(" ", "-"): key.evaluate(colour) for key in page.locator("#answer .key").all()}
+    for cell in page.locator("table.map td[class]").all():
+        assert cell.evaluate(colour) == legend[cell.get_attribute("class").split()[0]]
+
+
+def test_the_chart_has_every_setting_of_its_case_at_its_place(open_page, page_file):
+    page = open_page()
+    runs = [r for r in table_of(page_file, "trajectories") if r["case"] == CASES[0] and r["solver"] != "reference"]
+    marks = page.locator(".chart g .mark")
+    tips = marks.locator("title").evaluate_all("all => all.map(one => one.textContent)")
+    assert len(tips) == len(runs) > 10
+    places = [
+        float(n)
+        for n in marks.evaluate_all("all => all.map(e => e.getAttribute('transform').match(/ ([\\d.]+)\\)/)[1])")
+    ]
+    by_tip = {tip.partition(": ")[0]: (place, tip) for tip, place in zip(tips, places, strict=True)}
+    offs = []
+    for run in runs:
+        place, tip = by_tip[f"{run['solver']} {run['route']}, {run['setting']}"]
+        share = float(tip.partition(": ")[2].split(" %")[0].removeprefix("less than "))
+        assert share == pytest.approx(100 * float(run["off"]), rel=0.06, abs=1e-4)
+        offs.append((float(run["off"]), place))
+    # A larger error is higher, by the same length for each power of ten.
+    (low, y0), (high, y1) = min(offs), max(offs)
+    assert y1 < y0
+    slope = (y0 - y1) / math.log10(high / max(low, 1e-6))
+    for off, place in offs:
+        assert place == pytest.approx(y1 + slope * math.log10(high / max(off, 1e-6)), abs=0.3)
 
 
 def test_the_first_sentence_names_the_best_engine_by_itself_and_follows_the_switches(open_page, page_file):
@@ -73,6 +166,60 @@ def test_the_first_sentence_names_the_best_engine_by_itself_and_follows_the_swit
     assert sentence.inner_text() == without_scripts
 
 
+def test_a_hidden_route_is_on_no_part_of_the_first_screen(open_page):
+    page = open_page()
+    page.wait_for_selector(".pair .player[data-time]")
+    parts = (
+        "table.map tbody",
+        ".chart g",
+        ".chart .legend span",
+        ".pair .ghost",
+        ".pair .engines li",
+        "table.answer tr",
+    )
+    page.uncheck("input[data-switch=route][value=native]")
+    page.uncheck("input[data-switch=solver][value=exudyn]")
+    for part in parts:
+        shown = page.locator(f"{part}[data-solver]:visible").evaluate_all(
+            "all => all.map(e => `${e.dataset.solver} ${e.dataset.route}`)"
+        )
+        assert set(shown) == {"pymunk assisted"}, part
+    visible = page.locator("#answer").inner_text()
+    assert "exudyn native" not in visible and "pymunk native" not in visible
+    page.check("input[data-switch=route][value=native]")
+    for part in parts:
+        assert page.locator(f"{part}[data-solver=pymunk][data-route=native]").first.is_visible(), part
+
+
+def test_the_slider_goes_over_the_ladder_and_names_each_setting_with_its_error(open_page, page_file):
+    page = open_page(reduced_motion="reduce")
+    page.wait_for_selector(".pair .player[data-time]")
+    runs = [
+        r
+        for r in table_of(page_file, "trajectories")
+        if (r["case"], r["solver"], r["route"]) == (CASES[0], "pymunk", "native")
+    ]
+    defaults = [r for r in runs if r["setting"].startswith("rung=defaults")]
+    ladder = [defaults[0], *(r for r in runs if r not in defaults)]
+    end = page.evaluate("label => suite.motion(label).then(m => m.end)", CASES[0])
+    page.eval_on_selector(".pair .time", "e => { e.value = 1000; e.dispatchEvent(new Event('input')); }")
+    assert time_of(page, ".pair .player") == pytest.approx(end)
+    distances = []
+    for place, run in enumerate(ladder):
+        page.eval_on_selector(".pair .setting", f"e => {{ e.value = {place}; e.dispatchEvent(new Event('input')); }}")
+        line = page.locator(".pair .engines li[data-solver=pymunk][data-route=native]").inner_text()
+        share = float(re.search(r"([\d.]+) % off", line)[1])
+        assert share == pytest.approx(100 * float(run["off"]), rel=0.06, abs=1e-4)
+        assert run["setting"].removeprefix("rung=defaults").strip(", ").split(",")[0] in line.replace(", ", ",")
+        poses = [
+            [float(n) for n in re.findall(r"-?[\d.]+(?:e-?\d+)?", page.get_attribute(f".pair {who}", "transform"))]
+            for who in (".plate", ".ghost[data-solver=pymunk][data-route=native]")
+        ]
+        distances.append(math.dist(poses[0][:2], poses[1][:2]))
+    # With default settings the engine is visibly apart from the truth: by a tenth of the circle's radius.
+    assert distances[0] > 0.1 and distances[0] > 20 * distances[-1]
+
+
 def test_the_first_paint_is_early(chromium, page_file):
     page = chromium.new_page()
     times = []
@@ -89,9 +236,20 @@ def test_without_scripts_every_table_and_figure_is_there(chromium, page_file):
     context = chromium.new_context(java_script_enabled=False, viewport={"width": 1440, "height": 900})
     page = context.new_page()
     page.goto(page_file.as_uri())
-    for place in ("#answer", "#motions", "#headline", "#failures", "#tables", "#made"):
+    for place in (
+        "#answer",
+        "table.map",
+        ".chart > svg",
+        "#cases",
+        "#headline",
+        "#failures",
+        "#cost",
+        "#proved",
+        "#tables",
+        "#made",
+    ):
         assert page.locator(place).is_visible()
-    assert page.locator("article").count() == len(CASES)
+    assert page.locator("#cases article").count() == len(CASES) + 2
     assert all(one.is_visible() for one in page.locator("article").all())
     assert not page.locator(".player").first.is_visible()
     figures = page.locator("noscript img, article img")
@@ -104,21 +262,21 @@ def test_without_scripts_every_table_and_figure_is_there(chromium, page_file):
 
 def test_the_disc_on_the_first_screen_moves_by_itself_and_stops_when_asked(open_page):
     page = open_page()
-    page.wait_for_function("+document.querySelector('.first .player').dataset.time > 0.05")
-    page.click(".first [data-do=play]")
-    stopped = time_of(page, ".first .player")
+    page.wait_for_function("+document.querySelector('.pair .player').dataset.time > 0.05")
+    page.click(".pair [data-do=play]")
+    stopped = time_of(page, ".pair .player")
     after_frames(page)
-    assert time_of(page, ".first .player") == stopped
-    assert page.get_attribute(".first [data-do=play]", "aria-label") == "play"
+    assert time_of(page, ".pair .player") == stopped
+    assert page.get_attribute(".pair [data-do=play]", "aria-label") == "play"
 
 
 def test_who_asks_for_less_motion_gets_none_until_play_is_pressed(open_page):
     page = open_page(reduced_motion="reduce")
-    page.wait_for_selector(".first .player[data-time]")
+    page.wait_for_selector(".pair .player[data-time]")
     after_frames(page)
-    assert time_of(page, ".first .player") == 0.0
-    page.click(".first [data-do=play]")
-    page.wait_for_function("+document.querySelector('.first .player').dataset.time > 0.02")
+    assert time_of(page, ".pair .player") == 0.0
+    page.click(".pair [data-do=play]")
+    page.wait_for_function("+document.querySelector('.pair .player').dataset.time > 0.02")
 
 
 def test_a_case_plays_scrubs_and_steps_by_keyboard(open_page):
@@ -184,7 +342,7 @@ def test_plots_follow_the_player_and_lead_it(open_page):
     page = open_page(place=DISC)
     page.wait_for_selector(f"{DISC} .plots .u-over")
     panels = page.locator(f"{DISC} .plots .panel")
-    assert panels.count() == 8 and page.locator(f"{DISC} .plots canvas").count() == 8
+    assert panels.count() == 6 and page.locator(f"{DISC} .plots canvas").count() == 6
     needle = page.locator(f"{DISC} .plots .needle").first
     before = needle.evaluate("e => e.style.left")
     page.locator(f"{DISC} .mode").nth(2).click()
@@ -200,30 +358,93 @@ def test_plots_follow_the_player_and_lead_it(open_page):
 # --- tables and switches ----------------------------------------------------------------------------------------------
 
 
-def test_tables_sort_filter_and_give_what_they_show(open_page):
-    page = open_page(place=DISC)
-    table = page.locator(f"{DISC} table.data").first
-    page.wait_for_selector(f"{DISC} .tools button")
-    rows = table.locator("tbody tr")
-    before = rows.count()
-    column = table.locator("thead th").all_inner_texts().index("error")
-    head = table.locator("thead th").nth(column)
-    head.click()
-    page.wait_for_selector(f"{DISC} th[aria-sort=ascending]")
-    values = [
-        float(v)
-        for v in rows.locator(f"td:nth-child({column + 1})").evaluate_all(
-            "c => c.map(x => x.innerText).filter(Boolean)"
-        )
-    ]
+def test_a_long_table_says_how_much_it_shows_and_gives_all_rows_sorted_and_filtered(open_page, page_file):
+    page = open_page(place="#data")
+    files = table_of(page_file, "transitions")
+    part = page.locator("details.file", has=page.locator("table[data-name=transitions]"))
+    assert f"{len(files)} rows" in part.locator("summary").inner_text()
+    part.locator("summary").click()
+    rows = part.locator("table tbody tr")
+    page.wait_for_selector("details[open] table[data-name=transitions] tbody tr td.number")
+    shown = min(50, len(files))
+    assert rows.count() == shown
+    assert len(files) <= 50 or f"rows 1 to {shown} of {len(files)}" in part.locator(".dt-info").inner_text()
+    heads = part.locator("table thead th")
+    columns = heads.evaluate_all("all => all.map(e => e.dataset.column)")
+    assert columns[:3] == ["case", "solver", "route"] and "s" in heads.nth(columns.index("error")).inner_text().split()
+    if len(files) > 50:
+        part.locator(".dt-length select").select_option("-1")
+    assert rows.count() == len(files)
+    heads.nth(columns.index("error")).click()
+    page.wait_for_selector("table[data-name=transitions] th[aria-sort=ascending]")
+    cell = f"td:nth-child({columns.index('error') + 1})"
+    values = [float(v) for v in rows.locator(cell).evaluate_all("all => all.map(e => e.innerText).filter(Boolean)")]
     assert values == sorted(values) and len(set(values)) > 2
-    page.locator(f"{DISC} .dt-search input").first.fill("pymunk native")
-    assert 0 < rows.count() < before
-    assert all("pymunk" in text for text in rows.all_inner_texts())
+    part.locator(".dt-search input").fill("pymunk native")
+    matching = [r for r in files if r["solver"] == "pymunk" and r["route"] == "native"]
+    assert rows.count() == len(matching) < len(files)
+
+
+def test_rows_that_a_script_adds_read_as_those_of_the_page(open_page):
+    page = open_page(place="#data")
+    values = ["", "0.0", "1.23456789e-07", "-0.00034", "1712.5", "0.0627", "3", "True", "nan of a text"]
+    columns = ["error", "cpu_s", "time", "order"]
+    read = page.evaluate(
+        "([values, columns]) => columns.map(c => values.map(v => suite.shorten(v, c, v !== 'nan of a text')))",
+        [values, columns],
+    )
+    for column, texts in zip(columns, read, strict=True):
+        for value, text in zip(values, texts, strict=True):
+            if value in ("", "3", "True", "nan of a text"):
+                assert text == {"True": "yes"}.get(value, value)
+            else:
+                assert text == verbatim(shorten(float(value), column)), (column, value)
+
+
+def test_the_button_of_a_file_gives_the_file_with_and_without_its_folder(open_page, page_file):
+    page = open_page(place=DISC)
+    button = page.locator(f"{DISC} a.csv").first
+    name = button.get_attribute("data-file")
     with page.expect_download() as saving:
-        page.locator(f"{DISC} .tools button", has_text="CSV").first.click()
-    saved = list(csv.DictReader(io.StringIO(saving.value.path().read_text())))
-    assert len(saved) == rows.count() and {row["solver"] for row in saved} == {"pymunk"}
+        button.click()
+    assert saving.value.suggested_filename == f"{name}.csv"
+    assert saving.value.path().read_bytes() == (page_file.parent / "tables" / f"{name}.csv").read_bytes()
+    page.evaluate("location.hash = '#data'")
+    for name in page.locator("details.file a.csv").evaluate_all("all => all.map(e => e.dataset.file)"):
+        inside = page.evaluate("name => suite.file(name)", name)
+        assert inside == (page_file.parent / "tables" / f"{name}.csv").read_text(encoding="utf-8"), name
+
+
+def test_a_case_has_the_errors_of_the_table(open_page, page_file):
+    page = open_page(place=DISC)
+    table = page.locator(f"{DISC} table[data-name=transitions]")
+    assert table.locator("tbody tr").count() == 4
+    heads = table.locator("thead th").all_inner_texts()
+    fine = {
+        (r["solver"], r["route"]): r["finest_setting"] for r in table_of(page_file, "headline") if r["case"] == CASES[0]
+    }
+    checked = 0
+    for row in table_of(page_file, "transitions"):
+        key = (row["solver"], row["route"])
+        if row["case"] != CASES[0] or row["pairing"] == "spurious" or fine[key] != row["setting"]:
+            continue
+        column = next(i for i, head in enumerate(heads) if head.split()[:2] == [*key])
+        shown = table.locator("tbody tr").nth(int(row["event"]) - 1).locator("td").nth(column).inner_text()
+        assert float(shown) == pytest.approx(float(row["error"]), rel=0.06, abs=1e-300)
+        checked += 1
+    assert checked >= 4 * 5
+
+
+@pytest.mark.parametrize(
+    "old, tab, visible",
+    [("motions", "cases", DISC), ("headline", "cases", "#headline"), ("failures", "cases", "#failures"),
+     ("precision", "cost", "#cost"), ("definitions", "answer", "table.answer"), ("tables", "data", "#tables"),
+     ("made", "data", "#made"), (DISC[1:], "cases", DISC), ("nothing", "answer", "table.map")],
+)  # fmt: skip
+def test_links_to_the_chapters_of_older_pages_lead_to_the_right_tab(open_page, old, tab, visible):
+    page = open_page(place=f"#{old}")
+    assert page.get_attribute("nav.chapters a[aria-current]", "href") == f"#{tab}"
+    assert page.locator(visible).is_visible() and page.locator("main > .chapter:visible").count() == 1
 
 
 def test_a_solver_switched_off_is_gone_everywhere(open_page):
@@ -240,11 +461,12 @@ def test_a_solver_switched_off_is_gone_everywhere(open_page):
     assert page.locator(f"{DISC} table tr[data-solver=pymunk][data-route=native]").first.is_visible()
     assert not page.locator(f"{DISC} table tr[data-solver=pymunk][data-route=assisted]").first.is_visible()
     page.evaluate("location.hash = '#headline'")
+    assert page.locator("#headline td[data-route=native]").first.is_visible()
     assert not page.locator("#headline td[data-route=assisted]").first.is_visible()
 
 
 def test_cases_are_found_by_a_word_and_shown_one_at_a_time(open_page):
-    page = open_page(place="#motions")
+    page = open_page(place="#cases")
     assert page.locator("article:visible").count() == 1
     page.fill(".index input", "bowling")
     shown = page.locator(".index li:visible")
@@ -254,31 +476,30 @@ def test_cases_are_found_by_a_word_and_shown_one_at_a_time(open_page):
     page.wait_for_selector(f"{LINE} .player[data-time]")
 
 
-POINTS = {
-    "columns": ["case", "solver", "route", "setting", "quantity", "unit", "cpu_s", "steps", "absolute_error",
-                "floor_error"],
-    "rows": [["a case", "pymunk", "native", "h=0.01", "final_pose", "m", 0.1, 100, 1e-3, 1e-12],
-             ["a case", "pymunk", "native", "h=0.001", "final_pose", "m", 1.0, 1000, 1e-4, 1e-12]],
-    "command": "python -m reports.build",
-}  # fmt: skip
+POINTS = """case,solver,route,setting,quantity,unit,cpu_s,call_s,steps,absolute_error,floor_error
+a case,pymunk,native,h=0.01,off,1,0.1,0.2,100,1e-3,1e-12
+a case,pymunk,native,h=0.001,off,1,1.0,1.1,1000,1e-4,1e-12
+"""
 
 
 def test_a_point_of_the_precision_plot_tells_its_setting_and_command(open_page):
-    import json
-
-    page = open_page(place="#precision")
+    page = open_page(place="#cost")
     page.evaluate(
-        """told => { const data = document.createElement("script"), place = document.createElement("div");
-        Object.assign(data, {type: "application/json", id: "precision-points", textContent: told});
+        """([text, bytes]) => { const data = document.createElement("script"), place = document.createElement("div");
+        Object.assign(data, {type: "text/plain", className: "file", textContent: bytes});
+        data.dataset.name = "work_precision";
         place.className = "precision";
-        document.querySelector("#precision").append(data, place);
-        suite.precision(place); }""",
-        json.dumps(POINTS),
+        place.dataset.command = "python -m reports.build";
+        document.querySelector("#cost").append(data, place);
+        return suite.precision(place); }""",
+        [POINTS, base64.b64encode(zlib.compress(POINTS.encode())).decode()],
     )
     assert page.locator(".precision circle").count() == 2
+    assert page.locator(".precision .work").input_value() == "call_s"
     page.hover(".precision circle >> nth=1")
     told = page.inner_text(".precision .details")
-    assert "h=0.001" in told and 'python -m reports.build --case "a case" --solver pymunk' in told
+    assert "h=0.001" in told and "0.01 % off" in told and "1.1 s a whole call" in told
+    assert 'python -m reports.build --case "a case" --solver pymunk' in told
     page.focus(".precision svg")
     page.keyboard.press("ArrowLeft")
     assert "h=0.01:" in page.inner_text(".precision .details")
@@ -317,6 +538,24 @@ def test_the_keyboard_alone_reaches_everything(open_page):
         if found is not None:
             reached.add(int(found))
     assert [text for place, text in enumerate(wanted) if place not in reached] == []
+
+
+def test_print_has_every_chapter_and_figure_and_cuts_no_table(open_page):
+    page = open_page(794, 1123)  # A4
+    page.wait_for_selector(".pair .player[data-time]")
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    for place in ("#answer", "#headline", DISC, LINE, "#cost", "#proved", "#data"):
+        assert page.locator(place).is_visible(), place
+    page.wait_for_function(
+        "[...document.images].every(e => e.complete && (e.naturalWidth > 0 || !e.checkVisibility()))"
+    )
+    cut = """() => [...document.querySelectorAll('table')].filter(e => e.checkVisibility() && e.closest('.scroll'))
+        .filter(e => getComputedStyle(e.closest('.scroll')).overflowX !== 'visible'
+            || e.getBoundingClientRect().right > innerWidth + 1)
+        .map(e => e.outerHTML.slice(0, 200))"""
+    assert page.evaluate(cut) == []
+    assert not any(one.is_visible() for one in page.locator("nav, .switches, .tools, .player").all())
 
 
 # In the dark the page is the same but for its colours. What passes is not told: that takes longer than to check it.

@@ -224,9 +224,9 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
     assert not re.search(r"<script[^>]*src=|@import|url\((?!%23)", bare)
     pictures = re.findall(r'<img[^>]*src="([^"]{0,60})', bare)
     inside = [source for source in pictures if source.startswith("data:image/svg+xml;charset=utf-8")]
-    # What shows a motion stands in the folder: a player takes its place where there are scripts.
+    # What shows a case stands in the folder: player, plots and chart take its place where there are scripts.
     static = [source for source in pictures if source not in inside]
-    assert len(inside) == 3 and len(static) == 4 and all((report / source).is_file() for source in static)
+    assert len(inside) == 1 and len(static) == 6 and all((report / source).is_file() for source in static)
     for target in re.findall(r'href="([^#"][^"]*)"', bare.replace('href="data:,"', "")):
         assert (report / target).is_file(), target
     for target in re.findall(r'href="#([^"]+)"', bare):

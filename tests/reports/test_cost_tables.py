@@ -148,8 +148,8 @@ def test_terminal_page_and_file_give_the_same_verdict(report):
 
 def test_first_sentence_is_true_by_the_tables_beside_it(report):
     page = (report / "index.html").read_text()
-    section = page[page.index('<section class="chapter" id="precision">') :]
-    sentence = unescape(re.search(r"<p><strong>(.*?)</strong></p>", section)[1])
+    section = page[page.index('<section class="chapter" id="cost">') :]
+    sentence = unescape(re.search(r'<p class="cheapest"><strong>(.*?)</strong></p>', section)[1])
     told = read(report, "time_to_accuracy")
     level = told[(told.level == cost_conclusions.LEVEL) & told.first_call_s.notna()]
     sides = [level[(level.solver == "reference") == ours] for ours in (True, False)]

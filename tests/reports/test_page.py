@@ -25,13 +25,13 @@ def unpacked(text: str) -> np.ndarray:
     return np.ascontiguousarray(data.reshape(4, -1).T).view("<f4").ravel()
 
 
-def test_numbers_travel_with_five_digits_and_times_with_seven():
+def test_numbers_travel_with_five_digits_times_with_seven_and_differences_with_three():
     values = np.concatenate(
         [[0.0, -0.0, np.nan], np.random.default_rng(1).normal(size=500) * 10.0 ** np.arange(-250, 250)]
     )
     values = values[np.isnan(values) | (abs(values) < 3e38)]
-    for whole, bound in ((False, 2.0**-16), (True, 2.0**-23)):
-        found = unpacked(motions.pack(values, whole))
+    for bits, bound in ((16, 2.0**-16), (23, 2.0**-23), (10, 2.0**-10)):
+        found = unpacked(motions.pack(values, bits))
         sound = abs(values) > 1e-37  # smaller ones have fewer digits in 32 bits
         assert np.all(abs(found[sound] - values[sound]) <= bound * abs(values[sound]))
         assert np.array_equal(np.isnan(found), np.isnan(values))

@@ -148,8 +148,9 @@ def test_the_readme_of_a_report_with_grades_has_the_median_and_range_of_default_
 def test_a_page_loses_its_links_to_figures_that_are_left_out_and_nothing_else():
     picture = '<img alt="a" src="data:,">'
     page = f'<a href="tables/a.csv">a</a><a href="figures/b.svg">{picture}</a>'
-    page += '<p><a href="figures/c.svg">c</a>, <a href="figures/d.svg">d</a>, as figures of their own.</p>'
+    page += '<p><a href="figures/c.svg">c</a>, <a href="figures/d.svg">d</a>, as separate figures.</p>'
     page += '<noscript><img src="figures/c.svg"></noscript>'
+    assert ", as separate figures.</p>" in (ROOT / "reports/page/templates/pieces.html").read_text()
     told = publish._by_itself(page, ["tables/a.csv"])
     assert told == f'<a href="tables/a.csv">a</a>{picture}{publish._INSTEAD}'
     with pytest.raises(cases.BadValue, match="refers to figures/e.svg"):

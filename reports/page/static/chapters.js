@@ -1,7 +1,7 @@
-// Show one chapter and one case at a time; each is initialised when it is first shown.
+// Show one tab, and of its pages (cases, studies) one at a time; each is initialised when it is first shown.
 (() => {
   const root = document.documentElement, chapters = [...document.querySelectorAll("main > .chapter")];
-  const cases = [...document.querySelectorAll("#motions article")], links = [...document.querySelectorAll("nav.chapters a")];
+  const links = [...document.querySelectorAll("nav.chapters a")], pages = (chapter) => [...chapter.querySelectorAll("article")];
   const hide = (node, away) => { if (away) node.setAttribute("hidden", "until-found"); else node.removeAttribute("hidden"); };
   const awake = new Set();
 
@@ -9,28 +9,26 @@
     if (awake.has(node)) return;
     awake.add(node);
     for (const place of node.querySelectorAll(".player")) {
-      if (node.id === "motions") continue; // each article initialises its own players
       const player = await suite.player(place), plots = place.closest("article")?.querySelector(".plots");
       if (player && plots) suite.plots(plots, player);
     }
     node.querySelectorAll(".precision").forEach((place) => suite.precision(place));
-    if (node.id !== "motions") node.querySelectorAll("table.data").forEach((table) => { if (!table.closest("details:not([open])")) suite.table(table); });
+    node.querySelectorAll("table.data").forEach((table) => { if (!table.closest("details:not([open])")) suite.table(table); });
   }
   document.querySelectorAll("details").forEach((one) => one.addEventListener("toggle", () => one.open && one.querySelectorAll("table.data").forEach((table) => suite.table(table))));
 
   function show(scroll = true) {
     const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
-    const chapter = target?.closest("main > .chapter") ?? chapters[0];
+    const chapter = target?.closest("main > .chapter") ?? chapters[0], articles = pages(chapter);
     chapters.forEach((one) => hide(one, one !== chapter));
     links.forEach((one) => { if (one.hash === `#${chapter.id}`) one.setAttribute("aria-current", "page"); else one.removeAttribute("aria-current"); });
-    wake(chapter);
-    if (chapter.id === "motions") {
-      const article = target?.closest("article") ?? cases.find((one) => !one.hidden) ?? cases[0];
-      cases.forEach((one) => hide(one, one !== article));
-      document.querySelectorAll(".index a").forEach((one) => { if (one.hash === `#${article?.id}`) one.setAttribute("aria-current", "true"); else one.removeAttribute("aria-current"); });
-      if (article) wake(article);
-    }
-    if (scroll) { if (target && target !== chapter && target.tagName !== "ARTICLE") target.scrollIntoView(); else scrollTo(0, 0); }
+    if (articles.length) {
+      const article = target?.closest("article") ?? articles.find((one) => !one.hidden) ?? articles[0];
+      articles.forEach((one) => hide(one, one !== article));
+      chapter.querySelectorAll(".index a").forEach((one) => { if (one.hash === `#${article.id}`) one.setAttribute("aria-current", "true"); else one.removeAttribute("aria-current"); });
+      wake(article);
+    } else wake(chapter);
+    if (scroll) { if (target && target !== chapter && !target.matches("article, article > span, section > span")) target.scrollIntoView(); else scrollTo(0, 0); }
   }
   addEventListener("hashchange", () => show());
   // When the browser's search finds text in another chapter, show that chapter.
@@ -41,9 +39,9 @@
 
   const field = document.querySelector(".index input");
   field?.addEventListener("input", () => {
-    const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
-    document.querySelectorAll(".index li").forEach((one) => { one.hidden = !words.every((word) => one.dataset.words.includes(word)); });
-    document.querySelectorAll(".index section").forEach((one) => { one.hidden = ![...one.querySelectorAll("li")].some((row) => !row.hidden); });
+    const words = field.value.toLowerCase().split(/\s+/).filter(Boolean), index = field.closest(".index");
+    index.querySelectorAll("li").forEach((one) => { one.hidden = !words.every((word) => one.dataset.words.includes(word)); });
+    index.querySelectorAll("section").forEach((one) => { one.hidden = ![...one.querySelectorAll("li")].some((row) => !row.hidden); });
   });
 
   const theme = document.querySelector(".theme");
@@ -53,7 +51,9 @@
     suite.announce();
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => suite.announce());
-  cases.forEach((one, i) => hide(one, i > 0));
+  // A printed page has all chapters: their figures must be there, although nobody scrolled to them.
+  addEventListener("beforeprint", () => document.querySelectorAll("img[loading]").forEach((one) => one.removeAttribute("loading")));
+  chapters.forEach((chapter) => pages(chapter).forEach((one, i) => hide(one, i > 0)));
   root.classList.add("ready");
   show(Boolean(location.hash));
 })();

@@ -1,4 +1,5 @@
-// Player of a motion in SVG: the plate on its track, every solver's plate as a ghost, and a timeline of modes.
+// Player of a motion in SVG: the plate on its track, every engine's plate as a ghost at a setting of its ladder, and a
+// timeline of modes.
 suite.player = async (place) => {
   const motion = await suite.motion(place.dataset.case);
   if (!motion) return null;
@@ -25,6 +26,8 @@ suite.player = async (place) => {
       <input type="range" class="time" min="0" max="1000" value="0" step="1" aria-label="time">
       <output class="now"></output>
     </div>
+    <div class="ladder"><label>engines' setting <input type="range" class="setting" min="0" value="0" step="1" aria-label="setting of the engines, from default to finest"></label> <output class="rung"></output></div>
+    <ul class="engines"></ul>
     <div class="controls more">
       <label>speed <select class="speed" aria-label="speed"></select></label>
       <label>differences <input type="range" class="larger" min="0" max="9" step="0.25" value="0" aria-label="differences enlarged"> <output class="factor">× 1</output></label>
@@ -57,13 +60,21 @@ suite.player = async (place) => {
     return group;
   };
   const plate = plateOf(world, "plate");
-  const ghosts = motion.runs.map((run) => {
-    const group = plateOf(world, "ghost");
-    group.style.color = `var(--of-${run.solver.replace(/[^A-Za-z0-9_-]/g, "_")})`;
-    group.dataset.solver = run.solver;
-    group.dataset.route = run.route;
-    if (run.route !== "native") group.classList.add("dashed");
-    return { run, group };
+  // Each route's runs, from the default setting to the finest.
+  const ladders = [...motion.runs.reduce((map, run) => map.set(`${run.solver} ${run.route}`, [...(map.get(`${run.solver} ${run.route}`) ?? []), run]), new Map()).values()];
+  const setting = part(".setting"), engines = part(".engines");
+  setting.max = Math.max(0, ...ladders.map((ladder) => ladder.length - 1));
+  part(".ladder").hidden = setting.max < 1;
+  const ghosts = ladders.map((ladder) => {
+    const [{ solver, route }] = ladder, group = plateOf(world, "ghost"), line = engines.appendChild(document.createElement("li"));
+    const row = document.createElement("div");
+    for (const one of [group, line, row]) {
+      one.style.setProperty("--of", `var(--of-${solver.replace(/[^A-Za-z0-9_-]/g, "_")})`);
+      one.dataset.solver = solver;
+      one.dataset.route = route;
+    }
+    if (route !== "native") { group.classList.add("dashed"); line.classList.add("dashed"); }
+    return { ladder, group, line, row, run: ladder[0] };
   });
   const arrows = make("g", world, { class: "arrows" });
   const normal = make("path", arrows, { class: "normal" }), friction = make("path", arrows, { class: "friction" });
@@ -189,18 +200,35 @@ suite.player = async (place) => {
   const ticks = document.createElement("div");
   ticks.className = "ticks";
   ticks.setAttribute("aria-hidden", "true");
-  motion.runs.forEach((run) => {
-    const row = ticks.appendChild(document.createElement("div"));
-    row.dataset.solver = run.solver;
-    row.dataset.route = run.route;
-    row.title = `transitions of ${run.solver} ${run.route}`;
-    row.style.color = `var(--of-${run.solver.replace(/[^A-Za-z0-9_-]/g, "_")})`;
-    run.events.filter((e) => e <= motion.end).forEach((e) => { row.appendChild(document.createElement("i")).style.left = `${percent(e)}%`; });
-  });
+  ghosts.forEach(({ row }) => ticks.append(row));
   modes.after(ticks);
   const needle = modes.appendChild(document.createElement("span"));
   needle.className = "needle";
   listeners.push(() => { needle.style.left = `${percent(time)}%`; });
+
+  // The engines' runs at the chosen setting; a shorter ladder stays at its finest.
+  const choosers = [];
+  function choose() {
+    for (const ghost of ghosts) {
+      const { ladder, line, row } = ghost, run = ladder[Math.min(+setting.value, ladder.length - 1)];
+      ghost.run = run;
+      line.innerHTML = `<span class="of"></span> <small></small>`;
+      line.firstChild.textContent = `${run.solver} ${run.route}: ${run.score} off`;
+      line.lastChild.textContent = run.setting.replace("rung=defaults", "default").replaceAll(",", ", ");
+      row.title = `transitions of ${run.solver} ${run.route}`;
+      row.replaceChildren(...run.events.filter((e) => e <= motion.end).map((e) => {
+        const tick = document.createElement("i");
+        tick.style.left = `${percent(e)}%`;
+        return tick;
+      }));
+    }
+    const at = +setting.value, end = +setting.max;
+    part(".rung").textContent = at === 0 ? "default" : at === end ? "finest" : `${at} of ${end}, coarse to fine`;
+    setting.setAttribute("aria-valuetext", part(".rung").textContent);
+    draw();
+    choosers.forEach((act) => act());
+  }
+  setting.addEventListener("input", choose);
 
   const speeds = [0.001, 0.01, 0.05, 0.1, 0.25, 0.5, 1, 2, 5, 10, 100];
   const fitting = speeds.reduce((best, s) => (Math.abs(Math.log(s / (span / 6))) < Math.abs(Math.log(best / (span / 6))) ? s : best), 1);
@@ -219,7 +247,8 @@ suite.player = async (place) => {
     if (keys[event.key]) { event.preventDefault(); keys[event.key](); }
   });
   suite.whenSwitched(draw);
+  choose();
   seek(motion.start);
   if (place.dataset.loop !== undefined && !still) play(true);
-  return { motion, seek, play, whenMoved: (act) => { listeners.push(act); act(time); } };
+  return { motion, seek, play, time: () => time, runs: () => ghosts.map(({ run }) => run), whenChosen: (act) => choosers.push(act), whenMoved: (act) => { listeners.push(act); act(time); } };
 };

@@ -1,8 +1,9 @@
-// The paper's quantities and every solver's difference from the truth against time, linked to the player's time.
+// The motion's quantities and every engine's difference from the truth against time, linked to the player's time and
+// setting.
 suite.plots = (place, player) => {
-  const { motion } = player, { truth, t, runs } = motion, drawn = [];
-  const PANELS = [["slip", "v / (m/s)"], ["xi1", "ξ₁"], ["xi2", "ξ₂"], ["angle", "θ / rad"], ["x", "X / m"], ["y", "Y / m"], ["lambda", "λ"]];
-  const DISTANCES = [["centre", "centre / m"], ["angle", "rotation / rad"], ["slip", "v / (m/s)"], ["xi1", "ξ₁"], ["xi2", "ξ₂"], ["lambda", "λ"]];
+  const { motion } = player, { truth, t } = motion, drawn = [];
+  const PANELS = [["slip", "slip velocity v, m/s"], ["angle", "rotation θ, rad"], ["x", "centre X, m"], ["y", "centre Y, m"], ["normal", "normal force N, N (truth)"]];
+  const DISTANCES = [["centre", "centre, m"], ["angle", "rotation, rad"], ["slip", "slip velocity, m/s"]];
   place.innerHTML = PANELS.map(([name, title]) => `<div class="panel" data-of="${name}"><h4>${title}</h4></div>`).join("")
     + `<div class="panel" data-of="distance"><h4>distance from the truth: <select aria-label="quantity of the distance">${DISTANCES.map(([name, title]) => `<option value="${name}">${title}</option>`).join("")}</select></h4></div>`;
   const choice = place.querySelector("select");
@@ -47,21 +48,24 @@ suite.plots = (place, player) => {
 
   function draw() {
     drawn.splice(0).forEach(({ chart }) => chart.destroy());
-    const shown = runs.filter((run) => suite.on(run.solver, run.route));
+    const shown = player.runs().filter((run) => suite.on(run.solver, run.route));
     const series = shown.map((run) => ({ label: `${run.solver} ${run.route}`, stroke: suite.colourOf(run.solver), width: 1.4, dash: run.route === "native" ? [] : [6, 3], points: { show: false } }));
     for (const [name, title] of PANELS) {
       const exact = { label: "truth", stroke: suite.colour("--truth"), width: 3.5, points: { show: false } };
-      one(place.querySelector(`[data-of=${name}]`), title, [times, Array.from(truth[name], (v) => (Number.isFinite(v) ? v : null)), ...shown.map((run) => sum(name, run))], [exact, ...series], false);
+      const exactly = Array.from(truth[name], (v) => (Number.isFinite(v) ? v : null)), isOfEngines = name in (shown[0]?.off ?? {});
+      one(place.querySelector(`[data-of=${name}]`), title, [times, exactly, ...(isOfEngines ? shown.map((run) => sum(name, run)) : [])], [exact, ...(isOfEngines ? series : [])], false);
     }
     const panel = place.querySelector("[data-of=distance]");
     const sizes = shown.map((run) => size(choice.value, run));
     if (sizes.some((values) => values.some((v) => v !== null)))
       one(panel, "distance from the truth", [times, ...sizes], series, true);
-    player.whenMoved(move);
+    player.seek(player.time());
   }
   const move = (time) => drawn.forEach(({ chart, needle }) => { needle.style.left = `${chart.valToPos(time, "x")}px`; });
   choice.addEventListener("change", draw);
   suite.whenSwitched(() => place.offsetParent !== null && draw());
   new ResizeObserver(() => drawn.forEach(({ chart }) => chart.setSize({ width: Math.max(200, chart.root.parentElement.clientWidth), height: 150 }))).observe(place);
+  player.whenChosen(() => place.offsetParent !== null && draw());
+  player.whenMoved(move);
   draw();
 };

@@ -24,15 +24,44 @@ const suite = (() => {
   };
   const colourOf = (solver) => colour(`--of-${solver.replace(/[^A-Za-z0-9_-]/g, "_")}`);
 
-  // Decode numbers from motions.py: base64, compressed, grouped by byte position.
-  async function numbers(text) {
+  // The bytes of base64 text of compressed data.
+  async function inflate(text) {
     const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
-    const planes = new Uint8Array(await new Response(stream).arrayBuffer());
+    return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer());
+  }
+
+  // Decode numbers from motions.py: grouped by byte position.
+  async function numbers(text) {
+    const planes = await inflate(text);
     const count = planes.length / 4, whole = new Uint8Array(planes.length);
     for (let byte = 0; byte < 4; byte++)
       for (let i = 0; i < count; i++) whole[4 * i + byte] = planes[byte * count + i];
     return new Float32Array(whole.buffer);
+  }
+
+  // The text of a table's file, which is inside the page; null if it is not.
+  const file = async (name) => {
+    const block = [...document.querySelectorAll("script.file")].find((one) => one.dataset.name === name);
+    return block ? new TextDecoder().decode(await inflate(block.textContent)) : null;
+  };
+
+  // The records of comma-separated values, as lists of texts.
+  function parse(text) {
+    const rows = [[]];
+    for (const [, quoted, plain, end] of text.matchAll(/(?:"((?:[^"]|"")*)"|([^",\r\n]*))(,|\r?\n|$)/g)) {
+      rows.at(-1).push(quoted === undefined ? plain : quoted.replaceAll('""', '"'));
+      if (end === "") break;
+      if (end !== ",") rows.push([]);
+    }
+    return rows.filter((row) => row.length > 1 || row[0]);
+  }
+
+  // A table's rows as objects of texts.
+  async function rows(name) {
+    const text = await file(name);
+    if (text === null) return null;
+    const [names, ...records] = parse(text);
+    return records.map((record) => Object.fromEntries(names.map((column, i) => [column, record[i] ?? ""])));
   }
 
   const columns = (names, all) => {
@@ -40,8 +69,8 @@ const suite = (() => {
     return Object.fromEntries(names.map((name, i) => [name, all.subarray(i * count, (i + 1) * count)]));
   };
 
-  const TRUE = ["x", "y", "angle", "slip", "xi1", "xi2", "lambda", "normal", "friction"];
-  const OFF = ["x", "y", "angle", "slip", "xi1", "xi2", "lambda", "friction"];
+  const TRUE = ["x", "y", "angle", "slip", "xi1", "normal", "friction"];
+  const OFF = ["x", "y", "angle", "slip"];
   const cache = new Map();
 
   async function read(label) {
@@ -72,5 +101,10 @@ const suite = (() => {
   const digits = (value, count = 4) => !Number.isFinite(value) ? "–" : value === 0 ? "0"
     : Math.abs(value) >= 1e5 || Math.abs(value) < 1e-3 ? value.toExponential(Math.min(count, 2) - 1) : String(+value.toPrecision(count));
 
-  return { on, whenSwitched, announce, colour, colourOf, motion, at, digits };
+  // Two significant digits, as `number` and `seconds` of the tables' texts: 1,700, 0.29; 340 µs, 170 ms, 0.5 s.
+  const number = (value) => (+value.toPrecision(2)).toLocaleString("en-US", { maximumSignificantDigits: 2 });
+  const seconds = (value) => value >= 0.45 ? `${number(value)} s` : value >= 0.995e-3 ? `${number(1e3 * value)} ms` : `${number(1e6 * value)} µs`;
+  const isWhole = () => hidden.solver.size + hidden.route.size === 0;
+
+  return { on, isWhole, whenSwitched, announce, colour, colourOf, motion, file, rows, at, digits, number, seconds };
 })();

@@ -1,18 +1,10 @@
-// Tables that can be sorted, filtered, copied and saved as CSV; each is initialised when its chapter is first shown.
+// Tables that can be sorted, filtered and copied; each is initialised when it is first shown. Of a long one only the
+// first rows are elements of the page: the others are read from its file, which is inside the page, when they are wanted.
 suite.table = (table) => {
   if (table.dataset.awake) return;
   table.dataset.awake = "yes";
-  const rows = table.tBodies[0]?.rows.length ?? 0, name = table.dataset.name || "table";
-  new DataTable(table, {
-    paging: false, info: rows > 12, searching: rows > 6, order: [], autoWidth: false, typeDetect: true,
-    layout: { topStart: rows > 6 ? { search: { placeholder: "filter rows" } } : null, topEnd: null, bottomStart: rows > 12 ? "info" : null, bottomEnd: null },
-    language: { search: "", info: "_TOTAL_ rows", infoFiltered: "of _MAX_", infoEmpty: "no rows" },
-  });
-  const text = (cell) => cell.innerText.replace(/\s*\n\s*/g, " ").replace(/[⇅▲▼]/g, "").trim();
-  const quoted = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
-  // The visible rows, with all digits if the cell has a sort key.
-  const csv = () => [table.tHead.rows[table.tHead.rows.length - 1], ...table.tBodies[0].rows].filter((row) => getComputedStyle(row).display !== "none")
-    .map((row) => [...row.cells].filter((cell) => getComputedStyle(cell).display !== "none").map((cell) => quoted(+cell.dataset.order < 1e300 ? cell.dataset.order : text(cell))).join(",")).join("\n") + "\n";
+  const { file, name = "table", count } = table.dataset, cue = (table.closest(".scroll") ?? table).nextElementSibling;
+  const shown = () => table.tBodies[0]?.rows.length ?? 0, isPart = Boolean(file) && shown() < +count;
   const tools = document.createElement("div");
   tools.className = "tools";
   const button = (label, act) => {
@@ -21,26 +13,91 @@ suite.table = (table) => {
     one.textContent = label;
     one.setAttribute("aria-label", `${label}: ${name}`);
     one.addEventListener("click", () => act(one));
+    return one;
   };
+  (table.closest(".scroll") ?? table).before(tools);
+  let grid = null;
+
+  function begin(length) {
+    const long = length > 50;
+    grid = new DataTable(table, {
+      paging: long, pageLength: 50, lengthMenu: [50, 200, { label: "all", value: -1 }], info: long, searching: length > 6, order: [], autoWidth: false,
+      layout: { topStart: length > 6 ? { search: { placeholder: "filter rows" } } : null, topEnd: null, bottomStart: long ? "info" : null, bottomEnd: long ? ["pageLength", "paging"] : null },
+      language: { search: "", info: "rows _START_ to _END_ of _TOTAL_", infoFiltered: "(of _MAX_)", infoEmpty: "no rows", lengthMenu: "rows a page _MENU_" },
+    });
+    const search = table.closest(".dt-container").querySelector(".dt-search");
+    if (search) {
+      search.querySelector("input").setAttribute("aria-label", `filter rows of ${name}`);
+      search.querySelector("label")?.remove();
+      tools.prepend(search);
+    }
+  }
+
+  // All rows of the file, in the columns that are shown.
+  async function complete() {
+    const heads = [...table.tHead.rows[0].cells], rows = await suite.rows(file);
+    if (!rows) return;
+    const body = document.createElement("tbody");
+    for (const row of rows) {
+      const line = body.insertRow();
+      if (row.solver) line.dataset.solver = row.solver;
+      if (row.route && row.solver !== "reference") line.dataset.route = row.route;
+      for (const head of heads) {
+        const cell = line.insertCell(), value = row[head.dataset.column], isNumber = head.classList.contains("number");
+        cell.textContent = suite.shorten(value, head.dataset.column, isNumber);
+        if (isNumber) { cell.className = "number"; cell.dataset.order = value === "" ? "1e308" : value; cell.title = value; }
+        else if (/^(answered|excellent|very good|good|rough|poor|unusable|crashed|timed_out|paired|missed|spurious)$/.test(value)) cell.className = value.replace(" ", "-");
+        else if (head.dataset.column.includes("setting")) cell.className = "setting";
+        else if (/^(reason|notes?)$/.test(head.dataset.column)) cell.className = "reason";
+      }
+    }
+    table.tBodies[0].replaceWith(body);
+    cue?.querySelector(".part")?.remove();
+    begin(rows.length);
+  }
+
+  if (isPart) {
+    const all = button(`all ${(+count).toLocaleString("en-US")} rows`, async () => { all.disabled = true; await complete(); all.remove(); });
+    if (!shown()) all.click();
+  } else begin(shown());
+  const text = (cell) => cell.innerText.replace(/\s*\n\s*/g, " ").replace(/[⇅▲▼]/g, "").trim();
+  const quoted = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
+  // The rows that the filter and the switches leave, on all pages, with all digits if the cell has a sort key.
+  const visible = () => (grid ? [...grid.rows({ search: "applied", order: "applied" }).nodes().toArray()] : [...table.tBodies[0].rows]).filter((row) => !row.dataset.solver || suite.on(row.dataset.solver, row.dataset.route));
+  const csv = () => [table.tHead.rows[table.tHead.rows.length - 1], ...visible()]
+    .map((row) => [...row.cells].map((cell) => quoted(+cell.dataset.order < 1e300 ? cell.dataset.order : row.parentNode ? text(cell) : cell.textContent)).join(",")).join("\n") + "\n";
   button("copy", async (one) => {
     try { await navigator.clipboard.writeText(csv()); one.textContent = "copied"; } catch { one.textContent = "not allowed"; }
     setTimeout(() => { one.textContent = "copy"; }, 1500);
   });
-  button("CSV", () => {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([csv()], { type: "text/csv" }));
-    link.download = `${name}.csv`;
-    link.click();
-    URL.revokeObjectURL(link.href);
-  });
-  const search = table.closest(".dt-container").querySelector(".dt-search");
-  if (search) {
-    search.querySelector("input").setAttribute("aria-label", `filter rows of ${name}`);
-    search.querySelector("label")?.remove();
-    tools.prepend(search);
-  }
-  (table.closest(".scroll") ?? table).before(tools);
 };
+
+// A value of a file rounded for reading, as in the rows of the page: times to nine digits, errors to two.
+suite.shorten = (value, column, isNumber) => {
+  if (value === "True" || value === "False") return value === "True" ? "yes" : "";
+  if (!isNumber || value === "" || /^-?\d+$/.test(value)) return value;
+  const size = +value, power = (text) => text.replace("e+", "e"), plain = (digits) => {
+    const short = +size.toPrecision(digits), exponent = short ? Math.floor(Math.log10(Math.abs(short))) : 0;
+    return exponent < -4 || exponent >= digits ? power(short.toExponential()) : String(short);
+  };
+  if (column === "level") return size >= 1e-3 ? String(size) : power(size.toExponential(0));
+  if (column === "time" || column === "reference_time") return plain(9);
+  if (/(error|error_bar|_max|_rms|_mean|_final|_doubt)$/.test(column)) return size === 0 ? "0" : power(size.toExponential(1));
+  if (column.startsWith("order")) return size.toFixed(2);
+  return Math.abs(size) >= 100 ? suite.number(size) : plain(2);
+};
+
+// The button of a file saves it from the page, so that a page without its folder has it as well.
+document.querySelectorAll("a.csv").forEach((link) => link.addEventListener("click", async (event) => {
+  if (link.dataset.saving) return;
+  event.preventDefault();
+  const text = await suite.file(link.dataset.file), address = link.href;
+  if (text !== null) link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.dataset.saving = "yes";
+  link.click();
+  delete link.dataset.saving;
+  if (text !== null) { URL.revokeObjectURL(link.href); link.href = address; }
+}));
 
 // The first sentence names the most accurate engine of the rows that are shown, and those tied with it.
 suite.verdict = () => {
@@ -52,3 +109,27 @@ suite.verdict = () => {
   place.textContent = `${place.dataset.lead} ${rows.filter(tied).map((row) => row.dataset.phrase).join("; tied with it ")}.`;
 };
 if (document.querySelector("tr[data-phrase]")) suite.whenSwitched(suite.verdict);
+
+// Of each case the fastest routes that are shown are bold; the sentence above compares two of them.
+suite.fastest = () => {
+  const rows = [...document.querySelectorAll("table.calls tbody tr")].filter((row) => suite.on(row.dataset.solver, row.dataset.route));
+  const cost = (row, place) => +row.cells[place].dataset.order;
+  const groups = Map.groupBy ? Map.groupBy(rows, (row) => row.dataset.group) : rows.reduce((map, row) => map.set(row.dataset.group, [...(map.get(row.dataset.group) ?? []), row]), new Map());
+  for (const group of groups.values())
+    for (const place of [2, 3, 4]) {
+      const least = Math.min(...group.map((row) => cost(row, place)));
+      group.forEach((row) => row.cells[place].classList.toggle("best", cost(row, place) === least && least < 1e300));
+    }
+  const sentence = document.querySelector(".cheapest strong"), rest = document.querySelector(".of-all");
+  if (!sentence) return;
+  sentence.dataset.whole ??= sentence.textContent;
+  rest.hidden = !suite.isWhole();
+  if (suite.isWhole()) { sentence.textContent = sentence.dataset.whole; return; }
+  const [name, group] = [...groups].find(([, all]) => all.some((row) => cost(row, 2) < 1e300)) ?? [];
+  if (!name) { sentence.textContent = "No route with times is shown."; return; }
+  const fastest = (place) => group.reduce((one, row) => (cost(row, place) < cost(one, place) ? row : one));
+  const clause = (what, place) => `${what} ${suite.seconds(cost(fastest(place), place))} with ${fastest(place).cells[1].textContent}`;
+  sentence.textContent = `Of the routes shown, called from Python, the fastest in ${name}: ${clause("the first run takes", 2)}; ${clause("1,000 runs take", 3)}.`;
+};
+suite.whenSwitched(suite.fastest);
+suite.fastest();

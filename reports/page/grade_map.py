@@ -1,0 +1,104 @@
+"""The map of the first screen: every route against every case, with default settings and at the finest setting run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import isfinite
+from statistics import median
+from typing import Any
+
+from ..drawing.colours import GRADES
+from ..judging.grades import LIMITS, USUAL_FRICTION, Grade, grade, percent
+from ..running.records import Experiment, Run, default, defaults, finest, routes
+from .chapters import anchor
+from .fragments import short_percent, switch
+
+# From so many cases on a cell has no room for more than its number.
+_DENSE = 9
+_SAME_SEQUENCE = "same sequence"
+
+
+def engine_map(
+    experiment: Experiment, order: Iterable[tuple[str, str]], friction_cases: Sequence[str]
+) -> dict[str, Any]:
+    """Data of the map for its template: the cases that depend on friction's law first, and two rows of cells for each
+    route in `order`."""
+    labels = [case.label for case in experiment.cases]
+    labels.sort(key=lambda label: label not in friction_cases)
+    groups = routes(experiment.runs)
+    entries = [
+        {
+            "solver": solver,
+            "route": route,
+            "switch": switch(solver, route),
+            "rows": _rows({label: groups.get((label, solver, route), []) for label in labels}, f"{solver} {route}"),
+        }
+        for solver, route in order
+    ]
+    cases = [
+        {"label": label, "anchor": anchor(label), "depends": label in friction_cases, "first": _is_first(labels, i)}
+        for i, label in enumerate(labels)
+    ]
+    return {"cases": cases, "routes": entries, "is_dense": len(labels) >= _DENSE, "grades": _legend()}
+
+
+def _is_first(labels: Sequence[str], place: int) -> bool:
+    """Whether a case begins another scene than the case before it."""
+    return place > 0 and labels[place].partition("[")[0] != labels[place - 1].partition("[")[0]
+
+
+def _rows(groups: Mapping[str, Sequence[Run]], name: str) -> list[dict[str, Any]]:
+    cells: dict[str, list[dict[str, Any]]] = {"default": [], "finest": []}
+    for label, group in groups.items():
+        own, fine = default(group), finest(group)
+        missing = _missing(group)
+        first = _cell(defaults(group), own) if own and own.score else missing
+        last = _cell([fine], fine) if fine else missing
+        for settings, cell in (("default", first), ("finest", last)):
+            tip = f"{name}, {settings} settings, {label}: {cell['tip']}"
+            cells[settings].append(cell | {"tip": tip.replace("finest settings", "finest setting run"), "case": label})
+    return [{"settings": settings, "cells": row} for settings, row in cells.items() if any(c["off"] for c in row)]
+
+
+def _missing(group: Sequence[Run]) -> dict[str, Any]:
+    """The cell of a route without a motion: hatched, with its outcome."""
+    run = group[-1] if group else None
+    outcome = run.outcome.replace("_", " ") if run and not run.score else "not run"
+    why = f": {run.reason}" if run and run.reason and not run.score else ""
+    return {"off": "", "small": outcome, "grade": "none", "tip": f"{outcome}{why}"}
+
+
+def _cell(runs: Sequence[Run], shown: Run) -> dict[str, Any]:
+    """The cell of some runs: their median off with its grade; small print, of the run shown in motion, is its friction
+    × or the shortest phases that it misses."""
+    offs = sorted(run.score.off for run in runs if run.score)
+    off = median(offs)
+    spread = f" ({percent(offs[0])} to {percent(offs[-1])} over {len(offs)} usual values)" if len(offs) > 1 else ""
+    tip = [f"{percent(off)} off{spread}", str(grade(off))]
+    if isfinite(shown.friction_factor):
+        tip.append(f"friction × {shown.friction_factor:.2g}")
+    tip += [shown.sequence] if shown.sequence else []
+    return {
+        "off": short_percent(off),
+        "small": _small(shown),
+        "grade": str(grade(off)).replace(" ", "-"),
+        "tip": ", ".join(tip),
+    }
+
+
+def _small(run: Run) -> str:
+    low, high = USUAL_FRICTION
+    if isfinite(run.friction_factor) and not low <= run.friction_factor <= high:
+        return f"friction × {float(f'{run.friction_factor:.2g}'):g}"
+    if run.sequence.startswith(_SAME_SEQUENCE):
+        return ""
+    return run.sequence.replace("phases of up to", "phases ≤").replace("another sequence of modes", "other sequence")
+
+
+def _legend() -> list[dict[str, str]]:
+    """The grades with their limits and colours."""
+    words = {name: f"≤ {percent(limit)}" for name, limit in LIMITS.items()} | {Grade.UNUSABLE: "more"}
+    return [
+        {"name": str(name), "id": str(name).replace(" ", "-"), "limit": words[name], "colour": GRADES[name]}
+        for name in words
+    ]
