@@ -17,7 +17,7 @@ from math import atan2, cos, sin
 import numpy as np
 import pybullet
 
-from cases import Case, CoulombFriction, Gravity, Impact, RollingResistance, Trajectory, Unilateral
+from cases import Belt, Case, CoulombFriction, Gravity, Impact, RollingResistance, Trajectory, Unilateral
 from cases.contact import Contact, find, start_motion
 from cases.errors import DoesNotFit, unknown_name
 from cases.mechanics import gravity
@@ -39,6 +39,7 @@ MEANINGS = (
         "Coulomb's cone for the impulses of a step, one coefficient for slip and stick",
     ),
     Meaning(Impact, "restitution; this adapter does not set it", "not supported"),
+    Meaning(Belt, "none", "not supported"),
     Meaning(RollingResistance, "rollingFriction; this adapter does not set it", "not supported"),
 )
 

@@ -7,6 +7,7 @@ from .case import Case
 from .chain import Chain
 from .curves import Curve
 from .effects import (
+    Belt,
     CoulombFriction,
     Effect,
     Flight,
@@ -28,6 +29,7 @@ from .version import __version__
 __all__ = [
     "BadCurve",
     "BadValue",
+    "Belt",
     "Case",
     "CaseError",
     "Chain",

@@ -5,16 +5,21 @@ Independent of solvers. `cases.geometry` has the mathematics, and documents resu
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from . import geometry
 from .case import Case
+from .effects import Belt
+from .errors import BadValue
 from .geometry import Contact, MotionPoint
 from .overlap import first_overlap
 
 __all__ = [
     "Contact",
     "MotionPoint",
+    "belt_speed",
     "clearance",
     "find",
     "follow",
@@ -28,7 +33,19 @@ __all__ = [
 
 def start_motion(case: Case) -> MotionPoint:
     """The case's start as pose, velocities and contact rates."""
-    return case.start.motion(case.track, case.plate.outline)
+    belt, start = case.effect(Belt), case.start
+    if belt is None:
+        return start.motion(case.track, case.plate.outline)
+    moving = replace(start, slip=start.slip + belt.at(0.0)[0])
+    return moving.motion(case.track, case.plate.outline)._replace(slip=start.slip)
+
+
+def belt_speed(case: Case, t):
+    """The speed of the track's surface along the track, m/s, at a time or an array of times; 0 without Belt."""
+    belt = case.effect(Belt)
+    if belt is None:
+        return 0.0
+    return belt.at(t)[0] if np.ndim(t) == 0 else belt.at_arrays(np.asarray(t, dtype=float))
 
 
 def pose(case: Case, xi1, xi2):
@@ -37,7 +54,8 @@ def pose(case: Case, xi1, xi2):
 
 
 def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> MotionPoint:
-    """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`."""
+    """The plate's motion in contact if its point there has the velocity `slip` (m/s, along the track's tangent, not
+    relative to a belt) and the plate the spin `omega`."""
     return geometry.velocity(case.track, case.plate.outline, xi1, xi2, slip, omega)
 
 
@@ -61,9 +79,16 @@ def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     return xi1, xi2, gap
 
 
-def slip_velocity(case: Case, x, y, vx, vy, omega, xi1):
-    """(11) along the track's unit tangent at `xi1`: velocity of the plate's material point there. Numbers or arrays."""
-    return geometry.slip_velocity(case.track, x, y, vx, vy, omega, xi1)
+def slip_velocity(case: Case, x, y, vx, vy, omega, xi1, t=None):
+    """(11) along the track's unit tangent at `xi1`: velocity of the plate's material point there, relative to a belt's
+    surface. Numbers or arrays.
+
+    `t`: the times (s), for a case with Belt. Raises BadValue if they are missing there.
+    """
+    if t is None and case.effect(Belt) is not None:
+        raise BadValue("the track's surface moves; give the times t to slip_velocity")
+    slip = geometry.slip_velocity(case.track, x, y, vx, vy, omega, xi1)
+    return slip if t is None else slip - belt_speed(case, t)
 
 
 def clearance(case: Case, xi1, xi2):

@@ -17,6 +17,7 @@ from . import expressions, features, formulas, slip_laws
 from .derivation import derived, in_one_thread
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
 from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
+from .moving_surface import Belt
 
 # How an impact's restitution and friction go together (`Impact`).
 IMPACT_LAWS = ("poisson", "newton", "moreau")
@@ -261,19 +262,21 @@ class Impact:
             raise BadValue(f"law of Impact is {self.law!r}; give one of {names}")
 
 
-Effect = Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance | Unilateral | Flight | Impact
+Effect = Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance | Unilateral | Flight | Impact | Belt
 
 _KINDS: tuple[type, ...] = get_args(Effect)
 
 # The effects of which another effect needs at least one, and why.
 _NEEDS: dict[type, tuple[tuple[type, ...], str]] = {
     RollingResistance: ((CoulombFriction, PerfectlyRough), "nothing makes a plate without friction roll"),
+    Belt: ((CoulombFriction, PerfectlyRough), "a belt acts on the plate by friction only"),
     Flight: ((Unilateral,), "the plate cannot leave a bilateral guide"),
     Impact: ((Flight,), "a plate that does not fly does not land"),
 }
 # Pairs that contradict each other, and why.
 _CONTRADICT: tuple[tuple[type, type, str], ...] = (
     (CoulombFriction, PerfectlyRough, "friction is either bounded or not"),
+    (Belt, RollingResistance, "resistance to rolling on a surface that runs along a curve has no established law"),
 )
 
 

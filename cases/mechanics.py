@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from .case import Case
+from .contact import belt_speed
 from .effects import Gravity
 
 
@@ -30,6 +31,14 @@ def energy(case: Case, motion):
         return kinetic
     gx, gy = effect.vector
     return kinetic - case.plate.mass * (gx * np.asarray(motion.x) + gy * np.asarray(motion.y))
+
+
+def contact_power(case: Case, t, motion):
+    """The power of the contact's forces on a plate with `slip` and `friction_force`, W: friction by the velocity of the
+    plate's point along the track, which is slip plus speed of a belt. 0 in flight; without the couple of a rolling
+    resistance."""
+    slip, friction = np.asarray(motion.slip), np.asarray(motion.friction_force)
+    return np.where(np.isnan(slip), 0.0, friction * (slip + belt_speed(case, t)))
 
 
 def energy_growth(total: np.ndarray) -> np.ndarray:

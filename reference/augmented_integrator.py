@@ -13,7 +13,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, CoulombFriction, RollingResistance
+from cases import Belt, Case, CoulombFriction, RollingResistance
 
 from .minimal import modes
 from .minimal.integrators.segment import Segment
@@ -30,7 +30,7 @@ from .paper.augmented import (
     solution,
     uniqueness,
 )
-from .paper.kinematics import slip_velocity
+from .paper.kinematics import belt_of, slip_velocity
 
 # From this condition number on, half of the digits of a double may be lost in the solve, and the reason says so.
 NEARLY_SINGULAR = 1e8
@@ -65,14 +65,14 @@ class LiteralSystem:
     def system_at(self, t: float, y: Sequence[float]) -> AugmentedSystem:
         """Assemble (27) at a state of the mode."""
         mode, side, turn = self.regime
-        return fill(self.case, mode, full_state(self.case, self.phase, y), side, turn, t)
+        return fill(self.case, mode, full_state(self.case, self.phase, t, y), side, turn, t)
 
     def rates_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
         """Rates of the mode's variables; NaN, which no step accepts, where the matrix is singular."""
         if self.regime == FLIGHT:
             return [*y[3:], *flight_acceleration(self.case, t, y)]
-        if len(y) == self.positions:  # at rest all rates are zero, whatever the forces
-            return [0.0] * len(y)
+        if len(y) == self.positions and self.case.effect(Belt) is None:
+            return [0.0] * len(y)  # at rest all rates are zero, whatever the forces
         try:
             equations = self.system_at(t, y)
             accelerations = solution(equations).q2_ddot
@@ -91,7 +91,7 @@ class LiteralSystem:
             forces = solution(equations)
         except np.linalg.LinAlgError:
             forces = _NO_SOLUTION
-        return [_guard(self.phase, name, equations, forces) for name in self.guards]
+        return [_guard(self.phase, name, equations, forces, t) for name in self.guards]
 
     def guards_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """The guards' values at many instants, states of shape (variables, n)."""
@@ -106,7 +106,7 @@ class LiteralSystem:
         """The contact quantities in the order of `ContactQuantities`, each of shape (n,)."""
         columns = states.T.tolist()
         if columns and contact_forces.fits(self.case):
-            full = [full_state(self.case, self.phase, y) for y in columns]
+            full = [full_state(self.case, self.phase, t, y) for t, y in zip(times.tolist(), columns, strict=True)]
             try:
                 return list(self._observed_at_once(full))
             except np.linalg.LinAlgError:
@@ -124,7 +124,7 @@ class LiteralSystem:
 
     def _observe(self, t: float, y: Sequence[float]) -> ContactQuantities:
         equations = self.system_at(t, y)
-        slip = 0.0 if equations.rolls else slip_velocity(equations.k)
+        slip = 0.0 if equations.rolls else slip_velocity(equations.k, belt_of(self.case, t)[0])
         omega = 0.0 if equations.rotation_fixed else equations.k.theta_dot
         try:
             forces, mass = solution(equations), self.case.plate.mass
@@ -133,7 +133,7 @@ class LiteralSystem:
         return ContactQuantities(slip, omega, forces.normal_force / mass, forces.friction_force / mass)
 
 
-def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution) -> float:
+def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution, t: float) -> float:
     """The value of one guard, positive while the mode lasts. Forces per mass, couples over mass and radius of
     gyration."""
     case, regime, parts = phase.case, phase.regime, phase.parts
@@ -148,7 +148,7 @@ def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution
     if name == "normal_force":
         return pressing / mass
     if name == "slip":
-        return SLIP_SIGN[regime.mode] * slip_velocity(k)
+        return SLIP_SIGN[regime.mode] * slip_velocity(k, belt_of(case, t)[0])
     if name == "turn":
         return (regime.turn or 0) * k.theta_dot * size
     if name == "fit":

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from cases import BadValue, Case, Cost, Mode, State, Trajectory
-from cases.contact import pose
+from cases.contact import belt_speed, pose
 from cases.errors import between, unknown_name
 
 from . import augmented_integrator
@@ -124,7 +124,7 @@ def first_regime(case: Case, y) -> Regime | None:
     # Eight roundings lie between the start's values and the speeds of the state. A motion so slow that it ends at once
     # leaves no regime; speeds below an event's own error then count as zero, as after events.
     for error in (8 * epsilon, LOCATION_ERROR):
-        moves = senses(case, y, case.start.slip, case.start.omega, error)
+        moves = senses(case, 0.0, y, case.start.slip, case.start.omega, error)
         regime = decide(case, 0.0, y, epsilon, able(case, *moves))
         if regime:
             return regime
@@ -221,7 +221,8 @@ def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
     xi1, xi2 = y[0], y[1]
     x, y0, theta = pose(case, xi1, xi2)
     tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
-    vx = m.slip * tangent[0] + m.omega * (contact[1] - y0)
-    vy = m.slip * tangent[1] - m.omega * (contact[0] - x)
+    point = m.slip + belt_speed(case, times)  # (11) has the velocity of the plate's point
+    vx = point * tangent[0] + m.omega * (contact[1] - y0)
+    vy = point * tangent[1] - m.omega * (contact[0] - x)
     mass = case.plate.mass
     return State(x, y0, theta, vx, vy, m.omega, m.slip, mass * m.normal, mass * m.friction, xi1, xi2)

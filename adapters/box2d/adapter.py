@@ -32,6 +32,7 @@ import numpy as np
 import pyb2d3
 
 from cases import (
+    Belt,
     Case,
     CoulombFriction,
     Flight,
@@ -57,7 +58,7 @@ KNOWN = "pyb2d3>=0.11.1"
 # The engine's numbers are of single precision.
 ROUNDING = float(np.finfo(np.float32).eps)
 # The effects that this adapter implements; all others are reported as unsupported, by name.
-KNOWN_EFFECTS = (Gravity, CoulombFriction, PerfectlyRough, RollingResistance, Unilateral, Flight, Impact)
+KNOWN_EFFECTS = (Gravity, CoulombFriction, PerfectlyRough, RollingResistance, Unilateral, Flight, Impact, Belt)
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
 STEPS, USUAL_DURATION = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
@@ -93,6 +94,9 @@ def refuses(case: Case, route: str) -> str | None:
         return "box2d's contacts only push, and this case has a bilateral guide (no Unilateral)."
     if not facets.sees_all(outline):
         return "box2d's shapes are convex, and no fan of them gives this outline: its centre does not see all of it."
+    belt = case.effect(Belt)
+    if belt and belt.constant is None:
+        return "box2d's shapes have a constant tangent speed, and this belt's speed changes with time."
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles only, and this outline is none."
     return None
@@ -151,7 +155,8 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
         # The steps cannot resolve a rebound slower than the velocity that gravity gives in a step.
         world.restitution_threshold = float(np.hypot(*pull)) * h
     material = shapes.material(case)
-    shapes.add_track(case, world.create_static_body(), material, scale, knobs.get("facets", 1))
+    belt = shapes.belt_material(case, scale)
+    shapes.add_track(case, world.create_static_body(), belt, scale, knobs.get("facets", 1))
     place = scale * start.x, scale * start.y
     plate = world.create_dynamic_body(position=place, rotation=shapes.rotation(start.theta))
     shapes.add_plate(case, plate, material, scale, knobs.get("vertices", 1))

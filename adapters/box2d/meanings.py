@@ -1,6 +1,6 @@
 """The laws of friction, restitution and rolling that Box2D's parameters stand for, as measured in `tests/adapters`."""
 
-from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
 
 from ..common.impacts import has_friction, not_moreaus
 from ..interface import Meaning
@@ -30,4 +30,5 @@ MEANINGS = (
         "rolling_resistance, the larger of both shapes' values, times the circle's radius; here arm/r",
         "a couple of at most this lever arm times the normal impulse; circles only",
     ),
+    Meaning(Belt, "tangent_speed of the track's shapes", "Coulomb's law for the slip on that surface; constant speeds"),
 )

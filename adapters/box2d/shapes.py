@@ -8,7 +8,7 @@ from math import atan2, cos, sin
 import numpy as np
 import pyb2d3
 
-from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
 from cases.shapes import as_circle, as_line
 
 from ..common import facets
@@ -54,6 +54,14 @@ def material(case: Case) -> pyb2d3.SurfaceMaterial:
         # The engine's couple is this times the circle's radius times the normal force.
         rolling_resistance=rolling.arm / round_plate.radius if rolling and round_plate else 0.0,
     )
+
+
+def belt_material(case: Case, scale: float) -> pyb2d3.SurfaceMaterial:
+    """The surface material of the track: that of both shapes, running with the belt's speed."""
+    surface, belt = material(case), case.effect(Belt)
+    if belt:
+        surface.tangent_speed = scale * (belt.constant or 0.0)
+    return surface
 
 
 def rotation(angle: float) -> pyb2d3.Rot:

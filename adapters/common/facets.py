@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Curve, Flight, Load
+from cases import Belt, Case, Curve, Flight, Load
 from cases.contact import pose, start_motion
 from cases.mechanics import gravity
 from cases.shapes import Circle, as_circle, as_line
@@ -59,11 +59,11 @@ def sway(outline: Curve) -> float:
 def stretch(case: Case) -> Stretch:
     """The part of the track that the plate can reach, by its energy and within the case's duration.
 
-    Only a Load adds energy, so the plate stays where its potential is below its initial energy; and its speed cannot
-    grow faster than g. A margin of the plate's size is added at both ends.
+    Only a Load or a Belt adds energy, so the plate stays where its potential is below its initial energy; and its speed
+    cannot grow faster than g. A margin of the plate's size is added at both ends.
     """
     start, plate, pull = start_motion(case), case.plate, gravity(case)
-    if case.effect(Load):
+    if case.effect(Load) or case.effect(Belt):
         return _everywhere(case)
     kinetic_start = energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * plate.inertia / plate.mass * start.omega**2
     # A start off the track is higher, or lower, than the pose of contact there.
@@ -90,15 +90,18 @@ FIRST, DOUBLINGS = 10.0, 100
 
 
 def _everywhere(case: Case) -> Stretch:
-    """The whole track: a load may take the plate anywhere. The top speed is what gravity gives within the duration."""
+    """The whole track: a load or a belt may take the plate anywhere. The top speed is what gravity gives within the
+    duration, and the belt's."""
     track = case.track
     far = FAR * case.plate.reach / float(track.speed(case.start.xi1))
     low, high = (case.start.xi1 - far, case.start.xi1 + far) if track.domain is None else track.domain
     if track.period:
         low, high = case.start.xi1 - track.period / 2, case.start.xi1 + track.period / 2
     length = float(np.mean(track.speed(np.linspace(low, high, 2001)))) * (high - low)
-    start = start_motion(case)
+    start, belt = start_motion(case), case.effect(Belt)
     fast = float(np.hypot(start.vx, start.vy) + np.hypot(*gravity(case)) * case.duration)
+    if belt:
+        fast += float(np.max(np.abs(belt.at_arrays(np.linspace(0.0, case.duration, 2001)))))
     return Stretch(low, high, length, track.period is not None, fast)
 
 

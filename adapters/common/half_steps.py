@@ -211,7 +211,7 @@ def _table(record: StepRecord, samples: _MotionSamples) -> np.ndarray:
     (x, y, _), (vx, vy, omega), force = samples.pose.T, samples.rates.T, samples.force
     # Moving the centre by the engine's distance between plate and contact gives the engine's lever.
     lever = (1.0 - record.lever) * samples.gap
-    slip = slip_velocity(case, x - lever * nx, y - lever * ny, vx, vy, omega, xi1)
+    slip = slip_velocity(case, x - lever * nx, y - lever * ny, vx, vy, omega, xi1, samples.t)
     normal_force = force[:, 0] * nx + force[:, 1] * ny
     friction_force = np.sum(force.T * case.track.tangent(xi1), axis=0)
     touch = np.column_stack([slip, normal_force, friction_force, xi1, samples.xi2])

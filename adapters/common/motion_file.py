@@ -331,7 +331,7 @@ def _slip(case: Case, columns, xi1: np.ndarray) -> np.ndarray:
     touches = np.isfinite(xi1)
     slip = np.full(len(xi1), np.nan if case.effect(Flight) else 0.0)
     x, y, vx, vy, omega = (columns[name][touches] for name in ("x", "y", "vx", "vy", "omega"))
-    slip[touches] = slip_velocity(case, x, y, vx, vy, omega, xi1[touches])
+    slip[touches] = slip_velocity(case, x, y, vx, vy, omega, xi1[touches], columns["t"][touches])
     return slip
 
 
@@ -372,10 +372,10 @@ def _check_slip(file_values: np.ndarray, slip: np.ndarray, doubt: np.ndarray) ->
 
 def _resolution(case: Case, columns, xi1: np.ndarray) -> float:
     """A third of slip's change if every second sample is left out (the error falls with h²); 95th percentile, m/s."""
-    half = {name: columns[name][::2] for name in ("x", "y", "theta")}
+    half = {name: columns[name][::2] for name in ("t", "x", "y", "theta")}
     if len(half["x"]) < LEAST_SAMPLES:
         return 0.0
     for rate, name in RATES:
-        half[rate] = np.gradient(half[name], columns["t"][::2], edge_order=2)
+        half[rate] = np.gradient(half[name], half["t"], edge_order=2)
     change = np.abs(_slip(case, half, xi1[::2]) - columns["slip"][::2])
     return float(np.quantile(change[np.isfinite(change)], 0.95) / 3) if np.isfinite(change).any() else 0.0

@@ -31,7 +31,7 @@ from math import ceil, hypot, sqrt
 import exudyn as exu
 import numpy as np
 
-from cases import Case, Cost, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
+from cases import Belt, Case, Cost, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
 from cases.contact import start_motion
 from cases.errors import unknown_name
 from cases.shapes import as_line
@@ -60,9 +60,9 @@ routes = ("native", "integrator")
 KNOWN = "exudyn>=1.13"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt)
 # Routes whose contact law is the suite's, with a coefficient that may depend on the slip velocity.
 SLIP_LAWS = ("integrator",)
-KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
 
 # Samples of one run: enough to extrapolate a transition to the accuracy of the finest rung, and few enough for a
 # thousand trajectories in memory.
@@ -134,6 +134,11 @@ def refuses(case: Case, route: str) -> str | None:
         return "Exudyn's contacts have one friction coefficient for all slip velocities."
     if friction and friction.stick != friction.at_rest:
         return "Exudyn's contacts have one friction coefficient; mu_static cannot differ from mu."
+    belt = case.effect(Belt)
+    if belt and route == "native":
+        return "Exudyn's contact objects have no surface that runs along a track at rest."
+    if belt and belt.constant is None:
+        return "This route's contact law knows belts of constant speed only."
     if route == "native":
         return native.refuses(case)
     if case.effect(Impact):

@@ -91,4 +91,6 @@ def _read(case: Case, data: SensorData) -> ExudynContact:
     (x, y, _), (vx, vy, omega) = pose.T, velocity.T
     force = (case.plate.mass * data.force[:, :2] - external_forces(case, data)).T
     normal_force, friction_force = np.sum(force * normal, axis=0), np.sum(force * tangent, axis=0)
-    return ExudynContact(xi1, xi2, gap, slip_velocity(case, x, y, vx, vy, omega, xi1), normal_force, friction_force)
+    return ExudynContact(
+        xi1, xi2, gap, slip_velocity(case, x, y, vx, vy, omega, xi1, data.t), normal_force, friction_force
+    )

@@ -15,7 +15,7 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, CoulombFriction, Load, PerfectlyRough, Unilateral
+from cases import Belt, Case, CoulombFriction, Load, PerfectlyRough, Unilateral
 from cases.mechanics import gravity
 
 from ..common.flights import BEYOND, Follower
@@ -56,7 +56,8 @@ class PenaltyContact:
         self.damping, self.mu = critical_damping(case, setting), friction_coefficient(case)
         friction = case.effect(CoulombFriction)
         self.by_speed = friction.at if friction and friction.by_speed else None
-        self.load = case.effect(Load)
+        self.load, belt = case.effect(Load), case.effect(Belt)
+        self.belt = (belt.constant or 0.0) if belt else 0.0
         self.rough = rough_friction(case) if case.effect(PerfectlyRough) else 0.0
         self.unilateral = case.effect(Unilateral) is not None
         self.follower = Follower(case)
@@ -74,7 +75,7 @@ class PenaltyContact:
         speed = hypot(Xp, Yp)
         tx, ty, ax, ay = Xp / speed, Yp / speed, X - x, Y - y
         ux, uy = vx - omega * ay, vy + omega * ax
-        slip, parting = ux * tx + uy * ty, uy * tx - ux * ty
+        slip, parting = ux * tx + uy * ty - self.belt, uy * tx - ux * ty
         normal_force = -self.k * gap - self.damping * parting
         if self.unilateral and (gap >= 0.0 or normal_force < 0.0):
             normal_force = 0.0

@@ -4,7 +4,7 @@ Parameter names are those of its manual's items ObjectContactSphereSphere and Ob
 as measured in `tests/adapters`.
 """
 
-from cases import CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, CoulombFriction, Impact, PerfectlyRough, RollingResistance
 
 from ..interface import Meaning
 
@@ -32,4 +32,6 @@ MEANINGS = (
         Impact, "none: the suite's contact law has a damper and no restitution", "not supported", routes=("integrator",)
     ),
     Meaning(RollingResistance, "none", "not supported"),
+    Meaning(Belt, "none", "not supported", routes=("native",)),
+    Meaning(Belt, "none: this suite supplies the contact law", "its slip is that on the belt", routes=("integrator",)),
 )

@@ -12,7 +12,7 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, Unilateral
-from cases.contact import MotionPoint, start_motion
+from cases.contact import MotionPoint, belt_speed, start_motion
 from cases.mechanics import gravity as gravity_of
 from cases.shapes import Circle
 
@@ -120,7 +120,7 @@ def first_force(case: Case, start: MotionPoint, vreg: float) -> tuple[float, flo
         fx, fy = fx + lx, fy + ly
     lever_n, lever_t = px * ny - py * nx, px * ty - py * tx
     turned_x, turned_y = -start.omega * (along * ty - start.vy), start.omega * (along * tx - start.vx)
-    bend = float(case.track.curvature(start.xi1)) * along * start.slip
+    bend = float(case.track.curvature(start.xi1)) * along * (start.slip + belt_speed(case, 0.0))
     normal_free = (nx * fx + ny * fy) / plate.mass + lever_n * moment / plate.inertia
     normal_free += nx * turned_x + ny * turned_y - bend
     tangent_free = (tx * fx + ty * fy) / plate.mass + lever_t * moment / plate.inertia

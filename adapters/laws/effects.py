@@ -1,4 +1,4 @@
-"""Laws of further effects: load, impact, rough contact, bilateral guide, rolling resistance.
+"""Laws of further effects: load, impact, rough contact, bilateral guide, rolling resistance, belt.
 
 Each follows from Newton's laws in a line or two, given in its docstring, for values that are drawn from the route's
 seed. `OF_EFFECT` lists the laws that check each effect, so that no adapter claims an effect without a check. Tolerances
@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import (
+    Belt,
     Case,
     CoulombFriction,
     Flight,
@@ -223,6 +224,28 @@ def rolling_resistance(route: Route) -> None:
     hold("rolling resistance", "the spin", run.motion.omega - exact, tolerance + 1e-9, suspect)
 
 
+def belt(route: Route) -> None:
+    """A disc set down on a conveyor: m v̇ = μ m g until it rolls on it, at t = b/(μ g (1 + m r²/J)); then v stays."""
+    d = route.draw("belt")
+    plate, radius, g, time = _disc(d)
+    mu, speed = d.mu(0.1, 0.4), d.signed(2.0, 4.0) * radius / time
+    grip = 1 + plate.mass * radius**2 / plate.inertia
+    rolls = abs(speed) / (mu * g * grip)
+    effects = (Gravity(g), CoulombFriction(mu), Belt(speed), Unilateral())
+    run = route.simulate(Case(LEVEL, plate, effects, Start(0.0, slip=-speed), duration=1.5 * rolls))
+    motion = run.motion
+    exact = np.sign(speed) * mu * g * np.minimum(motion.t, rolls)
+    # Friction acts up to a step early or late, and a disc that sticks may creep.
+    tolerance = run.kick + 2 * mu * g * run.step + 2 * motion.slip_resolution + 1e-9
+    share = float(motion.vx[-1]) / (speed / grip)
+    suspect = f"speed of Belt: {speed * share:.4g} would fit at the end, the case has {speed:g}; mu of CoulombFriction"
+    hold("belt", "vx", motion.vx - exact, tolerance, suspect)
+    spin = plate.mass * radius / plate.inertia * exact
+    hold("belt", "the spin", motion.omega - spin, tolerance * plate.mass * radius / plate.inertia, suspect)
+    slip = exact * grip - speed
+    hold("belt", "the slip", motion.slip - slip, tolerance * grip, "speed of Belt: the slip is relative to the belt")
+
+
 Law = Callable[[Route], None]
 
 LAWS: dict[str, Law] = {
@@ -236,6 +259,7 @@ LAWS: dict[str, Law] = {
         perfectly_rough,
         guide,
         rolling_resistance,
+        belt,
     )
 }
 
@@ -245,6 +269,7 @@ OF_EFFECT: dict[type, tuple[str, ...]] = {
     Impact: ("bounce", "bounce_with_friction", "landing"),
     PerfectlyRough: ("perfectly_rough", "equations_of_motion"),
     RollingResistance: ("rolling_resistance", "equations_of_motion"),
+    Belt: ("belt",),
     Flight: ("free_fall", "landing"),
     Unilateral: ("lift_off", "guide"),
     CoulombFriction: ("friction_torque", "sticking_threshold", "equations_of_motion", "friction_by_speed"),

@@ -114,7 +114,7 @@ def kinematics(run: LawRun) -> ContactSamples:
         t=t,
         velocity=np.array([vx, vy]),
         omega=omega,
-        slip=slip_velocity(case, x, y, vx, vy, omega, xi1),
+        slip=slip_velocity(case, x, y, vx, vy, omega, xi1, t),
         tangent=case.track.tangent(xi1),
         normal=case.track.normal(xi1),
         lever=case.track.point(xi1) - (x, y),

@@ -227,7 +227,7 @@ def on_its_track(route: Route, scene: Case) -> None:
     # The displacement in a step, the corners' sagitta, and the overlap that engines do not correct.
     tolerance = run.kick * run.step + reach * run.corners**2 / 8 + 1e-3 * reach
     hold("on its track", "the gap", gap, tolerance, "curve of the track, outline and centre of mass of the plate")
-    slip = slip_velocity(scene, motion.x, motion.y, motion.vx, motion.vy, motion.omega, motion.xi1)
+    slip = slip_velocity(scene, motion.x, motion.y, motion.vx, motion.vy, motion.omega, motion.xi1, motion.t)
     hold(
         "on its track",
         "the slip",

@@ -19,7 +19,7 @@ import pymunk
 from pymunk._chipmunk_cffi import lib
 from pymunk.batch import BodyFields, Buffer, get_space_bodies
 
-from cases import Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Trajectory, Unilateral
+from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
 
 from ..common import facets, half_steps
@@ -48,9 +48,9 @@ routes = ("native", "assisted")
 KNOWN = "pymunk>=6.11"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt)
 # Routes that set the coefficient in each step, by the slip velocity.
 SLIP_LAWS = ("assisted",)
-KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
 
 
 def version() -> str:
@@ -79,7 +79,16 @@ def refuses(case: Case, route: str) -> str | None:
 def _refuses_natively(case: Case) -> str | None:
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
+    belt = case.effect(Belt)
+    if belt and belt.constant is None:
+        return "pymunk's shapes have a constant surface velocity, and this belt's speed changes with time."
+    if belt and facets.track_kind(case) == "hill":
+        return "A pymunk shape has one surface velocity for all of its directions; it cannot run around a circle."
     endless = not case.track.period and not case.track.domain
+    if belt and endless and facets.track_kind(case) == "chain":
+        return (
+            "pymunk's chain of segments must have ends, and a belt may carry the plate anywhere on this endless track."
+        )
     if case.effect(Load) and endless and facets.track_kind(case) == "chain":
         return (
             "pymunk's chain of segments must have ends, and a Load may move the plate anywhere on this endless track."

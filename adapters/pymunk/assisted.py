@@ -16,7 +16,7 @@ from typing import Any
 import pymunk
 from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
-from cases import Case, CoulombFriction, Curve, Load, Unilateral
+from cases import Belt, Case, CoulombFriction, Curve, Load, Unilateral
 from cases.contact import Contact, MotionPoint, start_motion
 from cases.mechanics import gravity
 
@@ -46,6 +46,7 @@ class ContactGuide:
         self.off_track = False
         self.problem: Exception | None = None
         self._case, self._body, self._h = case, body, h
+        self._belt = case.effect(Belt)
         self._bilateral = case.effect(Unilateral) is None
         self._here, self._ahead = Follower(case), Follower(case)
         self._before = _velocities(start_motion(case))
@@ -91,6 +92,8 @@ class ContactGuide:
         (ax, ay), half = self._bend(), 0.5 * h
         lever_x, lever_y = middle_x - x - half * vx + ax, middle_y - y - half * vy + ay
         change = (vx - omega * lever_y) * along_x + (vy + omega * lever_x) * along_y - (ux * tx + uy * ty)
+        belt = self._belt.at(h * (len(self.contacts) - 1))[0] if self._belt else 0.0
+        change -= belt
         velocity = Vec2d(change * tx - target * -ty, change * ty - target * tx)
         point, normal = Vec2d(X, Y), Vec2d(-ty, tx)
         # A bilateral guide pushes from the side that is needed; without a normal force there is no friction either, so
@@ -100,10 +103,11 @@ class ContactGuide:
         arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
         arbiter.surface_velocity = velocity
         if self._coefficient:
-            arbiter.friction = self._coefficient(abs(self._slip_within(Vec2d(X, Y), Vec2d(tx, ty))))
+            arbiter.friction = self._coefficient(abs(self._slip_within(Vec2d(X, Y), Vec2d(tx, ty)) - belt))
 
     def _slip_within(self, point: Vec2d, tangent: Vec2d) -> float:
-        """The slip velocity in the middle of the change of velocity that this step makes, as predicted."""
+        """The velocity of the plate's point along the track in the middle of this step's change of velocity, as
+        predicted."""
         assert self._change is not None, "the velocities were predicted before"
         (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
         more_x, more_y, more_turn = (0.5 * part for part in self._change)

@@ -4,7 +4,7 @@
 `tests/adapters/test_impact_laws.py`.
 """
 
-from cases import CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, CoulombFriction, Impact, PerfectlyRough, RollingResistance
 
 from ..common.impacts import MOREAU, not_moreaus
 from ..interface import Meaning
@@ -27,4 +27,11 @@ MEANINGS = (
         differs=not_moreaus,
     ),
     Meaning(RollingResistance, "none", "not supported"),
+    Meaning(Belt, "surface_velocity of the segments", "Coulomb's law for the slip on that surface", routes=("native",)),
+    Meaning(
+        Belt,
+        "surface_velocity of the contact",
+        "Coulomb's law for the slip on that surface, its speed at each step's pose",
+        routes=("assisted",),
+    ),
 )

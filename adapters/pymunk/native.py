@@ -18,7 +18,7 @@ from itertools import pairwise, product
 import numpy as np
 import pymunk
 
-from cases import Case, CoulombFriction, Curve, Impact, NotSupported, PerfectlyRough
+from cases import Belt, Case, CoulombFriction, Curve, Impact, NotSupported, PerfectlyRough
 from cases.mechanics import gravity
 from cases.shapes import Circle, Line, as_circle, as_line
 
@@ -136,10 +136,20 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
     for shape in shapes:
         # The engine multiplies the two shapes' coefficients.
         shape.friction = shape.elasticity = 1.0
+    belt = case.effect(Belt)
+    if belt:
+        _run_surface(shapes, belt.constant or 0.0)
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(shapes)
     space.add(body, *plate, *shapes)
     return space, body
+
+
+def _run_surface(shapes: Sequence[pymunk.Shape], speed: float) -> None:
+    """Let the segments' surfaces run from their first end to the second with that speed, m/s."""
+    for shape in shapes:
+        assert isinstance(shape, pymunk.Segment), "refuses() accepts belts on segments only"
+        shape.surface_velocity = (shape.b - shape.a).normalized() * speed
 
 
 def _plate_shapes(case: Case, body: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:

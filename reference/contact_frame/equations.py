@@ -5,18 +5,19 @@ State (ξ₁, ξ₂, ω, v): contact parameters, spin and slip velocity. Only cu
     ṡ_track = (ω − κ_outline v) / (κ_track − κ_outline),      ṡ_outline = ṡ_track − v,
 
 and Newton–Euler is written along tangent and normal for the plate's material point at the contact, whose acceleration
-is v̇ t + (v κ_track ṡ_track − ω ṡ_outline) n.
+is v̇ t + (v κ_track ṡ_track − ω ṡ_outline) n. On a belt the state has the slip relative to it; v and v̇ in these
+formulas are then slip plus speed of the belt, and their rates.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import hypot, inf, pi, sqrt
+from math import hypot, inf, isfinite, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
+from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import pose
 
 from .loads import load_scales, slip_scales
@@ -121,12 +122,14 @@ class ContactScene:
             self.laws = ContactLaws(inf, inf, arm)
         else:
             self.laws = _laws(friction, arm)
+        self.belt = case.effect(Belt)
         self.unilateral = case.effect(Unilateral) is not None
         # Features that a step could pass over: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
         # A phase ends at the knots of a curve in pieces.
         curves = [(row, curve.features) for row, curve in enumerate((self.track, self.outline)) if not curve.knots]
-        self.in_contact = [*self.in_time, *((row, features) for row, features in curves if features)]
+        belt = [(None, self.belt.features if self.belt else None)]
+        self.in_contact = [*self.in_time, *((row, features) for row, features in [*belt, *curves] if features)]
         self.reach = float(np.hypot(*self.outline.point(np.linspace(*self.outline.span, TRACK_SAMPLES))).max())
         self.is_disc = case.plate.radius is not None
         self.grain = self._grain()
@@ -176,6 +179,19 @@ class ContactScene:
             (x * xp + y * yp) / p, (y * xp - x * yp) / p,
         )  # fmt: skip
 
+    def surface(self, t: float) -> tuple[float, float]:
+        """The speed of the track's surface along the track (m/s), and its rate (m/s²)."""
+        if self.belt is None:
+            return 0.0, 0.0
+        speed, rate = self.belt.at(t)
+        if not (isfinite(speed) and isfinite(rate)):
+            raise StepFailure(f"the belt's speed has no value at t = {t:.9g} s; end the case before")
+        return speed, rate
+
+    def absolute(self, t: float, z) -> list[float]:
+        """The state (ξ₁, ξ₂, ω, v) with the velocity v of the plate's point in place of its slip."""
+        return [z[0], z[1], z[2], z[3] + self.surface(t)[0]]
+
     def pull(self, t: float, body) -> tuple[float, float, float]:
         """Gravity and load per mass: acceleration in the fixed frame and M/m, for (x, y, θ, vx, vy, ω)."""
         if self.load is None:
@@ -186,8 +202,13 @@ class ContactScene:
             raise StepFailure(f"the load has no value at t = {t:.9g} s ({problem}); end the case before") from None
         return self.g[0] + fx / self.m, self.g[1] + fy / self.m, moment / self.m
 
-    def body(self, z, turns: int) -> list[float]:
-        """(x, y, θ, vx, vy, ω) of the plate in contact; `turns` whole turns are added to the angle given by (6)."""
+    def body(self, t: float, z, turns: int) -> list[float]:
+        """(x, y, θ, vx, vy, ω) of the plate in contact at time t; `turns` whole turns are added to the angle that (6)
+        gives."""
+        return self.body_with(self.absolute(t, z), turns)
+
+    def body_with(self, z, turns: int) -> list[float]:
+        """The same from (ξ₁, ξ₂, ω) and the velocity of the plate's point, which is not relative to a belt."""
         xi1, xi2, w, v = z
         q = self.place(xi1, xi2)
         x, y, theta = (float(value) for value in pose(self.case, xi1, xi2))
@@ -200,7 +221,8 @@ class ContactScene:
         """Whether the load allows a step through these states (ξ₁, ξ₂, ω, v) of the contact, shape (4, n)."""
         if self.load_scales is None:
             return True
-        return self.load_allows_flight(times, np.array([self.body(z, turns) for z in states.T.tolist()]).T)
+        pairs = zip(times.tolist(), states.T.tolist(), strict=True)
+        return self.load_allows_flight(times, np.array([self.body(t, z, turns) for t, z in pairs]).T)
 
     def load_allows_flight(self, times: np.ndarray, bodies: np.ndarray) -> bool:
         """Whether the load allows a step of a flight through (x, y, θ, vx, vy, ω), shape (6, n)."""
@@ -212,14 +234,14 @@ class ContactScene:
 
     def forces(self, t: float, z, phase: ContactPhase, turns: int) -> Forces:
         """Forces and rates in one phase: Newton–Euler with one linear condition each on friction and couple."""
-        q, (_, _, w, v) = self.place(z[0], z[1]), z
-        ax, ay, spin_pull = self.pull(t, self.body(z, turns) if self.load else None)
+        q, (_, _, w, v) = self.place(z[0], z[1]), self.absolute(t, z)
+        ax, ay, spin_pull = self.pull(t, self.body(t, z, turns) if self.load else None)
         along_track, along_outline = speeds(q, w, v)
         J, at, an = self.J / self.m, q.arm_t, q.arm_n
         down = v * q.bend_track * along_track - w * along_outline + w * w * an - (ay * q.tx - ax * q.ty)
-        back = w * w * at - (ax * q.tx + ay * q.ty)
+        back = w * w * at - (ax * q.tx + ay * q.ty) + self.surface(t)[1]
         # Per mass N = down − ω̇ arm_t for every phase; v̇ = −back + T − ω̇ arm_n; J ω̇ = arm_t N − arm_n T + couple.
-        friction, couple = ratios(self.laws, phase, v)
+        friction, couple = ratios(self.laws, phase, z[3])
         if phase.turn == 0:
             N, spin_rate, push, inverse_mass = down, 0.0, down, 1.0
             T = back if phase.slip == 0 else friction * N
@@ -243,7 +265,7 @@ class ContactScene:
 
     def scale(self, t: float, z, turns: int) -> float:
         """The size of the scene's forces, N: their rounding is relative to it."""
-        ax, ay, spin_pull = self.pull(t, self.body(z, turns) if self.load else None)
+        ax, ay, spin_pull = self.pull(t, self.body(t, z, turns) if self.load else None)
         q = self.place(z[0], z[1])
         arm = hypot(q.arm_t, q.arm_n)
         return self.m * (hypot(ax, ay) + abs(spin_pull) * arm * self.m / self.J + z[2] ** 2 * arm)
@@ -254,7 +276,7 @@ class ContactScene:
         On a circle the length is a pendulum's, 1/κ_track − 1/κ_outline. Zero if nothing changes: for a disc on an
         endless line, whose forces are the same everywhere.
         """
-        q, (_, _, w, v) = self.place(z[0], z[1]), z
+        q, (_, _, w, v) = self.place(z[0], z[1]), self.absolute(t, z)
         along_track, along_outline = speeds(q, w, v)
         bends = [abs(q.bend_track * q.bend_outline / (q.bend_outline - q.bend_track))]
         frequencies = [abs(along_track) / self.grain]
@@ -263,8 +285,10 @@ class ContactScene:
             frequencies += [abs(w), abs(along_outline) / self.reach]
         if self.grain * abs(q.bend_track) < 1.0 - EVEN:
             bends.append(1.0 / self.grain)
+        if self.belt:
+            frequencies.append(sqrt(abs(self.surface(t)[1]) / self.reach))
         if self.load:
-            frequencies.append(self.free_pace(t, self.body(z, turns)))
+            frequencies.append(self.free_pace(t, self.body(t, z, turns)))
         return max(*frequencies, sqrt(self.scale(t, z, turns) / self.m * max(bends)))
 
     def free_pace(self, t: float, body) -> float:
@@ -426,5 +450,6 @@ def rates(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> 
     """Time derivatives of (ξ₁, ξ₂, ω, v)."""
     q = scene.place(z[0], z[1])
     forces = scene.forces(t, z, phase, turns)
-    along_track, along_outline = speeds(q, z[2], z[3])
+    _, _, w, v = scene.absolute(t, z)
+    along_track, along_outline = speeds(q, w, v)
     return np.array([along_track / q.P, along_outline / q.p, forces.spin_rate, forces.slip_rate])

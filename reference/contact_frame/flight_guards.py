@@ -82,7 +82,8 @@ def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
         return EndState("completed" if course.t >= course.end else IN_PROGRESS)
     xi1, xi2, turns = _unwind(course, path.touch)
     contact = frame(course.scene, path.touch.body, xi1, xi2)
-    return LandingState([xi1, xi2, path.touch.body[5], contact.slip], turns, contact.lift)
+    slip = contact.slip - course.scene.surface(course.t)[0]
+    return LandingState([xi1, xi2, path.touch.body[5], slip], turns, contact.lift)
 
 
 def land(course: MotionState, landing: LandingState, from_flight: bool = True) -> ContactState | FlightState | EndState:
@@ -126,7 +127,7 @@ def _press(course: MotionState, z, turns: int) -> float:
 
 def is_unresolved(course: MotionState, z, turns: int, lift: float) -> bool:
     """Whether a rebound with speed `lift` (m/s) rises no higher than a position's rounding."""
-    q, (x, y) = course.scene.place(z[0], z[1]), course.scene.body(z, turns)[:2]
+    q, (x, y) = course.scene.place(z[0], z[1]), course.scene.body(course.t, z, turns)[:2]
     return lift**2 <= 2.0 * _press(course, z, turns) * OVER * (abs(x) + abs(y) + hypot(q.arm_t, q.arm_n))
 
 
@@ -138,7 +139,9 @@ def leap(course: MotionState, z, turns: int, lift: float) -> ContactState | Flig
         return _settle(course, z, turns)
     pace = course.scene.pace(course.t, z, turns) + sqrt(max(press, 0.0) / course.scene.reach)
     leap = LiftOff(z, turns, lift, lasts, lasts * pace <= SHORT)
-    return FlightState(short_flights.body(course.scene, [*z, lift, 0.0], turns), (z[0], z[1]), leap)
+    return FlightState(
+        short_flights.body(course.scene, [*course.scene.absolute(course.t, z), lift, 0.0], turns), (z[0], z[1]), leap
+    )
 
 
 def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | EndState:
@@ -147,7 +150,7 @@ def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | 
     after = course.contact_state(z, turns)
     if after is None:
         return (
-            FlightState(course.scene.body(z, turns), (z[0], z[1]))
+            FlightState(course.scene.body(course.t, z, turns), (z[0], z[1]))
             if leaves(course.scene, course.t, z, turns)
             else EndState("paradox")
         )

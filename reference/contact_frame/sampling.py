@@ -7,13 +7,14 @@ from math import pi
 import numpy as np
 
 from cases import Case
-from cases.contact import pose
+from cases.contact import belt_speed, pose
 
 
-def bodies_in_contact(case: Case, z: np.ndarray, turns: int) -> np.ndarray:
-    """(x, y, θ, vx, vy, ω) of a plate in contact states (ξ₁, ξ₂, ω, v), shape (4, n); `turns` whole turns are added to
-    the angle given by (6)."""
+def bodies_in_contact(case: Case, times: np.ndarray, z: np.ndarray, turns: int) -> np.ndarray:
+    """(x, y, θ, vx, vy, ω) of a plate in contact states (ξ₁, ξ₂, ω, v), shape (4, n), at times (n,); `turns` whole
+    turns are added to the angle given by (6)."""
     xi1, xi2, w, v = z
+    v = v + belt_speed(case, times)
     x, y, theta = pose(case, xi1, xi2)
     tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
     vx = v * tangent[0] + w * (contact[1] - y)
@@ -44,7 +45,7 @@ class Record:
         if not inside.any():
             return
         self.states[:, inside] = z = z_at(self.times[inside])
-        self.motions[:, inside] = [*bodies_in_contact(self.case, z, turns), z[3]]
+        self.motions[:, inside] = [*bodies_in_contact(self.case, self.times[inside], z, turns), z[3]]
 
     def flight(self, start: float, end: float, body_at) -> None:
         """Record flight from `start` to `end`; `body_at` maps an array of times to (x, y, θ, vx, vy, ω)."""

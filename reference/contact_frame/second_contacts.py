@@ -42,7 +42,7 @@ class Overlaps:
         """Search a step; `z_at` maps times to (ξ₁, ξ₂, ω, v), shape (4, n). Raises TooManyRounds."""
 
         def bodies(times: np.ndarray) -> np.ndarray:
-            return bodies_in_contact(self.case, z_at(times), self.turns)
+            return bodies_in_contact(self.case, times, z_at(times), self.turns)
 
         motion, todo = Motion(bodies, np.array([start, end])), [(start, end, 0)]
         self.step = end - start

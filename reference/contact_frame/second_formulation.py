@@ -134,7 +134,7 @@ def _at_once(course: MotionState) -> None:
 
 def _turn(course: MotionState, now: ContactState | FlightState) -> float:
     """The period 2π/rate of the plate's own motion, s: the time in which it turns once, or moves as much."""
-    body = now.body if isinstance(now, FlightState) else course.scene.body(now.z, now.turns)
+    body = now.body if isinstance(now, FlightState) else course.scene.body(course.t, now.z, now.turns)
     pace = course.scene.free_pace(course.t, body)
     return 2 * pi / pace if pace > 0.0 else inf
 
@@ -168,7 +168,7 @@ def _off(course: MotionState, z, turns: int) -> FlightState | EndState:
     if course.case.effect(Flight) is None:
         return EndState("lift_off")
     course.last_xi1 = z[0]
-    return FlightState(course.scene.body(z, turns), (z[0], z[1]))
+    return FlightState(course.scene.body(course.t, z, turns), (z[0], z[1]))
 
 
 def _contact(course: MotionState, now: ContactState) -> ContactState | FlightState | EndState:

@@ -39,7 +39,7 @@ class Hop(NamedTuple):
 def body(scene: ContactScene, state, turns: int) -> list[float]:
     """(x, y, θ, vx, vy, ω) of a plate whose closest point is straight above the track."""
     *z, lift, gap = state
-    x, y, theta, vx, vy, w = scene.body(z, turns)
+    x, y, theta, vx, vy, w = scene.body_with(z, turns)
     q = scene.place(z[0], z[1])
     return [x - gap * q.ty, y + gap * q.tx, theta, vx - lift * q.ty, vy + lift * q.tx, w]
 
@@ -79,8 +79,8 @@ def hop(scene: ContactScene, t: float, z, turns: int, lift: float, estimate: flo
     # Absolute tolerances by the size of each variable in this hop; time in units of the estimated duration.
     sizes = np.array([1.0, 1.0, 1.0, 1.0, lift, lift * estimate])
     solution = solve_ivp(
-        scaled_rates, (0.0, LONGEST), [*z, lift, 0.0], method="DOP853", rtol=rtol, atol=1e-2 * rtol * sizes,
-        events=landing, max_step=0.5, dense_output=True,
+        scaled_rates, (0.0, LONGEST), [*scene.absolute(t, z), lift, 0.0],
+        method="DOP853", rtol=rtol, atol=1e-2 * rtol * sizes, events=landing, max_step=0.5, dense_output=True,
     )  # fmt: skip
     if not len(solution.t_events[0]):
         return None
@@ -88,5 +88,6 @@ def hop(scene: ContactScene, t: float, z, turns: int, lift: float, estimate: flo
     def bodies(since: np.ndarray) -> np.ndarray:
         return np.array([body(scene, state, turns) for state in solution.sol(since / estimate).T]).T
 
-    last = solution.y[:, -1]
-    return Hop(estimate * float(solution.t[-1]), last[:4].tolist(), float(last[4]), bodies)
+    duration, last = estimate * float(solution.t[-1]), solution.y[:, -1]
+    xi1, xi2, w, v = last[:4].tolist()
+    return Hop(duration, [xi1, xi2, w, v - scene.surface(t + duration)[0]], float(last[4]), bodies)

@@ -142,8 +142,8 @@ class Bounces:
         assert self.last is not None
         landing, after = self.last.landing, self.last.after
         first, last = (
-            tuple(map(float, in_flight(self.case, (place.xi1, place.xi2), touch.slip, touch.omega, touch.lift)))
-            for place, touch in ((landing, after), (limit, limit.touch))
+            tuple(map(float, in_flight(self.case, at.time, (at.xi1, at.xi2), touch.slip, touch.omega, touch.lift)))
+            for at, touch in ((landing, after), (limit, limit.touch))
         )
         times, states = np.array([landing.time, limit.time]), _Straight(landing.time, limit.time, first, last)
         return Segment.of(flight, times, states, Event(None, limit.time, last), 0)

@@ -13,14 +13,15 @@ from typing import ClassVar, NamedTuple
 
 import sympy as sp
 
-from cases import Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
+from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.derivation import in_one_thread
 from cases.effects import MOTION, checked_quantities
 from cases.expression_graph import ONE, ZERO, Node, from_sympy, sqrt, substitute, symbol
 from cases.expressions import constants, lift_constants
+from cases.moving_surface import TIME
 from cases.slip_laws import SLIP_SPEED
 
-from .elimination import GYRATION, Elimination
+from .elimination import GYRATION, Elimination, Surface
 
 GX, GY, MASS = map(symbol, ("gx", "gy", "m"))
 # Friction force per normal force (the paper's μ of (30) with its sign), sign of the slip, sign of the normal force,
@@ -76,6 +77,37 @@ class AppliedLoad:
         load = case.effect(Load)
         assert load is not None
         return {f"load_c{i}": value for i, value in enumerate(constants(load.expression))}
+
+
+# --- surface ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class FixedSurface:
+    """A surface at rest."""
+
+    surface: ClassVar[Surface] = Surface(ZERO, ZERO)
+
+    def values(self, case: Case) -> dict[str, float]:
+        return {}
+
+
+@dataclass(frozen=True)
+class RunningSurface(FixedSurface):
+    """A belt: its speed with its constants lifted, so that belts that differ in numbers share one system."""
+
+    formula: sp.Expr
+    sizes: tuple[sp.Symbol, ...]
+
+    @property
+    def surface(self) -> Surface:  # type: ignore[override]
+        names = {s: symbol(f"belt_{s.name}") for s in self.sizes}
+        return Surface(*(from_sympy(e, names) for e in (self.formula, sp.diff(self.formula, TIME))))
+
+    def values(self, case: Case) -> dict[str, float]:
+        belt = case.effect(Belt)
+        assert belt is not None
+        return {f"belt_c{i}": value for i, value in enumerate(constants([belt.expression]))}
 
 
 # --- friction ---------------------------------------------------------------------------------------------------------
@@ -209,6 +241,12 @@ class Laws(NamedTuple):
     friction: Frictionless
     resistance: NoResistance
     unilateral: bool
+    belt: FixedSurface = FixedSurface()
+
+    @property
+    def surface(self) -> Surface:
+        """The speed of the track's surface, and its rate."""
+        return _surface(self.belt)
 
     @property
     def depends_on_side(self) -> bool:
@@ -240,14 +278,15 @@ class Laws(NamedTuple):
 @lru_cache(maxsize=1024)
 def laws(case: Case) -> Laws:
     """The contributions of the case's effects to the equations."""
-    load, friction = case.effect(Load), case.effect(CoulombFriction)
+    load, friction, belt = case.effect(Load), case.effect(CoulombFriction), case.effect(Belt)
+    kinds = frozenset(type(effect) for effect in case.effects)
     mu = friction.mu if friction and friction.by_speed else None
-    return _laws(frozenset(type(effect) for effect in case.effects), load.expression if load else None, mu)
+    return _laws(kinds, load.expression if load else None, mu, belt.expression if belt else None)
 
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None, mu: sp.Expr | None) -> Laws:
+def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None, mu: sp.Expr | None, belt: sp.Expr | None) -> Laws:
     loads: list[Weight | AppliedLoad] = [Weight()] if Gravity in kinds else []
     if load is not None:
         loads.append(AppliedLoad(*lift_constants(load)))
@@ -256,7 +295,17 @@ def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None, mu: sp.Expr 
         (formula,), sizes = lift_constants([mu])
         friction = CoulombBySpeed(formula, sizes)
     resistance = LeverArm() if RollingResistance in kinds else NoResistance()
-    return Laws(tuple(loads), friction, resistance, Unilateral in kinds)
+    surface = FixedSurface()
+    if belt is not None:
+        (formula,), sizes = lift_constants((belt,))
+        surface = RunningSurface(formula, sizes)
+    return Laws(tuple(loads), friction, resistance, Unilateral in kinds, surface)
+
+
+@lru_cache(maxsize=256)
+@in_one_thread
+def _surface(belt: FixedSurface) -> Surface:
+    return belt.surface
 
 
 @lru_cache(maxsize=256)

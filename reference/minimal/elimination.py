@@ -48,6 +48,13 @@ class Elimination(NamedTuple):
     free_approach: Any  # what the normal force balances: how fast the contact would close without any force in it
 
 
+class Surface(NamedTuple):
+    """The speed of the track's surface along the track, and its rate: both zero but for a belt."""
+
+    speed: Node
+    rate: Node
+
+
 class Torsor(NamedTuple):
     """The applied force in the frame of the contact and its moment about the centre of mass, per mass."""
 
@@ -75,7 +82,7 @@ def _rates(f: Frame, h: Frame, u1, u2, omega):
     return along, C_t, short(C_n), short(C_3)
 
 
-def sliding(f: Frame, h: Frame, force: Torsor, ratio, resistance) -> Elimination:
+def sliding(f: Frame, h: Frame, force: Torsor, belt: Surface, ratio, resistance) -> Elimination:
     """(27) with one multiplier: friction is `ratio` and the couple `resistance` times the normal force."""
     omega = spin(f, h, U1, U2)
     along, C_t, C_n, C_3 = _rates(f, h, U1, U2, omega)
@@ -84,27 +91,28 @@ def sliding(f: Frame, h: Frame, force: Torsor, ratio, resistance) -> Elimination
     free_approach = _free_approach(h, force, C_n)
     omega_dot = (force.moment + NORMAL * lever) / GYRATION
     last = resistance * NORMAL, inverse_mass, free_approach
-    motion = _slipping(f, h, force, ratio, (omega, omega_dot), (along, C_t, C_3), last)
+    motion = _slipping(f, h, force, belt, ratio, (omega, omega_dot), (along, C_t, C_3), last)
     return _with_normal_force(motion, free_approach / inverse_mass)
 
 
-def translating(f: Frame, h: Frame, force: Torsor, ratio) -> Elimination:
+def translating(f: Frame, h: Frame, force: Torsor, belt: Surface, ratio) -> Elimination:
     """(27) with one multiplier and the row ω̇ = 0: the plate slips without turning; the couple follows from that."""
     along, C_t, C_n, C_3 = _rates(f, h, U1, U2, ZERO)
     couple = -force.moment - NORMAL * short(h.ht - h.hn * ratio)
     last = couple, ONE, _free_approach(h, force, C_n)
-    motion = _slipping(f, h, force, ratio, (ZERO, ZERO), (along, C_t, C_3), last)
+    motion = _slipping(f, h, force, belt, ratio, (ZERO, ZERO), (along, C_t, C_3), last)
     return _with_normal_force(motion, C_n - force.n)
 
 
-def _slipping(f: Frame, h: Frame, force: Torsor, ratio, spins, rates, last) -> Elimination:
+def _slipping(f: Frame, h: Frame, force: Torsor, belt: Surface, ratio, spins, rates, last) -> Elimination:
     """ξ̈₁ and ξ̈₂ of a plate that slips, from its normal force and its spin."""
     (omega, omega_dot), (along, C_t, C_3) = spins, rates
     sigma = force.t + ratio * NORMAL - omega_dot * h.hn - C_t  # ξ̈₁ P − ξ̈₂ p, the t-component
     u1_dot, u2_dot = _accelerations(f, h, C_3 / (f.P * h.P) + omega_dot, sigma)
-    slip = U1 * f.P - U2 * h.P
+    slip = U1 * f.P - U2 * h.P - belt.speed
     friction = ratio * NORMAL
-    return Elimination(u1_dot, u2_dot, NORMAL, friction, short(omega), omega_dot, slip, sigma + along, *last)
+    slip_dot = sigma + along - belt.rate
+    return Elimination(u1_dot, u2_dot, NORMAL, friction, short(omega), omega_dot, slip, slip_dot, *last)
 
 
 def _accelerations(f: Frame, h: Frame, turn: Node, sigma: Node) -> tuple[Node, Node]:
@@ -123,19 +131,26 @@ def _with_normal_force(motion: Elimination, normal: Node) -> Elimination:
     return Elimination(*substitute(motion, {NORMAL: normal}))
 
 
-def rolling(f: Frame, h: Frame, force: Torsor, resistance) -> Elimination:
+def rolling_speed(f: Frame, h: Frame, belt: Surface) -> Node:
+    """ξ̇₂ of a plate whose point moves with the surface: v = 0 in (12)."""
+    return U1 * (f.P / h.P) - belt.speed / h.P
+
+
+def rolling(f: Frame, h: Frame, force: Torsor, belt: Surface, resistance) -> Elimination:
     """(27) with the tangential multiplier and the rolling row; ξ̇₂ follows from v = 0."""
-    u2 = U1 * (f.P / h.P)
+    u2 = rolling_speed(f, h, belt)
     omega = spin(f, h, U1, u2)
     along, _, C_n, C_3 = _rates(f, h, U1, u2, omega)
     # Moments about the contact: neither multiplier appears, except in the couple that is proportional to the normal
     # force.
-    moment = short(force.moment + (h.ht + resistance) * (C_n - force.n) - h.hn * (omega**2 * h.ht - force.t))
+    moment = short(
+        force.moment + (h.ht + resistance) * (C_n - force.n) - h.hn * (omega**2 * h.ht - force.t + belt.rate)
+    )
     inertia = GYRATION + h.ht**2 + h.hn**2
     omega_dot = moment / short(inertia + resistance * h.ht)
-    u1_dot, u2_dot = _accelerations(f, h, C_3 / (f.P * h.P) + omega_dot, -along)
+    u1_dot, u2_dot = _accelerations(f, h, C_3 / (f.P * h.P) + omega_dot, belt.rate - along)
     N = C_n - omega_dot * h.ht - force.n
-    friction = omega**2 * h.ht + omega_dot * h.hn - force.t
+    friction = omega**2 * h.ht + omega_dot * h.hn - force.t + belt.rate
     inverse_mass = short(1 + resistance * h.ht / inertia)
     free_approach = _free_approach(h, force, C_n)
     return Elimination(
@@ -149,3 +164,19 @@ def resting(h: Frame, force: Torsor) -> Elimination:
     return Elimination(
         ZERO, ZERO, -force.n, -force.t, ZERO, ZERO, ZERO, ZERO, couple, ONE, _free_approach(h, force, ZERO)
     )
+
+
+def carried_speeds(f: Frame, h: Frame, belt: Surface) -> tuple[Node, Node]:
+    """ξ̇₁ and ξ̇₂ of a plate that a belt carries without rotation: v = 0 in (12) and ω = 0 in (9)."""
+    bend = h.curvature - f.curvature
+    return belt.speed * h.curvature / (f.P * bend), belt.speed * f.curvature / (h.P * bend)
+
+
+def carried(f: Frame, h: Frame, force: Torsor, belt: Surface) -> Elimination:
+    """(27) with the rows v̇ = 0 and ω̇ = 0 on a belt."""
+    u1, u2 = carried_speeds(f, h, belt)
+    along, _, C_n, C_3 = _rates(f, h, u1, u2, ZERO)
+    u1_dot, u2_dot = _accelerations(f, h, C_3 / (f.P * h.P), belt.rate - along)
+    N, friction = C_n - force.n, belt.rate - force.t
+    couple = friction * h.hn - N * h.ht - force.moment
+    return Elimination(u1_dot, u2_dot, N, friction, ZERO, ZERO, ZERO, ZERO, couple, ONE, _free_approach(h, force, C_n))

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, DoesNotFit, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
-from cases.contact import pose, start_motion
+from cases.contact import belt_speed, pose, start_motion
 
 from .bouncing import Bounces
 from .curve_pieces import TooMuch
@@ -27,6 +27,7 @@ from .modes import (
     Regime,
     able,
     candidates,
+    carried,
     full_state,
     in_contact,
     in_flight,
@@ -217,9 +218,9 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
         return Step((segment,), t)
     across = over_touch(segment, error, case.duration) if guard == "normal_force" else None
     if across:
-        t, y = across.event.time, full_state(case, now, across.event.state)
+        t, y = across.event.time, full_state(case, now, t, across.event.state)
         return Step((segment, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
-    y = full_state(case, now, segment.event.state)
+    y = full_state(case, now, t, segment.event.state)
     if (knot := passed(case, segment, y)) is not None:
         return _beyond_knot(case, segment, *knot)
     if guard in ENDS:
@@ -229,9 +230,10 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
     if guard == BREAKDOWN:
         return Step((segment,), t, ending=_breakdown(now, segment))
     if guard == "slip":
-        y = (*y[:3], without_slip(case, *y[:3]), *y[4:])
+        y = (*y[:3], without_slip(case, t, *y[:3]), *y[4:])
         if now.regime.turn == 0:
-            y = (*y[:2], 0.0, 0.0, *y[4:])
+            u1 = carried(case, t, y[0], y[1])
+            y = (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
     if guard == "turn":
         y = without_turning(case, y)
     following = _following(case, now.regime, guard, t, y)
@@ -268,7 +270,7 @@ def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[flo
     following = decide(case, t, y, LOCATION_ERROR, able(case, slip, turn))
     if following is None:
         # A motion that began a rounding ago and ends with the event does not continue.
-        slips, turns = senses(case, y, *slip_and_spin(case, y), LOCATION_ERROR)
+        slips, turns = senses(case, t, y, *slip_and_spin(case, t, y), LOCATION_ERROR)
         following = decide(case, t, y, LOCATION_ERROR, able(case, slip * abs(slips), turn * abs(turns)))
     return following
 
@@ -290,17 +292,17 @@ def _leave(
     """The step if no contact follows: flight, or the end of the motion."""
     ending = _nothing_follows(case, t, y, error)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
-        slip, omega = slip_and_spin(case, y)
-        return Step(segments, t, (y[0], y[1]), guard, in_flight(case, y, slip, omega, 0.0), FLIGHT)
+        slip, omega = slip_and_spin(case, t, y)
+        return Step(segments, t, (y[0], y[1]), guard, in_flight(case, t, y, slip, omega, 0.0), FLIGHT)
     return Step(segments, t, (y[0], y[1]), guard, ending=ending)
 
 
-def slip_and_spin(case: Case, y: Sequence[float]) -> tuple[float, float]:
-    """Slip velocity (12) and spin (9) of a full state in contact."""
+def slip_and_spin(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:
+    """Slip velocity (12), relative to a belt, and spin (9) of a full state in contact at time t."""
     along_track = y[2] * float(case.track.speed(y[0]))
     along_outline = y[3] * float(case.plate.outline.speed(y[1]))
     bends = float(case.track.curvature(y[0])), float(case.plate.outline.curvature(y[1]))
-    return along_track - along_outline, bends[0] * along_track - bends[1] * along_outline
+    return along_track - along_outline - belt_speed(case, t), bends[0] * along_track - bends[1] * along_outline
 
 
 def _breakdown(now: Phase, segment: Segment) -> Ending:
@@ -421,7 +423,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     after = collide(law, touch)
     if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
         return Step(path, landing.time, place, "landing", ending=ENERGY)
-    y = in_contact(case, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
+    y = in_contact(case, landing.time, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
     pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
     if none or after.lift <= 0.0:
         bounces.no_rebound()
@@ -436,7 +438,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
         return _rest(case, with_rest, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest", False)
     if is_unresolved:
         return _rest(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), "rest", is_listed)
-    aloft = in_flight(case, y, after.slip, after.omega, after.lift)
+    aloft = in_flight(case, landing.time, y, after.slip, after.omega, after.lift)
     return Step(path, landing.time, place, "landing", aloft, FLIGHT, is_listed=is_listed)
 
 
@@ -451,8 +453,8 @@ def _rest(
     case: Case, segments, t: float, place, theta: float, touch: ContactVelocity, cause: str, is_listed: bool
 ) -> Step:
     """The step of a contact that neither opens nor closes: the mode that follows, or else flight."""
-    y = in_contact(case, place[0], place[1], touch.slip, touch.omega, theta)
-    moves = senses(case, y, touch.slip, touch.omega, LOCATION_ERROR)
+    y = in_contact(case, t, place[0], place[1], touch.slip, touch.omega, theta)
+    moves = senses(case, t, y, touch.slip, touch.omega, LOCATION_ERROR)
     following = decide(case, t, y, LOCATION_ERROR, able(case, *moves))
     if following:
         return Step(segments, t, place, cause, y, following)

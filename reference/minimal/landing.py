@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Load
-from cases.contact import Contact, pose
+from cases.contact import Contact, belt_speed, pose
 from cases.overlap import span
 
 from .boxes import Cores
@@ -275,6 +275,7 @@ class Landings:
             rates = segment.phase.system.rates_of_numbers(look.time, now, segment.phase.parameters)
             now = [value + look.beyond * rate for value, rate in zip(now, rates, strict=True)]
         at, arm_t, arm_n = touch(self.case, now, look.contact)
+        at = at._replace(slip=at.slip - belt_speed(self.case, look.time))
         return Landing(look.time, *_with_turns(self.case, look.contact, now[2], near), now[2], at, arm_t, arm_n)
 
 

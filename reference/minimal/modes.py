@@ -14,8 +14,8 @@ from functools import lru_cache
 from math import copysign
 from typing import NamedTuple
 
-from cases import Case, Curve, Load, Mode, Plate, Start
-from cases.contact import pose, start_motion, velocity
+from cases import Belt, Case, Curve, Load, Mode, Plate, Start
+from cases.contact import belt_speed, pose, start_motion, velocity
 from cases.features import Features
 from cases.pieces import CurvePart
 
@@ -109,17 +109,17 @@ def _able(law: Laws, slip: float, turn: float) -> tuple[Regime, ...]:
     )
 
 
-def senses(case: Case, y: Sequence[float], slip: float, omega: float, error: float) -> tuple[float, float]:
+def senses(case: Case, t: float, y: Sequence[float], slip: float, omega: float, error: float) -> tuple[float, float]:
     """The signs of slip and spin of a full state in contact; 0 if the value is below the state's error.
 
-    The state contains slip (12) and spin (9) as differences of the contact point's two speeds, the latter weighted by
-    the curvatures; the speeds have the relative `error`.
+    The state contains slip (12) and spin (9) as differences of the contact point's two speeds (and a belt's), the
+    latter weighted by the curvatures; the speeds have the relative `error`.
     """
     if not slip and not omega:
         return 0.0, 0.0
     along = abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1]))
     bends = abs(float(case.track.curvature(y[0]))), abs(float(case.plate.outline.curvature(y[1])))
-    slips = abs(slip) > error * max(along)
+    slips = abs(slip) > error * max(*along, abs(belt_speed(case, t)))
     turns = abs(omega) > error * max(along[0] * bends[0], along[1] * bends[1])
     return (copysign(1.0, slip) if slips else 0.0), (copysign(1.0, omega) if turns else 0.0)
 
@@ -154,7 +154,7 @@ def _make_phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
         parameters = parameter_values(case, {}, equations, track, outline)
-        features = _features(case.effect(Load))
+        features = _features(case.effect(Load), None)
         checks, rows = bool(equations.load_quantities), tuple(range(6))
         return Phase(regime, equations, parameters, size, (size, size, 1.0), rows, case, features, checks)
     equations = contact_system(case, regime.kind, track, outline)
@@ -164,7 +164,7 @@ def _make_phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
     values |= law.resistance.values(case, regime.turn, regime.side)
     lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
     parameters = parameter_values(case, values, equations, track, outline)
-    features = _features(case.effect(Load), track, outline)
+    features = _features(case.effect(Load), case.effect(Belt), track, outline)
     checks = bool(equations.load_quantities)
     return Phase(regime, equations, parameters, size, lengths, _places(equations), case, features, checks, parts)
 
@@ -183,9 +183,12 @@ def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, fl
 
 
 @lru_cache(maxsize=1024)
-def _features(load: Load | None, *curves: Curve | CurvePart) -> tuple[tuple[int | None, Features], ...]:
-    """The features that no step may pass over: of a load and, in contact, of track and outline, if they have any."""
-    all_features: list[tuple[int | None, Features | None]] = [(None, load.features if load else None)]
+def _features(
+    load: Load | None, belt: Belt | None, *curves: Curve | CurvePart
+) -> tuple[tuple[int | None, Features], ...]:
+    """The features that no step may pass over: of a load and, in contact, of a belt, track and outline, if they have
+    any."""
+    all_features: list[tuple[int | None, Features | None]] = [(None, e.features if e else None) for e in (load, belt)]
     all_features += [(row, curve.features) for row, curve in enumerate(curves)]
     return tuple((row, feature) for row, feature in all_features if feature is not None and not feature.plain)
 
@@ -195,19 +198,30 @@ def state_in(phase: Phase, y: Sequence[float]) -> tuple[float, ...]:
     return tuple([y[place] for place in phase.places])
 
 
-def full_state(case: Case, phase: Phase, y: Sequence[float]) -> tuple[float, ...]:
-    """A mode's own variables as the full state."""
+def full_state(case: Case, phase: Phase, t: float, y: Sequence[float]) -> tuple[float, ...]:
+    """A mode's own variables at time t as the full state."""
     if phase.regime.mode is Mode.FLIGHT:
         return tuple(float(v) for v in y)
     values = dict(zip(phase.places, map(float, y), strict=True))
-    xi1, xi2, u1 = values[0], values[1], values.get(2, 0.0)
-    u2 = values[3] if 3 in values else without_slip(case, xi1, xi2, u1)
+    xi1, xi2 = values[0], values[1]
+    u1 = values[2] if 2 in values else carried(case, t, xi1, xi2)
+    u2 = values[3] if 3 in values else without_slip(case, t, xi1, xi2, u1)
     return (xi1, xi2, u1, u2, values[4]) if 4 in values else (xi1, xi2, u1, u2)
 
 
-def without_slip(case: Case, xi1: float, xi2: float, u1: float) -> float:
+def without_slip(case: Case, t: float, xi1: float, xi2: float, u1: float) -> float:
     """ξ̇₂ of a plate that does not slip: v = 0 in (12)."""
-    return u1 * float(case.track.speed(xi1)) / float(case.plate.outline.speed(xi2))
+    along = u1 * float(case.track.speed(xi1))
+    if case.effect(Belt) is not None:
+        along -= belt_speed(case, t)
+    return along / float(case.plate.outline.speed(xi2))
+
+
+def carried(case: Case, t: float, xi1: float, xi2: float) -> float:
+    """ξ̇₁ of a plate that neither slips nor turns: 0 but on a belt."""
+    if case.effect(Belt) is None:
+        return 0.0
+    return float(velocity(case, xi1, xi2, belt_speed(case, t), 0.0).xi1_dot)
 
 
 def without_turning(case: Case, y: Sequence[float]) -> tuple[float, ...]:
@@ -226,14 +240,17 @@ def start_state(case: Case) -> tuple[float, ...]:
     return start.xi1, start.xi2, start.xi1_dot, start.xi2_dot, *angle
 
 
-def in_contact(case: Case, xi1: float, xi2: float, slip: float, omega: float, theta: float) -> tuple[float, ...]:
-    """The full state of a contact with that slip and spin."""
-    motion = velocity(case, xi1, xi2, slip, omega)
+def in_contact(
+    case: Case, t: float, xi1: float, xi2: float, slip: float, omega: float, theta: float
+) -> tuple[float, ...]:
+    """The full state of a contact with that slip and spin at time t."""
+    motion = velocity(case, xi1, xi2, slip + belt_speed(case, t), omega)
     return (xi1, xi2, motion.xi1_dot, motion.xi2_dot, *((theta,) if laws(case).needs_angle else ()))
 
 
-def in_flight(case: Case, y: Sequence[float], slip: float, omega: float, lift: float) -> tuple[float, ...]:
+def in_flight(case: Case, t: float, y: Sequence[float], slip: float, omega: float, lift: float) -> tuple[float, ...]:
     """The full state of flight that begins at a contact's place with its slip, spin and `lift`, Start's gap_rate."""
+    slip += belt_speed(case, t)
     x, y0, theta = (float(v) for v in pose(case, y[0], y[1]))
     (tx, ty), (X, Y) = case.track.tangent(y[0]), case.track.point(y[0])
     vx = slip * tx - lift * ty + omega * (Y - y0)

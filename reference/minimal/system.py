@@ -40,10 +40,14 @@ from .elimination import (
     X1,
     X2,
     Elimination,
+    Surface,
     T,
     Torsor,
+    carried,
+    carried_speeds,
     resting,
     rolling,
+    rolling_speed,
     sliding,
     spin,
     translating,
@@ -308,14 +312,19 @@ def _in_contact(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Ki
 def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:
     f = frame(track, X1, "track_")
     h = frame(outline, X2, "outline_")
-    pose = _motion(f, h, kind)
+    belt = law.surface
+    runs = belt.speed is not ZERO
+    speeds = _speeds(f, h, belt, kind)
+    pose = _motion(f, h, belt, kind, speeds)
     force = _force(f, law, pose)
-    if kind.holds:
-        motion = translating(f, h, force, law.friction.ratio) if kind.slips else resting(h, force)
+    if kind.holds and not kind.slips:
+        motion = carried(f, h, force, belt) if runs else resting(h, force)
+    elif kind.holds:
+        motion = translating(f, h, force, belt, law.friction.ratio)
     elif kind.slips:
-        motion = sliding(f, h, force, law.friction.ratio, law.resistance.couple)
+        motion = sliding(f, h, force, belt, law.friction.ratio, law.resistance.couple)
     else:
-        motion = rolling(f, h, force, law.resistance.couple)
+        motion = rolling(f, h, force, belt, law.resistance.couple)
     motion = law.friction.with_law(motion, law.side) if kind.slips else motion
     conditions = law.friction.conditions(kind.slips, motion, law.side)
     conditions |= law.resistance.conditions(kind.holds, motion, law.side)
@@ -326,10 +335,9 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     velocities = {"slip": SIGMA * motion.slip_dot, "turn": TURN * motion.omega_dot * sqrt(GYRATION)}
     positions = (X1, X2, *([THETA] if law.needs_angle else []))
     variables = (*positions, *_STATES[kind])
-    u2 = U2 if kind.slips else U1 * (f.P / h.P)
-    rate_of = {X1: U1, X2: u2, THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
-    rests = not _STATES[kind]
-    rates = tuple(ZERO if rests else rate_of[v] for v in variables)
+    rate_of = {X1: speeds[0], X2: speeds[1], THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
+    rests = not _STATES[kind] and not runs
+    rates = tuple(rate_of[v] for v in variables)
     moving = {T} if rests else {*variables, T}
     limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
@@ -349,13 +357,18 @@ def _checked(law: Laws, motion: Elimination, pose: dict[Node, Node], kind: Kind)
     return (*by_friction, *by_load[:-LOAD_FORCES], MASS * motion.friction, *forces), 1 + LOAD_FORCES
 
 
-def _motion(f: Frame, h: Frame, kind: Kind) -> dict[Node, Node]:
+def _speeds(f: Frame, h: Frame, belt: Surface, kind: Kind) -> tuple[Node, Node]:
+    """ξ̇₁ and ξ̇₂ in terms of the contact's state."""
+    if kind.slips:
+        return U1, U2
+    return carried_speeds(f, h, belt) if kind.holds else (U1, rolling_speed(f, h, belt))
+
+
+def _motion(f: Frame, h: Frame, belt: Surface, kind: Kind, speeds: tuple[Node, Node]) -> dict[Node, Node]:
     """Pose and velocities of the plate, the arguments of a load, in terms of the contact's state."""
-    u1, u2 = (U1, U2) if kind.slips else (U1, U1 * (f.P / h.P))
-    rests = not _STATES[kind]
-    omega = ZERO if kind.holds else spin(f, h, u1, u2)
-    slip = U1 * f.P - U2 * h.P if kind.slips else ZERO
-    along, across = (ZERO, ZERO) if rests else (slip + omega * h.hn, -omega * h.ht)
+    omega = ZERO if kind.holds else spin(f, h, *speeds)
+    point = U1 * f.P - U2 * h.P if kind.slips else belt.speed
+    along, across = point + omega * h.hn, -omega * h.ht
     _, x, y, _, vx, vy, w = _MOTION
     return {
         x: f.x - h.ht * f.tx + h.hn * f.ty,  # the centre is the contact minus the arm (5)
@@ -406,8 +419,8 @@ def parameter_values(
     """The runtime parameters in the system's order: those of parts of the case's curves, the case's own, the mode's
     `values`, by name, and the system's constants."""
     numbers = _sizes(track, outline, case.plate) | values
-    for load in laws(case).loads:
-        numbers |= load.values(case)
+    for part in (*laws(case).loads, laws(case).belt):
+        numbers |= part.values(case)
     parameters = [numbers[name] for name in system.names]
     with np.errstate(all="ignore"):  # a constant without a value is NaN, as it is on arrays
         constants = system.constants_of_arrays([np.float64(value) for value in parameters]) if system.constants else ()

@@ -25,7 +25,7 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Gravity, Load, Mode, RollingResistance
 
-from .kinematics import I2, Kinematics, U, kinematics, slip_velocity
+from .kinematics import I2, Kinematics, U, belt_of, kinematics, slip_velocity
 
 # (30): the friction coefficient's sign is opposite to the slip velocity's.
 SIGN = {Mode.SLIP_FORWARD: -1.0, Mode.SLIP_BACKWARD: +1.0}
@@ -126,12 +126,20 @@ def constraints(k: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return B, D, C
 
 
-def rolling_row(k: Kinematics) -> tuple[np.ndarray, float]:
-    """R_pᵀ v = 0 with v of (12), differentiated: coefficients of q̈₂, shape (2,), and the right-hand side."""
+def rolling_row(k: Kinematics, belt: tuple[float, float] = (0.0, 0.0)) -> tuple[np.ndarray, float]:
+    """R_pᵀ v = |R_p| b with v of (12), differentiated: coefficients of q̈₂, shape (2,), and the right-hand side.
+
+    `belt` is the speed b of the track's surface (m/s) and its rate; (27) changes only on this row's right-hand side, by
+    d(|R_p| b)/dt = |R_p| ḃ + b ξ̇₁ R_pᵀ R_s/|R_p|.
+    """
     rp = k.turn @ k.rp
     u1, u2 = k.q_dot
     S_dot = u1 * (k.Rs @ rp) + k.Rp @ (k.theta_dot * (U @ rp) + u2 * (k.turn @ k.rs))
-    return np.array([k.Rp @ k.Rp, -(k.Rp @ rp)]), u2 * S_dot - 2 * u1**2 * (k.Rp @ k.Rs)
+    right = u2 * S_dot - 2 * u1**2 * (k.Rp @ k.Rs)
+    if belt != (0.0, 0.0):
+        P = np.hypot(*k.Rp)
+        right += P * belt[1] + belt[0] * u1 * (k.Rp @ k.Rs) / P
+    return np.array([k.Rp @ k.Rp, -(k.Rp @ rp)]), right
 
 
 # --- (27) -------------------------------------------------------------------------------------------------------------
@@ -154,7 +162,8 @@ def assemble(
     case: Case, mode: Mode, k: Kinematics, motion: Sequence[float], side: int = 1, turn: int | None = None
 ) -> AugmentedSystem:
     """Assemble (27) from given kinematics, whether or not they fit the contact; `motion` as in `applied_torsor`."""
-    ratio = _friction_ratio(case, mode, side, k)
+    belt = belt_of(case, motion[0])
+    ratio = _friction_ratio(case, mode, side, slip_velocity(k, belt[0]))
     arm, rotation_fixed = _resistance(case, mode, side, turn, k)
     rolls = mode in WITHOUT_SLIP
     size = 6 + rolls + rotation_fixed
@@ -164,22 +173,22 @@ def assemble(
     matrix[:3, 5:6] = -sliding_column(k, ratio, arm)
     if rolls:
         matrix[:3, 6:7] = -tangential_column(k)
-        matrix[6, 3:5], right[6] = rolling_row(k)
+        matrix[6, 3:5], right[6] = rolling_row(k, belt)
     if rotation_fixed:
         matrix[2, -1], matrix[-1, 2] = -1.0, 1.0
     return AugmentedSystem(matrix, right, k, ratio, arm, rolls, rotation_fixed)
 
 
-def _friction_ratio(case: Case, mode: Mode, side: int, k: Kinematics) -> float:
+def _friction_ratio(case: Case, mode: Mode, side: int, slip: float) -> float:
     """μ of (30): against the slip, by the magnitude of the normal force; 0 without slip or friction.
 
-    A coefficient that depends on the slip speed is μ(|v|) with v of (12), smooth where an integrator's stage passes
-    v = 0.
+    A coefficient that depends on the slip speed is μ(|v|) with v of (12), relative to a belt; it is smooth where an
+    integrator's stage passes v = 0.
     """
     friction = case.effect(CoulombFriction)
     if friction is None or mode not in SIGN:
         return 0.0
-    mu = friction.at(-SIGN[mode] * slip_velocity(k)) if friction.by_speed else friction.mu
+    mu = friction.at(-SIGN[mode] * slip) if friction.by_speed else friction.mu
     return SIGN[mode] * side * mu
 
 

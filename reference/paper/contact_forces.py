@@ -2,7 +2,7 @@
 
 A trajectory has thousands of samples between its steps, and their arithmetic takes a tenth of the time of separate
 NumPy calls. Products of matrices stay products of matrices, so that rounding is the same as in `augmented`. Only for
-contacts without load and rolling resistance, whose matrices have one size and whose torsor is the same, and for a
+contacts without load, belt and rolling resistance, whose matrices have one size and whose torsor is the same, and for a
 constant coefficient of friction.
 """
 
@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Load, Mode, RollingResistance
+from cases import Belt, Case, CoulombFriction, Load, Mode, RollingResistance
 
 from .augmented import fill
 from .kinematics import I2, U
@@ -33,7 +33,7 @@ def fits(case: Case) -> bool:
     """Whether `contacts` covers all forces on the case's plate."""
     friction = case.effect(CoulombFriction)
     constant = friction is None or not friction.by_speed
-    return constant and case.effect(Load) is None and case.effect(RollingResistance) is None
+    return constant and all(case.effect(kind) is None for kind in (Belt, Load, RollingResistance))
 
 
 def contacts(case: Case, mode: Mode, states: Sequence[Sequence[float]], side: int = 1) -> Contacts:

@@ -10,7 +10,7 @@ from math import atan2, cos, sin
 
 import numpy as np
 
-from cases import Case
+from cases import Belt, Case
 
 U = np.array([[0.0, -1.0], [1.0, 0.0]])  # (4)
 I2 = np.eye(2)  # (4)
@@ -66,6 +66,14 @@ def slip_vector_of_plate(k: Kinematics) -> np.ndarray:
     return k.R0_dot + k.theta_dot * (U @ k.turn @ k.r)
 
 
-def slip_velocity(k: Kinematics) -> float:
-    """The slip velocity R_pᵀ v / |R_p|, whose sign is used in (13) and (14), in m/s."""
-    return float(k.Rp @ slip_vector(k) / np.hypot(*k.Rp))
+def slip_velocity(k: Kinematics, belt: float = 0.0) -> float:
+    """The slip velocity R_pᵀ v / |R_p|, whose sign is used in (13) and (14), in m/s; relative to a surface that runs
+    with the speed `belt` along R_p."""
+    return float(k.Rp @ slip_vector(k) / np.hypot(*k.Rp)) - belt
+
+
+def belt_of(case: Case, time: float) -> tuple[float, float]:
+    """The speed of the track's surface along R_p (m/s) at a time (s), and its rate (m/s²): 0 without Belt."""
+    belt = case.effect(Belt)
+    speed, rate = belt.at(time) if belt else (0.0, 0.0)
+    return speed, rate

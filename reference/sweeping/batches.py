@@ -328,7 +328,7 @@ class _Wave:
             self.now[i] = _ALONE
             return
         indices, t, last = np.array([i]), np.array([step.time]), step.segments[-1].event.state
-        y = np.array(step.state or hybrid.full_state(case, now, last))[:, None]
+        y = np.array(step.state or hybrid.full_state(case, now, step.time, last))[:, None]
         self.steps[i] += sum(segment.steps for segment in step.segments)
         if step.ending is hybrid.LIFT_OFF:
             self._leave(number, indices, t, y, step.cause)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Mode, State, Transition, geometry
-from cases.contact import start_motion
+from cases.contact import belt_speed, start_motion
 from cases.mechanics import energy
 
 from ..minimal.decision import Undecidable
@@ -109,17 +109,17 @@ def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> list[Transit
         last = segments[-1]
         motions.end[i], motions.energy_end[i] = (
             last.event.time,
-            energy(case, _motion_in(case, last.phase, last.event.state)),
+            energy(case, _motion_in(case, last.phase, last.event.time, last.event.state)),
         )
     return transitions
 
 
-def _motion_in(case: Case, now: Phase, own) -> geometry.MotionPoint | State:
+def _motion_in(case: Case, now: Phase, t: float, own) -> geometry.MotionPoint | State:
     """Pose and velocities of a phase's state."""
     if now.regime == FLIGHT:
         nan = float("nan")
         nothing = nan, 0.0, 0.0, nan, nan
         return State(*(float(v) for v in own), *nothing)  # type: ignore[call-arg]
-    y = full_state(case, now, own)
-    slip, omega = slip_and_spin(case, y)
-    return geometry.velocity(case.track, case.plate.outline, y[0], y[1], slip, omega)
+    y = full_state(case, now, t, own)
+    slip, omega = slip_and_spin(case, t, y)
+    return geometry.velocity(case.track, case.plate.outline, y[0], y[1], slip + belt_speed(case, t), omega)

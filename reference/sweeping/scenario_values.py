@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, CaseError, CoulombFriction, Curve, Gravity, Load, NotSupported, RollingResistance
+from cases import Belt, Case, CaseError, CoulombFriction, Curve, Gravity, Load, NotSupported, RollingResistance
 from cases.contact import start_motion
 from cases.expressions import constants
 from cases.overlap import first_overlap
@@ -112,6 +112,7 @@ def structure(case: Case) -> Structure:
     load = case.effect(Load)
     features = (track.features, outline.features, load.features if load else None)
     plain = all(feature is None or feature.plain for feature in features) and not laws(case).checked_quantities
+    plain = plain and case.effect(Belt) is None
     return Structure(_form(track), _form(outline), laws(case), ends, kinds, case.start.in_contact, level_start, plain)
 
 
@@ -135,6 +136,8 @@ def numbers(case: Case) -> dict[str, float]:
             values["arm"] = effect.arm
         elif isinstance(effect, Load):
             values |= {f"load_c{i}": value for i, value in enumerate(constants(effect.expression))}
+        elif isinstance(effect, Belt):
+            values |= {f"belt_c{i}": value for i, value in enumerate(constants([effect.expression]))}
     for name, curve in (("track", case.track), ("outline", plate.outline)):
         values |= {f"{name}_c{i}": value for i, value in enumerate(curve.constants)}
         if curve.domain:

@@ -329,8 +329,8 @@ def slip_half_a_step_beside(case: Case, motion: Trajectory) -> str:
     t, column = motion.t[touches], motion.slip[touches]
     if len(t) < 3:
         return ""
-    values = (getattr(motion, name)[touches] for name in ("x", "y", "vx", "vy", "omega", "xi1"))
-    own = slip_velocity(case, *values)
+    x, y, vx, vy, omega, xi1 = (getattr(motion, name)[touches] for name in ("x", "y", "vx", "vy", "omega", "xi1"))
+    own = slip_velocity(case, x, y, vx, vy, omega, xi1, t)
     shift = _shift(column, own, np.gradient(own, t) * np.gradient(t))
     if not HALF[0] <= abs(shift) <= HALF[1]:
         return ""

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Load, RollingResistance, Trajectory, Unilateral
+from cases import Belt, Case, CoulombFriction, Load, RollingResistance, Trajectory, Unilateral
+from cases.contact import belt_speed
 from cases.mechanics import energy, gravity, kinetic_energy
 
 # Below this fraction of a case's largest kinetic energy, the work of friction is not used: errors of an engine's
@@ -54,8 +55,8 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
     """The losses of a motion up to the time `end`: the law takes Σ (μ|slip| + arm|ω|) N h.
 
     The normal force N follows from the motion's momentum, m (Δv/h − g) − load, along the track's normal. The work of a
-    load counts as energy added. NaN where the case has no Coulomb friction, and where the plate flies, because an
-    impact takes energy in no time.
+    load and of a belt counts as energy added. NaN where the case has no Coulomb friction, and where the plate flies,
+    because an impact takes energy in no time.
     """
     friction, resistance = case.effect(CoulombFriction), case.effect(RollingResistance)
     inside = motion.t <= end
@@ -74,6 +75,9 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
         impulse = np.abs(impulse)
     rates = friction.at(np.abs(slip)) * np.abs(slip) + (resistance.arm * np.abs(omega) if resistance else 0.0)
     work = np.sum(h * _middle(load[:, 0] * vx + load[:, 1] * vy + load[:, 2] * omega))
+    if case.effect(Belt) is not None:
+        tangent = np.asarray(case.track.tangent(_middle(xi1)))
+        work += np.sum((push_x * tangent[0] + push_y * tangent[1]) * _middle(belt_speed(case, motion.t[inside])))
     total = energy(case, motion)[inside]
     return Losses(float(total[0] - total[-1] + work), float(np.sum(_middle(rates) * impulse)))
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import reference
-from cases import Case, CaseError, CoulombFriction, Mode, RollingResistance, Trajectory
+from cases import Belt, Case, CaseError, CoulombFriction, Mode, RollingResistance, Trajectory
 from cases.contact import start_motion
 from cases.trajectory import EVEN_TIMES
 
@@ -23,7 +23,7 @@ def frictionless(case: Case) -> Trajectory:
     if case.effect(CoulombFriction) is None:
         raise CaseError("the case has no friction to leave out")
     return reference.simulate(
-        replace(case, effects=tuple(e for e in case.effects if not isinstance(e, CoulombFriction)))
+        replace(case, effects=tuple(e for e in case.effects if not isinstance(e, CoulombFriction | Belt)))
     )
 
 

@@ -14,6 +14,7 @@ from scipy.ndimage import median_filter
 
 from adapters.common.motion_file import LOOSE, slowest
 from cases import (
+    Belt,
     Case,
     CoulombFriction,
     Flight,
@@ -29,7 +30,7 @@ from cases.contact import start_motion
 from cases.trajectory import State
 
 # Effects included in the balance of energy: a conservative force, friction, and a bound that does no work.
-_ENERGY_EFFECTS = (Gravity, CoulombFriction, Unilateral)
+_ENERGY_EFFECTS = (Gravity, CoulombFriction, Unilateral, Belt)
 # Number of times at which residuals and condition numbers are computed: gives their maxima to within a few per cent.
 _LOOKS = 200
 # Gauss points between two samples of a dense motion: its steps carry polynomials of up to degree 25, their product with
@@ -71,30 +72,31 @@ def examine(case: Case, motion: Trajectory) -> Residuals:
 
 
 def energy_residual(case: Case, motion: Trajectory) -> np.ndarray:
-    """E(t) − E(0) − ∫ T v dt at the samples, relative to the energy that moves.
+    """E(t) − E(0) − ∫ T (v + b) dt at the samples, with the speed b of a belt, relative to the energy that moves.
 
     NaN if the energy of an effect is unknown.
     """
     if any(not isinstance(effect, _ENERGY_EFFECTS) for effect in case.effects):
         return np.full(len(motion.t), nan)
     total = mechanics.energy(case, motion)
-    off = total - total[0] - (work_of_friction(motion) if case.effect(CoulombFriction) else 0.0)
+    off = total - total[0] - (work_of_friction(case, motion) if case.effect(CoulombFriction) else 0.0)
     kinetic = mechanics.kinetic_energy(case, motion)
     scale = float(max(kinetic.max(), np.ptp(total - kinetic)))
     return off / scale if scale > 0.0 else off
 
 
-def work_of_friction(motion: Trajectory) -> np.ndarray:
-    """∫ T v dt from the start to each sample, J: Gauss's rule on a dense motion, trapezoids on samples."""
+def work_of_friction(case: Case, motion: Trajectory) -> np.ndarray:
+    """∫ T (v + b) dt, with the speed b of a belt, from the start to each sample, J: Gauss's rule on a dense motion,
+    trapezoids on samples."""
     steps = np.diff(motion.t)
     if motion.dense is None:
-        power = motion.friction_force * motion.slip
+        power = mechanics.contact_power(case, motion.t, motion)
         return np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * steps)])
     nodes, weights = _GAUSS
     # At a transition two samples share one time, and what lies between neighbours is smooth.
     times = motion.t[:-1, None] + 0.5 * steps[:, None] * (nodes + 1.0)
-    state = motion(np.clip(times.ravel(), motion.t[0], motion.t[-1]))
-    power = np.asarray(state.friction_force * state.slip).reshape(times.shape)
+    flat = np.clip(times.ravel(), motion.t[0], motion.t[-1])
+    power = np.asarray(mechanics.contact_power(case, flat, motion(flat))).reshape(times.shape)
     return np.concatenate([[0.0], np.cumsum(0.5 * steps * (power @ weights))])
 
 
@@ -160,8 +162,9 @@ def broken_laws(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
         violations.append(f"the plate leaves its track by {gap.max():.3g} m and comes back")
     growth, kinetic = energy_growth(case, motion), mechanics.kinetic_energy(case, motion).max()
     rounding = ROUNDING * float(np.abs(mechanics.energy(case, motion)).max())
-    if not case.effect(Load) and growth > ENERGY * max(kinetic, case.plate.mass * _slow(case, motion) ** 2) + rounding:
-        violations.append(f"the energy grows by {growth:.3g} J without a load")
+    driven = case.effect(Load) or case.effect(Belt)
+    if not driven and growth > ENERGY * max(kinetic, case.plate.mass * _slow(case, motion) ** 2) + rounding:
+        violations.append(f"the energy grows by {growth:.3g} J without a load or a belt")
     if np.isfinite(motion.normal_force).all() and np.isfinite(motion.friction_force).all():
         violations += _broken_force_laws(case, motion)
     return violations

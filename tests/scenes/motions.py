@@ -9,11 +9,13 @@ from math import pi
 import numpy as np
 
 import reference
-from cases import Case, CoulombFriction, Curve, Gravity, Load, RollingResistance, Start, Trajectory
+from cases import Belt, Case, CoulombFriction, Curve, Gravity, Load, RollingResistance, Start, Trajectory
 from cases import curves as c
 from cases.contact import start_motion
 from cases.effects import MOTION
 from cases.expressions import PARAMETER
+from cases.mechanics import contact_power
+from cases.moving_surface import TIME
 from cases.slip_laws import SLIP_SPEED
 
 
@@ -71,7 +73,14 @@ def mirrored(case: Case) -> Case:
         case,
         track=_mirrored_curve(case.track),
         plate=replace(case.plate, outline=_mirrored_curve(case.plate.outline)),
-        effects=_effects(case, {Gravity: lambda e: Gravity(e.g, pi - e.direction), Load: _mirrored_load}),
+        effects=_effects(
+            case,
+            {
+                Gravity: lambda e: Gravity(e.g, pi - e.direction),
+                Load: _mirrored_load,
+                Belt: lambda e: Belt(-e.expression),
+            },
+        ),
         start=Start(-start.xi1, -start.xi2, -start.slip, -start.omega, case.start.gap, case.start.gap_rate),
     )
 
@@ -99,6 +108,7 @@ def in_other_units(case: Case, length: float, time: float, mass: float, turn: fl
                 CoulombFriction: lambda e: _scaled_friction(e, time / length),
                 Load: lambda e: _turned_load(e, length, time, mass, turn),
                 RollingResistance: lambda e: RollingResistance(e.arm * length),
+                Belt: lambda e: Belt(e.expression.subs(TIME, TIME / time) * length / time),
             },
         ),
         start=Start(
@@ -157,7 +167,7 @@ def energy(case: Case, state) -> np.ndarray:
 
 
 def work_done(case: Case, motion: Trajectory) -> float:
-    """Work of friction, load and rolling resistance, J, by Gauss's rule phase by phase."""
+    """Work of friction (by a belt too), load and rolling resistance, J, by Gauss's rule phase by phase."""
     load, resistance = case.effect(Load), case.effect(RollingResistance)
     nodes, weights = np.polynomial.legendre.leggauss(10)
     # Two equal times mark what is not smooth, also where no mode changes (a guide that presses from its other side).
@@ -168,7 +178,7 @@ def work_done(case: Case, motion: Trajectory) -> float:
         half = np.diff(edges)[:, None] / 2
         times = (edges[:-1, None] + half + half * nodes).ravel()
         state = motion(times)
-        power = state.friction_force * state.slip
+        power = contact_power(case, times, state)
         if resistance:
             power -= resistance.arm * np.abs(state.normal_force * state.omega)
         if load:

@@ -16,6 +16,7 @@ import numpy as np
 
 from adapters import Setting
 from cases import (
+    Belt,
     Case,
     CoulombFriction,
     Curve,
@@ -79,11 +80,15 @@ def stages(scene: str) -> tuple[Stage, ...]:
     return tuple(Stage(_name(e, effects[:i]), case) for i, (e, case) in enumerate(zip(effects, cases, strict=True)))
 
 
+# The name of a stage that replaces an effect by another of its class.
+AGAIN = {CoulombFriction: "static friction", Belt: "belt of varying speed"}
+
+
 def _name(effect: Effect, before: Sequence[Effect]) -> str:
     if isinstance(effect, CoulombFriction) and effect.by_speed:
         return "friction by slip speed"
     again = any(type(effect) is type(e) for e in before)
-    return "static friction" if again else type(effect).__name__
+    return AGAIN[type(effect)] if again else type(effect).__name__
 
 
 def _merge(effects: Sequence[Effect]) -> tuple[Effect, ...]:
@@ -93,6 +98,10 @@ def _merge(effects: Sequence[Effect]) -> tuple[Effect, ...]:
 
 def _in_circle(effects: tuple[Effect, ...]) -> Case:
     return Case(circle(1.0), disc(0.1, 1.0), effects, Start(xi1=-0.1), 2.5)
+
+
+def _on_belt(effects: tuple[Effect, ...]) -> Case:
+    return Case(circle(1.0), disc(0.1, 1.0), effects, Start(xi1=-1.5), 2.5)
 
 
 def _over_crest(effects: tuple[Effect, ...]) -> Case:
@@ -113,6 +122,10 @@ SCENES: dict[str, tuple[Callable[[tuple[Effect, ...]], Case], tuple[Effect, ...]
             Load(fx="-0.1*vx", fy="-0.1*vy"),
             CoulombFriction("0.12 + 0.03*exp(-v/0.1) + 0.01*v", 0.2),
         ),
+    ),
+    "on_belt": (
+        _on_belt,
+        (Gravity(9.81), Unilateral(), CoulombFriction(0.15), Belt(0.5), Belt("0.5 + 0.2*sin(3*t)")),
     ),
     "over_crest": (
         _over_crest,

@@ -11,7 +11,7 @@ from math import isnan, nan, sqrt
 from typing import NamedTuple
 
 from adapters import EngineFailure, Setting
-from cases import Case, Gravity, Load, Trajectory, mechanics
+from cases import Belt, Case, Gravity, Load, Trajectory, mechanics
 
 from ...judging import residuals
 from ...judging.validation import sound
@@ -111,9 +111,10 @@ def blow_up(module, case: Case, route: str, setting: Setting) -> str:
 
 
 def energy_growth(case: Case, motion: Trajectory) -> float:
-    """The largest rise of the energy above its minimum so far, divided by an energy scale; 0 under a load, which may do
-    any work. The scale is the start's kinetic energy plus the energy that lifts the plate by its own size."""
-    if case.effect(Load) is not None:
+    """The largest rise of the energy above its minimum so far, divided by an energy scale; 0 under a load or on a belt,
+    which may do any work. The scale is the start's kinetic energy plus the energy that lifts the plate by its own
+    size."""
+    if case.effect(Load) is not None or case.effect(Belt) is not None:
         return 0.0
     gravity = case.effect(Gravity)
     scale = float(mechanics.kinetic_energy(case, motion)[0])

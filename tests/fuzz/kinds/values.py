@@ -11,6 +11,7 @@ import sympy as sp
 import cases
 import reference
 from cases import (
+    Belt,
     Case,
     CoulombFriction,
     Curve,
@@ -42,7 +43,7 @@ ODD = (
 CIRCLE, DISC = library.circle(1.0), disc(0.1, 1.0)
 EFFECTS = (
     Gravity(1.0), CoulombFriction(0.1), Unilateral(), Unilateral, Flight(), Impact(0.5), PerfectlyRough(),
-    RollingResistance(0.1), Load(1.0),
+    RollingResistance(0.1), Load(1.0), Belt(0.5),
 )  # fmt: skip
 
 # Whatever is made by a call, with a right value for each argument.
@@ -51,6 +52,7 @@ MAKERS = {
     "CoulombFriction": (CoulombFriction, dict(mu=0.2, mu_static=0.3)),
     "RollingResistance": (RollingResistance, dict(arm=0.01)),
     "Impact": (Impact, dict(restitution=0.5, law="poisson")),
+    "Belt": (Belt, dict(speed="1+sin(t)")),
     "Load": (Load, dict(fx="sin(t)", fy=1.0, moment=0.0)),
     "Start": (Start, dict(xi1=0.1, xi2=0.0, slip=0.0, omega=1.0, gap=0.0, gap_rate=0.0)),
     "disc": (disc, dict(radius=0.1, mass=1.0, inertia=0.005)),

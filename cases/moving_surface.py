@@ -1,0 +1,118 @@
+"""Effects that move the track's surface: a belt that runs along the track. Formulas of time.
+
+SI units. What they mean in the equations is written once in each solver.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import isfinite, nan
+
+import numpy as np
+import sympy as sp
+
+from . import expressions, features, formulas
+from .derivation import derived, in_one_thread
+from .errors import BadValue
+from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
+
+TIME = sp.symbols("t", real=True)
+
+Values = Callable[[float], list[float]]
+
+
+def formula_of_time(what: str, value: sp.Expr | str | float) -> sp.Expr:
+    """A number, a text or an expression as an expression in `TIME`; raises BadValue, which calls the value `what`."""
+    if isinstance(value, str):
+        return formulas.parse(value, {TIME.name: TIME}, what, BadValue)
+    return expressions.admissible(value, (TIME,), what, BadValue)
+
+
+def values_of_time(expressions_: Sequence[sp.Expr]) -> Values:
+    """A function t -> values of expressions in `TIME`, on floats; NaN where there is no value."""
+    function = function_of((TIME,), expressions_, ON_FLOATS)
+
+    def values(t: float) -> list[float]:
+        try:
+            results = function(t)
+            isfinite(sum(results))  # Python's root of less than 0 is a complex number, for which this raises TypeError
+            return results
+        except (ArithmeticError, ValueError, TypeError):
+            return [nan] * len(expressions_)
+
+    return values
+
+
+def features_of_time(expressions_: Sequence[sp.Expr]) -> features.Features | None:
+    """Where expressions in `TIME` change, and how finely; None if all of them are constant.
+
+    Resolved on windows of absolute time, so that they are the same whatever a motion's duration.
+    """
+    parts = features.alone(expressions_, TIME)
+    if not parts:
+        return None
+    function = function_of((TIME,), parts, ON_ARRAYS)
+
+    def values(t):
+        rows = np.array([np.broadcast_to(row, t.shape) for row in function(t)], dtype=float)
+        return rows, rows
+
+    centres = features.centres(parts, TIME)
+    to_come = [centre for centre in centres if centre >= 0.0]
+    return features.Features(values, centres, sizes=features.largest(values, 0.0, features.WINDOW, to_come))
+
+
+@dataclass(frozen=True)
+class Belt:
+    """The track's surface runs along it with `speed` (m/s), positive towards increasing xi1: a conveyor.
+
+    A number or a formula in t, as text such as "0.5 + 0.1*sin(3*t)" or an expression in `cases.moving_surface.TIME`.
+    The slip velocity of every motion, and of Start, is that of the plate's point relative to the surface. The track's
+    place does not change. Raises BadValue for anything else.
+    """
+
+    speed: sp.Expr | str | float
+
+    @in_one_thread
+    def __post_init__(self):
+        object.__setattr__(self, "speed", formula_of_time("speed of Belt", self.speed))
+        if self.expression.is_zero:
+            raise BadValue("speed of Belt is 0; leave Belt out for a track at rest")
+
+    def __reduce__(self):
+        """A belt travels to another process as its formula; what is compiled from it stays."""
+        return _restore_belt, (expressions.as_tree(self.expression),)
+
+    @property
+    def expression(self) -> sp.Expr:
+        """The speed as an expression in `TIME`."""
+        assert isinstance(self.speed, sp.Expr)
+        return self.speed
+
+    @property
+    def constant(self) -> float | None:
+        """The speed if it does not depend on time, m/s; else None."""
+        return None if self.expression.has(TIME) else float(self.expression)
+
+    @derived
+    def at(self) -> Values:
+        """A function t -> [speed, its rate] (m/s, m/s²), on floats; NaN where there is no value."""
+        return values_of_time((self.expression, sp.diff(self.expression, TIME)))
+
+    @derived
+    def at_arrays(self) -> Callable[[np.ndarray], np.ndarray]:
+        """A function of times (n,) -> speeds (n,), m/s."""
+        function = function_of((TIME,), (self.expression,), ON_ARRAYS)
+        return lambda t: np.broadcast_to(function(t)[0], np.shape(t)).astype(float)
+
+    @derived
+    def features(self) -> features.Features | None:
+        """Where speed and acceleration change, and how finely; None for a constant speed."""
+        return features_of_time((self.expression, sp.diff(self.expression, TIME)))
+
+
+@in_one_thread
+def _restore_belt(tree) -> Belt:
+    """The belt that a process sent."""
+    return Belt(expressions.from_tree(tree))
