@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..curves import Curve
 from ..errors import unknown_name
 from . import drawn_scene
 from .layout import DrawnScene, Instant, instants
@@ -26,6 +27,8 @@ LABELS = {
     "xi1": "track parameter ξ₁",
     "xi2": "outline parameter ξ₂",
 }
+# Values of a curve's parameter at which its unit is determined, and the relative rounding of the comparison.
+_SAMPLES, _ROUNDING = 33, 1e-9
 MODE_WORDS = {
     "slide": "slides",
     "slip_forward": "slip v > 0",
@@ -40,6 +43,29 @@ _LETTER = 5.0
 _PANEL = 270.0
 
 
+def parameter_unit(curve: Curve) -> str:
+    """The unit of a curve's parameter: "rad" if it is the turning angle, "m" if it is an arc length or a coordinate, ""
+    for any other parameter."""
+    s = np.linspace(*curve.span, _SAMPLES)
+    speed, turning = np.asarray(curve.speed(s)), np.abs(np.asarray(curve.speed(s) * curve.curvature(s)))
+    lengths = [speed, *(np.gradient(part, s) for part in curve.point(s))]
+    if np.allclose(turning, 1.0, rtol=_ROUNDING):
+        return "rad"
+    return "m" if any(np.allclose(np.abs(length), 1.0, rtol=_ROUNDING) for length in lengths) else ""
+
+
+def with_unit(name: str, unit: str) -> str:
+    """An axis label: the name of a quantity and its unit, if it has one."""
+    compound = "/" in unit
+    return name if not unit else f"{name} / ({unit})" if compound else f"{name} / {unit}"
+
+
+def parameter_labels(scene: DrawnScene) -> dict[str, str]:
+    """Axis labels of the two contact parameters of a scene, with their units."""
+    curves = {"xi1": scene.track, "xi2": scene.outline}
+    return {name: with_unit(LABELS[name], parameter_unit(curve)) for name, curve in curves.items()}
+
+
 def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colour: str = PLATE) -> Picture:
     """Plot the scene (unless None) next to the quantities against time, with lines at the transitions.
 
@@ -51,6 +77,7 @@ def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colou
             raise unknown_name("quantity of a motion", name, LABELS)
     times = motion.times()
     state = motion(times)
+    labels = LABELS | (parameter_labels(scene) if scene else {})
     with apply_style():
         figure = Picture(figsize=(9.2 if scene else 5.0, max(1.5 * len(names), 3.4)), layout="constrained")
         right: Any = figure
@@ -60,7 +87,7 @@ def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colou
         axes = right.subplots(max(len(names), 1), 1, sharex=True, squeeze=False)[:, 0]
         for i, (ax, name) in enumerate(zip(axes, names, strict=False)):
             ax.plot(times, getattr(state, name), color=colour)
-            ax.set_ylabel(LABELS[name])
+            ax.set_ylabel(labels[name])
             ax.margins(x=0)
             mark_transitions(ax, motion.transitions, motion.first_mode, times[[0, -1]], _PANEL if i == 0 else 0.0)
         axes[-1].set_xlabel("time / s")

@@ -132,7 +132,7 @@ def _laid_out(figure: Figure) -> Bbox:
         engine.execute(figure)
         figure.set_layout_engine("none")
     pad = rcParams["savefig.pad_inches"]
-    return figure.get_tightbbox().padded(2.0 * pad, pad)
+    return figure.get_tightbbox().padded(3.0 * pad, pad)
 
 
 def _bytes(content: bytes) -> np.ndarray:

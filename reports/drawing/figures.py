@@ -5,9 +5,10 @@ Every figure depends only on an `Experiment`. Times in s, lengths in m, angles i
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import isfinite, nan
+from typing import NamedTuple
 
 import matplotlib
 import numpy as np
@@ -41,19 +42,26 @@ _SMALLEST = 1e-17
 _LEVEL = 1e-9
 # A motion with fewer samples than _FEW is drawn as dots of _DOT points.
 _FEW, _DOT = 100, 3.0
+# The headline shows this many times the largest error of the first transition on both sides of it, but at least and at
+# most these parts of the duration.
+_ERRORS_SHOWN, _WINDOW = 3.0, (0.02, 0.1)
 # Height of a line of text, as a fraction of the axis next to it.
 _LINE = 0.075
-# Quantities plotted against time, the paper's first: label, name in the samples, and name of the difference from the
-# truth.
-_QUANTITIES = (
-    (plots.LABELS["slip"], "slip", "slip"),
-    (plots.LABELS["xi1"], "xi1", "xi1"),
-    (plots.LABELS["xi2"], "xi2", "xi2"),
-    (plots.LABELS["theta"], "theta", "angle"),
-    ("multiplier λ", "lambda", "lambda"),
-    (plots.LABELS["x"], "x", "x"),
-    (plots.LABELS["y"], "y", "y"),
-)
+
+
+def _quantities(case: Case) -> list[tuple[str, str, str, str]]:
+    """Quantities plotted against time, the paper's first: name, unit, name in the samples, and name of the difference
+    from the truth. λ is the normal force over the length of track per unit of its parameter."""
+    track, outline = plots.parameter_unit(case.track), plots.parameter_unit(case.plate.outline)
+    return [
+        ("slip velocity", "m/s", "slip", "slip"),
+        ("track parameter ξ₁", track, "xi1", "xi1"),
+        ("outline parameter ξ₂", outline, "xi2", "xi2"),
+        ("rotation θ", "rad", "theta", "angle"),
+        ("multiplier λ", "N" if track == "m" else "N/m", "lambda", "lambda"),
+        ("X", "m", "x", "x"),
+        ("Y", "m", "y", "y"),
+    ]
 
 
 def draw_case(case: Case, part: Experiment, looks: LineStyles, main: bool) -> list[FigureContent]:
@@ -62,7 +70,7 @@ def draw_case(case: Case, part: Experiment, looks: LineStyles, main: bool) -> li
     A figure that fails with the results of a solver is drawn without them.
     """
     name = file_name(case.label)
-    figures: list[tuple[Callable[[Experiment], Figure], str, tuple[str, str]]] = [
+    figures: list[tuple[Callable[[Experiment], Figure | None], str, tuple[str, str]]] = [
         (lambda part: scene(part, case), f"scene_{name}", _SCENE_WORDS),
         (lambda part: motion(part, case, looks), f"motion_{name}", _MOTION_WORDS),
         (lambda part: errors(part, case, looks), f"errors_{name}", _ERRORS_WORDS),
@@ -74,23 +82,25 @@ def draw_case(case: Case, part: Experiment, looks: LineStyles, main: bool) -> li
     with matplotlib.rc_context(STYLE):
         for figure, file, words in figures:
 
-            def draw(part: Experiment, figure=figure, file=file, words=words) -> FigureContent:
+            def draw(part: Experiment, figure=figure, file=file, words=words) -> FigureContent | None:
                 try:
                     title, caption = words
-                    return picture(figure(part), file, case.label, title, caption, png=file == "headline")
+                    drawn = figure(part)
+                    return drawn and picture(drawn, file, case.label, title, caption, png=file == "headline")
                 finally:
                     plt.close("all")  # also after a failure
 
             picture_, omissions = per_solver.make_per_solver(draw, (part,), solvers, f"figure {file}")
-            pictures.append(replace(picture_, entry=replace(picture_.entry, left_out=tuple(omissions))))
+            if picture_ is not None:
+                pictures.append(replace(picture_, entry=replace(picture_.entry, left_out=tuple(omissions))))
     return pictures
 
 
 _HEADLINE_WORDS = (
     "Slip velocity, and how far each solver is from the truth",
-    "Finest setting of every route. Above: the curves coincide. Below: absolute difference from the reference's slip "
-    "velocity, on a logarithmic axis; it jumps where a solver's transition is early or late, because the slopes "
-    "differ there. Vertical lines: the truth's transitions.",
+    "Every engine with its default settings. Above: the whole motion. Below left: the first transition, where engines "
+    "are early or late. Below right: absolute difference from the reference's slip velocity, on a logarithmic axis. "
+    "Vertical lines: the truth's transitions, whose error bars are far smaller than the lines' width.",
 )
 _SCENE_WORDS = (
     "The scene",
@@ -107,7 +117,7 @@ _ERRORS_WORDS = (
     "Error against steps",
     "Each point is one setting; steps are the solver's own. A cross marks an unusable motion (its first "
     "transition may still be accurate), a hollow marker the engine's default settings. Grey: within the error "
-    "bar of the truth.",
+    "bar of the truth; a figure with points only there is not drawn.",
 )
 
 
@@ -179,23 +189,64 @@ def _label_ends(ax: Axes, ends: list[tuple[float, Run]], looks: LineStyles) -> N
 
 
 def headline(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
-    """Slip velocity of every route, and its distance from the truth."""
-    truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
-    figure, (above, below) = plt.subplots(
-        2, 1, figsize=(7.6, 5.6), sharex=True, height_ratios=(1, 1.25), layout="constrained"
-    )
-    _curves(above, truth, runs, "slip", looks)
-    _mark_transitions(above, truth, width=410.0)
-    above.axhline(0.0, color=FAINT, linewidth=0.7)
-    above.set_ylabel("slip velocity / (m/s)")
-    above.set_title(case.label, loc="left", pad=18, fontweight="bold")
+    """Slip velocity of every engine with default settings: the whole motion, the first transition, and the errors."""
+    truth, runs = experiment.truths[case.label], _with_defaults(experiment, case.label)
+    figure = plt.figure(figsize=(7.6, 5.8), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.15))
+    above, near, below = figure.add_subplot(grid[0, :]), figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
+    slips = [(run, run.off["t"], _slip(run, truth)) for run in runs]
+    window = _window(truth, runs)
+    for ax in (above, near):
+        ax.plot(truth.samples["t"], truth.samples["slip"], color=TRUTH, linewidth=2.6, alpha=0.25, label="truth")
+        for run, times, slip in slips:
+            ax.plot(times, slip, **looks.line(run.solver, run.route), linewidth=1.1)
+        ax.axhline(0.0, color=FAINT, linewidth=0.7)
+        ax.set_ylabel(plots.LABELS["slip"])
+        ax.set_xlabel("time / s")
+    above.margins(x=0)
+    above.set_title(f"{case.label}, default settings", loc="left", pad=18, fontweight="bold")
+    _mark_transitions(above, truth, width=480.0)
+    above.axvspan(*window, color="#eeeeee", zorder=0)
+    near.set_xlim(*window)
+    near.set_ylim(*_range_inside(window, [(truth.samples["t"], truth.samples["slip"]), *(pair[1:] for pair in slips)]))
+    near.set_title("the first transition (grey above)", loc="left")
+    _mark_transitions(near, truth)
     ends = _log_error(below, runs, "slip", looks)
     _mark_transitions(below, truth)
-    below.set_ylabel("distance from truth / (m/s)")
+    below.set_ylabel("error / (m/s)")
     below.set_xlabel("time / s")
     below.margins(x=0)
     _label_ends(below, ends, looks)
     return figure
+
+
+def _with_defaults(experiment: Experiment, label: str) -> list[Run]:
+    """The run of every engine's route with default settings; the finest for a motion that has none, as from a file."""
+    groups = routes(run for run in experiment.runs if run.case == label and run.solver != REFERENCE).values()
+    runs = [next((run for run in group if is_default(run)), None) or finest(group) for group in groups]
+    return [run for run in runs if run is not None and len(run.off.get("t", ()))]
+
+
+def _slip(run: Run, truth: Truth) -> np.ndarray:
+    """The slip velocity of a run at the times of its differences, m/s."""
+    return np.interp(run.off["t"], truth.samples["t"], truth.samples["slip"]) + run.off["slip"]
+
+
+def _window(truth: Truth, runs: list[Run]) -> tuple[float, float]:
+    """The times around the truth's first transition in which the runs differ visibly, s."""
+    begin, end = (float(time) for time in truth.samples["t"][[0, -1]])
+    errors = [abs(error) for run in runs if isfinite(error := first_error(run))]
+    least, most = (part * (end - begin) for part in _WINDOW)
+    half = min(max(_ERRORS_SHOWN * max(errors, default=0.0), least), most)
+    return truth.transitions[0].time - half, truth.transitions[0].time + half
+
+
+def _range_inside(window: tuple[float, float], lines: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[float, float]:
+    """The range of the lines' values inside a window of times, with a margin."""
+    inside = np.concatenate([np.interp(np.linspace(*window, POINTS), t, values) for t, values in lines])
+    low, high = float(np.nanmin(inside)), float(np.nanmax(inside))
+    margin = 0.08 * (high - low) or 1.0
+    return low - margin, high + margin
 
 
 def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: LineStyles) -> None:
@@ -235,16 +286,17 @@ def _dots(ax: Axes, t: np.ndarray, y: np.ndarray, colour: str, label: str) -> No
 def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     """The paper's diagrams with every route, each with the difference from the truth."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
+    quantities = _quantities(case)
     # Fixed margins with room for all labels except the outer left ones, for which the file's bounding box has room.
     # Automatic layout would take a third of the figure's time.
-    places = {"left": 0.08, "right": 0.99, "bottom": 0.04, "top": 0.93, "wspace": 0.24, "hspace": 0.12}
-    figure, axes = plt.subplots(len(_QUANTITIES), 2, figsize=(9.2, 13.6), sharex=True, gridspec_kw=places)
-    for place, (label, name, off) in enumerate(_QUANTITIES):
+    places = {"left": 0.08, "right": 0.99, "bottom": 0.04, "top": 0.93, "wspace": 0.27, "hspace": 0.12}
+    figure, axes = plt.subplots(len(quantities), 2, figsize=(9.2, 13.6), sharex=True, gridspec_kw=places)
+    for place, (quantity, unit, name, off) in enumerate(quantities):
         row = axes[place]
         _curves(row[0], truth, runs, name, looks)
-        row[0].set_ylabel(label)
+        row[0].set_ylabel(plots.with_unit(quantity, unit))
         _log_error(row[1], runs, off, looks)
-        row[1].set_ylabel("distance from truth")
+        row[1].set_ylabel(plots.with_unit("error", unit))
         for side, ax in enumerate(row):
             _mark_transitions(ax, truth, width=270.0 if place == side == 0 else 0.0)
             ax.margins(x=0)
@@ -258,34 +310,37 @@ def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     return figure
 
 
-def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
-    """Error of the first transition (without transitions, of the centre) of every rung against its steps."""
+class _Point(NamedTuple):
+    """A setting in the figure of errors."""
+
+    steps: int
+    error: float
+    run: Run
+
+
+def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure | None:
+    """Error of the first transition (without transitions, of the centre) of every rung against its steps; None if no
+    error is larger than the truth's error bar."""
     truth = experiment.truths[case.label]
     has_transitions = bool(truth.transitions)
+    bar = truth.error_bars[0] if has_transitions else truth.centre_bar if isfinite(truth.centre_bar) else 0.0
+    points_by_route = _error_points(experiment, case.label)
+    if not any(point.error > bar for points in points_by_route.values() for point in points):
+        return None
     figure, ax = plt.subplots(figsize=(7.2, 4.3), layout="constrained")
-    for (_, _, route), group in routes(run for run in experiment.runs if run.case == case.label).items():
-        if not route:
-            continue
-        points = [
-            (run.cost.steps, max(size, _SMALLEST), run)
-            for run in group
-            if run.outcome == "answered"
-            and not is_truth(run, truth)
-            and isfinite(size := abs(first_error(run) if has_transitions else run.distance.centre_max))
-        ]
-        ladder = [p for p in points if not is_default(p[2])]
-        if not points:
-            continue
-        look = looks.line(points[0][2].solver, route)
-        ax.plot([p[0] for p in ladder], [p[1] for p in ladder], **look, label=_name(points[0][2]))
+    for (solver, route), points in points_by_route.items():
+        ladder = [p for p in points if not is_default(p.run)]
+        look, marker = looks.line(solver, route), looks.marker(solver, route)
+        ax.plot([p.steps for p in ladder], [p.error for p in ladder], **look)
+        ax.plot([], [], **look, marker=marker, markersize=6, label=f"{solver}, {route}")
         for steps, size, run in points:
             hollow = "white" if is_default(run) else look["color"]
-            marker = "x" if not usable(run) else looks.marker(run.solver, run.route)
-            ax.plot(steps, size, marker=marker, markersize=6, color=look["color"], markerfacecolor=hollow)
+            shape = marker if usable(run) else "x"
+            ax.plot(steps, size, marker=shape, markersize=6, color=look["color"], markerfacecolor=hollow)
     logarithmic(ax, "xy")
-    if has_transitions:
-        ax.axhspan(_SMALLEST / 10, truth.error_bars[0], color="#eeeeee", zorder=0)
-        ax.axhline(truth.error_bars[0], color=FAINT, linewidth=0.8)
+    if bar > 0.0:
+        ax.axhspan(_SMALLEST / 10, bar, color="#eeeeee", zorder=0)
+        ax.axhline(bar, color=FAINT, linewidth=0.8)
     low, high = ax.get_ylim()
     ax.set_ylim(max(low, _SMALLEST / 3), high)
     ax.set_xlabel("steps")
@@ -294,6 +349,19 @@ def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     if ax.get_legend_handles_labels()[0]:
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
+
+
+def _error_points(experiment: Experiment, label: str) -> dict[tuple[str, str], list[_Point]]:
+    """The settings of each route that have an error, except the truth itself."""
+    truth = experiment.truths[label]
+    points: dict[tuple[str, str], list[_Point]] = {}
+    for run in experiment.runs:
+        if run.case != label or run.outcome != "answered" or is_truth(run, truth):
+            continue
+        size = abs(first_error(run) if truth.transitions else run.distance.centre_max)
+        if isfinite(size):
+            points.setdefault((run.solver, run.route), []).append(_Point(run.cost.steps, max(size, _SMALLEST), run))
+    return points
 
 
 def scene(experiment: Experiment, case: Case) -> Figure:

@@ -22,28 +22,31 @@ from .style import STYLE, LineStyles, logarithmic, looks_of
 
 _WORDS = (
     "Work and precision",
-    "Each point is one setting, timed alone: median CPU time of the run, with the interval from the table as a bar. "
-    "Hollow: the engine's default settings. Pale: timing disturbed by other load. Left is faster, down is more "
-    "accurate. The grey band ends at ten times the truth's error bar; errors inside it are not drawn, and a triangle "
-    "on its edge marks the fastest setting that reaches it. Dotted: the error of a motion that does not use the law of "
-    "friction.",
+    "Each point is one setting, timed alone: median CPU time of the whole call (setting up, running and reading the "
+    "motion) in a process that has made such calls before. Hollow: the engine's default settings. Pale: timing "
+    "disturbed by other load. Left is faster, down is more accurate. The grey band ends at ten times the truth's "
+    "error bar; errors inside it are not drawn, and a triangle on its edge marks the fastest setting that reaches it. "
+    "Quantities with errors inside the band only have no panel. Dotted: the error of a motion that does not use the "
+    "law of friction.",
 )
 _SUMMARY_WORDS = (
     "What accuracy costs, over all timed cases",
     "Performance profiles (Dolan and Moré 2002): the fraction of the cases in which a route reaches the level of off "
-    "within the given multiple of the fastest route's CPU time. LevelSpan: off and its doubt stay within the level at "
-    "the setting and all finer ones. A route whose line ends below 1 does not reach the level in the other cases.",
+    "within the given multiple of the fastest route's CPU time for a whole call. Within a level: off and its doubt "
+    "stay within it at the setting and at all finer ones. A route whose line ends below 1 does not reach the level in "
+    "the other cases.",
 )
 # Factor between the error of a null motion and the top of the axis: room for its name.
 _NULL_ROOM = 30.0
+# Title of a quantity's panel, and the label of its axis.
 _TITLES = {
-    "off": "off: share of the error of ignoring friction",
-    "first_transition_time": "first transition's time / s",
-    "all_transitions": "worst transition's time / s",
-    "final_pose": "final pose / m",
-    "centre_rms": "centre, root mean square / m",
-    "normal_force_mean": "normal force, mean / true mean",
-    "energy_mean": "energy, mean / true kinetic",
+    "off": ("off", "share of the error of ignoring friction"),
+    "first_transition_time": ("first transition's time", "error / s"),
+    "all_transitions": ("worst transition's time", "error / s"),
+    "final_pose": ("final pose", "error / m"),
+    "centre_rms": ("centre, root mean square", "error / m"),
+    "normal_force_mean": ("normal force, mean", "error / true mean"),
+    "energy_mean": ("energy, mean", "error / true kinetic energy"),
 }
 
 
@@ -52,20 +55,22 @@ def draw(experiment: Experiment, measurements: CostMeasurements, folder: Path) -
     looks, points = looks_of(experiment), work_precision.work_precision_rows(experiment, measurements)
     rows = time_to_accuracy.rows(experiment, measurements)
     with matplotlib.rc_context(STYLE):
-        if any(row["solver"] != REFERENCE and isfinite(row["ratio"]) for row in rows):
+        if any(row["solver"] != REFERENCE and isfinite(row["call_s"]) for row in rows):
             yield save(summary(rows, looks), folder, "work_precision", "", *_SUMMARY_WORDS)
         for label in measurements.cases:
-            case_points = [p for p in points if p["case"] == label and isfinite(p["cpu_s"])]
-            if case_points:
+            case_points = [p for p in points if p["case"] == label and isfinite(p["call_s"])]
+            if not all(p["below_floor"] for p in case_points):
                 figure = case_figure(experiment, label, case_points, looks)
                 yield save(figure, folder, f"work_precision_{file_name(label)}", label, *_WORDS)
 
 
 def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, Any]], looks: LineStyles) -> Figure:
-    """A figure with a panel for each quantity; "all transitions" only if there is more than one."""
+    """A figure with a panel for each quantity that has an error above the band; "all transitions" only if there is more
+    than one."""
     several = len(experiment.truths[label].transitions) > 1
     of_quantity = work_precision.groups(points, "quantity")
-    quantities = [q for q in UNITS if (q,) in of_quantity and (several or q != "all_transitions")]
+    visible = {quantity for (quantity,), group in of_quantity.items() if not all(p["below_floor"] for p in group)}
+    quantities = [q for q in UNITS if q in visible and (several or q != "all_transitions")]
     columns = 3 if len(quantities) > 4 else 2
     lines = -(-len(quantities) // columns)
     figure, axes = plt.subplots(
@@ -73,16 +78,19 @@ def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, A
     )
     for ax, quantity in zip(axes.flat, quantities, strict=False):
         _panel(ax, of_quantity[quantity,], looks)
-        ax.set_title(_TITLES[quantity], loc="left")
+        title, axis_label = _TITLES[quantity]
+        ax.set_title(title, loc="left")
+        ax.set_ylabel(axis_label)
     for ax in axes.flat[len(quantities) :]:
         ax.set_axis_off()
     for column in range(columns):
-        last = max(place for place in range(len(quantities)) if place % columns == column)
-        axes.flat[last].set_xlabel("CPU time of the run / s")
-        axes.flat[last].tick_params(labelbottom=True)
-    for ax in axes[:, 0]:
-        ax.set_ylabel("error")
-    handles, names = axes.flat[0].get_legend_handles_labels()
+        last = max((place for place in range(len(quantities)) if place % columns == column), default=None)
+        if last is not None:
+            axes.flat[last].set_xlabel("CPU time of a whole call / s")
+            axes.flat[last].tick_params(labelbottom=True)
+    # A route may have errors in some panels only.
+    by_name = {name: handle for ax in axes.flat for handle, name in zip(*ax.get_legend_handles_labels(), strict=True)}
+    names, handles = list(by_name), list(by_name.values())
     figure.legend(
         handles, names, loc="outside upper center", ncols=3, title=label, title_fontproperties={"weight": "bold"}
     )
@@ -97,11 +105,12 @@ def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: LineStyles) -> Non
         look = looks.line(solver, route)
         # A setting inside the band interrupts the line, because its error is uncertain.
         sizes = [nan if p["below_floor"] else p["absolute_error"] for p in ladder]
-        ax.plot([p["cpu_s"] for p in ladder], sizes, **look, label=f"{solver}, {route}")
+        ax.plot([p["call_s"] for p in ladder], sizes, **look)
+        ax.plot([], [], **look, marker=looks.marker(solver, route), markersize=5, label=f"{solver}, {route}")
         for p in group:
             if not p["below_floor"]:
                 _point(ax, p, look["color"], looks.marker(solver, route))
-        times_in_band = [p["cpu_s"] for p in group if p["below_floor"]]
+        times_in_band = [p["call_s"] for p in group if p["below_floor"]]
         if times_in_band:
             ax.plot(min(times_in_band), band, marker="v", color=look["color"], markersize=7, clip_on=False, zorder=5)
     ax.axhspan(band / 10, band, color="#eeeeee", zorder=0)
@@ -117,25 +126,26 @@ def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: LineStyles) -> Non
 
 def _point(ax: Axes, p: dict[str, Any], colour: str, marker: str) -> None:
     face = "white" if p["setting"].is_default else colour
-    bar = [[p["cpu_s"] - p["cpu_low_s"]], [p["cpu_high_s"] - p["cpu_s"]]] if isfinite(p["cpu_low_s"]) else None
-    ax.errorbar(
-        p["cpu_s"], p["absolute_error"], xerr=bar, fmt=marker, markersize=5, color=colour, markerfacecolor=face,
-        elinewidth=0.8, alpha=0.35 if p["disturbed"] else 1.0,
+    ax.plot(
+        p["call_s"], p["absolute_error"], marker=marker, markersize=5, color=colour, markerfacecolor=face,
+        alpha=0.35 if p["disturbed"] else 1.0,
     )  # fmt: skip
 
 
 def summary(rows: Sequence[dict[str, Any]], looks: LineStyles) -> Figure:
-    """Performance profiles at several levels, from rows of `time_to_accuracy`."""
+    """Performance profiles at several levels, from rows of `time_to_accuracy`; times are of whole calls."""
     count = len({row["case"] for row in rows})
-    accuracies = [a for a in LEVELS if any(isfinite(row["ratio"]) for row in rows if row["level"] == a)]
+    ratios_by_route = _ratios(rows)
+    accuracies = [a for a in LEVELS if any(level == a for level, _, _ in ratios_by_route)]
+    solver_routes = list(dict.fromkeys((row["solver"], row["route"]) for row in rows))
     figure, axes = plt.subplots(
         1, len(accuracies), figsize=(2.5 * len(accuracies) + 0.6, 3.4), sharey=True, sharex=True, layout="constrained",
         squeeze=False,
     )  # fmt: skip
-    widest = max(row["ratio"] for row in rows if isfinite(row["ratio"])) * 2
+    widest = max(map(max, ratios_by_route.values())) * 2
     for ax, accuracy in zip(axes[0], accuracies, strict=True):
-        for (solver, route), group in work_precision.groups(rows, "solver", "route").items():
-            ratios = sorted(r["ratio"] for r in group if r["level"] == accuracy and isfinite(r["ratio"]))
+        for solver, route in solver_routes:
+            ratios = sorted(ratios_by_route.get((accuracy, solver, route), ()))
             shares = [i / count for i in range(len(ratios) + 1)]
             # Also drawn if it stays at zero, so that the legend is the same in all panels.
             ax.step([1.0, *ratios, widest], [0.0, *shares[1:], shares[-1]], where="post", **looks.line(solver, route),
@@ -143,8 +153,19 @@ def summary(rows: Sequence[dict[str, Any]], looks: LineStyles) -> Figure:
         logarithmic(ax, "x")
         ax.set_title(f"within {percent(accuracy)}", loc="left")
         ax.set_xlabel("CPU time / fastest")
-    axes[0][0].set_ylabel("share of cases")
+    axes[0][0].set_ylabel(f"share of the timed cases (n = {count})")
     axes[0][0].set_ylim(-0.03, 1.03)
     handles, names = axes[0][0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside upper center", ncols=3)
     return figure
+
+
+def _ratios(rows: Sequence[dict[str, Any]]) -> dict[tuple[float, str, str], list[float]]:
+    """By level, solver and route: the times of whole calls over the fastest route's, one for each timed case."""
+    ratios: dict[tuple[float, str, str], list[float]] = {}
+    timed = [row for row in rows if isfinite(row["call_s"])]
+    for (_, level), group in work_precision.groups(timed, "case", "level").items():
+        fastest = min(row["call_s"] for row in group)
+        for row in group:
+            ratios.setdefault((level, row["solver"], row["route"]), []).append(row["call_s"] / fastest)
+    return ratios

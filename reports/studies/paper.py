@@ -68,11 +68,11 @@ TABLES = {
 COEFFICIENTS, FIGURE_COEFFICIENTS = (0.01, 0.1, 0.2), (0.01, 0.1)
 # The quantities of its figures, in its order.
 QUANTITIES = {
-    "v": "v / (m/s)",
-    "xi1": "ξ₁ / rad",
-    "xi2": "ξ₂ / rad",
-    "theta": "θ / rad",
-    "lambda": "λ / (N/m)",
+    "v": "slip velocity v / (m/s)",
+    "xi1": "track angle ξ₁ / rad",
+    "xi2": "plate angle ξ₂ / rad",
+    "theta": "rotation θ / rad",
+    "lambda": "multiplier λ / (N/m)",
 }
 # Four decades of friction, evenly spaced on a logarithmic axis: enough points for a smooth line.
 MUS = np.geomspace(1e-3, 10.0, 200)
@@ -173,12 +173,17 @@ _FIRST_FIGURE = 3
 def diagrams(findings: Paper) -> Figure:
     """Figures 3 to 12, each up to v = 0 as in the paper, and next to it the continued motion."""
     from matplotlib import pyplot as plt
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     from ..drawing.style import FAINT, STYLE, ordinal
 
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(
-            len(QUANTITIES), 2 * len(FIGURE_COEFFICIENTS), figsize=(10.4, 9.6), layout="constrained", sharex="col"
+            len(QUANTITIES),
+            2 * len(FIGURE_COEFFICIENTS),
+            figsize=(10.8, 9.6),
+            sharex="col",
+            layout=ConstrainedLayoutEngine(w_pad=0.1, wspace=0.03),
         )
         shades = ordinal(len(FIGURE_COEFFICIENTS))
         for i, mu in enumerate(FIGURE_COEFFICIENTS):
@@ -193,7 +198,7 @@ def diagrams(findings: Paper) -> Figure:
                 right.axvline(stop, color=FAINT, linewidth=0.8, linestyle=":")
                 right.set_title(f"continued: {after}" if row == 0 else "continued")
             for ax in axes[-1, 2 * i : 2 * i + 2]:
-                ax.set_xlabel("t / s")
+                ax.set_xlabel("time / s")
         figure.align_ylabels()
     return figure
 
@@ -210,9 +215,9 @@ def remark(findings: Paper) -> Figure:
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, 3, figsize=(10.4, 3.3), layout="constrained")
         panels = (
-            ("time", "time of v = 0 / √((R − r)/g)"),
-            ("xi1", "ξ₁ there / rad"),
-            ("demand", "|T| / (μ₀ N) to roll"),
+            ("time", "time of the first v = 0 / √((R − r)/g)"),
+            ("xi1", "track angle ξ₁ of the first v = 0 / rad"),
+            ("demand", "friction to roll / largest friction"),
         )
         reverses, follows = reversed(ordinal(2))
         for ax, (name, label) in zip(axes, panels, strict=True):
@@ -222,10 +227,10 @@ def remark(findings: Paper) -> Figure:
                 (rolls, follows, "then it rolls"),
             ):
                 ax.plot(mus[mask], values[mask], color=colour, label=what)
-            for mu in COEFFICIENTS:
-                ax.plot(mu, getattr(slip_end(mu), name), "o", color="black", markersize=4)
+            values_of_paper = [getattr(slip_end(mu), name) for mu in COEFFICIENTS]
+            ax.plot(COEFFICIENTS, values_of_paper, "o", color="black", markersize=4, label="the paper's coefficients")
             logarithmic(ax, "xy" if name == "demand" else "x")
-            ax.set_xlabel("μ₀")
+            ax.set_xlabel("friction coefficient μ₀")
             ax.set_ylabel(label)
         axes[1].axhline(np.pi / 2, color=FAINT, linewidth=0.8, linestyle=":")
         axes[1].annotate("the bottom", (mus[0], np.pi / 2), xytext=(0, 3), textcoords="offset points", fontsize=8)

@@ -27,6 +27,7 @@ from ..drawing.figure_files import FigureEntry, save
 from ..drawing.style import AREAS, STYLE, logarithmic
 from . import boundaries
 from .computation import ROWS
+from .parameter_units import parameter_label
 from .sweep_folder import Folder
 
 # Largest number of cells per side of a grid's map, and of points in the map of a sampled plan.
@@ -45,7 +46,6 @@ _OTHER = "something else"
 _COLOURS = (*AREAS, "#999999")
 # The most frequent kinds have the same colour in every map; the others share the remaining colours.
 _USUAL = ("slips forward, then rolls", "rolls throughout", "slips forward, then slips backward")
-_SIGNS = {"mu": "μ", "xi1": "ξ₁ / rad"}
 
 
 class Mark(NamedTuple):
@@ -251,7 +251,7 @@ def _frame(ax: Axes, plan: Plan, data: _MapData) -> None:
     for axis, which in zip(plan.axes[:2], "xy", strict=True):
         if axis.log:
             logarithmic(ax, which)
-        ax.set(**{f"{which}label": _SIGNS.get(axis.name, axis.name)})
+        ax.set(**{f"{which}label": parameter_label(plan, axis.name)})
     ax.set_xlim(float(np.nanmin(data.x)), float(np.nanmax(data.x)))
     ax.set_ylim(float(np.nanmin(data.y)), float(np.nanmax(data.y)))
 
@@ -290,8 +290,8 @@ def _curve(plan: Plan, folder: Folder) -> Figure:
             )
         if plan.axes[0].log:
             logarithmic(ax, "x")
-        ax.set_xlabel(_SIGNS.get(name, name))
-        ax.set_ylabel("transitions / s")
+        ax.set_xlabel(parameter_label(plan, name))
+        ax.set_ylabel("times of the transitions / s")
         if modes:
             ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0))
     return figure

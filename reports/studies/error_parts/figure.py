@@ -85,7 +85,7 @@ def _map(ax: Axes, grid: Grid, quantity: str, norm):
     ax.set_xticks(range(len(columns)), ["\n".join(map(_short, each)) for each in values], fontsize=6.5)
     ax.set_yticks(range(len(steps)), [f"{h:.2g}" for h in steps], fontsize=7)
     ax.set_xlabel(", ".join(grid.parameters[1:]))
-    ax.set_ylabel("h / s")
+    ax.set_ylabel("step h / s")
     ax.tick_params(length=0)
     return image
 

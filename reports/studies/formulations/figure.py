@@ -17,7 +17,8 @@ _WORDS = (
     "Which coordinates to integrate",
     "The paper's ten coordinates without stabilisation, with Baumgarte's terms and with projection after each step, "
     "and the two independent ones with their rates; all with the same integrator and matrix. Left: gap. Middle: error "
-    "of the centre. Right: error against evaluations of (27). An unbalanced ellipse in an ellipse; above, it slips "
+    "of the centre, its largest. Right: the same against evaluations of the paper's equations (27). An unbalanced "
+    "ellipse in an ellipse; above, it slips "
     "with friction until its first transition; below, it slides without friction for five seconds.",
 )
 
@@ -30,7 +31,10 @@ def draw(rows: list[dict[str, Any]], folder: Path) -> Iterator[FigureEntry]:
         for line, name in zip(axes, names, strict=True):
             for i, (formulation, shade) in enumerate(zip(FORMULATIONS, ordinal(len(FORMULATIONS)), strict=True)):
                 formulation_rows = [row for row in rows if (row["scene"], row["formulation"]) == (name, formulation)]
-                look: dict[str, Any] = dict(color=shade, marker="os^Dv"[i], markersize=4)
+                # The last two coincide: the last one is drawn as rings around the points of the other.
+                is_last = i == len(FORMULATIONS) - 1
+                look: dict[str, Any] = dict(color=shade, marker="os^Do"[i], markersize=8 if is_last else 4)
+                look |= {"markerfacecolor": "none", "linestyle": ":"} if is_last else {}
                 for ax, (x, y) in zip(line, _AXES, strict=True):
                     # 1e-16 is the rounding of doubles of order one, here lengths in m.
                     ax.plot(
@@ -43,9 +47,12 @@ def draw(rows: list[dict[str, Any]], folder: Path) -> Iterator[FigureEntry]:
                 logarithmic(ax, "xy")
                 ax.set_xlabel(_LABELS[x])
                 ax.set_ylabel(_LABELS[y])
-            line[1].set_title(name)
+            line[0].set_title(name, loc="left", fontweight="bold")
+            line[2].set_ylabel("")  # that of its neighbour
+            line[2].sharey(line[1])
         handles, labels = axes[0][0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=5)
+        figure.align_ylabels(axes[:, :2])
         yield save(figure, folder, "formulation_study", "", *_WORDS)
 
 
@@ -53,6 +60,6 @@ _AXES = (("rtol", "gap"), ("rtol", "centre_error"), ("evaluations", "centre_erro
 _LABELS = {
     "rtol": "relative tolerance",
     "gap": "largest gap / m",
-    "centre_error": "largest error of the centre / m",
-    "evaluations": "evaluations of (27)",
+    "centre_error": "error of the centre / m",
+    "evaluations": "evaluations of the equations (27)",
 }

@@ -5,7 +5,9 @@ All numbers were looked up in the repositories at the given commits. Only number
 
 from __future__ import annotations
 
-from math import cos, pi, radians, sin
+from collections.abc import Sequence
+from itertools import pairwise
+from math import cos, pi, radians, sin, sqrt
 
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Plate, Start, Unilateral
 from cases import curves as c
@@ -19,9 +21,10 @@ def _reference_fmu() -> Publication:
     times = (0.451522, 1.08365, 1.52613, 1.83585, 2.05263, 2.20436, 2.31052, 2.38477, 2.43665, 2.47284, 2.498)
     heights = ((0.56, 0.278621), (1.24, 0.219426), (1.67, 0.117025), (1.95, 0.0574593))
     numbers = [
-        Number(f"impact {i} / s", t, impact(i), 5e-7 if t < 1 else 5e-6, 1.2e-3) for i, t in enumerate(times, start=1)
+        Number(f"impact {i} / s", t, impact(i), 5e-7 if t < 1 else 5e-6, 1.2e-3, _early(times[:i]))
+        for i, t in enumerate(times, start=1)
     ]
-    numbers += [Number(f"height at {t:g} s / m", h, height(t, 0.1), 5e-7, 1e-4) for t, h in heights]
+    numbers += [Number(f"height at {t:g} s / m", h, height(t, 0.1), 5e-7, 1e-4, _low(t, times)) for t, h in heights]
     return Publication(
         "BouncingBall",
         "FMI Reference FMUs",
@@ -31,8 +34,36 @@ def _reference_fmu() -> Publication:
         lambda: bouncing(1.0, 0.7, 9.81, 3.0),
         tuple(numbers),
         whole=True,
-        explanation="its speeds after the bounces are too small, by 1e-5 m/s at the first and 1e-3 m/s at the tenth, "
-        "so its times are earlier than the closed form, by 1.1 ms at the eleventh; there it stops, slower than 0.1 m/s",
+    )
+
+
+# Gravity, drop height and restitution of the Reference FMU.
+_FMU_G, _FMU_HEIGHT, _FMU_E = 9.81, 1.0, 0.7
+
+
+def _early(times: Sequence[float]) -> str:
+    """Why the last of these impacts of the Reference FMU is early: the flight before it is too short."""
+    speed = sqrt(2.0 * _FMU_G * _FMU_HEIGHT)
+    if len(times) == 1:
+        return f"early by {speed / _FMU_G - times[0]:.1e} s compared with sqrt(2 h/g), before any bounce"
+    bounce = len(times) - 1
+    exact = 2.0 * _FMU_E**bounce * speed / _FMU_G
+    short = exact - (times[-1] - times[-2])
+    whole = speed / _FMU_G + sum(2.0 * _FMU_E**k * speed / _FMU_G for k in range(1, bounce + 1)) - times[-1]
+    return (
+        f"its flight after bounce {bounce} is {short:.1e} s shorter than 2 e^{bounce} sqrt(2 h/g), as if the speed "
+        f"after that bounce were {0.5 * _FMU_G * short:.1e} m/s too small; with the flights before, it is "
+        f"{whole:.1e} s early"
+    )
+
+
+def _low(time: float, times: Sequence[float]) -> str:
+    """Why a height of the Reference FMU is too small: it follows from its own impacts before and after it."""
+    before, after = next(pair for pair in pairwise(times) if pair[0] < time < pair[1])
+    own = 0.5 * _FMU_G * (time - before) * (after - time)
+    return (
+        f"it follows from its impacts at {before:g} s and {after:g} s, between which free flight is at {own:.5f} m "
+        "then; these impacts are early"
     )
 
 
@@ -231,19 +262,28 @@ def _mfix_soft() -> Publication:
         "DEM02, soft sphere (5 MN/m), e = 0.9",
         "MFiX",
         _MFIX + "DEM02/AUTOTEST/POST_HEIGHT.dat, column Height_MFIX, KN = 0.5E+07, commit 15c6363",
-        "its own difference from the hard sphere, column %REL DIFF",
+        "the last printed digit of its distance from the hard sphere, column %REL DIFF, which is compared",
         lambda: bouncing(0.4, 0.9, 9.81, 4.6),
         # The percentages refer to the hard sphere's height.
-        tuple(Number(f"height of bounce {i} / m", h, apex(i), h * p / (100 - p) + 1e-8) for i, h, p in rows),
+        tuple(Number(f"height of bounce {i} / m", h, apex(i), 2e-8, distance=h * p / (100 - p)) for i, h, p in rows),
     )
 
 
 def _kratos(
     degrees: float, spin: float, speed_ratio: float, spin_off: float = 0.0, speed_ratio_off: float = 0.0
 ) -> Publication:
-    """`spin_off`, `speed_ratio_off`: known relative errors of the two numbers if the rim sticks."""
+    """`spin_off`, `speed_ratio_off`: known relative errors of the two numbers if the rim sticks. A rim that rebounds
+    with β times its slip velocity gives a solid sphere the spin 5/7 (1 + β) v sin α/r and leaves it 5/7 − 2/7 β of its
+    tangential speed; rigid friction has β = 0. (Derived: impulse and angular momentum about the contact.)"""
     r, v, mu, e = 0.0025, 3.9, 0.092, 0.98
     angle = radians(degrees)
+    rebound = 7.0 / 5.0 * spin * r / (v * sin(angle)) - 1.0
+    sticks = f"at {degrees:g}°, below atan(3.5 μ (1 + e)) = 32.5°, the rim sticks, and its tangential spring rebounds"
+    of_spin = f"{sticks}: the spin is 5/7 (1 + β) v sin α/r with β = {rebound:.2f}; rigid friction has β = 0"
+    of_speed = (
+        f"{sticks}: with the β = {rebound:.2f} of its spin, 5/7 - 2/7 β = {5 / 7 - 2 / 7 * rebound:.4f} of the speed "
+        "is kept; rigid friction keeps 5/7"
+    )
 
     def case() -> Case:
         effects = (CoulombFriction(mu), Unilateral(), Flight(), Impact(e))
@@ -265,6 +305,7 @@ def _kratos(
                 lambda m: -float(m(m.t[-1]).omega),
                 0.022 * spin,
                 spin_off * spin,
+                of_spin,
             ),
             Number(
                 "tangential speed kept",
@@ -272,10 +313,9 @@ def _kratos(
                 lambda m: float(m(m.t[-1]).vx) / (v * sin(angle)),
                 0.016 * speed_ratio,
                 speed_ratio_off * speed_ratio,
+                of_speed,
             ),
         ),
-        explanation="its contact has a tangential spring; if the rim sticks, the spring rebounds, which rigid "
-        "friction does not",
     )
 
 

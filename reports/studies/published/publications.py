@@ -2,13 +2,15 @@
 
 `rows(publications)` computes their motions with the reference and returns one row per number; `COLUMNS` has the
 headings. A number agrees if ours lies within the publisher's own accuracy. If a published number is known to be wrong
-by more, its record gives the amount and the reason, and this claim is tested instead.
+by more, its record gives the amount and the reason, and this claim is tested instead. If the publisher prints how far
+its number is from the exact one, that distance is what is compared.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import floor, log10
 
 import reference
 from cases import Case, Trajectory
@@ -29,7 +31,7 @@ COLUMNS = {
     "difference": "difference",
     "accuracy": "publisher's own accuracy",
     "verdict": "verdict",
-    "note": "why they differ",
+    "note": "why they differ, or what is compared",
     "source": "source",
 }
 
@@ -38,8 +40,9 @@ COLUMNS = {
 class Number:
     """One published number: `read` computes it from our motion, in the same unit; `accuracy` is absolute.
 
-    `off` > 0: the published number is known to be wrong by more than its accuracy, but at most by `off`; the reason is
-    in the publication's `explanation`.
+    `off` > 0: the published number is known to be wrong by more than its accuracy, but at most by `off`, for the
+    `reason`. `distance` > 0: the publisher's own printed distance from the exact number; ours must be that far away,
+    within the accuracy of the printed numbers.
     """
 
     quantity: str
@@ -47,6 +50,8 @@ class Number:
     read: Reading
     accuracy: float
     off: float = 0.0
+    reason: str = ""
+    distance: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,7 @@ class Publication:
     """One motion computed by another program: our case for it, its source, and its numbers.
 
     `accuracy` describes the origin of the publisher's accuracy. `whole`: the numbers cover the motion through its
-    transitions from start to end. `explanation`: the reason of numbers that are known to be wrong.
+    transitions from start to end.
     """
 
     name: str
@@ -64,7 +69,6 @@ class Publication:
     case: Callable[[], Case]
     numbers: tuple[Number, ...]
     whole: bool = False
-    explanation: str = ""
 
 
 def motion_of(publication: Publication) -> Trajectory:
@@ -73,8 +77,11 @@ def motion_of(publication: Publication) -> Trajectory:
 
 
 def verdict(number: Number, ours: float) -> str:
-    """ "agrees" within the publisher's accuracy; "known" within `off`; otherwise "differs"."""
+    """ "agrees" within the publisher's accuracy; "reproduces its error" if ours is as far from the published number as
+    the publisher's exact one; "known" within `off`; otherwise "differs"."""
     difference = abs(ours - number.value)
+    if number.distance:
+        return "reproduces its error" if abs(difference - number.distance) <= number.accuracy else "differs"
     if difference <= number.accuracy:
         return "agrees"
     return "known" if difference <= number.off else "differs"
@@ -87,14 +94,26 @@ def row(publication: Publication, number: Number, ours: float) -> Row:
         "program": publication.program,
         "scene": publication.name,
         "quantity": number.quantity,
-        "published": number.value,
-        "ours": ours,
+        "published": _digits(number.value, number.accuracy),
+        "ours": _digits(ours, number.accuracy),
         "difference": ours - number.value,
         "accuracy": number.accuracy,
         "verdict": verdict_word,
-        "note": publication.explanation if verdict_word == "known" else "",
+        "note": _note(number, verdict_word),
         "source": publication.source,
     }
+
+
+def _note(number: Number, verdict_word: str) -> str:
+    """The reason of a known disagreement, or what is compared if it is not the number itself."""
+    if number.distance:
+        return f"compared: its printed distance from the exact number, {number.distance:.3g}"
+    return number.reason if verdict_word == "known" else ""
+
+
+def _digits(value: float, accuracy: float) -> str:
+    """A number with one digit more than its accuracy, so that a table shows how far two numbers agree."""
+    return f"{value:.{max(0, 1 - floor(log10(accuracy)))}f}"
 
 
 def rows(publications: Sequence[Publication]) -> list[Row]:

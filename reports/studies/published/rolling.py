@@ -117,12 +117,13 @@ def _mfix_slip_to_roll(mu: float, time: float, speed: float, spin: float, errors
     exact, theirs = (0.28571429, 0.71428571, 0.71428571), (time, speed, spin)
     numbers = [Number(name, value, read, rounding) for (name, read), value in zip(readings, exact, strict=True)]
     for (name, read), value, percent, right in zip(readings, theirs, errors, exact, strict=True):
-        numbers.append(Number(f"{name}, its own", value, read, right * percent / 100 + 2 * rounding))
+        # Both the number and the exact one are printed to eight digits.
+        numbers.append(Number(f"{name}, its own", value, read, 2 * rounding, distance=right * percent / 100))
     return Publication(
         f"DEM04, slip to roll, μ = {mu:g}",
         "MFiX",
         _MFIX + "DEM04/AUTOTEST/POST_TIME.dat, POST_TVEL.dat, POST_AVEL.dat, commit 15c6363",
-        "closed forms: the last printed digit; its own numbers: their printed difference from them",
+        "the last printed digit; of its own numbers, their printed distance from the closed form is compared",
         lambda: sliding(r, mu, v0, 0.6 * v0 / (mu * g), g),
         tuple(numbers),
     )

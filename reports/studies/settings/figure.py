@@ -35,7 +35,7 @@ def draw(cells: Sequence[SettingCell], folder: Path) -> Iterator[FigureEntry]:
             ax.plot([p.cost for p in grid], [p.off for p in grid], ".", color=FAINT, markersize=4)
             ax.plot([p.cost for p in rungs], [p.off for p in rungs], "o-", color=looks.colour(name), markersize=4)
             logarithmic(ax, "xy")
-            ax.set_title(f"{name}, {route}")
+            ax.set_title(f"{name}, {route}", loc="left")
         axes[0][0].set_ylabel("off: share of the error of ignoring friction")
         figure.supxlabel("CPU time / that of the case's median setting", fontsize=9)
         yield save(figure, folder, "settings", "", *_WORDS)

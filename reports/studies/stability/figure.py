@@ -14,7 +14,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from ...drawing.colours import GRADES
 from ...drawing.figure_files import FigureEntry, save
-from ...drawing.style import STYLE, LineStyles
+from ...drawing.style import STYLE, LineStyles, logarithmic
 from ...running.records import REFERENCE
 from . import measure
 from .measure import Stability
@@ -134,9 +134,9 @@ def steps(stability: Stability) -> Figure:
         else:
             ax.plot(b.works / whole, y, marker=">", color=colour, markersize=7)
     ax.set_yticks(range(len(brackets)), [f"{b.case}: {b.solver}, {b.route}" for b in brackets], fontsize=7.5)
-    ax.set_xscale("log")
+    logarithmic(ax, "x")
     lowest = min((b.fails if not isfinite(b.works) else b.works) / durations[b.case] for b in brackets)
     ax.set_xlim(0.3 * lowest, 1.0)
     ax.set_xlabel("step / duration")
-    ax.invert_yaxis()
+    ax.set_ylim(len(brackets) - 0.5, -0.5)
     return figure
