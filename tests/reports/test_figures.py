@@ -128,7 +128,8 @@ def test_a_curves_parameter_is_in_radians_only_if_it_is_an_angle(curve, unit):
 @pytest.mark.parametrize(
     ("case", "parameter", "label"),
     [
-        ("disc_in_circle", "xi1", "start on the track ξ₁ / rad"), ("disc_in_cosine", "xi1", "start on the track ξ₁ / m"),
+        ("disc_in_circle", "xi1", "start on the track ξ₁ / rad"),
+        ("disc_in_cosine", "xi1", "start on the track ξ₁ / m"),
         ("disc_in_ellipse", "xi1", "start on the track ξ₁"), ("disc_in_circle", "mu", "friction coefficient μ"),
         ("disc_on_line", "v0", "v0 / (m/s)"), ("disc_on_incline", "slope", "slope / rad"),
         ("disc_in_circle", "r", "r / m"), ("disc_in_circle", "g", "g / (m/s²)"), ("bouncing_disc", "e", "e"),
@@ -155,7 +156,8 @@ def test_work_and_precision_are_of_whole_calls_and_have_no_panel_below_the_truth
     timings = {key: replace(timing, call_s=5.0) for key, timing in measured.timings.items()}
     points = work_precision_rows(shown, measured._replace(timings=timings))
     hidden = [p | {"below_floor": p["below_floor"] or p["quantity"] == "centre_rms"} for p in points]
-    figure = work_precision_figure.case_figure(shown, points[0]["case"], hidden, looks_of(shown))
+    label = points[0]["case"]
+    figure = work_precision_figure.case_figure(shown, label, hidden, looks_of(shown))
     titles = {ax.get_title(loc="left") for ax in figure.axes}
     assert "first transition's time" in titles and "centre, root mean square" not in titles
     places = [x for ax in figure.axes for line in ax.lines if line.get_marker() == "o" for x in line.get_xdata()]
