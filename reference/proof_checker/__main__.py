@@ -9,7 +9,8 @@ import json
 import sys
 from pathlib import Path
 
-from .check import NotConfirmed, check
+from .check import check
+from .steps import NotConfirmed
 
 
 def main(files: list[str]) -> int:
