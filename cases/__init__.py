@@ -23,7 +23,7 @@ from .outline import Outline, arc
 from .plate import Plate, disc
 from .registry import case, entry, load, load_file, names, select
 from .start import Start
-from .trajectory import Cost, Mode, State, Trajectory, Transition
+from .trajectory import Cost, Mode, Passage, State, Trajectory, Transition
 from .version import __version__
 
 __all__ = [
@@ -45,6 +45,7 @@ __all__ = [
     "Mode",
     "NotSupported",
     "Outline",
+    "Passage",
     "PerfectlyRough",
     "Plate",
     "RollingResistance",

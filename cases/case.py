@@ -14,7 +14,7 @@ import numpy as np
 from . import effects
 from .chain import Chain
 from .curves import Curve
-from .effects import E, Effect, Gravity
+from .effects import Belt, E, Effect, Flight, Gravity, Impact
 from .errors import BadValue, parameter, positive, real
 from .plate import Plate
 from .size_limits import check_sizes
@@ -51,13 +51,12 @@ class Case:
         ):
             if not isinstance(value, kind):
                 raise BadValue(f"the {what} of a case is {value!r}; give a {kind.__name__}")
-        if isinstance(self.track, Chain) or isinstance(self.plate.outline, Chain):
-            raise BadValue("curves with corners cannot be simulated yet; give smooth curves")
         object.__setattr__(self, "effects", effects.check_formula(self.effects))
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
         object.__setattr__(self, "parameters", _check_parameters(self.parameters))
         _check_name(self.name)
         with np.errstate(all="ignore"):  # what is not finite does not fit
+            _check_corners(self.track, self.plate.outline, self.effects)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             self.start.check(self.track, self.plate.outline, self.effects)
 
@@ -125,6 +124,20 @@ class Case:
         """The plate's weight, N; 0 without gravity."""
         gravity = self.effect(Gravity)
         return self.plate.mass * gravity.g if gravity else 0.0
+
+
+def _check_corners(track: Curve, outline: Curve, acting: tuple[Effect, ...]) -> None:
+    """Raise BadValue for an effect that curves with corners do not have yet."""
+    if not (isinstance(track, Chain) or isinstance(outline, Chain)):
+        return
+    if effects.one(acting, Belt):
+        raise BadValue("a Belt over corners is not supported; leave Belt out, or give smooth curves")
+    for kind in (Flight, Impact):
+        if effects.one(acting, kind):
+            raise BadValue(
+                f"{kind.__name__} with corners is not supported: a motion on curves with corners ends where the plate "
+                f"leaves its track; leave {kind.__name__} out, or give smooth curves"
+            )
 
 
 def _check_name(name: object) -> None:

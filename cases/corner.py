@@ -35,6 +35,8 @@ class Corner:
 
     period = None
     features = None
+    parts = None
+    knots = ()
 
     @property
     def sign(self) -> int:
@@ -55,6 +57,14 @@ class Corner:
     def constants(self) -> tuple[float, float, float]:
         """What distinguishes it from another corner that turns to the same side: x, y and the angle of its start."""
         return self.x, self.y, self.start
+
+    def part(self, number: int) -> Corner:
+        """Its only part."""
+        return self
+
+    def jet(self, s: float) -> tuple[float, ...]:
+        """Position, and derivatives by the parameter, which are zero."""
+        return self.x, self.y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 
     def tangent_angle(self, s):
         """The tangent's direction, rad."""

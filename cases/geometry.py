@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .chain import Chain, Element
+from .corner import Corner, Piece, turning
 from .curves import Curve
 from .errors import DoesNotFit
 
@@ -67,6 +69,8 @@ def pose(track: Curve, outline: Curve, xi1, xi2):
 def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float) -> MotionPoint:
     """The plate's motion in contact with slip velocity `slip` (m/s, along the track's tangent) and spin `omega`. Raises
     DoesNotFit where plate and track have the same curvature."""
+    if isinstance(track, Chain | Corner) or isinstance(outline, Chain | Corner):
+        return _velocity_on_pieces(track, outline, xi1, xi2, slip, omega)
     P, p = float(track.speed(xi1)), float(outline.speed(xi2))
     bend_track, bend_outline = float(track.curvature(xi1)), float(outline.curvature(xi2))
     # The tangents turn together: κ_track ṡ_track = ω + κ_outline ṡ_outline, and slip = ṡ_track − ṡ_outline by (12).
@@ -77,12 +81,46 @@ def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, 
         )
     along_track = (omega - bend_outline * slip) / (bend_track - bend_outline)
     along_outline = along_track - slip
+    return _moving(track, outline, (xi1, xi2), (along_track / P, along_outline / p), slip, omega)
+
+
+def _moving(
+    track: Curve, outline: Curve, places: tuple[float, float], rates: tuple[float, float], slip: float, omega: float
+) -> MotionPoint:
+    """The plate's motion with that slip velocity and spin; `rates` are those of the contact parameters."""
+    xi1, xi2 = places
     x, y, theta = (float(value) for value in pose(track, outline, xi1, xi2))
     tangent, contact = track.tangent(xi1), track.point(xi1)
     # (11) solved for the velocity of the centre of mass: v = Ṙ₀ + ω U (R − R₀).
     vx = slip * tangent[0] + omega * (contact[1] - y)
     vy = slip * tangent[1] - omega * (contact[0] - x)
-    return MotionPoint(x, y, theta, float(vx), float(vy), omega, xi1, xi2, along_track / P, along_outline / p, slip)
+    return MotionPoint(x, y, theta, float(vx), float(vy), omega, xi1, xi2, *rates, slip)
+
+
+def piece_at(curve: Curve, s: float) -> tuple[Piece, float]:
+    """The smooth piece or corner of a curve at a parameter, and its own parameter there."""
+    if not isinstance(curve, Chain):
+        return curve, s
+    element: Element = curve.element_at(s)
+    return element.piece, s - element.shift
+
+
+def _velocity_on_pieces(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, omega: float) -> MotionPoint:
+    """`velocity` where a curve has pieces: ω = k₁ ξ̇₁ − k₂ ξ̇₂ and v = ρ₁ ξ̇₁ − ρ₂ ξ̇₂, solved for the rates."""
+    (first, s1), (second, s2) = piece_at(track, xi1), piece_at(outline, xi2)
+    if isinstance(first, Curve) and isinstance(second, Curve):
+        on_pieces = velocity(first, second, s1, s2, slip, omega)
+        return _moving(track, outline, (xi1, xi2), (on_pieces.xi1_dot, on_pieces.xi2_dot), slip, omega)
+    k1, k2 = turning(first, s1), turning(second, s2)
+    rho1, rho2 = float(first.speed(s1)), float(second.speed(s2))
+    determinant = k1 * rho2 - k2 * rho1
+    if determinant >= 0.0:
+        raise DoesNotFit(
+            f"the plate does not fit its track at xi1 = {xi1:g}: a corner there points away from the other curve; "
+            "give another start"
+        )
+    rates = (omega * rho2 - slip * k2) / determinant, (omega * rho1 - slip * k1) / determinant
+    return _moving(track, outline, (xi1, xi2), rates, slip, omega)
 
 
 def velocity_apart(
@@ -112,13 +150,15 @@ def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:
     direction = track.tangent_angle(xi1)
     low, high = outline.span
     grid = np.linspace(low, high, 721)
+    if isinstance(outline, Chain):
+        grid = np.union1d(grid, outline.vertices(0.1))
     # Whole turns between the two tangents, as a continuous function of the outline's parameter: solve for zero mod 1.
     turns = (outline.tangent_angle(grid) - direction) / (2 * pi)
     lowest, highest = np.ceil(np.minimum(turns[:-1], turns[1:])), np.floor(np.maximum(turns[:-1], turns[1:]))
     parameters = []
     for i in np.flatnonzero(lowest <= highest).tolist():
         for whole in range(int(lowest[i]), int(highest[i]) + 1):
-            if turns[i + 1] != whole or i == 719:
+            if turns[i + 1] != whole or i == len(grid) - 2:
                 root = _level(outline, direction + 2 * pi * whole, *grid[i : i + 2].tolist())
                 # Whole turns of a closed outline are taken back, so that θ is zero and not a multiple of 2π.
                 parameters.append(root - whole * outline.period if outline.period else root)
@@ -235,5 +275,6 @@ def slip_velocity(track: Curve, x, y, vx, vy, omega, xi1):
 
 
 def clearance(track: Curve, outline: Curve, xi1, xi2):
-    """Outline's curvature minus track's, 1/m: positive where the plate fits (admissible contact)."""
+    """Outline's curvature minus track's, 1/m: positive where the plate fits (admissible contact); NaN where a corner
+    touches a corner."""
     return outline.curvature(xi2) - track.curvature(xi1)

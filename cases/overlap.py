@@ -13,11 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .chain import Chain
 from .curves import Curve
 from .features import union
 
 # Number of corners of the polygon, in addition to those that resolve the outline's features.
 CORNERS = 720
+# Between two corners of a chain's polygon the tangent turns by at most this, rad.
+CHAIN_TURN = 0.01
 # Number of track samples per size of the plate, the fewest and the most, in addition to those for the track's features.
 POINTS_A_SIZE, FEWEST, MOST = 16, 720, 20_000
 # Number of pairs of a pose and a track point that are tested together: some megabytes.
@@ -114,7 +117,11 @@ def first_overlap(
 @lru_cache(maxsize=64)
 def _polygon(outline: Curve) -> _PolygonPair:
     low, high = outline.span
-    places = np.linspace(low, high, CORNERS + 1)
+    if isinstance(outline, Chain):
+        places = outline.vertices(CHAIN_TURN)
+        places = places[np.insert(np.hypot(*np.diff(outline.point(places), axis=1)) > 0.0, 0, True)]
+    else:
+        places = np.linspace(low, high, CORNERS + 1)
     if outline.features:
         places = union(places, outline.features.places(low, high))
     corners = outline.point(places[:-1])
@@ -134,6 +141,8 @@ def _samples(track: Curve, low: float, high: float, size: float, reach: float) -
     """Track parameters about a sixteenth of `size` apart, within what stays quick to look at, in cells of `reach`."""
     length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
     places = np.linspace(low, high, int(min(MOST, max(FEWEST, POINTS_A_SIZE * length / size))))
+    if isinstance(track, Chain):
+        places = union(places, track.vertices(CHAIN_TURN))
     if track.features:
         places = union(places, track.features.places(low, high))
     points = track.point(places)

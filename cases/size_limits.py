@@ -81,7 +81,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
         raise BadValue(
             f"speed of Belt or its rate has no value up to {ENORMOUS:g} where the motion begins; give one at t = 0"
         )
-    away = hypot(*track.jet(start.xi1)[:2])
+    away = hypot(*track.point(start.xi1))
     if not away <= FURTHEST * extent:
         raise BadValue(
             f"the plate begins {away / extent:.3g} times its own length from the origin; give a place, or a track, "

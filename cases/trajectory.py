@@ -68,6 +68,25 @@ class Transition:
 
 
 @dataclass(frozen=True)
+class Passage:
+    """The contact passes from one element of a chain to the next: time (s), "track" or "outline", the elements
+    ("piece 0", "corner 1", numbered as in `Chain.elements` and on from round to round), and the contact parameters.
+
+    The mode, if it changes at the same time, has a transition of its own.
+    """
+
+    time: float
+    curve: str
+    before: str
+    after: str
+    xi1: float
+    xi2: float
+
+    def __repr__(self) -> str:
+        return f"Passage({self.time:.9g} s: {self.curve}, {self.before} -> {self.after})"
+
+
+@dataclass(frozen=True)
 class Cost:
     """The cost of an answer: CPU and wall seconds of the run, of the set-up separately; steps and evaluations."""
 
@@ -112,8 +131,9 @@ class Trajectory:
     report them; `xi1`, `xi2`: contact parameters. In flight there is no contact: both forces are 0, and slip and
     contact parameters NaN. `status` is "completed" or names the reason why the motion ended early; `reason` is a
     sentence about it. `slip_resolution` (m/s) is the creep below which this solver cannot distinguish stick from slip
-    (0: exact). `dense` maps a time or an array of times inside the range to a State; without it the samples are
-    interpolated. `case`, if known, is the case of the motion: `plot` and `animate` draw it.
+    (0: exact). `passages` of the contact between pieces and corners of a chain are empty on smooth curves. `dense` maps
+    a time or an array of times inside the range to a State; without it the samples are interpolated. `case`, if known,
+    is the case of the motion: `plot` and `animate` draw it.
     """
 
     t: np.ndarray
@@ -136,6 +156,7 @@ class Trajectory:
     first_mode: Mode | None = None
     dense: Callable[[np.ndarray], State] | None = None
     case: Case | None = None
+    passages: tuple[Passage, ...] = ()
 
     @classmethod
     def on_demand(cls, sample: Callable[[], tuple[np.ndarray, State]], **rest) -> Trajectory:

@@ -13,16 +13,28 @@ from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Cost, Mode, State, Trajectory
+from cases import BadValue, Case, Cost, Mode, NotSupported, Passage, State, Trajectory
 from cases.contact import belt_speed, pose
 from cases.errors import between, unknown_name
+from cases.piece_case import PieceCase, has_pieces, passages_between
 
 from . import augmented_integrator
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import LIFT_OFF, LOCATION_ERROR, simulate_phases, undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
-from .minimal.modes import FLIGHT, Phase, Regime, able, candidates, phase_at, senses, start_state, state_in
+from .minimal.modes import (
+    FLIGHT,
+    Phase,
+    Regime,
+    able,
+    candidates,
+    phase_at,
+    senses,
+    start_pieces,
+    start_state,
+    state_in,
+)
 from .minimal.second_contacts import until_second_contact
 
 
@@ -70,6 +82,8 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     if not isinstance(case, Case):
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
     rtol = between("rtol", rtol, *TOLERANCES)
+    if method == "augmented" and has_pieces(case):
+        raise NotSupported("the paper's matrix (27) has no rows for corners here; leave method out, or give 'dop853'")
     # Not as a decorator: NumPy 1 would store the state to restore in one place for all threads.
     with np.errstate(all="ignore"):  # non-finite values end the motion with a reason
         return _simulate(case, rtol, _method_name(method))
@@ -120,12 +134,12 @@ def first_regime(case: Case, y) -> Regime | None:
     None if no contact is consistent."""
     if not case.start.in_contact:
         return FLIGHT
-    epsilon = float(np.finfo(float).eps)
+    epsilon, here = float(np.finfo(float).eps), start_pieces(case)
     # Eight roundings lie between the start's values and the speeds of the state. A motion so slow that it ends at once
     # leaves no regime; speeds below an event's own error then count as zero, as after events.
     for error in (8 * epsilon, LOCATION_ERROR):
-        moves = senses(case, 0.0, y, case.start.slip, case.start.omega, error)
-        regime = decide(case, 0.0, y, epsilon, able(case, *moves))
+        moves = senses(here, 0.0, y, case.start.slip, case.start.omega, error)
+        regime = decide(here, 0.0, y, epsilon, able(here, *moves))
         if regime:
             return regime
     return None
@@ -152,16 +166,28 @@ def prepare(case: Case, regime: Regime, method: str, rtol: float) -> None:
     """Compile the equations of the regime in which a motion starts. Those of other regimes are compiled when a motion
     of this process first enters them."""
     prepare_phase, _ = INTEGRATORS[method]
-    prepare_phase(phase_at(case, regime, start_state(case)), rtol)
+    prepare_phase(phase_at(start_pieces(case), regime, start_state(case)), rtol)
+
+
+def passages(segments: list[Segment]) -> tuple[Passage, ...]:
+    """Where the contact passes from one piece of a chain to the next."""
+    places = [(s, s.phase.case) for s in segments if isinstance(s.phase.case, PieceCase)]
+    result: list[Passage] = []
+    for (_, before), (segment, after) in zip(places, places[1:], strict=False):
+        if before != after:
+            xi1, xi2 = after.to_whole(*segment.states(np.array([segment.start]))[:2, 0].tolist())
+            result += passages_between(before, after, segment.start, xi1, xi2)
+    return tuple(result)
 
 
 def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
     """A trajectory with samples at the integrator's steps and on both sides of each transition, and a dense output."""
     common: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
+    common["passages"] = passages(segments)
     if not segments:
         # No motion and no contact force: the plate leaves at once, or no force is consistent.
         first, nothing = start_state(case), np.zeros(1)
-        now = phase_at(case, candidates(case)[-1], first)
+        now = phase_at(start_pieces(case), candidates(case)[-1], first)
         start = _observe(case, now, nothing, np.array(state_in(now, first))[:, None])
         start = start._replace(normal_force=nothing, friction_force=nothing)
         return Trajectory(t=np.zeros(1), **start._asdict(), **common, first_mode=at_once(status))
@@ -219,6 +245,9 @@ def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
         outputs = now.system.outputs_of_arrays(times, y, now.parameters)
     m = now.system.record(*(np.broadcast_to(row, times.shape) for row in outputs))
     xi1, xi2 = y[0], y[1]
+    pieces = now.case if isinstance(now.case, PieceCase) else None
+    if pieces:
+        xi1, xi2 = pieces.to_whole(xi1, xi2)
     x, y0, theta = pose(case, xi1, xi2)
     tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
     point = m.slip + belt_speed(case, times)  # (11) has the velocity of the plate's point

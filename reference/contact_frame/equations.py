@@ -4,7 +4,8 @@ State (ξ₁, ξ₂, ω, v): contact parameters, spin and slip velocity. Only cu
 
     ṡ_track = (ω − κ_outline v) / (κ_track − κ_outline),      ṡ_outline = ṡ_track − v,
 
-and Newton–Euler is written along tangent and normal for the plate's material point at the contact, whose acceleration
+(on a corner of the track ṡ_track = 0 and ṡ_outline = −v, on one of the outline ṡ_track = v and ṡ_outline = 0), and
+Newton–Euler is written along tangent and normal for the plate's material point at the contact, whose acceleration
 is v̇ t + (v κ_track ṡ_track − ω ṡ_outline) n. On a belt the state has the slip relative to it; v and v̇ in these
 formulas are then slip plus speed of the belt, and their rates.
 """
@@ -12,13 +13,15 @@ formulas are then slip plus speed of the belt, and their rates.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import hypot, inf, isfinite, pi, sqrt
+from math import copysign, cos, hypot, inf, isfinite, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import pose
+from cases.corner import Corner
+from cases.piece_case import PieceCase
 
 from .loads import load_scales, slip_scales
 from .steps import StepFailure
@@ -76,7 +79,10 @@ class Forces(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Geometry at one pair of contact parameters, in the frame: speeds, curvatures, arm from the centre of mass."""
+    """Geometry at one pair of contact parameters, in the frame: speeds, curvatures, arm from the centre of mass.
+
+    At a corner the curvature is infinite and the speed is zero.
+    """
 
     P: float
     p: float
@@ -130,7 +136,9 @@ class ContactScene:
         curves = [(row, curve.features) for row, curve in enumerate((self.track, self.outline)) if not curve.knots]
         belt = [(None, self.belt.features if self.belt else None)]
         self.in_contact = [*self.in_time, *((row, features) for row, features in [*belt, *curves] if features)]
-        self.reach = float(np.hypot(*self.outline.point(np.linspace(*self.outline.span, TRACK_SAMPLES))).max())
+        whole = case.whole.plate.outline if isinstance(case, PieceCase) else self.outline
+        self.reach = float(np.hypot(*whole.point(np.linspace(*whole.span, TRACK_SAMPLES))).max())
+        self.turn = case.turn if isinstance(case, PieceCase) else 0.0
         self.is_disc = case.plate.radius is not None
         self.grain = self._grain()
 
@@ -140,6 +148,8 @@ class ContactScene:
         For a circle it is the radius, for a line with ends their distance, for any other curve at most the plate's
         size.
         """
+        if isinstance(self.track, Corner):
+            return self.reach
         with np.errstate(all="ignore"):  # far out a curve may be too large for a double
             bends = np.abs(np.asarray(self.track.curvature(self._sample_parameters())))
         bends = bends[np.isfinite(bends)]
@@ -171,12 +181,23 @@ class ContactScene:
         return self.track.domain is not None and not self.track.period
 
     def place(self, xi1: float, xi2: float) -> Place:
+        if isinstance(self.track, Corner) or isinstance(self.outline, Corner):
+            return self._place_at_corner(xi1, xi2)
         _, _, Xp, Yp, Xs, Ys, _, _ = self.track_jet(xi1)
         x, y, xp, yp, xs, ys, _, _ = self.outline_jet(xi2)
         P, p = hypot(Xp, Yp), hypot(xp, yp)
         return Place(
             P, p, Xp / P, Yp / P, (Xp * Ys - Yp * Xs) / P**3, (xp * ys - yp * xs) / p**3,
             (x * xp + y * yp) / p, (y * xp - x * yp) / p,
+        )  # fmt: skip
+
+    def _place_at_corner(self, xi1: float, xi2: float) -> Place:
+        along, (x, y), angle = self.track.tangent(xi1), self.outline.point(xi2), self.outline.tangent_angle(xi2)
+        c, s = cos(angle), sin(angle)
+        return Place(
+            float(self.track.speed(xi1)), float(self.outline.speed(xi2)), float(along[0]), float(along[1]),
+            float(self.track.curvature(xi1)), float(self.outline.curvature(xi2)),
+            float(x * c + y * s), float(y * c - x * s),
         )  # fmt: skip
 
     def surface(self, t: float) -> tuple[float, float]:
@@ -215,7 +236,7 @@ class ContactScene:
         # (11): the centre of mass moves as the contact's material point less ω U arm.
         along, across = v + w * q.arm_n, -w * q.arm_t
         vx, vy = along * q.tx - across * q.ty, along * q.ty + across * q.tx
-        return [x, y, theta + 2 * pi * turns, vx, vy, w]
+        return [x, y, theta + self.turn + 2 * pi * turns, vx, vy, w]
 
     def load_allows(self, times: np.ndarray, states: np.ndarray, turns: int) -> bool:
         """Whether the load allows a step through these states (ξ₁, ξ₂, ω, v) of the contact, shape (4, n)."""
@@ -238,7 +259,8 @@ class ContactScene:
         ax, ay, spin_pull = self.pull(t, self.body(t, z, turns) if self.load else None)
         along_track, along_outline = speeds(q, w, v)
         J, at, an = self.J / self.m, q.arm_t, q.arm_n
-        down = v * q.bend_track * along_track - w * along_outline + w * w * an - (ay * q.tx - ax * q.ty)
+        turning = v * (w + q.bend_outline * along_outline) if q.P == 0.0 else v * q.bend_track * along_track
+        down = turning - w * along_outline + w * w * an - (ay * q.tx - ax * q.ty)
         back = w * w * at - (ax * q.tx + ay * q.ty) + self.surface(t)[1]
         # Per mass N = down − ω̇ arm_t for every phase; v̇ = −back + T − ω̇ arm_n; J ω̇ = arm_t N − arm_n T + couple.
         friction, couple = ratios(self.laws, phase, z[3])
@@ -278,12 +300,12 @@ class ContactScene:
         """
         q, (_, _, w, v) = self.place(z[0], z[1]), self.absolute(t, z)
         along_track, along_outline = speeds(q, w, v)
-        bends = [abs(q.bend_track * q.bend_outline / (q.bend_outline - q.bend_track))]
+        bends = [_relative_bend(q)]
         frequencies = [abs(along_track) / self.grain]
         if not self.is_disc:
             bends.append(1.0 / self.reach)
             frequencies += [abs(w), abs(along_outline) / self.reach]
-        if self.grain * abs(q.bend_track) < 1.0 - EVEN:
+        if self.grain * abs(q.bend_track) < 1.0 - EVEN or q.P == 0.0:
             bends.append(1.0 / self.grain)
         if self.belt:
             frequencies.append(sqrt(abs(self.surface(t)[1]) / self.reach))
@@ -313,8 +335,17 @@ class ContactScene:
         return 1.0 / soonest
 
 
+def _relative_bend(q: Place) -> float:
+    """The inverse of the difference of the radii of curvature; the radius of a corner is zero."""
+    if q.P == 0.0 or q.p == 0.0:
+        return abs(q.bend_outline if q.P == 0.0 else q.bend_track)
+    return abs(q.bend_track * q.bend_outline / (q.bend_outline - q.bend_track))
+
+
 def speeds(q: Place, w: float, v: float) -> tuple[float, float]:
     """Speeds of the contact point along track and outline."""
+    if q.P == 0.0 or q.p == 0.0:
+        return (0.0, -v) if q.P == 0.0 else (v, 0.0)
     along_track = (w - q.bend_outline * v) / (q.bend_track - q.bend_outline)
     return along_track, along_track - v
 
@@ -452,4 +483,10 @@ def rates(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> 
     forces = scene.forces(t, z, phase, turns)
     _, _, w, v = scene.absolute(t, z)
     along_track, along_outline = speeds(q, w, v)
+    if q.P == 0.0:  # the tangent of the track turns with the plate and along its outline
+        first = copysign(1.0, q.bend_track) * (w + q.bend_outline * along_outline)
+        return np.array([first, along_outline / q.p, forces.spin_rate, forces.slip_rate])
+    if q.p == 0.0:
+        second = copysign(1.0, q.bend_outline) * (q.bend_track * along_track - w)
+        return np.array([along_track / q.P, second, forces.spin_rate, forces.slip_rate])
     return np.array([along_track / q.P, along_outline / q.p, forces.spin_rate, forces.slip_rate])

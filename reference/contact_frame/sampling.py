@@ -8,6 +8,7 @@ import numpy as np
 
 from cases import Case
 from cases.contact import belt_speed, pose
+from cases.piece_case import PieceCase
 
 
 def bodies_in_contact(case: Case, times: np.ndarray, z: np.ndarray, turns: int) -> np.ndarray:
@@ -39,12 +40,16 @@ class Record:
         """Whether poses and velocities of all times up to `end` are numbers."""
         return bool(np.isfinite(self.motions[:6, self.times <= end]).all())
 
-    def contact(self, start: float, end: float, z_at, turns: int) -> None:
-        """Record contact from `start` to `end`; `z_at` maps an array of times to (ξ₁, ξ₂, ω, v)."""
+    def contact(self, start: float, end: float, z_at, turns: int, pieces: PieceCase | None = None) -> None:
+        """Record contact from `start` to `end`; `z_at` maps an array of times to (ξ₁, ξ₂, ω, v), the parameters of
+        `pieces` if they are given."""
         inside = (self.times >= start) & (self.times <= end)
         if not inside.any():
             return
-        self.states[:, inside] = z = z_at(self.times[inside])
+        z = z_at(self.times[inside])
+        if pieces:
+            z = np.array([*pieces.to_whole(z[0], z[1]), z[2], z[3]])
+        self.states[:, inside] = z
         self.motions[:, inside] = [*bodies_in_contact(self.case, self.times[inside], z, turns), z[3]]
 
     def flight(self, start: float, end: float, body_at) -> None:

@@ -16,10 +16,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from cases import Case, CaseError, Flight, Mode, Transition
-from cases.contact import start_motion
+from cases.contact import clearance, start_motion
+from cases.corner import Corner
+from cases.piece_case import PieceCase, corner_on_corner, has_pieces, is_concave, neighbour, pieces_at
 
 from . import flight_guards
 from .advancement import TooManyRounds
+from .chain_overlaps import ChainOverlaps
 from .equations import ContactPhase, ContactScene, leaves, lets_go, rates
 from .knots import KnotEnds
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, MotionState
@@ -147,6 +150,8 @@ def _start(course: MotionState) -> ContactState | FlightState | EndState:
     omega = begin.omega if size * abs(begin.omega) > NOTHING * abs(begin.slip) else 0.0
     slip = begin.slip if abs(begin.slip) > NOTHING * size * abs(begin.omega) else 0.0
     z = [begin.xi1, begin.xi2, omega, slip]
+    if has_pieces(course.case):
+        z = _start_on_pieces(course, z)
     if course.case.start.in_contact:
         return course.contact_state(z, 0) or _without_mode(course, z, 0)
     if course.case.start.gap > 0.0:
@@ -157,6 +162,20 @@ def _start(course: MotionState) -> ContactState | FlightState | EndState:
     ):  # a rise below rounding comes down at once, with the same speed
         return flight_guards.land(course, LandingState(z, 0, -abs(lift)), from_flight=lift < 0.0)
     return flight_guards.leap(course, z, 0, lift)
+
+
+def _start_on_pieces(course: MotionState, z: list[float]) -> list[float]:
+    """The state in the parameters of the pieces on which the motion starts; sets the scene to these."""
+    pieces = pieces_at(course.case, z[0], z[1])
+    course.scene = ContactScene(pieces)
+    z = [z[0] - pieces.first.shift, z[1] - pieces.second.shift, z[2], z[3]]
+    for i in (0, 1):  # an end towards which the contact moves belongs to the next piece
+        moves = rates(course.scene, course.t, z, ContactPhase(None, None), 0)[i]
+        following = neighbour(pieces, i == 0, 1)
+        if following and moves > 0.0 and z[i] >= pieces.pieces[i].span[1]:
+            pieces, z[i] = following, following.pieces[i].span[0]
+            course.scene = ContactScene(pieces)
+    return z
 
 
 def _without_mode(course: MotionState, z, turns: int) -> FlightState | EndState:
@@ -176,15 +195,21 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
     guards, knots = _guards(course, phase, turns), KnotEnds(course.scene, now.z)
     if knots.any:
         guards["knot"] = knots.inside
-    overlaps = Overlaps(course.case, course.surroundings(), turns) if course.overlaps else None
+    overlaps = _overlaps(course, now)
     if overlaps:
         guards["elsewhere"] = overlaps.before
     with knots.formulas():
         solution = _integrate(course, now, guards, overlaps)
     course.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
     guard_names = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
+    if isinstance(overlaps, ChainOverlaps) and overlaps.time is not None:
+        course.t = min(course.t, overlaps.time)  # a touch may be seen a step after it
     if not guard_names:
         return EndState("completed" if course.t >= course.end else IN_PROGRESS)
+    if isinstance(course.scene.case, PieceCase) and not {"painleve", "fit", "elsewhere"} & set(guard_names):
+        for i, name in enumerate(("track", "outline")):
+            if name in guard_names:
+                return _pass_on(course, now, course.scene.case, z, i)
     stop = next((STOPS[name] for name in guard_names if name in STOPS), None)
     if stop:
         return EndState(stop)
@@ -199,7 +224,50 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
         after = _after(course, phase, guard_names, z, turns) or _without_mode(course, z, turns)
     mode = after.phase.mode if isinstance(after, ContactState) else Mode.FLIGHT
     if mode is not phase.mode and after != EndState("paradox"):
-        course.transitions.append(Transition(course.t, phase.mode, mode, z[0], z[1]))
+        course.transitions.append(Transition(course.t, phase.mode, mode, *_on_curves(course, z)))
+    return after
+
+
+def _overlaps(course: MotionState, now: ContactState) -> Overlaps | ChainOverlaps | None:
+    """The search for second contacts, if there is one."""
+    if not course.overlaps:
+        return None
+    pieces = course.scene.case
+    if isinstance(pieces, PieceCase):
+        return ChainOverlaps(course.case, pieces, course.scene.reach, _on_curves(course, now.z)[0])
+    return Overlaps(course.case, course.surroundings(), now.turns)
+
+
+def _on_curves(course: MotionState, z) -> tuple[float, float]:
+    """The contact parameters of a state on the whole curves."""
+    case = course.scene.case
+    return case.to_whole(z[0], z[1]) if isinstance(case, PieceCase) else (z[0], z[1])
+
+
+def _pass_on(
+    course: MotionState, now: ContactState, case: PieceCase, z: list[float], i: int
+) -> ContactState | FlightState | EndState:
+    """The state after the contact has reached an end of its piece of the track (i = 0) or the outline (1): position,
+    direction, slip and spin are the same on the next piece."""
+    low, high = case.pieces[i].span
+    way = 1 if high - z[i] < z[i] - low else -1
+    following = neighbour(case, i == 0, way)
+    if following is None:
+        return EndState(STOPS[("track", "outline")[i]])
+    place = _on_curves(course, z)
+    if is_concave(following):
+        return EndState(STOPS["elsewhere"])
+    if corner_on_corner(following):
+        after: ContactState | FlightState | EndState = EndState("lift_off")
+    else:
+        z[i] = following.pieces[i].span[0 if way > 0 else 1]
+        if not clearance(following, z[0], z[1]) > 0.0:
+            return EndState(STOPS["elsewhere"])
+        course.scene = ContactScene(following)
+        after = course.contact_state(z, now.turns) or _without_mode(course, z, now.turns)
+    mode = after.phase.mode if isinstance(after, ContactState) else Mode.FLIGHT
+    if mode is not now.phase.mode and after != EndState("paradox"):
+        course.transitions.append(Transition(course.t, now.phase.mode, mode, *place))
     return after
 
 
@@ -259,14 +327,17 @@ def _guards(course: MotionState, phase: ContactPhase, turns: int) -> dict[str, C
         guards["normal_force"] = lambda t, z: forces(t, z).normal
     if not scene.unilateral and (phase.slip is not None or phase.turn is not None):
         guards["side"] = lambda t, z: phase.side * forces(t, z).push
-    guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
+    if not (isinstance(scene.track, Corner) or isinstance(scene.outline, Corner)):
+        guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
     for name, curve, i in (("track", scene.track, 0), ("outline", scene.outline, 1)):
         if curve.domain and not curve.period:
             guards[name] = _inside(i, *curve.domain)
     return guards
 
 
-def _integrate(course: MotionState, now: ContactState, guards: dict[str, Callable], overlaps: Overlaps | None):
+def _integrate(
+    course: MotionState, now: ContactState, guards: dict[str, Callable], overlaps: Overlaps | ChainOverlaps | None
+):
     scene, phase, turns, start = course.scene, now.phase, now.turns, course.t
     at_zero = {"slip": now.z[3] == 0.0, "turn": now.z[2] == 0.0}
     if not scene.unilateral and _forceless(course, phase, now.z, turns):
@@ -296,7 +367,8 @@ def _integrate(course: MotionState, now: ContactState, guards: dict[str, Callabl
         usable = True
     if not usable or not np.isfinite(solution.y[:, -1]).all():
         raise StepFailure(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    course.record.contact(start, float(solution.t[-1]), solution.sol, turns)
+    pieces = scene.case if isinstance(scene.case, PieceCase) else None
+    course.record.contact(start, float(solution.t[-1]), solution.sol, turns, pieces)
     return solution
 
 

@@ -65,7 +65,7 @@ class Torsor(NamedTuple):
 
 def spin(f: Frame, h: Frame, u1, u2) -> Node:
     """ω, (9)."""
-    return u1 * (f.b / f.P) - u2 * (h.b / h.P)
+    return u1 * f.turning - u2 * h.turning
 
 
 def _rates(f: Frame, h: Frame, u1, u2, omega):
@@ -108,15 +108,22 @@ def _slipping(f: Frame, h: Frame, force: Torsor, belt: Surface, ratio, spins, ra
     """ξ̈₁ and ξ̈₂ of a plate that slips, from its normal force and its spin."""
     (omega, omega_dot), (along, C_t, C_3) = spins, rates
     sigma = force.t + ratio * NORMAL - omega_dot * h.hn - C_t  # ξ̈₁ P − ξ̈₂ p, the t-component
-    u1_dot, u2_dot = _accelerations(f, h, C_3 / (f.P * h.P) + omega_dot, sigma)
+    u1_dot, u2_dot = _accelerations(f, h, (U1, U2), C_3, omega_dot, sigma)
     slip = U1 * f.P - U2 * h.P - belt.speed
     friction = ratio * NORMAL
     slip_dot = sigma + along - belt.rate
     return Elimination(u1_dot, u2_dot, NORMAL, friction, short(omega), omega_dot, slip, slip_dot, *last)
 
 
-def _accelerations(f: Frame, h: Frame, turn: Node, sigma: Node) -> tuple[Node, Node]:
-    """ξ̈₁ and ξ̈₂ from σ = ξ̈₁ P − ξ̈₂ p and the tangency row, ξ̈₁ P κ₁ − ξ̈₂ p κ₂ = `turn`, with the curvatures κ."""
+def _accelerations(f: Frame, h: Frame, speeds, C_3: Node, omega_dot: Node, sigma: Node) -> tuple[Node, Node]:
+    """ξ̈₁ and ξ̈₂ from σ = ξ̈₁ P − ξ̈₂ p and the tangency row, ξ̈₁ P κ₁ − ξ̈₂ p κ₂ = C₃/(P p) + ω̇, with the curvatures
+    κ. On a corner the row is ξ̈₁ k₁ − ξ̈₂ k₂ = ω̇ − k₁′ ξ̇₁² + k₂′ ξ̇₂², and one of the speeds P and p is zero."""
+    if f.sign or h.sign:
+        turn = omega_dot - speeds[0] ** 2 * f.turning_rate + speeds[1] ** 2 * h.turning_rate
+        if f.sign:
+            return short((turn * h.P - sigma * h.turning) / (f.turning * h.P)), -sigma / h.P
+        return sigma / f.P, short((f.turning * sigma - f.P * turn) / (h.turning * f.P))
+    turn = C_3 / (f.P * h.P) + omega_dot
     bend = f.curvature - h.curvature
     u1_dot = short((turn - sigma * h.curvature) / short(f.P * bend))
     forms = short((u1_dot * f.P - sigma) / h.P), short((turn - sigma * f.curvature) / short(h.P * bend))
@@ -131,16 +138,19 @@ def _with_normal_force(motion: Elimination, normal: Node) -> Elimination:
     return Elimination(*substitute(motion, {NORMAL: normal}))
 
 
-def rolling_speed(f: Frame, h: Frame, belt: Surface) -> Node:
-    """ξ̇₂ of a plate whose point moves with the surface: v = 0 in (12)."""
-    return U1 * (f.P / h.P) - belt.speed / h.P
+def rolling_speeds(f: Frame, h: Frame, belt: Surface) -> tuple[Node, Node]:
+    """ξ̇₁ and ξ̇₂ of a plate whose point moves with the surface, in terms of one of them: v = 0 in (12). On a corner of
+    the outline ξ̇₁ = 0, on one of the track ξ̇₂ = 0; there is no belt there."""
+    if h.sign:
+        return ZERO, U2
+    return U1, ZERO if f.sign else U1 * (f.P / h.P) - belt.speed / h.P
 
 
 def rolling(f: Frame, h: Frame, force: Torsor, belt: Surface, resistance) -> Elimination:
     """(27) with the tangential multiplier and the rolling row; ξ̇₂ follows from v = 0."""
-    u2 = rolling_speed(f, h, belt)
-    omega = spin(f, h, U1, u2)
-    along, _, C_n, C_3 = _rates(f, h, U1, u2, omega)
+    u1, u2 = rolling_speeds(f, h, belt)
+    omega = spin(f, h, u1, u2)
+    along, _, C_n, C_3 = _rates(f, h, u1, u2, omega)
     # Moments about the contact: neither multiplier appears, except in the couple that is proportional to the normal
     # force.
     moment = short(
@@ -148,7 +158,7 @@ def rolling(f: Frame, h: Frame, force: Torsor, belt: Surface, resistance) -> Eli
     )
     inertia = GYRATION + h.ht**2 + h.hn**2
     omega_dot = moment / short(inertia + resistance * h.ht)
-    u1_dot, u2_dot = _accelerations(f, h, C_3 / (f.P * h.P) + omega_dot, belt.rate - along)
+    u1_dot, u2_dot = _accelerations(f, h, (u1, u2), C_3, omega_dot, belt.rate - along)
     N = C_n - omega_dot * h.ht - force.n
     friction = omega**2 * h.ht + omega_dot * h.hn - force.t + belt.rate
     inverse_mass = short(1 + resistance * h.ht / inertia)
@@ -168,6 +178,8 @@ def resting(h: Frame, force: Torsor) -> Elimination:
 
 def carried_speeds(f: Frame, h: Frame, belt: Surface) -> tuple[Node, Node]:
     """ξ̇₁ and ξ̇₂ of a plate that a belt carries without rotation: v = 0 in (12) and ω = 0 in (9)."""
+    if f.sign or h.sign:  # there is no belt at a corner
+        return ZERO, ZERO
     bend = h.curvature - f.curvature
     return belt.speed * h.curvature / (f.P * bend), belt.speed * f.curvature / (h.P * bend)
 
@@ -176,7 +188,7 @@ def carried(f: Frame, h: Frame, force: Torsor, belt: Surface) -> Elimination:
     """(27) with the rows v̇ = 0 and ω̇ = 0 on a belt."""
     u1, u2 = carried_speeds(f, h, belt)
     along, _, C_n, C_3 = _rates(f, h, u1, u2, ZERO)
-    u1_dot, u2_dot = _accelerations(f, h, C_3 / (f.P * h.P), belt.rate - along)
+    u1_dot, u2_dot = _accelerations(f, h, (u1, u2), C_3, ZERO, belt.rate - along)
     N, friction = C_n - force.n, belt.rate - force.t
     couple = friction * h.hn - N * h.ht - force.moment
     return Elimination(u1_dot, u2_dot, N, friction, ZERO, ZERO, ZERO, ZERO, couple, ONE, _free_approach(h, force, C_n))

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from cases.derivation import in_one_thread
-from cases.expression_graph import Node, derivatives, from_sympy, sqrt, substitute, symbol
+from cases.expression_graph import ZERO, Node, call, derivatives, from_sympy, node, sqrt, substitute, symbol
 from cases.expressions import PARAMETER
 
 from .tangent_algebra import TooLong, from_node, operations
@@ -20,9 +20,17 @@ _S, _HALF = symbol(PARAMETER.name), Fraction(1, 2)
 SHORTER = 0.8
 
 
+# The sizes of a corner: its position and the tangent's angle where it begins.
+CORNER = ("x", "y", "start")
+
+
 class Frame(NamedTuple):
     """A curve at one parameter: position in its own axes, and in the frame of its tangent the speed P, the second and
-    third derivatives (a, b), c, the position (ht, hn); its unit tangent (tx, ty)."""
+    third derivatives (a, b), c, the position (ht, hn); its unit tangent (tx, ty).
+
+    At a corner the speed and all derivatives are zero, and `sign` is the rate at which the tangent turns: 1 or −1 per
+    unit of the parameter. On a smooth curve `sign` is 0.
+    """
 
     x: Node
     y: Node
@@ -34,17 +42,42 @@ class Frame(NamedTuple):
     hn: Node
     tx: Node
     ty: Node
+    sign: int = 0
 
     @property
     def curvature(self) -> Node:
         return self.b / self.P**2
 
+    @property
+    def turning(self) -> Node:
+        """k, the rate at which the tangent turns per unit of the parameter."""
+        return node(self.sign) if self.sign else self.b / self.P
+
+    @property
+    def turning_rate(self) -> Node:
+        """The derivative of k in the parameter."""
+        return ZERO if self.sign else self.c / self.P - 2 * self.a * self.b / self.P**2
+
 
 def frame(structure, parameter: Node, prefix: str) -> Frame:
-    """The frame of a curve of that structure as a function of a parameter; the names of its sizes get the prefix."""
+    """The frame of a curve of that structure as a function of a parameter; the names of its sizes get the prefix.
+
+    A corner's structure is the sign of its turn.
+    """
+    if isinstance(structure, int):
+        return _corner(structure, parameter, prefix)
     (x, y), sizes = structure
     names = {symbol(size.name): symbol(prefix + size.name) for size in sizes}
-    return Frame(*substitute(_frame(x, y), {_S: parameter, **names}))
+    nodes = substitute(_frame(x, y)[:-1], {_S: parameter, **names})
+    return Frame._make([*nodes, 0])
+
+
+def _corner(sign: int, parameter: Node, prefix: str) -> Frame:
+    """The frame of a corner: the point is fixed, and the tangent turns with the parameter."""
+    x, y, start = (symbol(prefix + name) for name in CORNER)
+    angle = start + parameter if sign > 0 else start - parameter
+    tx, ty = call("cos", angle), call("sin", angle)
+    return Frame(x, y, ZERO, ZERO, ZERO, ZERO, x * tx + y * ty, y * tx - x * ty, tx, ty, sign)
 
 
 @lru_cache(maxsize=256)

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, DoesNotFit, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
-from cases.contact import belt_speed, pose, start_motion
+from cases.contact import belt_speed, clearance, pose, start_motion
+from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
 from .bouncing import Bounces
 from .curve_pieces import TooMuch
@@ -33,7 +34,10 @@ from .modes import (
     in_flight,
     phase_at,
     senses,
+    slip_ended,
+    start_pieces,
     state_in,
+    turn_rate,
     without_slip,
     without_turning,
 )
@@ -73,7 +77,18 @@ ENDS = {
     "outline_start": ("outline_end", "The contact reached the start of the outline's domain."),
     "outline_end": ("outline_end", "The contact reached the end of the outline's domain."),
 }
+# Guards at the ends of a piece: whether it is the track's, and which way the contact leaves it.
+PIECE_ENDS = {
+    "track_start": (True, -1),
+    "track_end": (True, 1),
+    "outline_start": (False, -1),
+    "outline_end": (False, 1),
+}
+CONCAVE = ("second_contact", "The contact reached a corner inside which the plate touches its track in a second place.")
+FLAT = ("second_contact", "The contact reached a piece along which the plate lies on its track: it touches twice.")
+OFF_CORNER = ("lift_off", "The plate's corner passed the track's corner: the plate leaves its track.")
 LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate leaves its track.")
+OFF = (LIFT_OFF, OFF_CORNER)
 LANDING_END = ("landing", "The plate meets its track again, and the case names no Impact.")
 ENERGY = ("energy_gain", "Newton's law of restitution would create energy in this impact; give law='poisson'.")
 NO_MODE = ("paradox", "No mode of rigid Coulomb contact is consistent here (Painlevé).")
@@ -93,6 +108,7 @@ CAUSES = {
     "couple_forward": "rolling resistance reached its bound",
     "couple_backward": "rolling resistance reached its bound",
     "normal_force": "the normal force vanished",
+    "piece": "the contact passed to the next piece of its curve",
     "landing": "impact",
     "rest": "bouncing came to rest",
     **dict.fromkeys(("track_start", "track_end", "outline_start", "outline_end"), "the curvature jumped at a knot"),
@@ -111,6 +127,7 @@ class Step(NamedTuple):
     regime: Regime | None = None
     ending: Ending = COMPLETION
     is_listed: bool = True  # whether an impact between two flights is listed
+    pieces: PieceCase | None = None  # those that the contact passes to
 
 
 def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Segment]):
@@ -127,7 +144,7 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
     bounces, progress, idle, steps = Bounces(case), _Progress(), 0, 0
-    landings, place = None, (initial.xi1, initial.xi2)
+    landings, place, case = None, (initial.xi1, initial.xi2), start_pieces(case)
     for _ in range(MOST_PHASES):
         now = phase_at(case, regime, y)
         y = state_in(now, y)
@@ -149,12 +166,13 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
             return segments, transitions, (BREAKDOWN, f"After t = {t:.9g} s {problem}.")
         segments.extend(step.segments)
         steps += sum(segment.steps for segment in step.segments)
-        following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending is LIFT_OFF else regime.mode
+        following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending in OFF else regime.mode
         if following is not regime.mode or (step.regime == FLIGHT == regime and step.is_listed):
-            transitions.append(Transition(step.time, regime.mode, following, *step.place, CAUSES[step.cause]))
+            xi1, xi2 = case.to_whole(*step.place) if isinstance(case, PieceCase) else step.place
+            transitions.append(Transition(step.time, regime.mode, following, xi1, xi2, CAUSES[step.cause]))
         if step.regime is None:
             return segments, transitions, step.ending
-        t, y, regime, place = step.time, step.state, step.regime, step.place
+        t, y, regime, place, case = step.time, step.state, step.regime, step.place, step.pieces or case
         if steps >= MOST_STEPS:
             return segments, transitions, work_limit_ending(t, steps)
     sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, the limit of a run; end it there."
@@ -223,6 +241,8 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
     y = full_state(case, now, t, segment.event.state)
     if (knot := passed(case, segment, y)) is not None:
         return _beyond_knot(case, segment, *knot)
+    if guard in PIECE_ENDS and isinstance(case, PieceCase):
+        return _pass_on(case, segment, t, y, guard)
     if guard in ENDS:
         return Step((segment,), t, ending=ENDS[guard])
     if guard == OUT_OF_STEPS:
@@ -230,7 +250,7 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
     if guard == BREAKDOWN:
         return Step((segment,), t, ending=_breakdown(now, segment))
     if guard == "slip":
-        y = (*y[:3], without_slip(case, t, *y[:3]), *y[4:])
+        y = (*y[:2], *slip_ended(case, t, y), *y[4:])
         if now.regime.turn == 0:
             u1 = carried(case, t, y[0], y[1])
             y = (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
@@ -252,6 +272,32 @@ def _beyond_knot(case: Case, segment: Segment, y: Sequence[float], is_smooth: bo
     touch = ContactVelocity(m.slip, 0.0, m.omega)
     theta = y[4] if len(y) > 4 else np.nan
     return _rest(case, (segment,), t, (y[0], y[1]), theta, touch, guard, True)
+
+
+def _pass_on(case: PieceCase, segment: Segment, t: float, y: Sequence[float], guard: str) -> Step:
+    """The step where the contact reaches the end of a piece: the next piece, with the same slip velocity and spin."""
+    of_track, way = PIECE_ENDS[guard]
+    following = neighbour(case, of_track, way)
+    if following is None:
+        return Step((segment,), t, ending=ENDS[guard])
+    place = (y[0], y[1])
+    if is_concave(following):
+        return Step((segment,), t, place, ending=CONCAVE)
+    if corner_on_corner(following):
+        return Step((segment,), t, place, "normal_force", ending=OFF_CORNER)
+    regime = segment.phase.regime
+    slip, omega = slip_and_spin(case, t, y)
+    slip, omega = slip if regime.kind.slips else 0.0, 0.0 if regime.kind.holds else omega
+    entry = following.pieces[not of_track].span[0 if way > 0 else 1]
+    xi1, xi2 = (entry, y[1]) if of_track else (y[0], entry)
+    if not clearance(following, xi1, xi2) > 0.0:
+        return Step((segment,), t, place, ending=FLAT)
+    y = in_contact(following, t, xi1, xi2, slip, omega, y[4] if len(y) > 4 else 0.0)
+    signs = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
+    after = decide(following, t, y, LOCATION_ERROR, able(following, *signs))
+    if after is None:
+        return _leave(following, (segment,), t, y, "piece")._replace(place=place)
+    return Step((segment,), t, place, "piece", y, after, pieces=following)
 
 
 def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[float]) -> Regime | None:
@@ -301,8 +347,11 @@ def slip_and_spin(case: Case, t: float, y: Sequence[float]) -> tuple[float, floa
     """Slip velocity (12), relative to a belt, and spin (9) of a full state in contact at time t."""
     along_track = y[2] * float(case.track.speed(y[0]))
     along_outline = y[3] * float(case.plate.outline.speed(y[1]))
-    bends = float(case.track.curvature(y[0])), float(case.plate.outline.curvature(y[1]))
-    return along_track - along_outline - belt_speed(case, t), bends[0] * along_track - bends[1] * along_outline
+    turns = (
+        turn_rate(case.track, y[0], along_track, y[2]),
+        turn_rate(case.plate.outline, y[1], along_outline, y[3]),
+    )
+    return along_track - along_outline - belt_speed(case, t), turns[0] - turns[1]
 
 
 def _breakdown(now: Phase, segment: Segment) -> Ending:

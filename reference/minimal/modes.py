@@ -16,12 +16,16 @@ from typing import NamedTuple
 
 from cases import Belt, Case, Curve, Load, Mode, Plate, Start
 from cases.contact import belt_speed, pose, start_motion, velocity
+from cases.corner import Corner
 from cases.features import Features
+from cases.geometry import MotionPoint
+from cases.geometry import velocity as velocity_on
+from cases.piece_case import PieceCase, has_pieces, neighbour, pieces_at
 from cases.pieces import CurvePart
 
 from .effects import SLIP_SIGN, Laws, laws
 from .elimination import U1, U2, X1, X2
-from .system import THETA, Kind, System, contact_system, flight_system, parameter_values
+from .system import THETA, Kind, System, contact_system, flight_system, has_ends, parameter_values
 
 _PLACES = {X1: 0, X2: 1, U1: 2, U2: 3, THETA: 4}
 
@@ -118,10 +122,17 @@ def senses(case: Case, t: float, y: Sequence[float], slip: float, omega: float, 
     if not slip and not omega:
         return 0.0, 0.0
     along = abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1]))
-    bends = abs(float(case.track.curvature(y[0]))), abs(float(case.plate.outline.curvature(y[1])))
     slips = abs(slip) > error * max(*along, abs(belt_speed(case, t)))
-    turns = abs(omega) > error * max(along[0] * bends[0], along[1] * bends[1])
+    turns = abs(omega) > error * max(
+        abs(turn_rate(case.track, y[0], along[0], y[2])), abs(turn_rate(case.plate.outline, y[1], along[1], y[3]))
+    )
     return (copysign(1.0, slip) if slips else 0.0), (copysign(1.0, omega) if turns else 0.0)
+
+
+def turn_rate(curve: Curve, s: float, speed: float, rate: float) -> float:
+    """How fast the tangent turns where the contact point moves along a curve with that speed (m/s) and rate of the
+    parameter, rad/s."""
+    return curve.sign * rate if isinstance(curve, Corner) else float(curve.curvature(s)) * speed
 
 
 def phase(case: Case, regime: Regime, parts: tuple[int, int] = WHOLE) -> Phase:
@@ -163,6 +174,8 @@ def _make_phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
     values |= law.friction.values(case, regime.mode, regime.side)
     values |= law.resistance.values(case, regime.turn, regime.side)
     lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
+    if U2 in equations.variables and U1 not in equations.variables:
+        lengths = (lengths[1], *lengths[1:])  # the only velocity is ξ̇₂
     parameters = parameter_values(case, values, equations, track, outline)
     features = _features(case.effect(Load), case.effect(Belt), track, outline)
     checks = bool(equations.load_quantities)
@@ -177,8 +190,13 @@ def _places(system: System) -> tuple[int, ...]:
 # These two are cached by arguments that do not include friction: scenes are often made again with another friction.
 @lru_cache(maxsize=1024)
 def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, float]:
-    """The radius of gyration in units of ξ₁ and ξ₂ where the motion starts, and one radian."""
-    initial, size = start.motion(track, plate.outline), plate.gyration
+    """The radius of gyration in units of ξ₁ and ξ₂ where the motion starts, and one radian: the unit of a corner."""
+    size = plate.gyration
+    if isinstance(track, Corner) or isinstance(plate.outline, Corner):
+        assert start.xi2 is not None
+        along_track, along_outline = float(track.speed(start.xi1)), float(plate.outline.speed(start.xi2))
+        return size / along_track if along_track else 1.0, size / along_outline if along_outline else 1.0, 1.0
+    initial = start.motion(track, plate.outline)
     return size / float(track.speed(initial.xi1)), size / float(plate.outline.speed(initial.xi2)), 1.0
 
 
@@ -210,11 +228,20 @@ def full_state(case: Case, phase: Phase, t: float, y: Sequence[float]) -> tuple[
 
 
 def without_slip(case: Case, t: float, xi1: float, xi2: float, u1: float) -> float:
-    """ξ̇₂ of a plate that does not slip: v = 0 in (12)."""
+    """ξ̇₂ of a plate that does not slip: v = 0 in (12). On a corner of the outline the plate is at rest."""
+    if isinstance(case.plate.outline, Corner):
+        return 0.0
     along = u1 * float(case.track.speed(xi1))
     if case.effect(Belt) is not None:
         along -= belt_speed(case, t)
     return along / float(case.plate.outline.speed(xi2))
+
+
+def slip_ended(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:
+    """ξ̇₁ and ξ̇₂ of a plate whose slip has vanished: on its own corner ξ̇₂ stays as it is, else ξ̇₁."""
+    if isinstance(case.plate.outline, Corner):
+        return 0.0, y[3]
+    return y[2], without_slip(case, t, y[0], y[1], y[2])
 
 
 def carried(case: Case, t: float, xi1: float, xi2: float) -> float:
@@ -237,7 +264,36 @@ def start_state(case: Case) -> tuple[float, ...]:
     if not case.start.in_contact:
         return start.x, start.y, start.theta, start.vx, start.vy, start.omega
     angle = (start.theta,) if laws(case).needs_angle else ()
+    here = start_pieces(case)
+    if isinstance(here, PieceCase):
+        return (*_start_on(here, start), *angle)
     return start.xi1, start.xi2, start.xi1_dot, start.xi2_dot, *angle
+
+
+@lru_cache(maxsize=1024)
+def start_pieces(case: Case) -> Case:
+    """The case on the pieces of its curves on which it starts: where two meet, those towards which the contact moves.
+    The case itself if its curves have no pieces."""
+    if not has_pieces(case):
+        return case
+    start = start_motion(case)
+    here = pieces_at(case, start.xi1, start.xi2)
+    for of_track in (True, False):
+        place = _start_on(here, start)[1 - of_track]
+        speed = _start_on(here, start)[3 - of_track]
+        following = neighbour(here, of_track, 1)
+        if following and speed > 0.0 and place >= here.pieces[1 - of_track].span[1]:
+            here = following
+    return here
+
+
+def _start_on(here: PieceCase, start: MotionPoint) -> tuple[float, float, float, float]:
+    """(ξ₁, ξ₂, ξ̇₁, ξ̇₂) of a case's start on these pieces."""
+    (low1, high1), (low2, high2) = (piece.span for piece in here.pieces)
+    xi1 = min(max(start.xi1 - here.first.shift, low1), high1) if has_ends(here.track) else start.xi1
+    xi2 = min(max(start.xi2 - here.second.shift, low2), high2) if has_ends(here.plate.outline) else start.xi2
+    motion = velocity_on(here.track, here.plate.outline, xi1, xi2, start.slip, start.omega)
+    return xi1, xi2, motion.xi1_dot, motion.xi2_dot
 
 
 def in_contact(

@@ -14,6 +14,9 @@ import numpy as np
 
 from cases import Case, DoesNotFit, Transition
 from cases.contact import Contact, find, pose
+from cases.overlap import span
+from cases.piece_case import PieceCase, has_pieces
+from cases.piece_contact import Chains, entry_time, excludes_second
 
 from .boxes import Cores
 from .contact_cores import cores
@@ -34,6 +37,10 @@ PLACES, BEYOND = np.linspace(0.0, 1.0, 5), 0.1
 # The interval around a meeting in which a zero of the gap is searched is widened by four, at most this many times.
 MOST_WIDENINGS = 20
 
+# Samples of a motion on curves with corners: the plate moves by this part of its size between two, and a step has at
+# most so many.
+CHAIN_STEP, MOST_SAMPLES = 0.02, 2000
+
 Solution = tuple[list[Segment], list[Transition], tuple[str, str]]
 
 
@@ -42,6 +49,8 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
     does."""
     segments, transitions, _ = solution
     touching = [segment for segment in segments if segment.phase.regime != FLIGHT]  # flights are searched for landings
+    if touching and has_pieces(case):
+        return _until_entry(case, solution, touching)
     if not touching or fits_everywhere(case, touching):
         return solution
     search = MeetingSearch(case)
@@ -57,6 +66,60 @@ def until_second_contact(case: Case, solution: Solution) -> Solution:
             reason = f"The plate meets its track in a second place, xi1 = {touch.xi1:.9g}, at t = {touch.time:.9g} s."
             return _cut(solution, touch.time, "second_contact", reason)
     return solution
+
+
+def _until_entry(case: Case, solution: Solution, segments: list[Segment]) -> Solution:
+    """The same for curves with corners: the first instant at which a corner of one enters the other, seen at samples
+    between which the plate moves by CHAIN_STEP of its size, then located to rounding."""
+    if excludes_second(case.track, case.plate.outline):
+        return solution
+    whole = [_whole(segment) for segment in segments]
+    xi1 = np.concatenate([states(segment.times)[3] for segment, states in zip(segments, whole, strict=True)])
+    chains = Chains(case.track, case.plate.outline, *span(case.track, xi1, case.plate.reach))
+    for segment, states in zip(segments, whole, strict=True):
+        times = _close_times(segment, states, CHAIN_STEP * chains.size)
+        before = float(times[0])
+        for t, (x, y, theta, place) in zip(times.tolist(), states(times).T.tolist(), strict=True):
+            entry = chains.entry(x, y, theta, place)
+            if entry is None:
+                before = t
+                continue
+
+            def pose_at(time: float, states=states) -> tuple[float, float, float]:
+                x, y, theta, _ = states(np.array([time]))[:, 0].tolist()
+                return x, y, theta
+
+            try:
+                t = entry_time(pose_at, entry, before, t) if t > before else t
+            except DoesNotFit:
+                pass  # no simple touch: known to the samples only
+            t = max(t, segment.start)
+            reason = f"The plate meets its track in a second place, xi1 = {entry.s1:.9g}, at t = {t:.9g} s."
+            return _cut(solution, t, "second_contact", reason)
+    return solution
+
+
+def _whole(segment: Segment) -> Callable[[np.ndarray], np.ndarray]:
+    """Times (n,) ↦ (x, y, θ, ξ₁) of a segment on pieces, with the parameter of the whole track, shape (4, n)."""
+    pieces = segment.phase.case
+
+    def states(times: np.ndarray) -> np.ndarray:
+        xi1, xi2 = segment.states(times)[:2]
+        x, y, theta = pose(pieces, xi1, xi2)
+        return np.array([x, y, theta, xi1 + (pieces.first.shift if isinstance(pieces, PieceCase) else 0.0)])
+
+    return states
+
+
+def _close_times(segment: Segment, states: Callable[[np.ndarray], np.ndarray], way: float) -> np.ndarray:
+    """Times of a segment between which the plate moves by about `way` (m) at most."""
+    edges = np.unique(segment.times)
+    ends = states(edges)
+    reach = segment.phase.case.plate.reach
+    moves = np.hypot(*np.diff(ends[:2], axis=1)) + reach * np.abs(np.diff(ends[2]))
+    counts = 1 + np.minimum(np.ceil(moves / way), MOST_SAMPLES).astype(int)
+    parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)]
+    return np.append(np.concatenate(parts), edges[-1]) if parts else edges
 
 
 def _cut(solution: Solution, time: float, status: str, reason: str) -> Solution:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Curve, Plate
+from cases.corner import Corner
 from cases.derivation import derived, in_one_thread
 from cases.effects import MOTION
 from cases.expression_graph import (
@@ -47,12 +48,12 @@ from .elimination import (
     carried_speeds,
     resting,
     rolling,
-    rolling_speed,
+    rolling_speeds,
     sliding,
     spin,
     translating,
 )
-from .frames import Frame, frame
+from .frames import CORNER, Frame, frame
 
 _MOTION = tuple(symbol(s.name) for s in MOTION)
 THETA = _MOTION[3]
@@ -293,9 +294,14 @@ _STATES = {
 }
 
 
+def _structure(curve: Curve | CurvePart):
+    """What the equations of a curve depend on: its formula without its sizes, or a corner's sign."""
+    return curve.sign if isinstance(curve, Corner) else curve.structure
+
+
 def contact_system(case: Case, kind: Kind, track: Curve | CurvePart, outline: Curve | CurvePart) -> System:
     """The equations of one kind of contact on parts of a case's curves, derived once per structure."""
-    return _in_contact(track.structure, outline.structure, (_has_ends(track), _has_ends(outline)), laws(case), kind)
+    return _in_contact(_structure(track), _structure(outline), (has_ends(track), has_ends(outline)), laws(case), kind)
 
 
 def flight_system(case: Case) -> System:
@@ -334,12 +340,13 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
         conditions["normal_force"] = law.side * motion.normal
     velocities = {"slip": SIGMA * motion.slip_dot, "turn": TURN * motion.omega_dot * sqrt(GYRATION)}
     positions = (X1, X2, *([THETA] if law.needs_angle else []))
-    variables = (*positions, *_STATES[kind])
+    variables = (*positions, *_velocities(kind, h))
     rate_of = {X1: speeds[0], X2: speeds[1], THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
     rests = not _STATES[kind] and not runs
     rates = tuple(rate_of[v] for v in variables)
     moving = {T} if rests else {*variables, T}
-    limits = {"fit": h.curvature - f.curvature, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
+    fit = {} if f.sign or h.sign else {"fit": h.curvature - f.curvature}  # a corner fits on every smooth curve
+    limits = {**fit, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
     checked, checked_forces = _checked(law, motion, pose, kind)
@@ -357,11 +364,16 @@ def _checked(law: Laws, motion: Elimination, pose: dict[Node, Node], kind: Kind)
     return (*by_friction, *by_load[:-LOAD_FORCES], MASS * motion.friction, *forces), 1 + LOAD_FORCES
 
 
+def _velocities(kind: Kind, h: Frame) -> tuple[Node, ...]:
+    """The velocities among the variables; ξ̇₂ where a plate turns about its own corner without slip."""
+    return (U2,) if h.sign and kind == Kind(slips=False, holds=False) else _STATES[kind]
+
+
 def _speeds(f: Frame, h: Frame, belt: Surface, kind: Kind) -> tuple[Node, Node]:
     """ξ̇₁ and ξ̇₂ in terms of the contact's state."""
     if kind.slips:
         return U1, U2
-    return carried_speeds(f, h, belt) if kind.holds else (U1, rolling_speed(f, h, belt))
+    return carried_speeds(f, h, belt) if kind.holds else rolling_speeds(f, h, belt)
 
 
 def _motion(f: Frame, h: Frame, belt: Surface, kind: Kind, speeds: tuple[Node, Node]) -> dict[Node, Node]:
@@ -409,7 +421,8 @@ def _ends(has_ends: tuple[bool, bool]) -> dict[str, Node]:
     return guards
 
 
-def _has_ends(curve: Curve | CurvePart) -> bool:
+def has_ends(curve: Curve | CurvePart) -> bool:
+    """Whether a curve has ends."""
     return curve.domain is not None and curve.period is None
 
 
@@ -433,7 +446,7 @@ def _sizes(track: Curve | CurvePart, outline: Curve | CurvePart, plate: Plate) -
     """The parameters of curves and plate in all modes, by name."""
     sizes: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
     for prefix, curve in (("track", track), ("outline", outline)):
-        names = (size.name for size in curve.structure[1])
+        names = CORNER if isinstance(curve, Corner) else [size.name for size in curve.structure[1]]
         sizes |= {f"{prefix}_{name}": value for name, value in zip(names, curve.constants, strict=True)}
         if curve.domain:
             sizes |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}

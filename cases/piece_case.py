@@ -1,0 +1,124 @@
+"""A case on one pair of pieces: the contact lies on one smooth piece or corner of the track and one of the outline.
+
+On each pair the equations of contact are smooth. A motion goes from pair to pair: where the contact reaches the end of
+a piece, the next piece follows, with the same slip velocity and spin, since position and direction are continuous
+along a chain.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import pi
+from typing import cast
+
+from .case import Case
+from .chain import Chain, Element
+from .corner import Corner, Piece
+from .curves import Curve
+from .plate import Plate
+from .start import Start
+from .trajectory import Passage
+
+
+class PieceCase(Case):
+    """A case whose track and outline are one piece each of those of `whole`; contact parameters are the pieces' own.
+
+    `first`, `second`: the elements of track and outline. It is made by `pieces_at` and `neighbour`, not by hand.
+    """
+
+    whole: Case
+    first: Element
+    second: Element
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, PieceCase) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[Case, int, int]:
+        return self.whole, self.first.number, self.second.number
+
+    def __reduce__(self):
+        return _piece_case, self._key
+
+    @property
+    def pieces(self) -> tuple[Piece, Piece]:
+        """The pieces of track and outline."""
+        return self.first.piece, self.second.piece
+
+    def to_whole(self, xi1, xi2):
+        """Contact parameters of the pieces as those of the whole curves."""
+        return xi1 + self.first.shift, xi2 + self.second.shift
+
+    @property
+    def turn(self) -> float:
+        """The plate's angle in the whole case less the one that the pieces give, a multiple of 2π."""
+        return 2 * pi * (self.first.turns - self.second.turns)
+
+
+def has_pieces(case: Case) -> bool:
+    """Whether the case's track or outline is a chain."""
+    return isinstance(case.track, Chain) or isinstance(case.plate.outline, Chain)
+
+
+def pieces_at(case: Case, xi1: float, xi2: float) -> PieceCase:
+    """The case on the pieces at two parameters of its curves."""
+    return _piece_case(case, _element_at(case.track, xi1).number, _element_at(case.plate.outline, xi2).number)
+
+
+def neighbour(case: PieceCase, of_track: bool, step: int) -> PieceCase | None:
+    """The case on the next piece (`step` 1) or the one before (−1) of track or outline; None at an open end."""
+    curve = case.whole.track if of_track else case.whole.plate.outline
+    first, second = case.first.number, case.second.number
+    number = (first if of_track else second) + step
+    if not isinstance(curve, Chain) or curve.element(number) is None:
+        return None
+    return _piece_case(case.whole, number, second) if of_track else _piece_case(case.whole, first, number)
+
+
+def is_concave(case: PieceCase) -> bool:
+    """Whether the contact would lie in a corner that points away from the other curve: a second contact comes first."""
+    track, outline = case.pieces
+    return (isinstance(track, Corner) and track.turn > 0.0) or (isinstance(outline, Corner) and outline.turn < 0.0)
+
+
+def corner_on_corner(case: PieceCase) -> bool:
+    """Whether both pieces are corners."""
+    return all(isinstance(piece, Corner) for piece in case.pieces)
+
+
+def passages_between(before: PieceCase, after: PieceCase, t: float, xi1: float, xi2: float) -> list[Passage]:
+    """The passages of the contact from one pair of pieces to another, at a time and its parameters."""
+    curves = (("track", before.first, after.first), ("outline", before.second, after.second))
+    return [Passage(t, name, _name(old), _name(new), xi1, xi2) for name, old, new in curves if old.number != new.number]
+
+
+def _name(element: Element) -> str:
+    return f"{'corner' if isinstance(element.piece, Corner) else 'piece'} {element.number}"
+
+
+def _element_at(curve: Curve, s: float) -> Element:
+    return curve.element_at(s) if isinstance(curve, Chain) else Element(curve, 0.0, 0.0, 0, 0)
+
+
+def _element(curve: Curve, number: int) -> Element:
+    element = curve.element(number) if isinstance(curve, Chain) else Element(curve, 0.0, 0.0, 0, 0)
+    assert element is not None
+    return element
+
+
+@lru_cache(maxsize=4096)
+def _piece_case(whole: Case, first: int, second: int) -> PieceCase:
+    elements = _element(whole.track, first), _element(whole.plate.outline, second)
+    # Corners have the methods of curves that the equations of contact use.
+    track, outline = (cast(Curve, element.piece) for element in elements)
+    plate, case = object.__new__(Plate), object.__new__(PieceCase)
+    vars(plate).update(outline=outline, mass=whole.plate.mass, inertia=whole.plate.inertia)
+    values = {name: value for name, value in vars(whole).items() if name in Case.__dataclass_fields__}
+    middle = [0.5 * sum(piece.span) for piece in (track, outline)]
+    begin = whole.start if whole.track is track and whole.plate.outline is outline else Start(*middle)
+    values |= {"track": track, "plate": plate, "start": begin}
+    vars(case).update(values, whole=whole, first=elements[0], second=elements[1])
+    return case

@@ -1,0 +1,226 @@
+"""Contact between pieces of a chain: the pair of nearest points of two pieces, and where a plate enters its track.
+
+With corners there are three kinds of pairs: a curve and a curve, a curve and a corner of the outline, a corner of the
+track and a curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from . import geometry
+from .chain import Chain, Element
+from .corner import Corner
+from .curves import Curve
+from .errors import DoesNotFit
+
+# Newton's method for the foot of a point on a piece: quadratic near the foot, so that these are many.
+MOST_STEPS = 50
+# A plate enters its track if a vertex of one lies deeper than this part of the plate's size inside the other: far above
+# the rounding of a pose. Sides of curved pieces turn by at most FINE, rad.
+DEPTH, FINE = 1e-9, 0.01
+
+
+# Rounding of a computed curvature of a flat side, 1/m.
+FLAT = 1e-9
+
+Pose = Callable[[float], tuple[float, float, float]]
+
+
+class Entry(NamedTuple):
+    """Where a plate has entered its track: elements of track and outline, and parameters near the deepest point."""
+
+    first: Element
+    second: Element
+    s1: float
+    s2: float
+
+
+def piece_gap(entry: Entry, x: float, y: float, theta: float) -> geometry.Contact:
+    """The nearest pair of points of two elements in a pose, in the chains' parameters, and their gap (m, negative where
+    they overlap). Raises DoesNotFit if there is none near."""
+    first, second = entry.first.piece, entry.second.piece
+    s1, s2 = entry.s1 - entry.first.shift, entry.s2 - entry.second.shift
+    c, s = cos(theta), sin(theta)
+    if isinstance(first, Curve) and isinstance(second, Curve):
+        found = geometry.find(first, second, x, y, theta, (s1, s2))
+        s1, s2, gap = found
+    elif isinstance(first, Curve) and isinstance(second, Corner):
+        point = np.array([x + c * second.x - s * second.y, y + s * second.x + c * second.y])
+        s1 = _foot(first, point, s1)
+        gap = float((point - first.point(s1)) @ first.normal(s1))
+    elif isinstance(first, Corner) and isinstance(second, Curve):
+        u, v = first.x - x, first.y - y
+        point = np.array([c * u + s * v, c * v - s * u])
+        s2 = _foot(second, point, s2)
+        gap = -float((point - second.point(s2)) @ second.normal(s2))
+    else:
+        raise DoesNotFit("a corner touches a corner there; their gap has no direction")
+    return geometry.Contact(s1 + entry.first.shift, s2 + entry.second.shift, gap)
+
+
+def _foot(piece: Curve, point: np.ndarray, s: float) -> float:
+    """The parameter of a piece whose normal goes through a point."""
+    for _ in range(MOST_STEPS):
+        x, y, xp, yp, xs, ys, _, _ = piece.jet(s)
+        dx, dy = point[0] - x, point[1] - y
+        slope = dx * xs + dy * ys - xp * xp - yp * yp
+        step = (dx * xp + dy * yp) / slope if slope else 0.0
+        s -= step
+        if abs(step) <= 4 * geometry.EPS * (abs(s) + piece.span[1] - piece.span[0]):
+            return s
+    raise DoesNotFit(f"no foot of the point ({point[0]:.6g}, {point[1]:.6g}) is near")
+
+
+class Chains:
+    """Track and outline as polygons, to see where a plate enters its track apart from its contact."""
+
+    def __init__(self, track: Curve, outline: Curve, low: float, high: float):
+        self.track, self.outline = track, outline
+        self.s1 = _polygon(track, low, high)
+        self.s2 = _polygon(outline, *outline.span)[:-1]
+        self.points1 = track.point(self.s1)
+        lengths = np.hypot(*np.diff(self.points1, axis=1))
+        # An arc that turns by φ over a chord ℓ rises above it by ℓ φ/8.
+        self.rises = lengths * np.abs(np.diff(track.tangent_angle(self.s1))) / 4
+        self.points2 = outline.point(self.s2)
+        self.size = float(np.ptp(self.points2, axis=1).max())
+        self.reach = float(np.hypot(*self.points2).max())
+
+    def entry(self, x: float, y: float, theta: float, xi1: float) -> Entry | None:
+        """A place where the plate that touches at `xi1` is inside its track, the contact itself apart; or None."""
+        c, s = np.cos(theta), np.sin(theta)
+        ends = np.array([x + c * self.points2[0] - s * self.points2[1], y + s * self.points2[0] + c * self.points2[1]])
+        contact, deep = self.track.point(xi1), DEPTH * self.size
+        centre = np.array([[x], [y]])
+        return self._corner_in_track(ends, centre, contact, deep) or self._corner_in_plate(ends, centre, contact, deep)
+
+    def _corner_in_track(self, ends: np.ndarray, centre: np.ndarray, contact: np.ndarray, deep: float) -> Entry | None:
+        """A vertex of the outline below a side of the track."""
+        a, way = self.points1[:, :-1], np.diff(self.points1, axis=1)
+        square = (way**2).sum(axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = np.clip(((centre - a) * way).sum(axis=0) / square, 0.0, 1.0)
+        sides = np.flatnonzero((square > 0.0) & (np.hypot(*(a + part * way - centre)) <= self.reach))
+        if not sides.size:
+            return None
+        depth, along = _below(self.points1[:, sides], self.points1[:, sides + 1], ends)
+        inside = (along > 0.0) & (along < 1.0) & (depth > deep + self.rises[sides, None]) & (depth < 0.25 * self.size)
+        inside &= (np.hypot(*(ends - contact[:, None])) > deep)[None]
+        if not inside.any():
+            return None
+        side, vertex = np.unravel_index(int(np.argmax(np.where(inside, depth, -np.inf))), inside.shape)
+        start = self.s1[sides[side]]
+        s1 = start + along[side, vertex] * (self.s1[sides[side] + 1] - start)
+        return Entry(_element(self.track, s1), _element(self.outline, self.s2[vertex]), float(s1), self.s2[vertex])
+
+    def _corner_in_plate(self, ends: np.ndarray, centre: np.ndarray, contact: np.ndarray, deep: float) -> Entry | None:
+        """A vertex of the track inside the outline."""
+        starts, points = ends, np.roll(ends, -1, axis=1)
+        near = np.hypot(*(self.points1 - centre)) <= self.reach
+        places = np.flatnonzero(near & (np.hypot(*(self.points1 - contact[:, None])) > deep))
+        if not places.size:
+            return None
+        # Positive outside: to the right of a side of the outline.
+        depth, along = _below(starts, points, self.points1[:, places])
+        length = np.hypot(*(points - starts))
+        real = length > 0.0
+        winding = np.where(real[:, None], -depth, np.inf)
+        inside = winding.min(axis=0) > deep  # of a convex outline; others are seen by their vertices
+        if not inside.any():
+            return None
+        place = int(np.flatnonzero(inside)[0])
+        side = int(np.argmin(winding[:, place]))
+        s2 = self.s2[side] + float(np.clip(along[side, place], 0.0, 1.0)) * (
+            (self.s2[side + 1] if side + 1 < len(self.s2) else self.outline.span[1]) - self.s2[side]
+        )
+        s1 = float(self.s1[places[place]])
+        return Entry(_element(self.track, s1), _element(self.outline, s2), s1, float(s2))
+
+
+def _below(a: np.ndarray, b: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far points (2, n) lie to the right of sides from a to b (2, m), and where along them: shapes (m, n)."""
+    way = b - a
+    length = np.hypot(*way)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        tx, ty = way / length
+    dx, dy = points[0][None] - a[0][:, None], points[1][None] - a[1][:, None]
+    return dx * ty[:, None] - dy * tx[:, None], (dx * tx[:, None] + dy * ty[:, None]) / length[:, None]
+
+
+def _polygon(curve: Curve, low: float, high: float) -> np.ndarray:
+    """Parameters of a polygon along a curve whose sides turn by FINE rad at most, its joints included."""
+    if isinstance(curve, Chain):
+        return curve.vertices(FINE)
+    grid = np.linspace(low, high, 1441)
+    if curve.features is None:
+        return grid
+    angles = np.insert(np.cumsum(np.abs(np.diff(curve.tangent_angle(grid)))), 0, 0.0)
+    count = int(np.ceil(angles[-1] / FINE)) + 1
+    return np.union1d(grid, np.interp(np.linspace(0.0, angles[-1], count), angles, grid))
+
+
+def _element(curve: Curve, s: float) -> Element:
+    """The element at a vertex of the polygon: the corner where there is one, else the piece."""
+    if not isinstance(curve, Chain):
+        return Element(curve, 0.0, 0.0, 0, 0)
+    element = curve.element_at(float(s))
+    (low, high), place = element.piece.span, float(s) - element.shift
+    rounding = 16 * geometry.EPS * (abs(float(s)) + abs(element.shift))
+    for is_there, step in ((place <= low + rounding, -1), (place >= high - rounding, 1)):
+        near = curve.element(element.number + step)
+        if is_there and near is not None and isinstance(near.piece, Corner):
+            return near
+    return element
+
+
+def entry_time(pose: Pose, entry: Entry, before: float, inside: float) -> float:
+    """The instant at which a gap closed, between a time without an entry and one at which it was seen, s.
+
+    At the first time the plate may already be inside by less than DEPTH, so that it goes back further from there.
+    Raises DoesNotFit if the gap does not close.
+    """
+
+    def gap(t: float) -> float:
+        return piece_gap(entry, *pose(t)).gap
+
+    step = inside - before
+    for _ in range(MOST_STEPS):
+        if gap(before) > 0.0:
+            return _zero(gap, before, inside)
+        before, step = before - step, 2.0 * step
+    raise DoesNotFit("the gap does not close")
+
+
+def _zero(gap: Callable[[float], float], low: float, high: float) -> float:
+    """The zero of a falling gap by halves: at most 60 of them leave a rounding of the time."""
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if gap(middle) > 0.0 else (low, middle)
+    return 0.5 * (low + high)
+
+
+def excludes_second(track: Curve, outline: Curve) -> bool:
+    """Whether convexity alone excludes a second contact: a convex plate on a track of straight pieces that bends to its
+    right only. (It lies on a flat side where a piece ends.)"""
+    pieces = _pieces(outline)
+    if not outline.period or any(isinstance(p, Corner) and p.turn < 0.0 for p in pieces):
+        return False
+    if any(isinstance(p, Curve) and _least_bend(p, 1) < -FLAT for p in pieces):
+        return False
+    under = _pieces(track)
+    return all(p.turn < 0.0 if isinstance(p, Corner) else _least_bend(p, -1) >= -FLAT for p in under)
+
+
+def _least_bend(piece: Curve, sign: int) -> float:
+    if piece.features is None:
+        return 0.0
+    return float(np.min(sign * piece.curvature(np.linspace(*piece.span, 721))))
+
+
+def _pieces(curve: Curve) -> list:
+    return [element.piece for element in curve.elements] if isinstance(curve, Chain) else [curve]
