@@ -58,7 +58,7 @@ def {name}(depth=0.3, mu=0.1):
     """
     return Case(
         # The track, in metres: the plate lies on the left of increasing s. Use the functions of cases.curves,
-        # a ready-made curve of cases.library, or measured points: Curve.from_csv("points.csv", closed=False), a path
+        # a ready-made curve of cases.library, or measured points: Curve.spline("points.csv", closed=False), a path
         # that counts from this file.
         track=Curve(lambda s: (s, -depth * cos(2 * s)), domain=(-3, 3)),
         # The plate: a disc, or Plate(outline, mass, inertia) with an outline about the centre of mass.

@@ -29,6 +29,8 @@ FEWEST_SIDES, SIDES_A_RADIAN, MOST_SIDES, BLOCK = 240, 8.0, 2400, 200
 PIECES, CLOSER = 16, 3
 # The included part of the neighbours, so that two stretches with one between them stay separate.
 AROUND = 0.25
+# How a curve meets itself that a track may do.
+CROSSES = "crosses itself"
 # Parts of a curve closer than this fraction of its size coincide: a circle traversed again differs by rounding.
 TOGETHER = 1e-9
 
@@ -147,7 +149,10 @@ def check_simple(curve: CurveToCheck) -> None:
     meeting = _meeting(curve, grid)
     if meeting:
         how, first, second = meeting
-        raise BadCurve(f"the curve {how} between s = {first:.4g} and s = {second:.4g}; give a shorter domain")
+        x, y = curve.point(first)
+        crossing = f"the curve {how} near ({x:.4g}, {y:.4g}) m, at s = {first:.4g} and s = {second:.4g}"
+        allowed = "allow it with may_cross=True, or " if how == CROSSES else ""
+        raise BadCurve(f"{crossing}; {allowed}give a shorter domain")
 
 
 def _meeting(curve: CurveToCheck, grid: np.ndarray) -> tuple[str, float, float] | None:
@@ -165,7 +170,7 @@ def _meeting(curve: CurveToCheck, grid: np.ndarray) -> tuple[str, float, float] 
             later[0, -1] = False  # the first side's neighbour
         for i, j in zip(*np.nonzero(later & polygon.crossings(rows)), strict=True):
             if _crosses(curve, (grid[first + i], grid[first + i + 1]), (grid[j], grid[j + 1]), (low, high)):
-                return "crosses itself", float(grid[first + i]), float(grid[j])
+                return CROSSES, float(grid[first + i]), float(grid[j])
         for i, j in zip(*np.nonzero(later & polygon.beside(rows, TOGETHER * size)), strict=True):
             if _together(curve, float(grid[first + i]), float(grid[j]), float(grid[j + 1]), size):
                 return "runs over itself", float(grid[first + i]), float(grid[j])

@@ -18,10 +18,10 @@ import numpy as np
 import sympy as sp
 
 from . import curve_tables as tables
-from . import expressions, features, formulas, parametrisation, point_fit
+from . import expressions, features, formulas, parametrisation, point_sources
 from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
-from .errors import BadCurve, BadValue, NotSupported, finite, not_negative
+from .errors import BadCurve, BadValue, NotSupported, finite, not_negative, positive
 from .expression_graph import derivatives, from_sympy
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
 from .jets import S, jet_function
@@ -131,34 +131,32 @@ class Curve:
         return x, y
 
     @classmethod
-    def spline(cls, points, smoothing: float = 0.0, closed: bool = False, may_cross: bool = False) -> Curve:
+    def spline(
+        cls, points, smoothing: float = 0.0, closed: bool = False, scale: float = 1.0, may_cross: bool = False
+    ) -> Curve:
         """A curve with four continuous derivatives through points (n, 2) in metres, in order along it.
 
         Its parameter is the length of the chords between the points. `smoothing` (m): how far a point may be from the
         curve, for points with errors; `residual` is the largest distance. Points may be an array, a pandas frame with
-        columns x and y, or the name of a CSV file with two columns. Raises BadValue or BadCurve.
+        columns x and y, the name of a CSV file with two columns (in a case file its path counts from there), or SVG
+        path data; `scale`: metres per unit of the points. Raises BadValue or BadCurve.
         """
         if not isinstance(closed, bool | np.bool_):
             raise BadValue(f"closed is {closed!r}; give True for a closed curve, False for an open one")
-        result = spline(point_fit.as_points(points), not_negative("smoothing", smoothing), bool(closed))
-        return cls.in_pieces(result.pieces, result.residual, may_cross)
+        places = positive("scale", scale) * point_sources.as_points(points)
+        result = spline(places, not_negative("smoothing", smoothing), bool(closed))
+        try:
+            return cls.in_pieces(result.pieces, result.residual, may_cross)
+        except BadCurve as problem:
+            if smoothing or "crosses" not in str(problem):
+                raise
+            raise BadCurve(f"{problem}; if the points have errors, give their size in metres as smoothing=") from None
 
-    @classmethod
-    @in_one_thread
-    def through(cls, points, closed: bool) -> Curve:
-        """A smooth curve that fits points (n, 2) in metres, in order along it; `residual` is the largest distance.
+    def plot(self, points=None):
+        """The curve as a figure, with the given points and their largest distance from it."""
+        from .pictures.curve_plot import plot
 
-        A Fourier series of s in (0, 2π) if closed, else a polynomial on (−1, 1). Raises BadValue or BadCurve.
-        """
-        if not isinstance(closed, bool | np.bool_):
-            raise BadValue(f"closed is {closed!r}; give True for a closed curve, False for an open one")
-        result = point_fit.fit(points, closed)
-        return cls(lambda s: result.expression, result.domain, result.residual)
-
-    @classmethod
-    def from_csv(cls, path, closed: bool) -> Curve:
-        """The same from a file of two columns x, y; in a case file its path counts from there."""
-        return cls.through(point_fit.read(path), closed)
+        return plot(self, None if points is None else point_sources.as_points(points))
 
     # --- evaluation -------------------------------------------------------------------------------------------------
 

@@ -13,7 +13,9 @@ from math import floor
 from typing import Any, NamedTuple
 
 import numpy as np
+import sympy as sp
 
+from .expressions import as_tree, from_tree
 from .features import Features
 from .jets import Structure, jet_function
 
@@ -51,6 +53,12 @@ class CurvePieces:
     sizes: tuple[tuple[float, ...], ...]
     order: int
     period: float | None
+
+    def __reduce__(self):
+        """Pieces travel to another process as their numbers and the trees of their formulas."""
+        forms = tuple((tuple(map(as_tree, rows)), tuple(size.name for size in sizes)) for rows, sizes in self.forms)
+        numbers = self.form_numbers, self.origins, self.sizes, self.order, self.period
+        return _restore, (self.breaks, forms, *numbers)
 
     @cached_property
     def key(self) -> tuple:
@@ -160,3 +168,14 @@ class CurvePieces:
 
     def _function(self, number: int, on_arrays: bool):
         return jet_function(self.forms[self.form_numbers[number % self.count]], on_arrays)
+
+
+def _restore(breaks, forms, *numbers) -> CurvePieces:
+    """The pieces that a process sent."""
+    structures = []
+    for (x, y), names in forms:
+        rows = from_tree(x), from_tree(y)
+        symbols = {symbol.name: symbol for row in rows for symbol in row.free_symbols}
+        # A number that no formula contains has no symbol in them.
+        structures.append((rows, tuple(symbols.get(name, sp.Symbol(name, real=True)) for name in names)))
+    return CurvePieces(breaks, tuple(structures), *numbers)

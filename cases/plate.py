@@ -37,6 +37,8 @@ class Plate:
     def __post_init__(self):
         if not isinstance(self.outline, Curve):
             raise BadValue(f"the outline is {self.outline!r}; give a Curve, or an Outline with corners")
+        if self.outline.may_cross:
+            raise BadCurve("the outline of a plate cannot cross itself; give one without may_cross=True")
         object.__setattr__(self, "mass", positive("mass of the plate", self.mass))
         object.__setattr__(self, "inertia", positive("inertia of the plate", self.inertia))
         if _runs_clockwise(self.outline):

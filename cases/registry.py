@@ -19,7 +19,7 @@ from . import user_files
 from .case import Case
 from .derivation import LOCK, in_one_thread
 from .errors import BadValue, CaseError, describe, parameter, unknown_name
-from .point_fit import paths_count_from
+from .point_sources import paths_count_from
 
 
 @dataclass(frozen=True)

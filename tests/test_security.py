@@ -78,7 +78,7 @@ def test_no_name_parameter_or_path_is_run(mark):
         refused(cases.load, "disc_in_circle", mu=attack)
         refused(cases.select, f"{attack}[mu=1]")
         refused(cases.load_file, attack)
-        refused(Curve.from_csv, attack, closed=True)
+        refused(Curve.spline, attack, closed=True)
         refused(motion_file.read_table, attack)
         refused(external_motions.from_options, [f"{attack}=nothing.csv"], [], [])
 
@@ -96,7 +96,7 @@ def test_no_cell_of_a_file_is_run(mark, tmp_path):
             (tmp_path / "motion.csv").write_text(content)
             refused(motion_file.read_table, tmp_path / "motion.csv")
         (tmp_path / "points.csv").write_text(f"0,0\n{quoted},1\n" + "".join(f"{i},{i * i}\n" for i in range(20)))
-        refused(Curve.from_csv, tmp_path / "points.csv", closed=False)
+        refused(Curve.spline, tmp_path / "points.csv", closed=False)
 
 
 class Bomb:
@@ -113,7 +113,7 @@ def test_no_pickle_is_read_from_a_store_or_an_array(mark, tmp_path):
     content = pickle.dumps(Bomb(mark))
     (tmp_path / "bomb.csv").write_bytes(content)
     refused(motion_file.read_table, tmp_path / "bomb.csv")
-    refused(Curve.from_csv, tmp_path / "bomb.csv", closed=True)
+    refused(Curve.spline, tmp_path / "bomb.csv", closed=True)
     place = tmp_path / "store"
     results = result_store.Store(place)
     assert results.problem() == ""

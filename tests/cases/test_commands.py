@@ -95,7 +95,7 @@ def test_points_beside_a_case_file_are_read_from_there(desk, capsys, tmp_path_fa
     text = TEMPLATE.format(name="my_points")
     before = "Curve(lambda s: (s, -depth * cos(2 * s)), domain=(-3, 3))"
     assert before in text
-    text = text.replace(before, 'Curve.from_csv("points.csv", closed=False)').replace("xi1=-1.0", "xi1=-0.8")
+    text = text.replace(before, 'Curve.spline("points.csv", closed=False)').replace("xi1=-1.0", "xi1=0.8")
     s = np.linspace(-1.5, 1.5, 20)
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     (desk / "scenes").mkdir()
@@ -110,9 +110,9 @@ def test_points_beside_a_case_file_are_read_from_there(desk, capsys, tmp_path_fa
 
 
 def test_the_template_advises_what_works():
-    """Its comment on measured points is a call that Curve.from_csv takes."""
-    (advice,) = re.findall(r"Curve\.from_csv\(.*?\)", TEMPLATE)
-    assert eval(advice, {"Curve": SimpleNamespace(from_csv=lambda path, closed: (path, closed))}) == (
+    """Its comment on measured points is a call that Curve.spline takes."""
+    (advice,) = re.findall(r"Curve\.spline\(.*?\)", TEMPLATE)
+    assert eval(advice, {"Curve": SimpleNamespace(spline=lambda path, closed: (path, closed))}) == (
         "points.csv",
         False,
     )

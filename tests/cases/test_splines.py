@@ -127,3 +127,24 @@ def test_a_homogeneous_plate_may_have_a_spline_for_its_outline():
     plate = Plate.homogeneous(Curve.spline(points, closed=True), mass=2.0)
     assert plate.inertia == pytest.approx(2.0 * (1.0 + 0.36) / 4, rel=1e-8)
     assert np.abs(plate.outline.point(0.0) - [1.0, 0.0]).max() < 1e-9  # about the centre of mass
+
+
+def test_svg_path_data_give_points_with_y_upwards():
+    pytest.importorskip("svg.path")
+    curve = Curve.spline("M 0 0 C 100 100 200 100 300 0", scale=0.001)
+    end = curve.point(curve.domain[1])
+    assert end == pytest.approx([0.3, 0.0], abs=1e-12)
+    assert curve.point(curve.domain[1] / 2) == pytest.approx([0.15, -0.075], abs=1e-8)  # an SVG's y points down
+    with pytest.raises(BadValue, match="cannot be read"):
+        Curve.spline("M 0 0 C 1 1")
+
+
+def test_a_track_may_cross_itself_where_that_is_allowed():
+    angle = np.linspace(-2.5, 2.5, 80)
+    loop = np.column_stack([angle - 2 * np.sin(angle), -2 * np.cos(angle)])
+    with pytest.raises(BadCurve, match=r"crosses itself near \(.*allow it with may_cross=True"):
+        Curve.spline(loop)
+    curve = Curve.spline(loop, may_cross=True)
+    assert curve.may_cross and pickle.loads(pickle.dumps(curve)) == curve
+    with pytest.raises(BadCurve, match="outline of a plate cannot cross itself"):
+        Plate(curve, 1.0, 1.0)

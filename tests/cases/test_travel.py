@@ -64,7 +64,7 @@ def test_every_case_arrives_as_it_was_sent(elsewhere):
 def test_an_arrived_case_has_the_same_motion_to_the_last_digit(elsewhere):
     points = np.array([[np.cos(a), 0.8 * np.sin(a)] for a in np.linspace(0, 2 * np.pi, 41)[:-1]])
     measured = Case(
-        Curve.through(points, closed=True),
+        Curve.spline(points, closed=True),
         cases.disc(0.1, 1.0),
         (Gravity(9.81), CoulombFriction(0.2), Unilateral()),
         Start(0.0),
@@ -85,7 +85,7 @@ def test_a_case_is_small():
     letters = [pickle.dumps(case) for case in all_cases()]
     # Measured: 880 bytes a case.
     assert np.mean([len(letter) for letter in letters]) < 1100
-    assert max(map(len, letters)) < 2500
+    assert max(map(len, letters)) < 3200  # the pebble: a spline has 12 numbers for each of its 13 pieces
 
 
 @pytest.mark.timed

@@ -120,7 +120,7 @@ def written(content: bytes, ending: str, use):
 
 
 def points(closed: bool):
-    return lambda path: Curve.from_csv(path, closed)
+    return lambda path: Curve.spline(path, closed=closed)
 
 
 def motion(path: Path):

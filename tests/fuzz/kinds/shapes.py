@@ -39,7 +39,7 @@ def spiral(growth: float, turns: float):
 def measured(turns: float, count: int, noise: float, closed: bool, seed: int):
     angle = np.linspace(0.0, 2 * pi * turns, count, endpoint=False)
     off = noise * np.random.default_rng(seed).standard_normal((count, 2))
-    return lambda: Curve.through(np.column_stack([np.cos(angle), np.sin(angle)]) + off, closed)
+    return lambda: Curve.spline(np.column_stack([np.cos(angle), np.sin(angle)]) + off, closed=closed)
 
 
 def draw(chance):

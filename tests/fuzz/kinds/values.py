@@ -72,10 +72,10 @@ MAKERS = {
     "Curve": (Curve, dict(function=lambda s: (s, s**2), domain=(-1.0, 1.0))),
     "Curve.spline": (
         Curve.spline,
-        dict(points=[(0.1 * i, 0.01 * i * i) for i in range(12)], smoothing=0.0, closed=False, may_cross=False),
+        dict(
+            points=[(0.1 * i, 0.01 * i * i) for i in range(12)], smoothing=0.0, closed=False, scale=1.0, may_cross=False
+        ),
     ),
-    "Curve.through": (Curve.through, dict(points=[(0.1 * i, 0.01 * i * i) for i in range(12)], closed=False)),
-    "Curve.from_csv": (Curve.from_csv, dict(path="nowhere.csv", closed=True)),
     "simulate": (
         reference.simulate,
         dict(case=Case(CIRCLE, DISC, (Gravity(9.81),), Start(0.1), 0.1), rtol=1e-6, method=None),
@@ -113,7 +113,7 @@ FOUND = (
     ("load('a' * 5000)", lambda: cases.load("a" * 5000)),
     ("mu='x'", lambda: cases.load("disc_in_circle", mu="x")),
     ("load_file('x' * 5000)", lambda: cases.load_file("x" * 5000 + ".py")),
-    ("from_csv('/proc/self/mem')", lambda: Curve.from_csv("/proc/self/mem", True)),
-    ("from_csv('~nosuchuser/a.csv')", lambda: Curve.from_csv("~nosuchuser/a.csv", True)),
+    ("spline('/proc/self/mem')", lambda: Curve.spline("/proc/self/mem")),
+    ("spline('~nosuchuser/a.csv')", lambda: Curve.spline("~nosuchuser/a.csv")),
 )
 KIND = Kind("values", draw, 1200, 80, FOUND)
