@@ -164,7 +164,7 @@ def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> N
 # References of a page to separate figures: for readers without scripts, links around embedded figures, lines of links.
 _LINE = re.compile(r'<p>(?:<a href="figures/[^"]*">[^<]*</a>(?:, )?)+, as separate figures\.</p>')
 _LINK = re.compile(r'<a href="figures/[^"]*">(.*?)</a>', re.DOTALL)
-_WITHOUT_SCRIPTS = re.compile(r"<noscript>.*?</noscript>", re.DOTALL)
+_SEPARATE = re.compile(r'<div class="printed">.*?</div>', re.DOTALL)
 _INSTEAD = (
     "<noscript><p>Scene and motion are drawn by scripts here, and as figures by a report of your own.</p></noscript>"
 )
@@ -173,7 +173,7 @@ _REFERENCE = re.compile(r'(?:href|src)="((?:figures|tables)/[^"]+|[\w.]+)"')
 
 def _by_itself(page: str, files: Sequence[str]) -> str:
     """The page without references to separate figures; raises BadValue if it refers to a file that is not published."""
-    page = _LINK.sub(r"\1", _LINE.sub("", _WITHOUT_SCRIPTS.sub(_INSTEAD, page)))
+    page = _LINK.sub(r"\1", _LINE.sub("", _SEPARATE.sub(_INSTEAD, page)))
     missing = sorted({*_REFERENCE.findall(page)} - {*files})
     if missing:
         raise BadValue(f"the page refers to {missing[0]}, which is not published; correct {COMMAND}")

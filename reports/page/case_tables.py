@@ -35,11 +35,12 @@ def engines(headline_rows: Sequence[dict[str, Any]], reasons: Mapping[tuple, str
             "finest": off_text(row, "finest"),
             "finest_grade": _grade(row, "finest"),
             "level": "" if row["is_truth"] or not isfinite(row["finest_off"]) else level_text(row),
-            "friction": _factor(row["finest_friction_factor"]),
+            "default_friction": _factor(row["default_friction_factor"]),
+            "finest_friction": _factor(row["finest_friction_factor"]),
             "reason": reasons.get((row["solver"], row["route"]), ""),
             "order": [_order(row["default_off"]), _order(row["finest_off"])],
         }
-        for row in headline_rows
+        for row in sorted(headline_rows, key=lambda row: row["solver"] == REFERENCE)
         if row["route"]
     ]
 

@@ -59,12 +59,11 @@ def command_of(label: str, manifest: dict[str, Any]) -> str:
 def picture(entry: FigureEntry, folder: Path, inside: bool = True) -> dict[str, Any]:
     """Data of a figure for its template; its source is a data URI, or the file's path if not `inside` the page."""
     caption = " ".join(filter(None, (entry.caption, per_solver.words(entry.left_out))))
-    data = {"name": entry.name, "title": entry.title, "caption": caption, "failure": not entry.name}
+    data = {"name": entry.name, "title": entry.title, "caption": caption, "failure": not entry.name, "inside": inside}
     if entry.name:
         data["alt"] = f"{entry.title}: {entry.case}" if entry.case else entry.title
         file = folder / f"{entry.name}.svg"
         data["source"] = Markup(_address(file.read_text(encoding="utf-8"))) if inside else f"figures/{file.name}"
-        data["inside"] = inside
     return data
 
 

@@ -14,7 +14,7 @@ from .fragments import switch
 from .solver_ids import identifier
 
 WIDTH, HEIGHT = 520, 290
-_LEFT, _RIGHT, _TOP, _BOTTOM = 58, 508, 8, 246
+_LEFT, _RIGHT, _TOP, _BOTTOM = 58, 494, 8, 246
 # Smaller values of off are drawn at the lower edge: they depend on the samples.
 _LEAST = 1e-6
 # Paths of the markers, 8 pixels wide, by the place of a route among all.

@@ -130,19 +130,20 @@ def test_answers_are_the_cheapest_of_each_side(report):
 
 
 def test_terminal_page_and_file_give_the_same_verdict(report):
-    lines = (report.parent / "terminal.txt").read_text().splitlines()
+    terminal = (report.parent / "terminal.txt").read_text()
     page = (report / "index.html").read_text()
     table = page.partition('<table class="answer')[2].partition("</table>")[0]
     shown = re.findall(r'<span class="of">(.*?)</span></th>(.*?)</tr>', table, re.DOTALL)
     rows = read(report, "verdict").to_dict("records")
     assert len(rows) == len(shown) == len(solvers.solver("pymunk").routes)
-    for row, (who, cells), line in zip(rows, shown, lines[1:], strict=False):
+    for row, (who, cells) in zip(rows, shown, strict=True):
         texts = re.findall(r"<td.*?>(.*?)(?: <small>.*?)?</td>", cells, re.DOTALL)
-        expected = [main for main, _ in verdict.cells(row).values()]
-        assert re.split(r" {2,}", line.strip()) == [who, *map(unescape, texts)] == [who, *expected]
+        assert [unescape(text) for text in texts] == [main for main, _ in verdict.cells(row).values()]
         assert who.endswith(f"{row['solver']} {row['route']}") and who[0].isdigit() == pd.notna(row["digits_rank"])
+    assert verdict.in_terminal(rows) in terminal
     (sentence,) = re.findall(r'<p class="verdict"[^>]*>(.*?)</p>', page)
-    assert unescape(sentence) in lines and lines[-1] == str(report / "index.html")
+    assert "\n".join(verdict.filled(unescape(sentence))) in terminal
+    assert terminal.splitlines()[-1] == str(report / "index.html")
     assert unescape(sentence) == verdict.sentence(rows)
 
 

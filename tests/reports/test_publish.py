@@ -149,7 +149,7 @@ def test_a_page_loses_its_links_to_figures_that_are_left_out_and_nothing_else():
     picture = '<img alt="a" src="data:,">'
     page = f'<a href="tables/a.csv">a</a><a href="figures/b.svg">{picture}</a>'
     page += '<p><a href="figures/c.svg">c</a>, <a href="figures/d.svg">d</a>, as separate figures.</p>'
-    page += '<noscript><img src="figures/c.svg"></noscript>'
+    page += '<div class="printed"><img src="figures/c.svg"></div>'
     assert ", as separate figures.</p>" in (ROOT / "reports/page/templates/pieces.html").read_text()
     told = publish._by_itself(page, ["tables/a.csv"])
     assert told == f'<a href="tables/a.csv">a</a>{picture}{publish._INSTEAD}'

@@ -247,8 +247,13 @@ suite.player = async (place) => {
     if (keys[event.key]) { event.preventDefault(); keys[event.key](); }
   });
   suite.whenSwitched(draw);
+  // Where the picture does not move by itself, it begins where an engine is farthest from the truth.
+  function farthest() {
+    const apart = Array.from(t, (_, i) => Math.max(...ghosts.map(({ run }) => Math.hypot(run.off.x[i], run.off.y[i]) || 0)));
+    return ghosts.length ? t[apart.indexOf(Math.max(...apart))] : motion.start;
+  }
   choose();
-  seek(motion.start);
+  seek(place.dataset.loop !== undefined && still ? farthest() : motion.start);
   if (place.dataset.loop !== undefined && !still) play(true);
   return { motion, seek, play, time: () => time, runs: () => ghosts.map(({ run }) => run), whenChosen: (act) => choosers.push(act), whenMoved: (act) => { listeners.push(act); act(time); } };
 };
