@@ -541,7 +541,7 @@ def test_the_keyboard_alone_reaches_everything(open_page):
     assert [text for place, text in enumerate(wanted) if place not in reached] == []
 
 
-def test_print_has_every_chapter_and_figure_and_cuts_no_table(open_page):
+def test_print_has_every_chapter_and_figure_and_cuts_no_table(open_page, page_file):
     page = open_page(794, 1123)  # A4
     page.wait_for_selector(".pair .player[data-time]")
     page.emulate_media(media="print")
@@ -559,6 +559,10 @@ def test_print_has_every_chapter_and_figure_and_cuts_no_table(open_page):
     assert not any(one.is_visible() for one in page.locator("nav, .switches, .tools, .player").all())
     # The headline, and of each case scene, motion and errors.
     assert page.locator("figure img:visible").count() == 1 + 3 * len(CASES)
+    # Those of cases are files of the report's folder, which are read for print only.
+    files = page.heard.foreign(page_file.as_uri())
+    assert {url.rpartition("/")[0] for url in files} == {(page_file.parent / "figures").as_uri()}
+    page.heard.asked.clear()
 
 
 # In the dark the page is the same but for its colours. What passes is not told: that takes longer than to check it.
