@@ -1,0 +1,114 @@
+"""The engines in `starter/`: short, complete, and right on three scenes, in each language that this machine has."""
+
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import cases
+from adapters import lookup
+from cases import CoulombFriction, Gravity, NotSupported, Unilateral
+from reports.running.tasks import find_truth, perform
+
+FOLDER = Path(__file__).parents[2] / "starter"
+SCENES = ("disc_on_line[mu=0.1]", "disc_on_incline[slope=0.4]", "disc_in_circle[mu=0.2]")
+# How to make an executable from the source, by its ending; None: the file itself is one.
+COMPILERS = {
+    "c": ["cc", "-O2", "-Wall", "-Wextra", "-Werror", "-o", "{out}", "{source}", "-lm"],
+    "rs": ["rustc", "-O", "-D", "warnings", "-o", "{out}", "{source}"],
+    "js": None,
+    "py": None,
+}
+INTERPRETERS = {"js": "node", "py": sys.executable}
+LANGUAGES = tuple(COMPILERS)
+
+
+@pytest.fixture(scope="module")
+def build_engine(tmp_path_factory):
+    """Makes the engine of a language; skips the test where its toolchain is missing."""
+    folder = tmp_path_factory.mktemp("starter")
+
+    def build(language: str) -> Path:
+        source, out, command = FOLDER / f"engine.{language}", folder / f"starter_{language}", COMPILERS[language]
+        tool = command[0] if command else INTERPRETERS[language]
+        if shutil.which(tool) is None:
+            pytest.skip(f"{tool} is not installed")
+        if out.exists():
+            return out
+        if command:
+            words = [word.format(out=out, source=source) for word in command]
+            done = subprocess.run(words, capture_output=True, text=True, timeout=300)
+            assert done.returncode == 0, done.stderr
+        else:
+            shutil.copy(source, out)
+            out.chmod(0o755)
+        return out
+
+    return build
+
+
+@cache
+def truth(label: str):
+    return find_truth(cases.load(label))
+
+
+@pytest.fixture
+def run(build_engine, monkeypatch):
+    """Runs a scene at the finest step of the ladder by the engine of a language."""
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
+
+    def perform_finest(language: str, label: str):
+        name = lookup.register(build_engine(language))
+        case = cases.load(label)
+        setting = lookup.engine(name).ladder(case, "process")[-1]
+        return perform(case, name, "process", setting, 7, truth(label))
+
+    return perform_finest
+
+
+def test_there_is_an_engine_in_each_language_of_fewer_than_100_lines():
+    files = {file.suffix[1:]: file.read_text().count("\n") for file in FOLDER.iterdir() if file.stem == "engine"}
+    assert files.keys() == {*LANGUAGES} and max(files.values()) < 100
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_it_is_excellent_on_three_scenes(language, scene, run):
+    result = run(language, scene)
+    assert (result.outcome, result.grade, result.sequence) == ("answered", "excellent", "same sequence"), result.reason
+
+
+OTHER_SCENES = {
+    "another curve": lambda: cases.load("disc_in_cosine"),
+    "no disc": lambda: cases.load("ellipse_on_line"),
+    "a start in flight": lambda: cases.load("disc_onto_incline"),
+    "another effect": lambda: cases.load("disc_rolling_to_rest"),
+    "static friction": lambda: _with_friction(CoulombFriction(0.1, 0.2)),
+    "a friction law": lambda: _with_friction(CoulombFriction(FORMULA)),
+}
+FORMULA = "0.1 + 0.1*exp(-v/0.05)"
+
+
+def _with_friction(friction: CoulombFriction):
+    return replace(cases.load("disc_on_line"), effects=(Gravity(9.81), friction, Unilateral()))
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("scene", OTHER_SCENES.values(), ids=OTHER_SCENES)
+def test_it_reports_any_other_scene_as_unsupported(language, scene, build_engine, monkeypatch):
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
+    engine, case = lookup.engine(lookup.register(build_engine(language))), scene()
+    model = engine.build(case, "process", engine.ladder(case, "process")[-1])
+    with pytest.raises(NotSupported, match="line or a circle"):
+        engine.run(model)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_it_ends_where_the_disc_leaves_the_track(language, run):
+    result = run(language, "disc_rolling_off_hill[mu=0.3]")
+    assert result.outcome == "answered" and result.grade in ("excellent", "very good"), result.reason
+    assert result.sequence == "same sequence"
