@@ -64,6 +64,8 @@ def refuses(case: Case, route: str) -> str | None:
         return f"pybullet's plane is at the contact point, so this route does not support {' and '.join(missing)}."
     if missing:
         return f"This adapter does not support {' and '.join(missing)}."
+    if not case.plate.turns:
+        return "This adapter gives pybullet's bodies a finite inertia, and this plate does not turn."
     friction = case.effect(CoulombFriction)
     if friction and friction.by_speed:
         return "pybullet's bodies have one friction coefficient for all slip velocities."

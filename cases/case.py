@@ -15,7 +15,7 @@ from . import effects
 from .chain import Chain
 from .curves import Curve
 from .effects import Belt, E, Effect, Flight, Gravity, Impact
-from .errors import BadValue, parameter, positive, real
+from .errors import BadValue, DoesNotFit, parameter, positive, real
 from .plate import Plate
 from .size_limits import check_sizes
 from .start import Start
@@ -57,6 +57,7 @@ class Case:
         _check_name(self.name)
         with np.errstate(all="ignore"):  # what is not finite does not fit
             _check_corners(self.track, self.plate.outline, self.effects)
+            _check_rotation(self)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             self.start.check(self.track, self.plate.outline, self.effects)
 
@@ -138,6 +139,18 @@ def _check_corners(track: Curve, outline: Curve, acting: tuple[Effect, ...]) -> 
                 f"{kind.__name__} with corners is not supported: a motion on curves with corners ends where the plate "
                 f"leaves its track; leave {kind.__name__} out, or give smooth curves"
             )
+
+
+def _check_rotation(case: Case) -> None:
+    """Raise BadValue or DoesNotFit for a plate of infinite inertia with a rotation, or a resistance to it."""
+    if case.plate.turns:
+        return
+    if isinstance(case.track, Chain) or isinstance(case.plate.outline, Chain):
+        raise BadValue("a plate of infinite inertia with corners is not supported; give smooth curves")
+    if case.start.omega != 0.0:
+        raise BadValue(f"a plate of infinite inertia does not turn; give omega=0 in Start, not {case.start.omega:g}")
+    if case.effect(effects.RollingResistance) is not None:
+        raise DoesNotFit("a plate of infinite inertia does not turn; leave RollingResistance out")
 
 
 def _check_name(name: object) -> None:

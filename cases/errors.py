@@ -100,6 +100,11 @@ def finite(what: str, value: object) -> float:
     return number
 
 
+def positive_or_infinite(what: str, value: object) -> float:
+    """`value` as a float; raises BadValue unless it is greater than zero; infinity is accepted."""
+    return inf if real(value) == inf else positive(what, value)
+
+
 def positive(what: str, value: object) -> float:
     """`value` as a float; raises BadValue unless it is finite and greater than zero."""
     number = finite(what, value)

@@ -21,7 +21,8 @@ def gravity(case: Case) -> np.ndarray:
 def kinetic_energy(case: Case, motion):
     """½ m (vx² + vy²) + ½ J ω², J; a number, or an array of the motion's length."""
     vx, vy, omega = (np.asarray(v) for v in (motion.vx, motion.vy, motion.omega))
-    return 0.5 * case.plate.mass * (vx**2 + vy**2) + 0.5 * case.plate.inertia * omega**2
+    moving = 0.5 * case.plate.mass * (vx**2 + vy**2)
+    return moving + 0.5 * case.plate.inertia * omega**2 if case.plate.turns else moving
 
 
 def energy(case: Case, motion):

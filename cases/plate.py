@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import cos, pi, sin, sqrt
+from math import cos, inf, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +14,7 @@ from .area import area_inside
 from .chain import Chain, moved
 from .corner import Edge
 from .curves import Curve
-from .errors import BadCurve, BadValue, not_negative, positive, whole
+from .errors import BadCurve, BadValue, not_negative, positive, positive_or_infinite, whole
 from .library import circle
 from .outline import Outline, arc
 
@@ -26,8 +26,9 @@ CENTRED = 1e-15
 class Plate:
     """A rigid plate: its outline in its own frame, whose origin is the centre of mass; mass in kg, inertia in kg m².
 
-    The outline is a smooth curve or an `Outline` with corners. It runs counter-clockwise around the plate (BadCurve if
-    it is closed and runs the other way).
+    A plate of infinite inertia (`inertia=math.inf`) does not turn: a block, a slider, a particle. The outline is a
+    smooth curve or an `Outline` with corners. It runs counter-clockwise around the plate (BadCurve if it is closed and
+    runs the other way).
     """
 
     outline: Curve
@@ -40,7 +41,7 @@ class Plate:
         if self.outline.may_cross:
             raise BadCurve("the outline of a plate cannot cross itself; give one without may_cross=True")
         object.__setattr__(self, "mass", positive("mass of the plate", self.mass))
-        object.__setattr__(self, "inertia", positive("inertia of the plate", self.inertia))
+        object.__setattr__(self, "inertia", positive_or_infinite("inertia of the plate", self.inertia))
         if _runs_clockwise(self.outline):
             raise BadCurve("the outline runs clockwise; reverse its parameter so that the plate is on its left")
 
@@ -129,8 +130,13 @@ class Plate:
 
     @property
     def gyration(self) -> float:
-        """Radius of gyration about the centre of mass, m."""
-        return sqrt(self.inertia / self.mass)
+        """Radius of gyration about the centre of mass, m; of a plate that does not turn its reach, as a length."""
+        return sqrt(self.inertia / self.mass) if self.turns else self.reach
+
+    @property
+    def turns(self) -> bool:
+        """Whether the plate can turn: its inertia is finite."""
+        return self.inertia < inf
 
     @property
     def encloses_centre(self) -> bool:

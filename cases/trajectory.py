@@ -33,7 +33,7 @@ class Mode(StrEnum):
     SLIP_FORWARD = "slip_forward"  # the plate's point moves along the track's increasing parameter
     SLIP_BACKWARD = "slip_backward"
     ROLL = "roll"
-    REST = "rest"  # neither slips nor turns: held by friction and rolling resistance
+    REST = "rest"  # neither slips nor turns: held by friction and rolling resistance, or by an infinite inertia
     FLIGHT = "flight"
 
 

@@ -161,7 +161,9 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
     plate = world.create_dynamic_body(position=place, rotation=shapes.rotation(start.theta))
     shapes.add_plate(case, plate, material, scale, knobs.get("vertices", 1))
     mass = pyb2d3.MassData()
-    mass.mass, mass.center, mass.rotational_inertia = case.plate.mass, (0.0, 0.0), case.plate.inertia * scale**2
+    mass.mass, mass.center, mass.rotational_inertia = case.plate.mass, (0.0, 0.0), 0.0
+    if case.plate.turns:  # for the engine no inertia is an infinite one
+        mass.rotational_inertia = case.plate.inertia * scale**2
     plate.mass_data = mass
     plate.linear_velocity, plate.angular_velocity = (scale * start.vx, scale * start.vy), start.omega
     return Box2dModel(case, knobs, h, steps, world, plate)

@@ -32,11 +32,12 @@ def mjcf(case: Case) -> str:
         size, euler = _text(half_length, half_height, 2 * depth), _text(0, 0, angle)
         xml.SubElement(world, "geom", type="box", pos=_text(x, y, 0), euler=euler, size=size)
     plate = xml.SubElement(world, "body", name="plate", pos=_text(start.x, start.y, 0), euler=_text(0, 0, start.theta))
-    for name, kind, axis in (("x", "slide", (1, 0, 0)), ("y", "slide", (0, 1, 0)), ("theta", "hinge", (0, 0, 1))):
+    joints = [("x", "slide", (1, 0, 0)), ("y", "slide", (0, 1, 0)), ("theta", "hinge", (0, 0, 1))]
+    for name, kind, axis in joints if case.plate.turns else joints[:2]:
         # A body's joint axes are in its own frame, which is rotated by theta.
         axis_in_body = _turn(axis, -start.theta)
         xml.SubElement(plate, "joint", name=name, type=kind, axis=_text(*axis_in_body))
-    inertia = _text(case.plate.inertia, case.plate.inertia, case.plate.inertia)
+    inertia = _text(*[_finite_inertia(case)] * 3)
     xml.SubElement(plate, "inertial", pos=_text(0, 0, 0), mass=repr(case.plate.mass), diaginertia=inertia)
     if case.plate.radius:
         xml.SubElement(plate, "geom", type="cylinder", size=_text(case.plate.radius, depth))
@@ -45,6 +46,12 @@ def mjcf(case: Case) -> str:
         xml.SubElement(assets, "mesh", name="plate", vertex=_text(*np.ravel(corners)))
         xml.SubElement(plate, "geom", type="mesh", mesh="plate")
     return xml.tostring(root, encoding="unicode")
+
+
+def _finite_inertia(case: Case) -> float:
+    """The plate's inertia; of one that does not turn, which these formats cannot say, that of a body of its size. The
+    model for MuJoCo has no hinge then; the scene's own `inertia` is null."""
+    return case.plate.inertia if case.plate.turns else case.plate.mass * case.plate.reach**2
 
 
 def sdf(case: Case) -> str:
@@ -66,7 +73,7 @@ def sdf(case: Case) -> str:
     xml.SubElement(inertial, "mass").text = repr(case.plate.mass)
     inertia = xml.SubElement(inertial, "inertia")
     for name in ("ixx", "iyy", "izz"):
-        xml.SubElement(inertia, name).text = repr(case.plate.inertia)
+        xml.SubElement(inertia, name).text = repr(_finite_inertia(case))
     if case.plate.radius:
         cylinder = _collision(link, "plate", (0,) * 6, "cylinder")
         xml.SubElement(cylinder, "radius").text = repr(case.plate.radius)

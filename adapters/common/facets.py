@@ -13,7 +13,7 @@ import numpy as np
 
 from cases import Belt, Case, Curve, Flight, Load
 from cases.contact import pose, start_motion
-from cases.mechanics import gravity
+from cases.mechanics import gravity, kinetic_energy
 from cases.shapes import Circle, as_circle, as_line
 
 
@@ -65,7 +65,7 @@ def stretch(case: Case) -> Stretch:
     start, plate, pull = start_motion(case), case.plate, gravity(case)
     if case.effect(Load) or case.effect(Belt):
         return _everywhere(case)
-    kinetic_start = energy = 0.5 * (start.vx**2 + start.vy**2) + 0.5 * plate.inertia / plate.mass * start.omega**2
+    kinetic_start = energy = float(kinetic_energy(case, start)) / plate.mass
     # A start off the track is higher, or lower, than the pose of contact there.
     on_track = np.array(pose(case, start.xi1, start.xi2)[:2])
     energy += float(pull @ (on_track - (start.x, start.y)))

@@ -129,8 +129,10 @@ def _samples(record: StepRecord) -> _MotionSamples:
     before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
     late, ahead = np.full((len(rows), 1), record.rest * h), h * (1.0 - record.rest)
     late[0] = 0.0
-    inertia = np.array([case.plate.mass, case.plate.mass, case.plate.inertia])
-    external = np.append(gravity(case), 0.0) * inertia + (np.zeros(3) if record.load is None else record.load)
+    turns = case.plate.turns  # otherwise no moment changes the spin, which is zero
+    inertia = np.array([case.plate.mass, case.plate.mass, case.plate.inertia if turns else 1.0])
+    load = np.zeros(3) if record.load is None else record.load * np.array([1.0, 1.0, float(turns)])
+    external = np.append(gravity(case), 0.0) * inertia + load
     force = (case.plate.mass * (after - before) / (late + ahead) - external)[:, :2]
     rates = rates_at_poses(before, after, case.plate.reach, record.rest)
     contacts = (record.contacts or _follow(case, pose))[: len(rows)]

@@ -33,6 +33,7 @@ function readScene(engine, known) {
   const scene = JSON.parse(require("fs").readFileSync(0, "utf8"));
   const strange = Object.keys(scene.effects).filter((name) => !known.includes(name));
   if (strange.length) refuse(`${engine} has not been told how to do ${strange.join(" and ")}.`);
+  if (scene.plate.inertia === null) refuse(`${engine}'s bodies have a finite inertia here, and this plate does not turn.`);
   if (!scene.effects.Unilateral) refuse(`${engine}'s contacts only push, and this plate is guided from both sides.`);
   const friction = scene.effects.CoulombFriction;
   if (friction && friction.mu_static !== null && friction.mu_static !== friction.mu) {

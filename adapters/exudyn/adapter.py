@@ -129,6 +129,8 @@ def refuses(case: Case, route: str) -> str | None:
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
         return f"Exudyn's contacts do not support {' and '.join(missing)}."
+    if not case.plate.turns:
+        return "Exudyn's rigid bodies have a finite inertia, and this plate does not turn."
     friction = case.effect(CoulombFriction)
     if friction and friction.by_speed and route not in SLIP_LAWS:
         return "Exudyn's contacts have one friction coefficient for all slip velocities."

@@ -8,7 +8,8 @@ are those of `adapters.laws.runs`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, exp, log, sin, sqrt
+from dataclasses import replace
+from math import cos, exp, inf, log, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -246,6 +247,23 @@ def belt(route: Route) -> None:
     hold("belt", "the slip", motion.slip - slip, tolerance * grip, "speed of Belt: the slip is relative to the belt")
 
 
+def fixed_rotation(route: Route) -> None:
+    """A plate of infinite inertia slides on a level line: v̇ = −μ g until it rests, at v₀²/(2 μ g), without a turn."""
+    d = route.draw("fixed rotation")
+    plate, radius, g, time = _disc(d)
+    mu, initial = d.mu(0.1, 0.4), d.signed(2.0, 4.0) * radius / time
+    rests = abs(initial) / (mu * g)
+    effects = (Gravity(g), CoulombFriction(mu), Unilateral())
+    run = route.simulate(Case(LEVEL, replace(plate, inertia=inf), effects, Start(0.0, slip=initial), 1.3 * rests))
+    motion = run.motion
+    exact = initial - np.sign(initial) * mu * g * np.minimum(motion.t, rests)
+    tolerance = run.kick + 2 * mu * g * run.step + 2 * motion.slip_resolution + 1e-9
+    hold("fixed rotation", "vx", motion.vx - exact, tolerance, "mu of CoulombFriction, inertia of the plate (infinite)")
+    way = float(motion.x[-1] - motion.x[0]) - initial * rests / 2
+    hold("fixed rotation", "the way", way, tolerance * float(motion.t[-1]), "mu of CoulombFriction")
+    hold("fixed rotation", "the spin", motion.omega * radius, 1e-9 * abs(initial), "inertia of the plate (infinite)")
+
+
 Law = Callable[[Route], None]
 
 LAWS: dict[str, Law] = {
@@ -260,6 +278,7 @@ LAWS: dict[str, Law] = {
         guide,
         rolling_resistance,
         belt,
+        fixed_rotation,
     )
 }
 

@@ -95,7 +95,8 @@ class Place(NamedTuple):
 
 
 class ContactLaws(NamedTuple):
-    """The coefficients of friction and rolling resistance; None: the case has no such effect."""
+    """The coefficients of friction and rolling resistance; None: the case has no such effect; infinite: no bound, as
+    for a perfectly rough contact, and for the rotation of a plate of infinite inertia."""
 
     slip: float | None  # coefficient against slip; of one that depends on the slip speed, its value at v = 0
     stick: float  # coefficient that holds
@@ -123,7 +124,7 @@ class ContactScene:
         load, resistance = case.effect(Load), case.effect(RollingResistance)
         self.load, self.load_scales = load.at if load else None, load_scales(load)
         self.slip_scales = slip_scales(friction)
-        arm = resistance.arm if resistance else None
+        arm = resistance.arm if resistance else None if case.plate.turns else inf
         if case.effect(PerfectlyRough):
             self.laws = ContactLaws(inf, inf, arm)
         else:

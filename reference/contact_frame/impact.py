@@ -91,7 +91,7 @@ def _whole(scene: ContactScene, q: Place, slip: float, lift: float, spin: float,
         if phase.turn == 0:
             normal = m * (goal - lift + at * spin)
             friction = -m * (an * spin + slip) if phase.slip == 0 else by_slip * normal
-            return ContactForces(normal, friction, an * friction - at * normal - J * spin)
+            return ContactForces(normal, friction, an * friction - at * normal - (J * spin if spin else 0.0))
         if phase.slip == 0:
             lever = at + by_turn
             normal = (goal - lift - at * an * m * slip / about) / (1 / m + at * lever / about)
@@ -110,7 +110,7 @@ def _whole(scene: ContactScene, q: Place, slip: float, lift: float, spin: float,
         )
 
     slips: tuple[int | None, ...] = (None,) if scene.laws.slip is None else (0, 1, -1)
-    turns: tuple[int | None, ...] = (None,) if scene.laws.arm is None else (0, 1, -1)
+    turns: tuple[int | None, ...] = (None,) if scene.laws.arm is None else (0,) if scene.laws.arm == inf else (0, 1, -1)
     if scene.laws.slip == inf:
         slips, impulse = (0,), _Impulse(scene, q, slip, lift, spin)
         impulse.stop_slip_at_once()
@@ -149,7 +149,8 @@ class _Impulse:
     def energy(self) -> float:
         """Kinetic energy, J."""
         along, across = self.slip + self.spin * self.an, self.lift - self.spin * self.at
-        return 0.5 * self.m * (along**2 + across**2) + 0.5 * self.J * self.spin**2
+        turning = 0.5 * self.J * self.spin**2 if self.spin else 0.0  # the inertia may be infinite
+        return 0.5 * self.m * (along**2 + across**2) + turning
 
     def push(self, amount: float = inf, until_lift: float = inf) -> float:
         """Add normal impulse, at most `amount`, until the normal velocity reaches `until_lift`; returns the impulse."""

@@ -9,7 +9,7 @@ module integrates phases of contact and chains them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, pi, sqrt
+from math import inf, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -146,7 +146,7 @@ def _start(course: MotionState) -> ContactState | FlightState | EndState:
     begin = start_motion(course.case)
     body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
     # A speed of a few roundings of the other is set to zero: it would reverse and return within a step, undetected.
-    size = sqrt(course.case.plate.inertia / course.case.plate.mass)
+    size = course.case.plate.gyration
     omega = begin.omega if size * abs(begin.omega) > NOTHING * abs(begin.slip) else 0.0
     slip = begin.slip if abs(begin.slip) > NOTHING * size * abs(begin.omega) else 0.0
     z = [begin.xi1, begin.xi2, omega, slip]
@@ -312,7 +312,7 @@ def _guards(course: MotionState, phase: ContactPhase, turns: int) -> dict[str, C
     if phase.slip == 0 and laws.stick < inf:
         guards["cone+"] = lambda t, z: laws.stick * phase.side * (f := forces(t, z)).normal + f.friction
         guards["cone-"] = lambda t, z: laws.stick * phase.side * (f := forces(t, z)).normal - f.friction
-    if phase.turn == 0 and laws.arm is not None:
+    if phase.turn == 0 and laws.arm is not None and laws.arm < inf:
         arm = laws.arm
         guards["couple+"] = lambda t, z: arm * phase.side * (f := forces(t, z)).normal + f.couple
         guards["couple-"] = lambda t, z: arm * phase.side * (f := forces(t, z)).normal - f.couple

@@ -234,6 +234,13 @@ class LeverArm(NoResistance):
         return {"rho": -turn * side * resistance.arm, "tau": float(turn), "arm": resistance.arm}
 
 
+@dataclass(frozen=True)
+class FixedRotation(NoResistance):
+    """A plate of infinite inertia: the row ω̇ = 0, with a couple without bound."""
+
+    turns: ClassVar[tuple[int | None, ...]] = (0,)
+
+
 class Laws(NamedTuple):
     """All contributions of a case's effects; hashable, the same for cases that differ only in numbers."""
 
@@ -242,6 +249,11 @@ class Laws(NamedTuple):
     resistance: NoResistance
     unilateral: bool
     belt: FixedSurface = FixedSurface()
+
+    @property
+    def rotation_fixed(self) -> bool:
+        """Whether the plate never turns."""
+        return isinstance(self.resistance, FixedRotation)
 
     @property
     def surface(self) -> Surface:
@@ -281,12 +293,14 @@ def laws(case: Case) -> Laws:
     load, friction, belt = case.effect(Load), case.effect(CoulombFriction), case.effect(Belt)
     kinds = frozenset(type(effect) for effect in case.effects)
     mu = friction.mu if friction and friction.by_speed else None
-    return _laws(kinds, load.expression if load else None, mu, belt.expression if belt else None)
+    return _laws(kinds, load.expression if load else None, mu, belt.expression if belt else None, case.plate.turns)
 
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None, mu: sp.Expr | None, belt: sp.Expr | None) -> Laws:
+def _laws(
+    kinds: frozenset[type], load: tuple[sp.Expr, ...] | None, mu: sp.Expr | None, belt: sp.Expr | None, turns: bool
+) -> Laws:
     loads: list[Weight | AppliedLoad] = [Weight()] if Gravity in kinds else []
     if load is not None:
         loads.append(AppliedLoad(*lift_constants(load)))
@@ -294,7 +308,7 @@ def _laws(kinds: frozenset[type], load: tuple[sp.Expr, ...] | None, mu: sp.Expr 
     if mu is not None:
         (formula,), sizes = lift_constants([mu])
         friction = CoulombBySpeed(formula, sizes)
-    resistance = LeverArm() if RollingResistance in kinds else NoResistance()
+    resistance = LeverArm() if RollingResistance in kinds else NoResistance() if turns else FixedRotation()
     surface = FixedSurface()
     if belt is not None:
         (formula,), sizes = lift_constants((belt,))

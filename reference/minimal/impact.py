@@ -93,7 +93,8 @@ def collide(law: Law, before: ContactVelocity) -> ContactVelocity:
 def energy(law: Law, touch: ContactVelocity) -> float:
     """Kinetic energy per mass (J/kg) of a plate with that contact velocity and spin."""
     along, across = touch.slip + touch.omega * law.arm_n, touch.lift - touch.omega * law.arm_t
-    return 0.5 * (along**2 + across**2 + law.gyration * touch.omega**2)
+    turning = law.gyration * touch.omega**2 if touch.omega else 0.0  # the radius of gyration may be infinite
+    return 0.5 * (along**2 + across**2 + turning)
 
 
 def _advance(

@@ -109,7 +109,7 @@ def _able(law: Laws, slip: float, turn: float) -> tuple[Regime, ...]:
         r
         for r in _regimes(law)
         if (not slip or SLIP_SIGN.get(r.mode, slip) == slip and r.mode not in (Mode.ROLL, Mode.REST))
-        and (not turn or r.turn is None or r.turn == turn)
+        and (not turn or r.turn is None or r.turn == turn or law.rotation_fixed)
     )
 
 

@@ -407,7 +407,7 @@ def _flight_equations(law: Laws) -> Equations:
     _, x, y, theta, vx, vy, omega = _MOTION
     fx, fy, moment = law.torsor
     nothing = Elimination(*(ZERO for _ in Elimination._fields))
-    rates = (vx, vy, omega, fx, fy, moment / GYRATION)
+    rates = (vx, vy, omega, fx, fy, ZERO if law.rotation_fixed else moment / GYRATION)
     return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
 
 

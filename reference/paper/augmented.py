@@ -9,6 +9,7 @@ adds columns and rows of the same kind:
 
     rolling                  the tangential multiplier, and R_pᵀ v = 0 differentiated (7×7)
     a fixed rotation         a couple as multiplier, and θ̈ = 0 (7×7 with slip, 8×8 at rest)
+    an infinite inertia      without θ̈ and its row: 5×5 with slip, 6×6 at rest; the row then gives the couple
     rolling resistance       a couple arm·|N| against the rotation: proportional to λ, so it is in λ's column
     free flight              no multiplier: (16) and (19) alone (3×3)
 
@@ -30,6 +31,8 @@ from .kinematics import I2, Kinematics, U, belt_of, kinematics, slip_velocity
 # (30): the friction coefficient's sign is opposite to the slip velocity's.
 SIGN = {Mode.SLIP_FORWARD: -1.0, Mode.SLIP_BACKWARD: +1.0}
 WITHOUT_SLIP = (Mode.ROLL, Mode.REST)
+# The row of M q̈₁ = F + A λ, and the column of q̈₁, that belong to θ.
+THETA_ROW = 2
 
 
 class Solution(NamedTuple):
@@ -48,7 +51,9 @@ class AugmentedSystem(NamedTuple):
     """(27) at one instant: its matrix and right-hand side, and the values from which they were assembled.
 
     `ratio` is the μ of (30) with its sign, `arm` the resisting couple per normal force with its sign (m), `rolls` and
-    `rotation_fixed` are true if the rows of rolling and of a fixed rotation are present.
+    `rotation_fixed` are true if the rows of rolling and of a fixed rotation are present. `moments`: of a plate of
+    infinite inertia, the row of (27) for θ̈, without its inertia, and its right-hand side; that row and the column of θ̈
+    are not in the matrix.
     """
 
     matrix: np.ndarray
@@ -58,6 +63,7 @@ class AugmentedSystem(NamedTuple):
     arm: float
     rolls: bool
     rotation_fixed: bool
+    moments: tuple[np.ndarray, float] | None = None
 
 
 # --- M and F ----------------------------------------------------------------------------------------------------------
@@ -169,6 +175,7 @@ def assemble(
     size = 6 + rolls + rotation_fixed
     matrix, right = np.zeros((size, size)), np.zeros(size)
     matrix[:3, :3], right[:3] = mass_matrix(case), applied_torsor(case, motion)
+    matrix[THETA_ROW, THETA_ROW] = matrix[THETA_ROW, THETA_ROW] if case.plate.turns else 0.0
     matrix[3:6, :3], matrix[3:6, 3:5], right[3:6] = constraints(k)
     matrix[:3, 5:6] = -sliding_column(k, ratio, arm)
     if rolls:
@@ -176,7 +183,11 @@ def assemble(
         matrix[6, 3:5], right[6] = rolling_row(k, belt)
     if rotation_fixed:
         matrix[2, -1], matrix[-1, 2] = -1.0, 1.0
-    return AugmentedSystem(matrix, right, k, ratio, arm, rolls, rotation_fixed)
+    if case.plate.turns:
+        return AugmentedSystem(matrix, right, k, ratio, arm, rolls, rotation_fixed)
+    moments = np.delete(matrix[THETA_ROW], THETA_ROW), float(right[THETA_ROW])
+    matrix = np.delete(np.delete(matrix, THETA_ROW, axis=0), THETA_ROW, axis=1)
+    return AugmentedSystem(matrix, np.delete(right, THETA_ROW), k, ratio, arm, rolls, True, moments)
 
 
 def _friction_ratio(case: Case, mode: Mode, side: int, slip: float) -> float:
@@ -228,6 +239,9 @@ def solve_full_system(
 def solution(system: AugmentedSystem) -> Solution:
     """Solve an assembled system; raises numpy.linalg.LinAlgError if it is singular."""
     answer = np.linalg.solve(system.matrix, system.right)
+    if system.moments is not None:
+        row, moment = system.moments
+        return _translating(system, np.insert(answer, THETA_ROW, 0.0), float(row @ answer) - moment)
     multipliers = answer[5:]
     P = sqrt(system.k.Rp @ system.k.Rp)
     normal = float(multipliers[0] * P)
@@ -236,8 +250,18 @@ def solution(system: AugmentedSystem) -> Solution:
     return Solution(answer[:3], answer[3:5], multipliers, normal, friction, couple)
 
 
+def _translating(system: AugmentedSystem, answer: np.ndarray, couple: float) -> Solution:
+    """The solution for a plate of infinite inertia, whose row for θ̈ gives the couple that keeps θ fixed."""
+    P = sqrt(system.k.Rp @ system.k.Rp)
+    normal = float(answer[5] * P)
+    friction = float(answer[6] * P) if system.rolls else system.ratio * normal
+    return Solution(answer[:3], answer[3:5], answer[5:], normal, friction, couple)
+
+
 def flight_acceleration(case: Case, time: float, y: Sequence[float]) -> np.ndarray:
     """q̈₁ of a plate in free flight, (16) and (19) without F_L, shape (3,); y is (X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇)."""
+    if not case.plate.turns:
+        return np.append(applied_torsor(case, (time, *y))[:2] / case.plate.mass, 0.0)
     return np.linalg.solve(mass_matrix(case), applied_torsor(case, (time, *y)))
 
 
@@ -264,6 +288,10 @@ def condition(case: Case, system: AugmentedSystem) -> float:
     # Units of the unknowns Ẍ₀, Ÿ₀, θ̈, ξ̈₁, ξ̈₂, the multipliers N/P and T/P, a couple; then of the rows: two forces, a
     # moment, (8) twice, (9), R_pᵀ v, θ̈.
     force, couple = m * rho / P, m * rho**2
+    if system.moments is not None:
+        unknowns = [rho, rho, rho / P, rho / p, force, *[force] * system.rolls]
+        rows = [m * rho, m * rho, rho, rho, P * p, *[P * rho] * system.rolls]
+        return float(np.linalg.cond(system.matrix * np.array(unknowns) / np.array(rows)[:, None]))
     unknowns = [rho, rho, 1.0, rho / P, rho / p, force, *[force] * system.rolls, *[couple] * system.rotation_fixed]
     rows = [m * rho, m * rho, m * rho**2, rho, rho, P * p, *[P * rho] * system.rolls, *[1.0] * system.rotation_fixed]
     return float(np.linalg.cond(system.matrix * np.array(unknowns) / np.array(rows)[:, None]))

@@ -33,7 +33,7 @@ def fits(case: Case) -> bool:
     """Whether `contacts` covers all forces on the case's plate."""
     friction = case.effect(CoulombFriction)
     constant = friction is None or not friction.by_speed
-    return constant and all(case.effect(kind) is None for kind in (Belt, Load, RollingResistance))
+    return constant and case.plate.turns and all(case.effect(kind) is None for kind in (Belt, Load, RollingResistance))
 
 
 def contacts(case: Case, mode: Mode, states: Sequence[Sequence[float]], side: int = 1) -> Contacts:

@@ -162,6 +162,8 @@ def _check_supported(case: Case) -> None:
     friction = case.effect(CoulombFriction)
     if friction is not None and friction.by_speed:
         raise NotSupported(f"{case.label} has friction that depends on the slip velocity, which proofs do not cover")
+    if not case.plate.turns:
+        raise NotSupported(f"{case.label} has a plate that does not turn, which proofs do not cover")
     load = case.effect(Load)
     if load is not None and any(part.has(MOTION[3]) for part in load.expression):
         raise NotSupported(f"{case.label} has a load that depends on theta, which proofs do not cover")

@@ -112,7 +112,7 @@ def structure(case: Case) -> Structure:
     load = case.effect(Load)
     features = (track.features, outline.features, load.features if load else None)
     plain = all(feature is None or feature.plain for feature in features) and not laws(case).checked_quantities
-    plain = plain and case.effect(Belt) is None
+    plain = plain and case.effect(Belt) is None and case.plate.turns
     return Structure(_form(track), _form(outline), laws(case), ends, kinds, case.start.in_contact, level_start, plain)
 
 

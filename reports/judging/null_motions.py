@@ -29,7 +29,7 @@ def frictionless(case: Case) -> Trajectory:
 
 def rolling(case: Case) -> Trajectory:
     """The motion with friction that never gives way, its centre as fast as at the start; CaseError but for a disc."""
-    if case.plate.radius is None or case.effect(CoulombFriction) is None:
+    if case.plate.radius is None or not case.plate.turns or case.effect(CoulombFriction) is None:
         raise CaseError("only a disc with friction has a rolling counterpart here")
     # Rolling needs a friction force far below 1e3 times the normal force wherever that is positive.
     omega = case.start.omega - case.start.slip / case.plate.radius
@@ -43,7 +43,7 @@ def resting(case: Case) -> Trajectory:
     still = dict(vx=0.0, vy=0.0, omega=0.0, slip=0.0, normal_force=nan, friction_force=nan)
     times = np.linspace(0.0, case.duration, EVEN_TIMES)
     columns: dict[str, Any] = {name: np.full(EVEN_TIMES, value) for name, value in (here | still).items()}
-    mode = Mode.ROLL if case.effect(RollingResistance) is None else Mode.REST
+    mode = Mode.ROLL if case.effect(RollingResistance) is None and case.plate.turns else Mode.REST
     return Trajectory(t=times, **columns, first_mode=mode)
 
 

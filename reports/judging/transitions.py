@@ -101,7 +101,7 @@ class _Motion:
         self.smallest_jump = _SMALLEST_JUMP * speed
         friction = case.effect(CoulombFriction)
         self.bound = friction.stick if friction else None if case.effect(PerfectlyRough) else 0.0
-        self.turns = case.effect(RollingResistance) is not None
+        self.turns = case.effect(RollingResistance) is not None or not case.plate.turns
 
     def reading(self) -> Reading:
         stretches = self._stretches()

@@ -162,7 +162,9 @@ def energy(case: Case, state) -> np.ndarray:
     """Kinetic and potential energy, J."""
     gravity = case.effect(Gravity) or Gravity(0.0)
     height = -(state.x * np.cos(gravity.direction) + state.y * np.sin(gravity.direction))
-    kinetic = 0.5 * case.plate.mass * (state.vx**2 + state.vy**2) + 0.5 * case.plate.inertia * state.omega**2
+    kinetic = 0.5 * case.plate.mass * (state.vx**2 + state.vy**2)
+    if case.plate.turns:
+        kinetic = kinetic + 0.5 * case.plate.inertia * state.omega**2
     return kinetic + case.plate.mass * gravity.g * height
 
 

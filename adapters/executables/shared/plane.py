@@ -48,6 +48,8 @@ def read_scene(engine: str, names: tuple[str, ...]) -> dict[str, Any]:
     missing = [name for name in effects if name not in names]
     if missing:
         refuse(f"{engine} has no implementation here of {' and '.join(missing)}.")
+    if scene["plate"]["inertia"] is None:
+        refuse(f"{engine}'s bodies have a finite inertia here, and this plate does not turn.")
     if "Unilateral" not in effects:
         refuse(f"{engine}'s contacts only push, and this plate is guided from both sides.")
     friction = effects.get("CoulombFriction")
