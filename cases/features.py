@@ -337,6 +337,15 @@ def arguments(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> Iterator[sp.
             yield from (a for a in node.args if a.has(*symbols))
 
 
+def singular_arguments(expression: sp.Expr) -> Iterator[sp.Expr]:
+    """The arguments of logarithms, arc sines and arc cosines, and the bases of roots and fractions."""
+    for node in sp.preorder_traversal(expression):
+        if isinstance(node, sp.log | sp.asin | sp.acos):
+            yield node.args[0]
+        elif node.is_Pow and not (node.exp.is_Integer and node.exp > 0):
+            yield node.base
+
+
 def degree(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> float:
     """An upper bound on the expression's degree as a polynomial in the symbols; infinite where it is none."""
     if not expression.has(*symbols):

@@ -60,7 +60,7 @@ class LiteralSystem:
         self.case, self.phase, self.regime = case, phase, phase.regime
         self.variables, self.positions = phase.system.variables, phase.system.positions
         self.guards = dict.fromkeys(phase.system.guards)  # their names
-        self.checked_forces = phase.system.checked_forces
+        self.check_layout = phase.system.check_layout
 
     def system_at(self, t: float, y: Sequence[float]) -> AugmentedSystem:
         """Assemble (27) at a state of the mode."""

@@ -18,6 +18,7 @@ from cases.derivation import in_one_thread
 from cases.effects import MOTION, checked_quantities
 from cases.expression_graph import ONE, ZERO, Node, from_sympy, sqrt, substitute, symbol
 from cases.expressions import constants, lift_constants
+from cases.features import singular_arguments
 from cases.moving_surface import TIME
 from cases.slip_laws import SLIP_SPEED
 
@@ -125,10 +126,11 @@ class Frictionless:
         """The equations of a slip with the law in place of `ratio`, where that is no number."""
         return motion
 
-    def checked_arguments(self, motion: Elimination) -> tuple[Node, ...]:
+    def checked_arguments(self, motion: Elimination) -> tuple[tuple[Node, ...], int]:
         """The arguments of the law's functions, which have to be checked along each step of a slip together with the
-        friction force; empty if the law's derivatives at a step's start show all that it does."""
-        return ()
+        friction force, and how many of them, the first, are compared with 1 if they are smaller; empty if the law's
+        derivatives at a step's start show all that it does."""
+        return (), 0
 
     def conditions(self, slips: bool, motion: Elimination, side) -> Conditions:
         return {}
@@ -177,8 +179,13 @@ class CoulombBySpeed(Coulomb):
         (coefficient,) = self._nodes([self.formula], motion)
         return Elimination(*substitute(motion, {RATIO: -SIGMA * side * coefficient}))
 
-    def checked_arguments(self, motion: Elimination) -> tuple[Node, ...]:
-        return self._nodes(checked_quantities([self.formula], [SLIP_SPEED]), motion)
+    def checked_arguments(self, motion: Elimination) -> tuple[tuple[Node, ...], int]:
+        # All arguments that are proportional to the slip are rounding when it ends; exp, tanh and the like change over
+        # 1, only logarithms, roots and fractions near the zero of their argument.
+        arguments = checked_quantities([self.formula], [SLIP_SPEED])[:-1]
+        singular = set(singular_arguments(self.formula))
+        ordered = sorted(arguments, key=lambda argument: argument in singular)
+        return self._nodes(ordered, motion), sum(argument not in singular for argument in ordered)
 
     def values(self, case: Case, mode: Mode, side: int) -> dict[str, float]:
         friction = case.effect(CoulombFriction)

@@ -98,11 +98,12 @@ def _is_resolved(phase: Phase, course: Course, part: float, bound: float, acting
     places = part * PLACES
     arguments, forces = _quantities(phase, course, places)
     small = ~(np.min(np.abs(arguments), axis=1) > LARGE)
+    least = np.where(np.arange(len(arguments)) < phase.system.check_layout.of_order_one, 1.0, 0.0)[small]
     arguments = arguments[small]
     if not (np.isfinite(arguments).all() and np.isfinite(forces).all()):
         return False
     coefficients = _TO_COEFFICIENTS @ arguments.T
-    tails, sizes = np.max(np.abs(coefficients[-2:]), axis=0), np.max(np.abs(arguments), axis=1)
+    tails, sizes = np.max(np.abs(coefficients[-2:]), axis=0), np.maximum(np.max(np.abs(arguments), axis=1), least)
     misfit = np.max(np.abs(forces[:, ::2] @ _AT_THE_OTHERS.T - forces[:, 1::2]))
     errors, error = ARGUMENT * sizes, bound * (acting + np.max(np.abs(forces)))
     if misfit > error or np.any(tails > errors):
@@ -148,7 +149,7 @@ def _quantities(phase: Phase, course: Course, parts: np.ndarray, shift: float = 
         times, states = times * (1.0 + signs), states * (1.0 - signs)
     with np.errstate(all="ignore"):  # what has no value, or overflows, is looked for in the result
         rows = phase.system.load_quantities_of_arrays(times, states, phase.parameters)
-    forces = phase.system.checked_forces
+    forces = phase.system.check_layout.forces
     every = np.empty((len(rows), len(parts)))
     for own, row in zip(every, rows, strict=True):
         own[:] = row  # a constant one is a number

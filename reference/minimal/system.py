@@ -70,6 +70,14 @@ LOAD_FORCES = 3
 QUICK, SHORT = 2, 64
 
 
+class CheckLayout(NamedTuple):
+    """How many of the checked quantities, the first, are arguments that are compared with 1 if they are smaller, and
+    how many, the last, are forces."""
+
+    of_order_one: int = 0
+    forces: int = LOAD_FORCES
+
+
 @dataclass(frozen=True, eq=False)
 class Equations:
     """One mode's equations, symbolic: y' = rates(t, y; parameters), outputs, and conditions that end the mode.
@@ -77,8 +85,8 @@ class Equations:
     The first `positions` variables are positions, the others velocities. `conditions` must hold for a decision for this
     mode, `condition_rates` are the rates of those that are velocities; `guards` are positive while the mode lasts: the
     conditions and the geometry's limits, without those that the state cannot change. `load_quantities` are checked
-    along each step: arguments of functions in a load or in friction's law, then `checked_forces` forces: friction by a
-    formula, force and moment of the load (N, N m).
+    along each step: arguments of functions in a load or in friction's law, then forces: friction by a formula, force
+    and moment of the load (N, N m).
     """
 
     variables: tuple[Node, ...]
@@ -89,7 +97,7 @@ class Equations:
     condition_rates: dict[str, Node] = field(default_factory=dict)
     guards: dict[str, Node] = field(default_factory=dict)
     load_quantities: tuple[Node, ...] = ()
-    checked_forces: int = LOAD_FORCES
+    check_layout: CheckLayout = CheckLayout()
 
     @property
     def all(self) -> list[Node]:
@@ -133,7 +141,7 @@ class System:
         self.rates, self.outputs = equations.rates, equations.outputs
         self.conditions, self.condition_rates = equations.conditions, equations.condition_rates
         self.guards, self.load_quantities = equations.guards, equations.load_quantities
-        self.checked_forces = equations.checked_forces
+        self.check_layout = equations.check_layout
         self.forces = (self.outputs.normal, self.outputs.friction)
         # The places among the conditions of those that have rates.
         self.rated = tuple(i for i, name in enumerate(self.conditions) if name in self.condition_rates)
@@ -349,19 +357,21 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     limits = {**fit, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
-    checked, checked_forces = _checked(law, motion, pose, kind)
-    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, checked, checked_forces)
+    checked, layout = _checked(law, motion, pose, kind)
+    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, checked, layout)
 
 
-def _checked(law: Laws, motion: Elimination, pose: dict[Node, Node], kind: Kind) -> tuple[tuple[Node, ...], int]:
-    """What is checked along each step: arguments, then forces (the load's, after friction by a formula); and the number
-    of the forces."""
+def _checked(
+    law: Laws, motion: Elimination, pose: dict[Node, Node], kind: Kind
+) -> tuple[tuple[Node, ...], CheckLayout]:
+    """What is checked along each step: arguments, then forces (the load's, after friction by a formula)."""
     by_load = tuple(substitute(law.checked_quantities, pose))
-    by_friction = law.friction.checked_arguments(motion) if kind.slips else ()
+    by_friction, of_order_one = law.friction.checked_arguments(motion) if kind.slips else ((), 0)
     if not by_friction:
-        return by_load, LOAD_FORCES
+        return by_load, CheckLayout()
     forces = by_load[-LOAD_FORCES:] or (ZERO,) * LOAD_FORCES
-    return (*by_friction, *by_load[:-LOAD_FORCES], MASS * motion.friction, *forces), 1 + LOAD_FORCES
+    every = (*by_friction, *by_load[:-LOAD_FORCES], MASS * motion.friction, *forces)
+    return every, CheckLayout(of_order_one, 1 + LOAD_FORCES)
 
 
 def _velocities(kind: Kind, h: Frame) -> tuple[Node, ...]:

@@ -11,10 +11,13 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from math import sqrt
 
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq, minimize_scalar
+
+from cases import CoulombFriction
 
 from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
@@ -58,6 +61,9 @@ _STAGE_WEIGHTS = np.abs(DOP853.D)
 
 # Before a first step the rates are evaluated this far ahead, in parts of the motion's time scale.
 PROBE = 1e-2
+
+# A motion that changes this much more slowly than gravity would make it is at rest when its phase begins.
+STILL = 1e-6
 
 # The phase stops if MOST_TINY_STEPS steps together cover at most the fraction TINY of it so far: near a singularity
 # the tolerance needs digits that are lost to rounding, long before a step is as short as a rounding of the time.
@@ -228,7 +234,14 @@ def _dense_output(solver: DOP853) -> DenseOutput:
 
 def _scales(phase: Phase, t, y) -> np.ndarray:
     """Sizes of the components: the plate's own size for the parameters, and the speed at which it is covered."""
-    often = frequency(phase, t, y) or 1.0  # without force and motion any speed would do
+    often = frequency(phase, t, y)
+    friction = phase.case.effect(CoulombFriction)
+    if friction and friction.by_speed:
+        # A slip under friction by a formula begins at its cone, without speed and acceleration: gravity gives the speed
+        # that it may reach. (Other motions keep their last bits.)
+        pull = sqrt(phase.case.weight / (phase.case.plate.mass * phase.size))
+        often = pull if often < STILL * pull else often
+    often = often or 1.0  # without force and motion any speed would do
     return np.array([*phase.lengths, *(size * often for size in phase.lengths)][: len(y)])
 
 

@@ -1,0 +1,112 @@
+"""Stick and slip of a spring and a slider: exact instants, by a disc whose spring pulls at its contact.
+
+A spring that pulls at the disc's own point of contact, displaced by u = x + r θ, moves it as a slider of the mass
+1/(1/m + r²/J) on a fixed floor; without slip, friction balances the spring. A disc with a large inertia hardly turns. A
+belt is a spring whose other end moves with V, in the frame of the belt.
+"""
+
+from math import atan, atan2, inf, pi, sqrt
+
+import mpmath
+import numpy as np
+import pytest
+
+import reference
+from cases import Case, CoulombFriction, Gravity, Load, Mode, Start, Unilateral, disc
+from cases.library import line
+from reference import contact_frame
+from tests.scenes.motions import energy, work_done
+from tests.scenes.slip_laws import HYPERBOLIC, STRIBECK
+
+RADIUS = 0.1
+TURNS = 1e-6  # m r²/J: how much of the contact's motion is rotation
+
+
+def slider(friction: CoulombFriction, mass, stiffness, g, pulled=0.0, place=0.0, speed=0.0, duration=10.0) -> Case:
+    """A slider of that mass at the end of a spring whose other end moves with `pulled` (m/s)."""
+    force = f"{stiffness!r}*({pulled!r}*t - x - {RADIUS!r}*theta)"
+    effects = (Gravity(g), Load(fx=force, moment=f"{RADIUS!r}*({force})"), friction, Unilateral())
+    heavy = mass * (1.0 + TURNS)
+    plate = disc(RADIUS, heavy, heavy * RADIUS**2 / TURNS)
+    return Case(line(), plate, effects, Start(place, slip=speed, omega=speed * TURNS / RADIUS), duration)
+
+
+def all_motions(case: Case, until: float = inf):
+    """The motion by both integrators, and by the second formulation up to a time."""
+    ours = [reference.simulate(case, 1e-13, method) for method in reference.METHODS]
+    return [*ours, contact_frame.solve(case, rtol=1e-13, until=until)]
+
+
+def test_the_friction_oscillator_of_siconos_stops_after_its_arc_and_seven_half_turns():
+    """x'' + x = −sign(x') from x = 12, x' = 6, as in Siconos' FrictionOscillator (m = k = 1, friction 1; parameters
+    looked up in its source): arcs of circles around ∓1 in the plane of x and x'. It first stops at
+    x₁ = √(13² + 6²) − 1 after atan(6/13); each half turn loses 2; it holds where |x| < 1."""
+    case = slider(CoulombFriction(1.0 / (1.0 + TURNS)), 1.0, 1.0, 1.0, place=12.0, speed=6.0, duration=30.0)
+    stops = [atan2(6.0, 13.0) + k * pi for k in range(8)]
+    motion, *others = all_motions(case, until=4.0)
+    assert len(motion.transitions) == 8 and motion.transitions[-1].after is Mode.ROLL
+    for each in (motion, *others):
+        times = [t.time for t in each.transitions]
+        assert len(times) >= 2 and times == pytest.approx(stops[: len(times)], rel=1e-12, abs=1e-12)
+    state = motion(np.array([motion.transitions[0].time, 30.0]))
+    u = state.x + RADIUS * state.theta
+    assert u == pytest.approx([sqrt(205.0) - 1.0, 15.0 - sqrt(205.0)], abs=1e-12)
+
+
+@pytest.mark.parametrize("pulled", [0.2, 1.0])
+def test_stick_and_slip_alternate_with_the_exact_periods(pulled):
+    """With d = (μ_s − μ) N/k and w = √(k/m): sticks for 2 d/V, slips for (2/w)(π − atan(d w/V)), derived here from
+    δ'' = −w² δ, δ(0) = d, δ'(0) = V for the spring's stretch δ beyond that of the sliding friction."""
+    mass, stiffness, g, mu, mu_static = 1.0, 100.0, 10.0, 0.2, 0.5
+    case = slider(CoulombFriction(mu, mu_static), mass, stiffness, g, pulled, duration=2.0)
+    weight, w = mass * (1.0 + TURNS) * g, sqrt(stiffness / mass)
+    d = (mu_static - mu) * weight / stiffness
+    sticks, slips = 2.0 * d / pulled, 2.0 / w * (pi - atan(d * w / pulled))
+    exact = [mu_static * weight / (stiffness * pulled)]
+    while exact[-1] < case.duration:
+        exact += [exact[-1] + slips, exact[-1] + slips + sticks]
+    exact = [t for t in exact if t < case.duration]
+    assert len(exact) >= 2
+    for motion in all_motions(case):
+        assert [t.time for t in motion.transitions] == pytest.approx(exact, abs=5e-12)
+
+
+def test_viscous_friction_damps_the_slip_as_the_closed_form_says():
+    """μ = μ₀ + c v: δ'' + 2 a δ' + w² δ = const while it slips, a damped oscillation; its end by mpmath's root."""
+    mass, stiffness, g, pulled, mu, c, mu_static = 1.0, 100.0, 10.0, 0.2, 0.2, 0.05, 0.5
+    case = slider(CoulombFriction(f"{mu} + {c}*v", mu_static), mass, stiffness, g, pulled, duration=1.0)
+    with mpmath.workdps(30):
+        m, k, V, weight = map(mpmath.mpf, (mass, stiffness, pulled, mass * (1.0 + TURNS) * g))
+        a, w2 = c * weight / (2 * m), k / m
+        w = mpmath.sqrt(w2 - a * a)
+        # With u' = V − δ': m δ'' = −k δ + weight (μ₀ + c V) − c weight δ', about the centre z.
+        z = weight * (mpmath.mpf("0.2") + mpmath.mpf("0.05") * V) / k
+        begin = mpmath.mpf("0.5") * weight / k - z  # δ' = V there
+
+        def slip(t):
+            b = (V + a * begin) / w
+            rate = mpmath.exp(-a * t) * (
+                (b * w - a * begin) * mpmath.cos(w * t) - (begin * w + a * b) * mpmath.sin(w * t)
+            )
+            return V - rate
+
+        first = mpmath.mpf("0.5") * weight / (k * V)
+        exact = [float(first), float(first + mpmath.findroot(slip, (0.35, 0.5), solver="anderson"))]
+    for motion in all_motions(case):
+        assert [t.time for t in motion.transitions[:2]] == pytest.approx(exact, abs=2e-12)
+        assert [t.after for t in motion.transitions[:2]] == [Mode.SLIP_FORWARD, Mode.ROLL]
+
+
+@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC])
+def test_a_falling_law_sustains_stick_and_slip_without_static_friction(mu):
+    """Where dμ/dv < 0 a steady slide is unstable: stick and slip alternate. Both formulations agree in every instant,
+    and the energy closes with the work of spring and friction. Each slip begins without acceleration, at its cone."""
+    case = slider(CoulombFriction(mu), 1.0, 100.0, 10.0, pulled=0.02, duration=3.5)
+    ours, *others = all_motions(case)
+    assert [t.after for t in ours.transitions] == [Mode.SLIP_FORWARD, Mode.ROLL] * 2
+    for other in others:
+        assert [t.after for t in other.transitions] == [t.after for t in ours.transitions]
+        assert [t.time for t in other.transitions] == pytest.approx([t.time for t in ours.transitions], abs=1e-10)
+    change = np.diff(energy(case, ours(np.array([0.0, ours.t[-1]]))))[0]
+    scale = 3.0 * 0.02 * 3.5  # the force of friction times the way of the spring's moving end, J
+    assert change == pytest.approx(work_done(case, ours), abs=1e-10 * scale)
