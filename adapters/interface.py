@@ -47,6 +47,8 @@ Optional:
                                                     of them, as "pymunk@6.11.1". Read from the source, not imported
     OUR_PARTS: dict[str, str]                       by route, what of it is not the engine's own, in a phrase; such a
                                                     route is not ranked. Routes called assisted and integrator have one
+    CORNERS: tuple[str, ...]                        the routes whose shapes have the corners of a track or an outline;
+                                                    without a declaration, `refusal` rejects curves with corners
     SLIP_LAWS: tuple[str, ...]                      the routes that support a friction coefficient that depends on the
                                                     slip velocity (`CoulombFriction.by_speed`); without a declaration,
                                                     `refusal` rejects such a case before `refuses` is called
@@ -68,6 +70,7 @@ from itertools import product
 from typing import Any
 
 from cases import Case, CoulombFriction
+from cases.piece_case import has_pieces
 
 # Names that every adapter must define.
 PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version")
@@ -102,6 +105,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     friction = case.effect(CoulombFriction)
     if friction and friction.by_speed and route not in getattr(adapter, "SLIP_LAWS", ()):
         return f"The {route} route does not support friction that depends on the slip velocity."
+    if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):
+        return f"The {route} route does not support curves with corners."
     return adapter.refuses(case, route)
 
 

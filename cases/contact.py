@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import geometry
+from . import geometry, piece_contact
 from .case import Case
 from .effects import Belt
 from .errors import BadValue
@@ -61,7 +61,7 @@ def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> M
 
 def find(case: Case, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
     """The pair of points where outline and track come closest, starting from the pair `near`."""
-    return geometry.find(case.track, case.plate.outline, x, y, theta, near)
+    return piece_contact.find(case.track, case.plate.outline, x, y, theta, near)
 
 
 def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

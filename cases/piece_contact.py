@@ -7,7 +7,7 @@ track and a curve.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, sin
+from math import cos, pi, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -61,6 +61,67 @@ def piece_gap(entry: Entry, x: float, y: float, theta: float) -> geometry.Contac
     else:
         raise DoesNotFit("a corner touches a corner there; their gap has no direction")
     return geometry.Contact(s1 + entry.first.shift, s2 + entry.second.shift, gap)
+
+
+# Elements that a contact may pass between two poses, back and forth.
+MOST_ELEMENTS = 100
+
+
+def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: tuple[float, float]) -> geometry.Contact:
+    """`geometry.find` where a curve is a chain: the nearest pair on the elements near a pair, or on those that follow.
+
+    Raises DoesNotFit where there is none: two edges face each other, or two corners do.
+    """
+    if not isinstance(track, Chain) and not isinstance(outline, Chain):
+        return geometry.find(track, outline, x, y, theta, near)
+    first, second = (_at(curve, s) for curve, s in zip((track, outline), near, strict=True))
+    entry = Entry(first, second, *near)
+    for _ in range(MOST_ELEMENTS):
+        contact = piece_gap(entry, x, y, theta)
+        xi1, xi2 = contact.xi1, contact.xi2
+        if isinstance(entry.first.piece, Corner):
+            xi1 = _on_corner(entry.first, entry.first.piece, theta + _angle(entry.second, xi2))
+        if isinstance(entry.second.piece, Corner):
+            xi2 = _on_corner(entry.second, entry.second.piece, _angle(entry.first, xi1) - theta)
+        first, second = _beyond(track, entry.first, xi1), _beyond(outline, entry.second, xi2)
+        if first == entry.first and second == entry.second:
+            return geometry.Contact(xi1, xi2, contact.gap)
+        if first != entry.first:  # one at a time
+            entry = Entry(first, entry.second, _inside(first, xi1), xi2)
+        else:
+            entry = Entry(entry.first, second, xi1, _inside(second, xi2))
+    raise DoesNotFit(f"no contact point near xi1 = {near[0]:.6g}, xi2 = {near[1]:.6g}")
+
+
+def _at(curve: Curve, s: float) -> Element:
+    return curve.element_at(s) if isinstance(curve, Chain) else Element(curve, 0.0, 0.0, 0, 0)
+
+
+def _angle(element: Element, s: float) -> float:
+    return float(element.piece.tangent_angle(s - element.shift))
+
+
+def _on_corner(element: Element, corner: Corner, angle: float) -> float:
+    """The parameter of a corner at which its tangent has a direction, within half a turn of its middle."""
+    middle = corner.start + 0.5 * corner.turn
+    off = (angle - middle + pi) % (2 * pi) - pi
+    return element.shift + 0.5 * abs(corner.turn) + corner.sign * off
+
+
+def _beyond(curve: Curve, element: Element, s: float) -> Element:
+    """The neighbour of an element on whose side a parameter lies beyond its end; the element itself at an open end."""
+    if not isinstance(curve, Chain):
+        return element
+    (low, high), place = element.piece.span, s - element.shift
+    rounding = 64 * geometry.EPS * (1.0 + abs(s) + abs(element.shift))
+    step = -1 if place < low - rounding else 1 if place > high + rounding else 0
+    return curve.element(element.number + step) or element
+
+
+def _inside(element: Element, s: float) -> float:
+    """The parameter of an element nearest to one."""
+    low, high = element.piece.span
+    return min(max(s, low + element.shift), high + element.shift)
 
 
 def _foot(piece: Curve, point: np.ndarray, s: float) -> float:

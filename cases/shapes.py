@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .chain import Chain
 from .curves import Curve
 
 
@@ -31,6 +32,8 @@ _SAMPLES, _ROUNDING = 17, 1e-12
 
 def as_line(curve: Curve) -> Line | None:
     """The curve as a line, or None if it is none."""
+    if isinstance(curve, Chain):
+        return None
     s = np.linspace(*curve.span, _SAMPLES)
     tangents = curve.tangent(s)
     if np.abs(tangents - tangents[:, :1]).max() > _ROUNDING:
@@ -40,6 +43,8 @@ def as_line(curve: Curve) -> Line | None:
 
 def as_circle(curve: Curve) -> Circle | None:
     """The curve as a circle (or an arc of one), or None if it is none."""
+    if isinstance(curve, Chain):
+        return None
     s = np.linspace(*curve.span, _SAMPLES)
     bend = curve.curvature(s)
     if bend[0] == 0.0 or np.ptp(bend) > _ROUNDING * abs(bend[0]):

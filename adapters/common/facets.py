@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, Curve, Flight, Load
+from cases import Belt, Case, Chain, Curve, Flight, Load
 from cases.contact import pose, start_motion
 from cases.mechanics import gravity, kinetic_energy
 from cases.shapes import Circle, as_circle, as_line
@@ -63,7 +63,7 @@ def stretch(case: Case) -> Stretch:
     cannot grow faster than g. A margin of the plate's size is added at both ends.
     """
     start, plate, pull = start_motion(case), case.plate, gravity(case)
-    if case.effect(Load) or case.effect(Belt):
+    if case.effect(Load) or case.effect(Belt) or isinstance(case.track, Chain):
         return _everywhere(case)
     kinetic_start = energy = float(kinetic_energy(case, start)) / plate.mass
     # A start off the track is higher, or lower, than the pose of contact there.
@@ -172,7 +172,16 @@ def chain(case: Case, count: int, behind: float = 0.0) -> np.ndarray:
     """Corners, shape (2, count + 1), of `count` equally long facets along the stretch, `behind` (m) the track: facets
     of that radius touch it."""
     part = stretch(case)
+    if isinstance(case.track, Chain):
+        return _vertices(case.track, count)
     return _facets(case.track, part.low, part.high, count, behind)
+
+
+def _vertices(curve: Chain, count: int) -> np.ndarray:
+    """Corners of a chain's polygon, shape (2, n): its own corners and joints, and on bent pieces as many as a circle of
+    `count` corners has on the same turn. They lie on the curve."""
+    points = curve.point(curve.vertices(2 * pi / count))
+    return points[:, np.insert(np.hypot(*np.diff(points, axis=1)) > 0.0, 0, True)]
 
 
 def rim(outline: Curve, count: int, inside: float = 0.0) -> np.ndarray:
@@ -205,6 +214,8 @@ def polygon(case: Case, count: int) -> np.ndarray:
     Equal turns put the corners where the outline bends most, so that every corner loses the same energy.
     """
     outline = case.plate.outline
+    if isinstance(outline, Chain):
+        return _vertices(outline, count)[:, :-1]
     s = np.linspace(*outline.span, 64 * 721)
     # On straight parts of the outline rounding makes the tangent's angle decrease in places.
     angle = np.maximum.accumulate(outline.tangent_angle(s))
@@ -232,9 +243,22 @@ def sees_all(outline: Curve) -> bool:
     return bool(np.all(np.sum(outline.point(s) * outline.normal(s), axis=0) < 0.0))
 
 
+def _chain_sagitta(curve: Chain, count: int | None) -> float:
+    """The largest distance (m) of a chain from its polygon with that many corners on a full turn."""
+    bent = [piece for piece in curve.pieces if piece.features is not None]
+    if not count or not bent:
+        return 0.0
+    radius = max(float(1.0 / np.abs(piece.curvature(np.linspace(*piece.span, 65))).min()) for piece in bent)
+    return radius * (2 * pi / count) ** 2 / 8
+
+
 def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
     """The distance (m) of the track's facets and the outline's polygon from the curves; None: the shape is exact."""
     off = 0.0
+    if isinstance(case.track, Chain):
+        off, facets = _chain_sagitta(case.track, facets), None
+    if isinstance(case.plate.outline, Chain):
+        off, vertices = off + _chain_sagitta(case.plate.outline, vertices), None
     if facets:
         part = stretch(case)
         bend = np.abs(case.track.curvature(np.linspace(part.low, part.high, 721))).max()

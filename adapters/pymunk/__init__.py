@@ -1,6 +1,7 @@
 """pymunk's adapter; `adapters.pymunk.adapter` describes it."""
 
 from .adapter import (
+    CORNERS,
     NAME,
     SLIP_LAWS,
     bare_run,
@@ -18,6 +19,6 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
-    "MEANINGS", "NAME", "SLIP_LAWS", "build", "default_grid", "grid", "ladder", "read", "refuses", "routes", "run",
-    "bare_run", "version", "wide_grid",
+    "CORNERS", "MEANINGS", "NAME", "SLIP_LAWS", "build", "default_grid", "grid", "ladder", "read", "refuses", "routes",
+    "run", "bare_run", "version", "wide_grid",
 ]  # fmt: skip

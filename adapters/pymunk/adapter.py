@@ -51,6 +51,8 @@ KNOWN = "pymunk>=6.11"
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt)
 # Routes that set the coefficient in each step, by the slip velocity.
 SLIP_LAWS = ("assisted",)
+# Routes whose shapes have a curve's corners.
+CORNERS = ("native",)
 
 
 def version() -> str:

@@ -18,7 +18,7 @@ from itertools import pairwise, product
 import numpy as np
 import pymunk
 
-from cases import Belt, Case, CoulombFriction, Curve, Impact, NotSupported, PerfectlyRough
+from cases import Belt, Case, Chain, CoulombFriction, Curve, Impact, NotSupported, PerfectlyRough
 from cases.mechanics import gravity
 from cases.shapes import Circle, Line, as_circle, as_line
 
@@ -105,7 +105,10 @@ def scene_kind(case: Case) -> str:
 
 
 def _tightest_hill(case: Case) -> float:
-    """The smallest radius of curvature (m) where the track bends away from the plate, infinite if it never does."""
+    """The smallest radius of curvature (m) where the track bends away from the plate, infinite if it never does; zero
+    if it has corners."""
+    if isinstance(case.track, Chain):
+        return 0.0
     part = stretch(case)
     bend = float(case.track.curvature(np.linspace(part.low, part.high, 721)).min())
     return -1 / bend if bend < 0.0 else float("inf")
@@ -213,7 +216,7 @@ def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Sha
         before, after = points[0], points[-1]
     with_neighbours = [before, *points, after]
     segments: list[pymunk.Shape] = []
-    for i in range(count):
+    for i in range(len(points) - 1):
         segment = pymunk.Segment(space.static_body, points[i], points[i + 1], thickness)
         if setting["neighbors"]:
             segment.set_neighbors(with_neighbours[i], with_neighbours[i + 3])

@@ -14,8 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case
+from cases import Case, Chain, Curve
 from cases.contact import velocity
+from cases.corner import turning
+from cases.geometry import piece_at
 
 from .witnesses import EPS, FINEST, QUANTITIES, Witness, components, perturb
 
@@ -128,6 +130,13 @@ def roundings(case: Case, witness: Witness, times: np.ndarray) -> dict[str, np.n
     return {q: ULPS * EPS * (terms[q] + rate[q] * times) for q in QUANTITIES}
 
 
+def _turning(curve: Curve, s: float, speed: float, rate: float) -> float:
+    """How fast the tangent turns along a curve, rad/s, without its sign."""
+    if isinstance(curve, Chain):
+        return abs(turning(*piece_at(curve, s)) * rate)
+    return abs(float(curve.curvature(s))) * speed
+
+
 def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
     """The size of the terms that each quantity is computed from, the largest of the motion."""
     outline, track = case.plate.outline, case.track
@@ -143,7 +152,8 @@ def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
         speeds = abs(now.xi1_dot) * float(track.speed(xi1)), abs(now.xi2_dot) * float(outline.speed(xi2))
         slip = max(slip, sum(speeds))
         omega = max(
-            omega, abs(float(track.curvature(xi1))) * speeds[0] + abs(float(outline.curvature(xi2))) * speeds[1]
+            omega,
+            _turning(track, xi1, speeds[0], now.xi1_dot) + _turning(outline, xi2, speeds[1], now.xi2_dot),
         )
     # The plate's position is a sum of the contact's place and the outline's point.
     return {"x": place + 2 * reach, "y": place + 2 * reach, "theta": angle, "slip": slip, "omega": omega}

@@ -89,7 +89,8 @@ def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.
     for i, same in enumerate(zip(*(witness.transitions for witness in able), strict=True)):
         first = same[0]
         time = bar([t.time for t in same], ULPS * EPS * first.time + float(moves.times[i]))
-        size = max(abs(first.xi1), gyration / float(case.track.speed(first.xi1)))
+        along = float(case.track.speed(first.xi1))
+        size = max(abs(first.xi1), gyration / along if along else 1.0)  # at a corner the parameter is an angle
         place = bar([t.xi1 for t in same], ULPS * EPS * size + float(moves.places[i]), case.track.period)
         transitions.append((first.before, first.after, time, place))
     return Certificate(

@@ -17,7 +17,7 @@ from cases import Case, Flight, NotSupported, Trajectory, Transition
 from .. import solve
 from ..minimal import hybrid
 from ..minimal.integrators import taylor
-from ..minimal.modes import FLIGHT, Phase, candidates, phase, start_state
+from ..minimal.modes import FLIGHT, Phase, candidates, phase_at, start_pieces, start_state
 
 QUANTITIES = ("x", "y", "theta", "slip", "omega")
 EPS = float(np.finfo(float).eps)
@@ -130,7 +130,8 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
 def components(case: Case) -> int:
     """The largest number of state components in any phase of the case."""
     regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
-    return max(len(phase(case, regime).system.variables) for regime in regimes)
+    here, start = start_pieces(case), start_state(case)
+    return max(len(phase_at(here, regime, start).system.variables) for regime in regimes)
 
 
 def perturb(case: Case, component: int, roundings: float, method: str) -> Witness:

@@ -264,6 +264,21 @@ def test_motions_end_where_one_contact_does(case, status):
         assert motion.t[-1] == pytest.approx((0.5 - R) / (2.0 * R), rel=EXACT)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "case",
+    [
+        on(TABLE, disc(R, 1.0), CoulombFriction(0.5), xi1=0.5, omega=-2.0),
+        on(library.hill(1.0), Plate.rectangle(0.3, 0.1, 1.0), CoulombFriction(0.5), xi1=0.1, duration=2.0),
+        on(library.line(0.2), Plate.reuleaux(0.3, 1.0), CoulombFriction(0.4), xi1=0.1, duration=2.0),
+    ],
+)
+def test_motions_over_corners_are_certified(case):
+    certificate = reference.certify(case)
+    assert len(certificate.witnesses) == 5 and not certificate.missing
+    assert all(time.bar <= EXACT for _, _, time, _ in certificate.transitions) and certificate.transitions
+
+
 def test_motion_over_corners_travels_to_other_processes():
     case = on(TABLE, disc(R, 1.0), CoulombFriction(0.5), xi1=0.5, omega=-2.0)
     motion = reference.simulate(case)

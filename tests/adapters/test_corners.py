@@ -1,0 +1,69 @@
+"""Engines on curves with corners: corners as corners, convergence to the true motion, and routes that reject them."""
+
+import numpy as np
+import pytest
+
+import adapters
+import reference
+from adapters.interface import refusal
+from cases import Case, Chain, CoulombFriction, Gravity, Plate, Start, Unilateral, disc, library
+from cases.contact import find, follow, pose
+
+EFFECTS = (Gravity(9.81), CoulombFriction(0.4), Unilateral())
+TABLE = Chain.polyline([(-1, 0), (0, 0), (0, -1)])
+ROLLS_OFF = Case(TABLE, disc(0.1, 1.0), EFFECTS, Start(0.9, omega=-3.0), 1.0)
+ROCKS = Case(library.hill(1.0), Plate.rectangle(0.3, 0.1, 1.0), EFFECTS, Start(0.1), 0.8)
+WHEEL = Case(library.line(0.2), Plate.reuleaux(0.3, 1.0), EFFECTS, Start(0.1), 1.0)
+
+
+@pytest.mark.parametrize("case", [ROLLS_OFF, ROCKS, WHEEL])
+def test_contact_of_a_pose_is_found_on_every_piece(case):
+    motion = reference.simulate(case)
+    s = motion(np.linspace(0, motion.t[-1], 300))
+    xi1, xi2, gap = follow(case, s.x, s.y, s.theta)
+    np.testing.assert_allclose(xi1, s.xi1, atol=1e-12)
+    np.testing.assert_allclose(xi2, s.xi2, atol=1e-12)
+    assert np.abs(gap).max() < 1e-14
+    # Moved along the normal the pair is the same, and the gap is the way.
+    for i in range(0, 300, 7):
+        nx, ny = case.track.normal(xi1[i])
+        contact = find(case, s.x[i] + 1e-3 * nx, s.y[i] + 1e-3 * ny, s.theta[i], (xi1[i], xi2[i]))
+        assert contact.gap == pytest.approx(1e-3, rel=1e-9) and contact.xi1 == pytest.approx(xi1[i], abs=1e-9)
+
+
+def test_contact_moves_on_to_the_next_pieces():
+    """From a pair of the start, the contact on the table's edge is found two pieces further."""
+    x, y, theta = pose(ROLLS_OFF, 1.5, 4.0)
+    contact = find(ROLLS_OFF, float(x), float(y), float(theta), (0.9, 4.0))
+    assert contact.xi1 == pytest.approx(1.5, abs=1e-12) and abs(contact.gap) < 1e-14
+
+
+@pytest.mark.parametrize(("case", "order"), [(ROLLS_OFF, None), (ROCKS, 0.7), (WHEEL, 0.7)])
+def test_pymunk_has_the_corners_and_converges(case, order):
+    """The disc's motion on the table is exact to rounding, as on any line; a rocking plate's converges with the step."""
+    pymunk = pytest.importorskip("pymunk") and adapters.engine("pymunk")
+    truth, errors = reference.simulate(case), []
+    for setting in pymunk.ladder(case, "native")[2:6]:
+        model = pymunk.build(case, "native", setting)
+        pymunk.run(model)
+        motion = pymunk.read(model)
+        early = motion.t <= 0.9 * min(truth.t[-1], motion.t[-1])
+        true = truth(motion.t[early])
+        errors.append(np.hypot(motion.x[early] - true.x, motion.y[early] - true.y).max())
+    if order is None:
+        assert errors[-1] < 2e-3
+    else:
+        steps = [setting["h"] for setting in pymunk.ladder(case, "native")[2:6]]
+        assert errors[0] / errors[-1] > (steps[0] / steps[-1]) ** order / 2
+
+
+def test_routes_without_corners_reject_them_in_one_sentence():
+    """Each engine here or its executable, on each route: a sentence, or shapes with corners."""
+    for name in adapters.engines():
+        try:
+            engine = adapters.engine(name)
+        except ImportError:
+            continue
+        for route in engine.routes:
+            if route not in getattr(engine, "CORNERS", ()):
+                assert "corners" in (refusal(engine, ROCKS, route) or ""), (name, route)
