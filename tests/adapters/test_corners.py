@@ -40,7 +40,7 @@ def test_contact_moves_on_to_the_next_pieces():
 
 @pytest.mark.parametrize(("case", "order"), [(ROLLS_OFF, None), (ROCKS, 0.7), (WHEEL, 0.7)])
 def test_pymunk_has_the_corners_and_converges(case, order):
-    """The disc's motion on the table is exact to rounding, as on any line; a rocking plate's converges with the step."""
+    """The disc's motion on the table is exact to rounding, as on any line; that of a rocking plate converges."""
     pymunk = pytest.importorskip("pymunk") and adapters.engine("pymunk")
     truth, errors = reference.simulate(case), []
     for setting in pymunk.ladder(case, "native")[2:6]:
