@@ -29,8 +29,9 @@ FINEST = {"taylor": 1e-14, "dop853": 1e-13}
 
 # Where one unit in the last place decides what happens: nothing can be right there, and nothing is asked.
 CHAOTIC = ("touching_slip[above=0]", "balanced_on_its_tip[duration=6]")
-# DOP853's own error in the lowest slip is 6e-15 m/s, 30 units in the last place of the inputs: all neighbours share it.
-FLAGGED = {"taylor": CHAOTIC, "dop853": CHAOTIC[1:]}
+# Of these, the one that every method flags. In the other an integrator's own error in the lowest slip (DOP853: 6e-15
+# m/s, 30 units in the last place of the inputs; Taylor: by heyoka's version) can be one that all neighbours share.
+FLAGGED = CHAOTIC[1:]
 
 # What the second formulation cannot say, and why. It looks at its steps' ends, so a dip below zero inside a step, which
 # these scenes are about, passes unseen; and it has no floor under Painlevé's number.
@@ -148,7 +149,8 @@ def test_methods_and_formulations_agree_on_what_happens(case):
 def test_only_scenes_that_hang_on_the_last_bit_are_flagged(case):
     spread = last_bit(case.label)
     flagged = bool(spread.sequence) or spread.centre > 1e-6
-    assert flagged == (case.label in FLAGGED[reference.METHODS[0]]), spread
+    assert flagged <= (case.label in CHAOTIC), spread
+    assert flagged >= (case.label in FLAGGED), spread
 
 
 # --- what is known exactly --------------------------------------------------------------------------------------------

@@ -186,8 +186,10 @@ def test_killed_anywhere_a_build_goes_on_to_identical_tables_and_leaves_nothing(
         assert left(folder) == []
 
 
+# The handler is set because a process that a shell starts in the background ignores the signal.
 IN_A_CALLBACK = """
 import signal, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
 from cases.keyboard_interrupt import say_so
 say_so("a command")
 class Ends:
