@@ -321,6 +321,18 @@ class ContactScene:
         frequency = max(hypot(body[3], body[4]) / self.reach, abs(body[5]), sqrt(pull / self.reach))
         return frequency if frequency > 0.0 or self.load is None else self._pace_of_what_comes(t, body)
 
+    def flight_pace(self, t: float, body) -> float:
+        """The rate at which the velocities of a flight change, rad/s; functions in a load set bounds of their own.
+
+        A force that grows with the speed moves a fast plate by many times its own size before it changes.
+        """
+        ax, ay, spin_pull = self.pull(t, body)
+        pull = hypot(ax, ay) + abs(spin_pull) * self.m / self.J * self.reach
+        speed = hypot(body[3], body[4]) + abs(body[5]) * self.reach
+        change = min(sqrt(pull / self.reach), pull / speed) if speed > 0.0 else sqrt(pull / self.reach)
+        frequency = max(abs(body[5]), change)
+        return frequency if frequency > 0.0 else self._pace_of_what_comes(t, body)
+
     def _pace_of_what_comes(self, t: float, body) -> float:
         """The rate for a plate at rest without forces, rad/s: the inverse of the time until a load moves it."""
         soonest = inf

@@ -22,6 +22,8 @@ from .surroundings import Surroundings
 
 # Between two searches no point of the plate moves farther than its reach times this, unless the track is farther away.
 STRIDE = 1.0
+# Farther away it moves by this part of its distance, so that it does not reach the track even at twice its speed.
+FAR = 0.5
 
 # A flight that begins on the track is first evaluated when the plate has moved by FIRST times its reach, or when OF_HOP
 # of its hop is over; then at twice the time and so on while the gap is at most ROUNDINGS of a place, or at half the
@@ -55,7 +57,7 @@ class _FlightCourse:
         self.scene, self.around = scene, around
         self.rtol = max(rtol, 1e-13)
         # Without a load a flight is a parabola, for which no step is too long.
-        pace = scene.free_pace if scene.load else lambda t, body: 0.0
+        pace = scene.flight_pace if scene.load else lambda t, body: 0.0
         self.solver = FrequencyLimitedDOP853(
             self.rates, t, np.array(body), end, pace=pace, steps_per_turn=steps_per_turn, work=work,
             features=scene.in_time,
@@ -128,9 +130,10 @@ def fly(
         while before < end and not work.used_up:
             work.count += 1
             now = course(before)
-            stride = _time(scene, before, now, around.reach, max(0.9 * around.away(*now[:2]), STRIDE * around.reach))
+            away = around.away(*now[:2])
+            stride = _time(scene, before, now, around.reach, max(FAR * away, STRIDE * around.reach))
             after = min(max(before + stride, opening, float(np.nextafter(before, end))), end)
-            touch = _between(around, course, before, after, opening, own)
+            touch = _between(around, course, before, after, opening, own, away)
             if touch is not None:
                 touch = polish(scene, course.exactly, touch, around.size, t)
                 return FreeFlight(_until(course.pieces, touch.time), touch.time, touch)
@@ -147,11 +150,15 @@ def _between(
     after: float,
     opening: float,
     own: tuple[float, float] | None,
+    away: float,
 ) -> Touch | None:
-    """The first touch between two times; on the stretch `own`, where the flight begins, only after `opening`."""
+    """The first touch between two times; on the stretch `own`, where the flight begins, only after `opening`. `away`:
+    a lower bound on the distance from the track at first, m."""
     course.until(after)
     motion = Motion(course.states, np.array([time for time, _ in course.nodes]))
     bounds = limits(motion, before, after)
+    if (bounds.speed + bounds.spin * around.reach) * (after - before) < away:
+        return None
     x, y = course(before)[:2]
     some = around.near(x, y, around.reach + bounds.speed * (after - before))
     since = np.full(some.number, before)

@@ -256,7 +256,7 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
             y = (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
     if guard == "turn":
         y = without_turning(case, y)
-    following = _following(case, now.regime, guard, t, y)
+    following = _following(case, now.regime, guard, t, y, error)
     if following is None:
         return _leave(case, (segment,), t, y, guard, error)
     return Step((segment,), t, (y[0], y[1]), guard, y, following)
@@ -300,12 +300,16 @@ def _pass_on(case: PieceCase, segment: Segment, t: float, y: Sequence[float], gu
     return Step((segment,), t, place, "piece", y, after, pieces=following)
 
 
-def _following(case: Case, regime: Regime, guard: str, t: float, y: Sequence[float]) -> Regime | None:
-    """The regime of contact that follows a guard's zero, or None."""
+def _following(
+    case: Case, regime: Regime, guard: str, t: float, y: Sequence[float], error: float = LOCATION_ERROR
+) -> Regime | None:
+    """The regime of contact that follows a guard's zero, or None; `error`: the motion's relative error."""
     slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
     if guard == "normal_force":
         other = regime._replace(side=-regime.side)
-        return decide(case, t, y, LOCATION_ERROR, [other] if other in candidates(case) else [])
+        others = [other] if other in candidates(case) else []
+        # The force vanishes along the step's polynomial; at the state it has what the tolerance leaves.
+        return decide(case, t, y, LOCATION_ERROR, others) or decide(case, t, y, error, others)
     if guard in BEGINS:
         # Friction or resistance has reached its bound from inside; the motion that begins is against it.
         slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])

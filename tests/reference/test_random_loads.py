@@ -72,6 +72,11 @@ def test_moment_far_in_the_tail_of_tanh_is_constant():
     check(463)
 
 
+def test_second_formulation_follows_a_flight_to_five_thousand_kilometres():
+    """A force that grows with the speed drives the disc away from its line: no search for landings is needed there."""
+    check(550, second=True)
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_motions_under_random_loads(seed):
     check(seed)

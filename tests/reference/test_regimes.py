@@ -7,6 +7,7 @@ from math import atan2, cos, pi, sin
 import numpy as np
 import pytest
 
+import cases
 import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
 from cases import curves as c
@@ -43,6 +44,17 @@ def test_the_end_of_an_open_track_is_told_with_its_time(method):
     motion = reference.simulate(case, method=method)
     assert motion.status == "track_end"
     assert motion.t[-1] == pytest.approx(0.7, abs=1e-12)  # at 1 m/s, without friction
+
+
+@pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_guide_presses_from_its_other_side_at_a_coarse_tolerance(method, rtol):
+    """Where the force vanishes along the step's polynomial, it has what the tolerance leaves: no paradox."""
+    motion = reference.simulate(cases.load("guided_loop"), rtol=rtol, method=method)
+    assert motion.status == "completed", motion.reason
+    (only,) = motion.transitions
+    assert only.after is Mode.SLIP_BACKWARD
+    assert only.time == pytest.approx(0.558574238439291, rel=rtol)  # proved, see reference/proofs/catalogue.json
 
 
 def swinging(spin: float) -> Case:
