@@ -42,9 +42,9 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
 
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
     """
-    if not isfinite(coefficients.sum()) and not np.isfinite(coefficients).all():
-        return FirstStep(t, y, 0, inf, BREAKDOWN)
     rows = coefficients.tolist()
+    if not isfinite(sum(map(sum, rows))) and not np.isfinite(coefficients).all():
+        return FirstStep(t, y, 0, inf, BREAKDOWN)
     longest, often = _scales(phase, rows, t)
     names = tuple(phase.system.guards)
     if not names or not 0.0 < often < inf:
@@ -80,25 +80,41 @@ def _scales(phase: Phase, rows: list[list[float]], t: float) -> tuple[float, flo
 @lru_cache(maxsize=64)
 def _roots(variables: int, positions: int, terms: int) -> Callable[..., tuple[float, float]]:
     """(coefficients, lengths) -> the largest k-th root of the terms k in the upper half, in parts of the state or of 1;
-    and that of all terms of positions, in parts of their lengths. Written out, as loops take twice as long.
+    and that of all terms of positions, in parts of their lengths. Written out with comparisons: loops, and
+    calls of max, take twice as long.
 
     heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) uses the last two terms. A motion from
     rest at a symmetric place has only every fourth power, and both may vanish; so may all even or all odd ones.
     """
-    rows = [[f"c{i}_{k}" for k in range(terms)] for i in range(variables)]
-    lengths = [f"length_{i}" for i in range(positions)]
-    sizes = ["max(" + ", ".join(f"abs({row[k]})" for row in rows) + ")" for k in range(terms)]
-    grown = [
-        ", ".join(f"abs({row[k]}) / {unit}" for row, unit in zip(rows, lengths, strict=False)) for k in range(terms)
-    ]
+    names = [[f"c{i}_{k}" for k in range(terms)] for i in range(variables)]
+    units = [f"length_{i}" for i in range(positions)]
     lines = [
         "def roots(coefficients, lengths):",
-        f"    {', '.join('(' + ', '.join(row) + ')' for row in rows)} = coefficients",
-        f"    {', '.join(lengths)} = lengths",
-        f"    largest = max(1.0, {sizes[0]})",
-        f"    upper = {', '.join(f'({sizes[k]} / largest) ** {1.0 / k!r}' for k in range(terms // 2, terms))}",
-        f"    return max(upper), max({', '.join(f'max({grown[k]}) ** {1.0 / k!r}' for k in range(1, terms))})",
+        f"    {', '.join('(' + ', '.join(row) + ')' for row in names)} = coefficients",
+        f"    {', '.join(units)}, = lengths",
+        "    upper = growth = 0.0",
+        "    largest = 1.0",
     ]
+    for k in range(terms):
+        column, power = [row[k] for row in names], f" ** {1.0 / max(k, 1)!r}"
+        lines += [f"    {c} = abs({c})" for c in column]
+        if k == 0:
+            lines += [f"    if {c} > largest: largest = {c}" for c in column]
+        if k >= terms // 2:
+            lines += [f"    size = {column[0]}", *(f"    if {c} > size: size = {c}" for c in column[1:])]
+            lines += [
+                "    if size:",
+                f"        size = (size / largest){power}",
+                "        if size > upper: upper = size",
+            ]
+        if k >= 1:
+            lines.append(f"    size = {column[0]} / {units[0]}")
+            lines += [
+                f"    if {c} / {unit} > size: size = {c} / {unit}"
+                for c, unit in zip(column[1:], units[1:], strict=False)
+            ]
+            lines += ["    if size:", f"        size = size{power}", "        if size > growth: growth = size"]
+    lines.append("    return upper, growth")
     scope: dict[str, Callable[..., tuple[float, float]]] = {}
     exec("\n".join(lines), scope)
     return scope["roots"]
