@@ -23,13 +23,29 @@ from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
 from .errors import BadCurve, BadValue, NotSupported, finite, not_negative, positive
 from .expression_graph import derivatives, from_sympy
-from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
+from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, integral, log, pi, sin, sinh, sqrt, tan, tanh
 from .jets import S, jet_function
 from .parametrisation import MOST_ROUNDS
 from .pieces import CurvePart, CurvePieces
 from .spline import spline
 
-__all__ = ["Curve", "acos", "asin", "atan", "cos", "cosh", "exp", "log", "pi", "sin", "sinh", "sqrt", "tan", "tanh"]
+__all__ = [
+    "Curve",
+    "acos",
+    "asin",
+    "atan",
+    "cos",
+    "cosh",
+    "exp",
+    "integral",
+    "log",
+    "pi",
+    "sin",
+    "sinh",
+    "sqrt",
+    "tan",
+    "tanh",
+]
 
 T = TypeVar("T")
 

@@ -10,13 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 from weakref import WeakValueDictionary
 
 import numpy as np
 import sympy as sp
 
 from .derivation import in_one_thread
+from .quadrature import integral_function
 
 _ARITHMETIC = ("+", "-", "*", "/", "**")
 _EXACT = int | Fraction
@@ -102,9 +104,9 @@ def node(value) -> Node:
     return _record("number", value.numerator if isinstance(value, Fraction) and value.denominator == 1 else value)
 
 
-def call(function: str, argument: Node) -> Node:
-    """A function, by its name in `cases.expressions`, of a node."""
-    return _record(function, argument)
+def call(function: str, *arguments: Node) -> Node:
+    """A function of nodes: by its name in `cases.expressions`, or an integral, by its own."""
+    return _record(function, *arguments)
 
 
 _MINUS, ZERO, ONE = node(-1), node(0), node(1)
@@ -243,8 +245,62 @@ def _new_node(expression: Any, nodes: dict[sp.Basic, Node]) -> Node:
         return above / below
     if expression.is_Pow and expression.base is not sp.E:
         return _raise(expression.base, expression.exp, nodes)
+    if isinstance(expression, sp.Integral):
+        return _integral(expression, nodes)
     argument = expression.args[-1]
     return call("exp" if expression.is_Pow else type(expression).__name__, _from_sympy(argument, nodes))
+
+
+class _Integrand(NamedTuple):
+    """What an integral's node means: the bound variable, the integrand, and the constants in it."""
+
+    variable: Node
+    formula: Node
+    constants: tuple[Node, ...]
+
+
+# By the names of the nodes' operations.
+_INTEGRANDS: dict[str, _Integrand] = {}
+_INTEGRAL = "integral"
+
+
+def _integral(expression: sp.Integral, nodes: dict[sp.Basic, Node]) -> Node:
+    """The node of an integral: its arguments are the upper limit, the lower one and the integrand's constants."""
+    variable, lower, upper = expression.limits[0]
+    formula, bound = _from_sympy(expression.function, nodes), symbol(variable.name)
+    constants = tuple(sorted(formula.symbols - {bound}, key=lambda constant: constant.name))
+    integrand = _Integrand(bound, formula, constants)
+    name = next((name for name, known in _INTEGRANDS.items() if known == integrand), f"{_INTEGRAL}{len(_INTEGRANDS)}")
+    _INTEGRANDS[name] = integrand
+    return call(name, _from_sympy(upper, nodes), _from_sympy(lower, nodes), *constants)
+
+
+def _integrand_at(current: Node) -> Node:
+    """The integrand at the upper limit of an integral: its derivative by that."""
+    variable, formula, constants = _INTEGRANDS[current.op]
+    upper, _, *values = current.args
+    return substitute([formula], {variable: upper, **dict(zip(constants, values, strict=True))})[0]
+
+
+@lru_cache(maxsize=256)
+def _integral_value(name: str) -> Callable:
+    """The function that evaluates an integral's node, on floats and arrays."""
+    variable, formula, constants = _INTEGRANDS[name]
+    function = python_function([variable, *constants], [formula], ON_ARRAYS)
+    return integral_function(lambda *values: function(*values)[0])
+
+
+def _integral_functions(order: Iterable[Node], functions: Mapping[str, Callable]) -> dict[str, Callable]:
+    """The functions of the integrals among some nodes. `functions` may have a wrapper, called "integral", for arguments
+    of its own kind: it is given the value and the integrand, both functions of the same arguments."""
+    result = {}
+    for name in {n.op for n in order if n.op.startswith(_INTEGRAL)}:
+        result[name] = _integral_value(name)
+        if _INTEGRAL in functions:
+            variable, formula, constants = _INTEGRANDS[name]
+            slope = python_function([variable, *constants], [formula], functions)
+            result[name] = functions[_INTEGRAL](result[name], slope)
+    return result
 
 
 def _raise(base, power, nodes: dict[sp.Basic, Node]) -> Node:
@@ -313,6 +369,8 @@ def _slope(current: Node, slopes: Mapping[Node, Node], by: Node) -> Node:
     if current is by:
         return ONE
     x, dx = current.args[0], slopes[current.args[0]]
+    if current.op.startswith(_INTEGRAL):
+        return _integrand_at(current) * dx
     if current.op not in _ARITHMETIC:
         return _SLOPES[current.op](x) * dx
     y, dy = current.args[1], slopes[current.args[1]]
@@ -367,7 +425,7 @@ def python_function(
                 text, depths[current] = f"v{len(lines) - 1}", 0
         texts[current] = text
     lines.append(f"    return [{', '.join(texts[output] for output in outputs)}]")
-    scope = dict(functions)
+    scope = dict(functions) | _integral_functions(order, functions)
     exec("\n".join([f"def evaluate({', '.join(names)}):", *lines]), scope)
     return scope["evaluate"]
 
@@ -378,6 +436,8 @@ def _text(current: Node, texts: Mapping[Node, str]) -> str:
     if current.op == "symbol":
         raise KeyError(f"{current.name} is no argument of the function")
     x = texts[current.args[0]]
+    if current.op.startswith(_INTEGRAL):
+        return f"{current.op}({', '.join(texts[argument] for argument in current.args)})"
     if current.op not in _ARITHMETIC:
         return f"{current.op}({x})"
     if current.op == "**":

@@ -4,7 +4,7 @@ all sizes. Text is read by `cases.formulas`; nothing here evaluates text.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from decimal import Decimal
 from numbers import Rational
 
@@ -31,6 +31,24 @@ _RECIPROCAL = {
     sp.asinh: lambda u: log(u + sqrt(u**2 + 1)), sp.acosh: lambda u: log(u + sqrt(u - 1) * sqrt(u + 1)),
     sp.atanh: lambda u: log((1 + u) / (1 - u)) / 2,
 }  # fmt: skip
+
+
+def integral(formula: Callable[[sp.Expr], sp.Expr], upper, lower=0) -> sp.Expr:
+    """The integral of a formula from a number to an expression: integral(lambda u: cos(u**2), s)."""
+    probe = sp.sympify(formula(PARAMETER))
+    depth = 1 + max((int(v.name[1:]) for node in probe.atoms(sp.Integral) for v in node.variables), default=0)
+    variable = sp.Symbol(f"u{depth}", real=True)
+    return sp.Integral(formula(variable), (variable, as_expression(lower), as_expression(upper)))
+
+
+# Special functions are integrals of elementary ones (NIST DLMF 7.2, 19.2: known to us, not looked up).
+_SPECIAL: dict[type[sp.Basic], Callable[..., sp.Expr]] = {
+    sp.fresnelc: lambda z: integral(lambda u: cos(pi * u**2 / 2), z),
+    sp.fresnels: lambda z: integral(lambda u: sin(pi * u**2 / 2), z),
+    sp.erf: lambda z: 2 / sqrt(pi) * integral(lambda u: exp(-(u**2)), z),
+    sp.elliptic_f: lambda z, m: integral(lambda u: 1 / sqrt(1 - m * sin(u) ** 2), z),
+    sp.elliptic_e: lambda z, m: integral(lambda u: sqrt(1 - m * sin(u) ** 2), z),
+}
 
 # Limits on formulas that take long to derive and compile: of those tried the slowest accepted one took half a minute,
 # one ten times as large hours. The longest of the catalogue has 58 parts, is 7 deep and nests two functions; a
@@ -105,6 +123,15 @@ def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: typ
             nesting += 1
         elif type(node) in _RECIPROCAL:
             foreign, nesting = True, nesting + 2
+        elif type(node) in _SPECIAL and len(node.args) < 3 and PARAMETER in variables:
+            foreign, nesting = True, nesting + 2
+        elif isinstance(node, sp.Integral) and all(v.name[0] in "su" for v in variables):
+            (bound, lower, upper), *others = node.limits
+            if others or lower.free_symbols or len(node.limits[0]) != 3:
+                raise error(f"{what} has an integral without two limits of which the lower is a number; give both")
+            foreign = _check(node.function, (bound,), what, error) or foreign
+            todo += [(upper, depth + 1, nesting + 1), (lower, depth + 1, nesting)]
+            continue
         elif not (isinstance(node, sp.Add | sp.Mul) or node in (sp.pi, sp.E)):
             raise error(
                 f"{what} has {type(node).__name__}, which is not smooth or not known to all solvers; write it with "
@@ -119,6 +146,8 @@ def _rewrite(node: sp.Expr) -> sp.Expr:
     arguments = [_rewrite(argument) for argument in node.args]
     if type(node) in _RECIPROCAL:
         return _RECIPROCAL[type(node)](*arguments)
+    if type(node) in _SPECIAL:
+        return _SPECIAL[type(node)](*arguments)
     if isinstance(node, sp.Pow) and not arguments[1].is_number:
         base, power = arguments
         # exp(s log 2) would be turned back into 2**s; a rounded logarithm is not.
@@ -135,6 +164,11 @@ def parts_of_derivatives(node: sp.Expr) -> tuple[int, int, int, int]:
         return sum(1 for _ in sp.preorder_traversal(node)), 0, 0, 0
     if node == PARAMETER:
         return 1, 1, 0, 0
+    if isinstance(node, sp.Integral):
+        variable, _, upper = node.limits[0]
+        slope = parts_of_derivatives(node.function.xreplace({variable: PARAMETER}))
+        first, second, third, _ = _product(slope, parts_of_derivatives(sp.diff(upper, PARAMETER)))
+        return 1, first, second, third
     inner = [parts_of_derivatives(argument) for argument in node.args]
     if isinstance(node, sp.Add):
         a, b, c, d = (sum(orders) for orders in zip(*inner, strict=True))

@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 
 from .expressions import as_tree, from_tree
-from .features import Features
+from .features import Features, union
 from .jets import Structure, jet_function
 
 EPS = float(np.finfo(float).eps)
@@ -53,11 +53,13 @@ class CurvePieces:
     sizes: tuple[tuple[float, ...], ...]
     order: int
     period: float | None
+    # Of each piece whose formula has finer scales: the parameters between which it has none; () of any other.
+    inner_edges: tuple[tuple[float, ...], ...] = ()
 
     def __reduce__(self):
         """Pieces travel to another process as their numbers and the trees of their formulas."""
         forms = tuple((tuple(map(as_tree, rows)), tuple(size.name for size in sizes)) for rows, sizes in self.forms)
-        numbers = self.form_numbers, self.origins, self.sizes, self.order, self.period
+        numbers = self.form_numbers, self.origins, self.sizes, self.order, self.period, self.inner_edges
         return _restore, (self.breaks, forms, *numbers)
 
     @cached_property
@@ -72,8 +74,9 @@ class CurvePieces:
 
     @property
     def edges(self) -> tuple[float, ...]:
-        """Parameters between which the curve is smooth and has no finer scale: the knots."""
-        return self.breaks
+        """Parameters between which the curve is smooth and has no finer scale: the knots, and more where needed."""
+        inner = [edge for edges in self.inner_edges for edge in edges]
+        return tuple(union(self.breaks, inner).tolist()) if inner else self.breaks
 
     @cached_property
     def _arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[np.ndarray]]:
@@ -144,7 +147,10 @@ class CurvePieces:
         low, high = (float(end[0]) for end in self.ends(np.array([number])))
         structure = self.forms[self.form_numbers[number % self.count]]
         before, after = (self.overlap(number) if self.has_neighbour(number, step) else 0.0 for step in (-1, 1))
-        return CurvePart(structure, self._numbers_of(number), (low - before, high + after))
+        edges = self.inner_edges[number % self.count] if self.inner_edges else ()
+        shift = number // self.count * (self.period or 0.0)
+        features = Features.of_edges([edge + shift for edge in edges], False) if edges else None
+        return CurvePart(structure, self._numbers_of(number), (low - before, high + after), features)
 
     def has_neighbour(self, number: int, step: int) -> bool:
         """Whether there is a piece before (step −1) or after (1) one."""

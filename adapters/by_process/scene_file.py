@@ -61,8 +61,11 @@ def _effect_name(effect: Effect) -> str:
 
 
 def formula(curve: Curve) -> list[str] | None:
-    """The coordinates as formulas of s; null for a curve in pieces, which has only its `points`."""
-    return None if curve.parts is not None else [str(part) for part in curve.expression]
+    """The coordinates as elementary formulas of s; null for a curve in pieces or by integrals, which has only its
+    `points`."""
+    if curve.parts is not None or any(part.has(sp.Integral) for part in curve.expression):
+        return None
+    return [str(part) for part in curve.expression]
 
 
 def points(rows: np.ndarray) -> dict[str, list[float]]:

@@ -243,10 +243,26 @@ def sqrt(x):
     return x**0.5 if isinstance(x, Series) else _of_number("sqrt", x)
 
 
+def _integral(value: Callable, slope: Callable):
+    """An integral up to a number or a series; its other arguments are numbers."""
+
+    def evaluate(x, *rest):
+        if not isinstance(x, Series):
+            return value(x, *rest)
+        first = value(x.c[0], *rest)
+        error = abs(slope(x.c[0], *rest[1:])[0]) * x.e[0]
+        if len(x.c) == 1:
+            return Series([first], [error + EPS * abs(first)])
+        rate = slope(Series(x.c[:-1], x.e[:-1]), *rest[1:])[0]
+        return _integrate(rate * x.derivative(), first, error)
+
+    return evaluate
+
+
 # Functions that a compiled expression may call.
 FUNCTIONS = dict(
     exp=exp, log=log, sqrt=sqrt, pi=math.pi, sin=sin, cos=cos, tan=tan,
-    sinh=sinh, cosh=cosh, tanh=tanh, asin=asin, acos=acos, atan=atan,
+    sinh=sinh, cosh=cosh, tanh=tanh, asin=asin, acos=acos, atan=atan, integral=_integral,
 )  # fmt: skip
 
 

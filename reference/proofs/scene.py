@@ -201,6 +201,8 @@ def _load(load: Load, mass: Fraction) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
 
 def _curve(curve: Curve, start: float) -> tuple[Pair, tuple[Fraction, Fraction] | None, Fraction, int]:
     """Expressions, domain, the start's parameter, and the quarter turns by which the parameter is shifted."""
+    if any(part.has(sp.Integral) for part in curve.expression):
+        raise NotSupported("proofs do not cover curves by integrals")
     x, y = (_exact_expression(part) for part in curve.expression)
     turns = _quarter_turns(start)
     if turns and curve.domain is None:
