@@ -11,7 +11,7 @@ import cases as catalogue
 from cases import Case
 
 from ..drawing.figure_files import FigureEntry, short_digest
-from ..judging.grades import Grade, percent
+from ..judging.grades import Grade
 from ..running.records import REFERENCE, Experiment, finest, routes
 from ..running.solvers import NOT_INSTALLED
 from . import case_tables, motions
@@ -52,7 +52,7 @@ def cases(
     """The cases, and their index by family."""
     entries: list[dict[str, Any]] = []
     families: dict[str, list[dict[str, Any]]] = {}
-    tables = {name: case_tables.by_case(records(frames[name])) for name in ("headline", "transitions", "truth")}
+    tables = {name: case_tables.by_case(records(frames[name])) for name in ("transitions", "truth")}
     finest_runs = [run for group in routes(experiment.runs).values() if (run := finest(group) or group[-1])]
     for case in experiment.cases:
         label, family = case.label, motions.family(case)
@@ -61,7 +61,6 @@ def cases(
         is_moving = label in moving
         runs = [run for run in finest_runs if run.case == label]
         settings = {(run.solver, run.route): str(run.setting) for run in runs}
-        reasons = {(run.solver, run.route): run.reason for run in runs}
         rows = {name: groups.get(label, []) for name, groups in tables.items()}
         truth = experiment.truths[label]
         entry = {
@@ -72,18 +71,23 @@ def cases(
             "failure": truth.failure,
             "moving": is_moving,
             "pictures": [picture(d, figures, inside=not is_moving) for d in case_figures],
-            "command": command_of(label, manifest),
-            "sensitivity": percent(truth.friction_sensitivity) if isfinite(truth.friction_sensitivity) else "",
-            "engines": case_tables.engines(rows["headline"], reasons),
             "transitions": case_tables.transitions(rows["truth"], rows["transitions"], settings),
         }
         entries.append(entry)
         families.setdefault(family, []).append(entry)
-    return {"cases": entries, "families": list(families.items())}
+    return {
+        "cases": entries,
+        "families": list(families.items()),
+        "case_command": command_of("NAME", manifest),
+    }
 
 
-def headline(frame: pd.DataFrame, figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any]:
-    """All cases against all engines: off with default settings and at the finest setting run."""
+def headline(
+    experiment: Experiment, frame: pd.DataFrame, figure_entries: Sequence[FigureEntry], figures: Path
+) -> dict[str, Any]:
+    """All cases against all engines: off with default settings and at the finest setting run, and what 1 % of friction
+    makes."""
+    sensitivity = {label: truth.friction_sensitivity for label, truth in experiment.truths.items()}
     rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
     solver_routes = [key for key in dict.fromkeys(key[1:] for key in rows) if key[1] and key[0] != REFERENCE]
     return {
@@ -93,6 +97,8 @@ def headline(frame: pd.DataFrame, figure_entries: Sequence[FigureEntry], figures
             {
                 "case": case,
                 "anchor": anchor(case),
+                "sensitivity": short_percent(sensitivity[case]) if isfinite(sensitivity[case]) else "",
+                "order": repr(sensitivity[case]) if isfinite(sensitivity[case]) else "1e308",
                 "cells": [
                     _cell(rows.get((case, *route_key)), *route_key, which)
                     for route_key in solver_routes

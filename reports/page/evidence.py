@@ -50,7 +50,8 @@ def _row(label: str, truth: Truth, proof: Proof) -> dict[str, Any]:
         "anchor": anchor(label),
         "proved": count,
         "transitions": len(truth.transitions),
-        "change": _change(first) if first else "none",
+        "change": _change(first) if first else "",
+        "share": _share(first) if first else "",
         "time": enclosure(first.time) if first else "",
         "width": f"{first.time.width:.0e}".replace("e-0", "e-") if first else "",
         "order": repr(float(Fraction(first.time.low))) if first else "1e308",
@@ -60,21 +61,21 @@ def _row(label: str, truth: Truth, proof: Proof) -> dict[str, Any]:
 
 
 def _change(transition: ProvedTransition) -> str:
-    """The modes before and after, and where the slip vanishes without rolling, the friction that rolling needs."""
-    change = f"{transition.before} → {transition.after}".replace("_", " ")
+    return f"{transition.before} → {transition.after}".replace("_", " ")
+
+
+def _share(transition: ProvedTransition) -> str:
+    """Where the slip vanishes without rolling: the friction that rolling needs as a multiple of the cone's."""
     share = transition.rolling_share
-    if share is None or Fraction(share.low) <= 1:
-        return change
-    return f"{change}; rolling would need {float(Fraction(share.low)):.5g} × the friction of the cone"
+    return "" if share is None or Fraction(share.low) <= 1 else f"{float(Fraction(share.low)):.5g}"
 
 
 def enclosure(interval: DecimalInterval) -> str:
     """A time as its two ends, the digits that they have in common written once: 0.63[07, 08]."""
-    length = next(
-        (i for i, (one, other) in enumerate(zip(interval.low, interval.high, strict=False)) if one != other), 0
-    )
-    low, high = interval.low[length:], interval.high[length:]
-    return f"{interval.low[:length]}[{low}, {high}]" if low and high else str(interval)
+    low, high = interval
+    length = next((i for i, (one, other) in enumerate(zip(low, high, strict=False)) if one != other), len(low) - 1)
+    length = min(length, len(low) - 1, len(high) - 1)
+    return f"{low[:length]}[{low[length:]}, {high[length:]}]"
 
 
 def study(result: Result, figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any]:

@@ -29,7 +29,7 @@ _REMARKS = ("reason", "note", "notes")
 # Rows of a long table that are shown at first, and the length up to which a table is whole.
 FIRST_ROWS, _WHOLE = 8, 12
 # The most columns of a table, for a window 1440 pixels wide.
-_WIDEST = 14
+_WIDEST = 12
 # The unit at the end of a description.
 _UNIT = re.compile(r"(?:, | \()(s|m|rad|m/s|m²|J|N|kg|MB|%)\)?$")
 _LONGEST_UNIT = 5
@@ -61,6 +61,8 @@ def picture(entry: FigureEntry, folder: Path, inside: bool = True) -> dict[str, 
     caption = " ".join(filter(None, (entry.caption, per_solver.words(entry.left_out))))
     data = {"name": entry.name, "title": entry.title, "caption": caption, "failure": not entry.name, "inside": inside}
     if entry.name:
+        # The kind of a figure of a case, or the case of a figure of a kind.
+        data["short"] = entry.name.partition("_")[0] if inside is False else entry.title
         data["alt"] = f"{entry.title}: {entry.case}" if entry.case else entry.title
         file = folder / f"{entry.name}.svg"
         data["source"] = Markup(_address(file.read_text(encoding="utf-8"))) if inside else f"figures/{file.name}"

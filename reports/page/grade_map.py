@@ -56,7 +56,7 @@ def _rows(groups: Mapping[str, Sequence[Run]], name: str) -> list[dict[str, Any]
         last = _cell([fine], fine) if fine else missing
         for settings, cell in (("default", first), ("finest", last)):
             tip = f"{name}, {settings} settings, {label}: {cell['tip']}"
-            cells[settings].append(cell | {"tip": tip.replace("finest settings", "finest setting run"), "case": label})
+            cells[settings].append(cell | {"tip": tip.replace("finest settings", "finest setting run")})
     return [{"settings": settings, "cells": row} for settings, row in cells.items() if any(c["off"] for c in row)]
 
 
@@ -65,7 +65,7 @@ def _missing(group: Sequence[Run]) -> dict[str, Any]:
     run = group[-1] if group else None
     outcome = run.outcome.replace("_", " ") if run and not run.score else "not run"
     why = f": {run.reason}" if run and run.reason and not run.score else ""
-    return {"off": "", "small": outcome, "grade": "none", "tip": f"{outcome}{why}"}
+    return {"off": "", "brief": "", "small": outcome, "grade": "none", "tip": f"{outcome}{why}"}
 
 
 def _cell(runs: Sequence[Run], shown: Run) -> dict[str, Any]:
@@ -80,10 +80,16 @@ def _cell(runs: Sequence[Run], shown: Run) -> dict[str, Any]:
     tip += [shown.sequence] if shown.sequence else []
     return {
         "off": short_percent(off),
+        "brief": _brief(off),
         "small": _small(shown),
         "grade": str(grade(off)).replace(" ", "-"),
         "tip": ", ".join(tip),
     }
+
+
+def _brief(off: float) -> str:
+    """Off in percent with at most three characters: >1k, 31, 2.1, .27, 0."""
+    return ">1k" if off >= 9.995 else short_percent(off).replace("<.01", "0")
 
 
 def _small(run: Run) -> str:

@@ -12,7 +12,6 @@ import numpy as np
 
 from ..analysis.columns import Table, infinite
 from ..analysis.number_format import level, number
-from ..judging.grades import percent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,49 +26,6 @@ def lost_text(lost_calls: Sequence[str]) -> str:
         return ""
     count = "1 call was" if len(lost_calls) == 1 else f"{len(lost_calls)} calls were"
     return f"{count} ended from outside twice ({lost_calls[0]}); run the same command again to complete the report"
-
-
-def first_error_text(row: Mapping[str, Any], which: str) -> str:
-    """The signed error of the first transition's time of a headline row; `which` is "default" or "finest". "" if there
-    is no motion.
-
-    An error within the truth's error bar is written as less than the bar. Without a transition, the text is the error
-    of the centre.
-    """
-    if row[f"{which}_outcome"] != "answered" or (which == "finest" and row["is_truth"]):
-        return ""
-    value, bar = row[f"{which}_first_error"], row["truth_error_bar"]
-    if not row["transitions_true"]:
-        return f"centre: {row[f'{which}_centre_max']:.1e} m"
-    if not isfinite(value):
-        return "first: missed"
-    return f"first: {value:+.1e} s" if abs(value) > bar else f"first: < {bar:.1e} s"
-
-
-def off_text(row: Mapping[str, Any], which: str) -> str:
-    """The score of a headline row in percent, or its outcome in words if there is no motion."""
-    if which == "finest" and row["is_truth"]:
-        return "is the truth"
-    off = row[f"{which}_off"]
-    return percent(off).replace("less than ", "< ") if isfinite(off) else row[f"{which}_outcome"].replace("_", " ")
-
-
-def default_text(row: Mapping[str, Any]) -> str:
-    """Off of a headline row with default settings, and its range if there are several; ""
-    if there is none."""
-    median = off_text(row, "default")
-    if row["default_settings"] < 2:
-        return f"default: {median}" if median else ""
-    low, high = (percent(row[f"default_off_{end}"]).removesuffix(" %") for end in ("best", "worst"))
-    return f"default: {median} ({low} to {high} %)"
-
-
-def level_text(row: Mapping[str, Any]) -> str:
-    """The smallest level that a route reaches, and by how many settings."""
-    if not isfinite(row["level"]):
-        return "reaches no level"
-    count = row["settings_within"]
-    return f"≤ {percent(row['level'])} by {count:.0f} setting{'s' * (count != 1)}"
 
 
 def write(

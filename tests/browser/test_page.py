@@ -8,6 +8,7 @@ import csv
 import math
 import re
 import zlib
+from fractions import Fraction
 from html import unescape
 
 import pytest
@@ -427,13 +428,47 @@ def test_a_case_has_the_errors_of_the_table(open_page, page_file):
     checked = 0
     for row in table_of(page_file, "transitions"):
         key = (row["solver"], row["route"])
-        if row["case"] != CASES[0] or row["pairing"] == "spurious" or fine[key] != row["setting"]:
+        if (
+            row["case"] != CASES[0]
+            or row["pairing"] == "spurious"
+            or fine[key] != row["setting"]
+            or key[0] == "reference"
+        ):
             continue
         column = next(i for i, head in enumerate(heads) if head.split()[:2] == [*key])
         shown = table.locator("tbody tr").nth(int(row["event"]) - 1).locator("td").nth(column).inner_text()
         assert float(shown) == pytest.approx(float(row["error"]), rel=0.06, abs=1e-300)
         checked += 1
-    assert checked >= 4 * 5
+    assert checked == 4 * 4
+    engines = page.locator(f"{DISC} table[data-name=engines] tbody tr")
+    rows = {(r["solver"], r["route"]): r for r in table_of(page_file, "headline") if r["case"] == CASES[0]}
+    assert engines.count() == 4
+    for line in engines.all():
+        solver, route, default, default_factor, finest, finest_factor, _ = line.locator("td").all_inner_texts()
+        row = rows[solver, route]
+        for shown, name in ((default.split()[0], "default_off"), (finest, "finest_off")):
+            assert float(shown.removeprefix("<")) == pytest.approx(100 * float(row[name]), rel=0.06, abs=1e-4)
+        for shown, name in ((default_factor, "default"), (finest_factor, "finest")):
+            assert float(shown) == pytest.approx(float(row[f"{name}_friction_factor"]), rel=0.06)
+
+
+def test_the_evidence_lists_enclosures_inside_the_error_bars(open_page, page_file):
+    from reference.proofs import catalogue
+
+    page = open_page(place="#evidence")
+    rows = page.locator("#proved table tbody tr")
+    truths = {r["case"]: r for r in table_of(page_file, "truth") if r["event"] == "1"}
+    assert rows.count() == len(CASES)
+    for row in rows.all():
+        case, _, change, shown, width, _ = row.locator("td").all_inner_texts()
+        common, low, high = re.fullmatch(r"([\d.]*)\[(\d+), (\d+)\]", shown).groups()
+        low, high = Fraction(common + low), Fraction(common + high)
+        truth = truths[case]
+        bar = Fraction(truth["truth_error_bar"])
+        assert Fraction(truth["time"]) - bar <= low < high <= Fraction(truth["time"]) + bar
+        assert float(width) == pytest.approx(float(high - low), rel=0.6) and float(width) < 1e-12
+        assert change == f"{truth['before']} → {truth['after']}".replace("_", " ")
+        assert row.get_attribute("title") == catalogue.read()[case].statement
 
 
 @pytest.mark.parametrize(

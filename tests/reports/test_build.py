@@ -231,7 +231,7 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
         assert (report / target).is_file(), target
     for target in re.findall(r'href="#([^"]+)"', bare):
         assert f'id="{target}"' in bare, target
-    remake = "python -m reports.build --quick --solver reference pymunk --case &#34;disc_on_line[mu=0.3]&#34;"
+    remake = "python -m reports.build --quick --solver reference pymunk --case &#34;NAME&#34;"
     assert remake in page
 
 

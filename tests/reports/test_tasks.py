@@ -8,7 +8,7 @@ import pytest
 import cases
 from adapters import EngineFailure, Setting
 from cases import Mode, NotSupported, State, Trajectory, Transition
-from reports.page.text import first_error_text
+from reports.page.case_tables import error_text
 from reports.running import tasks
 from reports.running.records import Run, first_error
 
@@ -167,9 +167,8 @@ def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, li
 
 
 def test_no_more_is_claimed_than_the_truth_allows():
-    row = dict(
-        is_truth=False, finest_first_error=3e-15, finest_outcome="answered", transitions_true=1, truth_error_bar=1e-12
-    )
-    assert first_error_text(row, "finest") == "first: < 1.0e-12 s"
-    assert first_error_text({**row, "finest_first_error": -3e-5}, "finest") == "first: -3.0e-05 s"
-    assert first_error_text({**row, "finest_first_error": float("nan")}, "finest") == "first: missed"
+    row = {"error": 3e-15, "pairing": "paired", "truth_error_bar": 1e-12}
+    assert error_text(row) == "< 1.0e-12"
+    assert error_text({**row, "error": -3e-5}) == "-3.0e-5"
+    assert error_text({**row, "error": float("nan"), "pairing": "missed"}) == "missed"
+    assert error_text(None) == ""

@@ -13,6 +13,7 @@
       if (player && plots) suite.plots(plots, player);
     }
     node.querySelectorAll(".precision").forEach((place) => suite.precision(place));
+    for (const place of node.querySelectorAll(".by-route")) await suite.engines(place);
     node.querySelectorAll("table.data").forEach((table) => { if (!table.closest("details:not([open])")) suite.table(table); });
   }
   document.querySelectorAll("details").forEach((one) => one.addEventListener("toggle", () => one.open && one.querySelectorAll("table.data").forEach((table) => suite.table(table))));

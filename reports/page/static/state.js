@@ -78,9 +78,13 @@ const suite = (() => {
     if (!block) return null;
     const data = JSON.parse(block.textContent), t = await numbers(data.t);
     const truth = columns(TRUE, await numbers(data.truth)), track = columns(["x", "y"], await numbers(data.track.points));
-    // Sample times are rounded to 32 bits; start and end are exact.
-    const runs = [];
-    for (const run of data.runs) runs.push({ ...run, off: columns(OFF, await numbers(run.data)) });
+    // Sample times are rounded to 32 bits; start and end are exact. Differences have every second sample and the last.
+    const runs = [], coarse = t.filter((_, i) => i % 2 === 0 || i === t.length - 1);
+    const fill = (values) => Float32Array.from(t, (time) => at(coarse, values, time));
+    for (const run of data.runs) {
+      const given = columns(OFF, await numbers(run.data));
+      runs.push({ ...run, off: Object.fromEntries(OFF.map((name) => [name, fill(given[name])])) });
+    }
     return { ...data, t, truth, runs, track: { ...data.track, ...track }, outline: columns(["x", "y"], await numbers(data.outline)) };
   }
 

@@ -87,6 +87,29 @@ suite.shorten = (value, column, isNumber) => {
   return Math.abs(size) >= 100 ? suite.number(size) : plain(2);
 };
 
+// The engines of a case, from the table `headline`: off in % and friction × with default settings and at the finest.
+suite.engines = async (place) => {
+  const rows = (await suite.rows("headline"))?.filter((row) => row.case === place.dataset.case && row.route && row.solver !== "reference");
+  if (!rows?.length) return;
+  const off = (value) => (value === "" ? "–" : +value < 1e-6 ? "<0.0001" : suite.number(100 * value));
+  const level = (row) => (row.level === "" ? (row.finest_off === "" ? "" : "none") : `${suite.number(100 * row.level)} % by ${row.settings_within} setting${+row.settings_within === 1 ? "" : "s"}`);
+  const heads = [["engine"], ["route"], ["default <small>%</small>", "off with default settings: the median, and the range over usual values"], ["friction ×", "friction and other losses as a multiple of the law's, with default settings"], ["finest <small>%</small>", "off at the finest setting run"], ["friction ×", "friction and other losses as a multiple of the law's, at the finest setting run"], ["reaches", "the smallest level that the ladder stays within, and by how many of its settings, the finest included"]];
+  place.innerHTML = `<div class="scroll" tabindex="0" role="region" aria-label="table: engines"><table class="data short grades" data-name="engines"><thead><tr>${heads.map(([title, tip = ""], i) => `<th scope="col"${i > 1 && i < 6 ? ' class="number"' : ""} title="${tip}">${title}</th>`).join("")}</tr></thead><tbody></tbody></table></div>`;
+  for (const row of rows) {
+    const line = place.querySelector("tbody").insertRow();
+    line.dataset.solver = row.solver;
+    line.dataset.route = row.route;
+    const range = +row.default_settings > 1 ? ` (${off(row.default_off_best)} to ${off(row.default_off_worst)})` : "";
+    const factor = (which) => (row[`${which}_friction_factor`] === "" ? "" : suite.number(+row[`${which}_friction_factor`]));
+    const texts = [[row.solver], [row.route], [off(row.default_off) + range, "default_off", row.default_grade], [factor("default"), "default_friction_factor"], [off(row.finest_off), "finest_off", row.finest_grade], [factor("finest"), "finest_friction_factor"], [level(row)]];
+    for (const [text, column, grade] of texts) {
+      const cell = line.insertCell();
+      cell.textContent = text;
+      if (column) { cell.className = `number ${(grade ?? "").replace(" ", "-")}`.trim(); cell.dataset.order = row[column] || "1e308"; }
+    }
+  }
+};
+
 // The button of a file saves it from the page, so that a page without its folder has it as well.
 document.querySelectorAll("a.csv").forEach((link) => link.addEventListener("click", async (event) => {
   if (link.dataset.saving) return;
