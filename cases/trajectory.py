@@ -49,7 +49,8 @@ _DOES = {
 
 @dataclass(frozen=True)
 class Transition:
-    """One change of mode: time (s), modes before and after, contact parameters, and the cause (one phrase).
+    """One change of mode: time (s), modes before and after, contact parameters, and the cause (one phrase); in a motion
+    with several contacts also the contact's name, "" otherwise.
 
     An impact after which the plate flies is a change from flight to flight. It is listed if it closes with at least
     7e-4 of the greatest closing speed since the plate last lay on its track, whatever its rebound is. Slower ones
@@ -62,9 +63,11 @@ class Transition:
     xi1: float = np.nan
     xi2: float = np.nan
     cause: str = ""
+    contact: str = ""
 
     def __repr__(self) -> str:
-        return f"Transition({self.time:.9g} s: {self.before} -> {self.after}{self.cause and f', {self.cause}'})"
+        which = self.contact and f" {self.contact}"
+        return f"Transition({self.time:.9g} s:{which} {self.before} -> {self.after}{self.cause and f', {self.cause}'})"
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from cases.contact import belt_speed, pose
 from cases.errors import between, unknown_name
 from cases.piece_case import PieceCase, has_pieces, passages_between
 
-from . import augmented_integrator
+from . import augmented_integrator, several
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import LIFT_OFF, LOCATION_ERROR, simulate_phases, undecidable
 from .minimal.integrators import taylor
@@ -106,8 +106,25 @@ def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
 
 
 def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate):
-    """The motion without samples: (segments, transitions, (status, sentence)), cut at a second contact."""
-    return until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
+    """The motion without samples: (segments, transitions, (status, sentence)); from a second contact on by `several`,
+    or cut there if that does not support the case."""
+    solution, meeting = until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
+    segments, transitions, (status, reason) = solution
+    if meeting is None:
+        return solution
+    unsupported = several.supports(case)
+    if unsupported:
+        return segments, transitions, (status, f"{reason} {unsupported}")
+    last = segments[-1]
+    y = last.states(np.array([meeting.time]))
+    state = _observe(case, last.phase, np.array([meeting.time]), y)
+    x, y0, theta, vx, vy, omega, *_, xi1, xi2 = (float(column[0]) for column in np.broadcast_arrays(*state))
+    more, changes, ending = several.until_end(
+        case, meeting.time, (x, y0, theta, vx, vy, omega), (xi1, xi2), last.phase.regime.mode,
+        (meeting.xi1, meeting.xi2), rtol, integrate,
+    )  # fmt: skip
+    transitions = [replace(event, contact=several.CONTACT) for event in transitions]
+    return [*segments, *more], [*transitions, *changes], ending
 
 
 def as_trajectory(
@@ -198,8 +215,14 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         times = np.concatenate([segment.times for segment in segments])
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 
-    first_mode = segments[0].phase.regime.mode
+    first_mode = _first_mode(segments, transitions)
     return Trajectory.on_demand(samples, **common, first_mode=first_mode, dense=_Dense(case, segments))
+
+
+def _first_mode(segments: list[Segment], transitions) -> Mode:
+    """The mode of the first contact at the start."""
+    regime = segments[0].phase.regime
+    return regime.modes[0] if isinstance(segments[0].phase, several.SeveralPhase) else regime.mode
 
 
 class _Dense:
@@ -238,6 +261,8 @@ def at_once(status: str) -> Mode | None:
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
     """Pose by (5) and (6), velocities by (8), forces from (27)."""
+    if isinstance(now, several.SeveralPhase):
+        return several.observe(case, now, times, y)
     if now.regime == FLIGHT:
         none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
         return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)

@@ -218,7 +218,7 @@ class Landings:
         ends += np.array([[-0.5], [0.5]]) * np.diff(ends, axis=0)  # between the looks it may go a little beyond
         around, _ = cores(self.case, ends[:, :1], ends[:, 1:], np.array([max(look.gap, start.gap, 0.0)]))
         whole = Cores(*(np.repeat(column, len(motion.start), axis=1) for column in around))
-        return self.search.first(motion, whole)
+        return self.search.first(motion, [whole])
 
     def _stretches(self, segment: Segment, motion: Windows, since: float) -> Iterator[Windows]:
         """The motion from time `since` on, in stretches in which the plate moves by some of its sizes, each twice as

@@ -8,6 +8,7 @@ meeting, and Newton's method finds it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import atan2, cos, hypot, sin
 from typing import NamedTuple
 
@@ -48,8 +49,8 @@ class MeetingSearch:
         self.geometry = Geometry(case, Pieces(case.track), Pieces(case.plate.outline))
         self.count = 0
 
-    def first(self, motion: Windows, cores: Cores | None = None) -> Meeting | None:
-        """The first meeting in the windows outside the cores, to the accuracy of their polynomials; None if there is
+    def first(self, motion: Windows, cores: Sequence[Cores] = ()) -> Meeting | None:
+        """The first meeting in the windows outside all cores, to the accuracy of their polynomials; None if there is
         none. Raises TooMuch."""
         earliest: Meeting | None = None
         todo = [self._first_boxes(motion)]
@@ -65,8 +66,8 @@ class MeetingSearch:
                 continue
             self._spend(boxes.number)
             box_bounds = self.geometry.bounds(motion, boxes)
-            if cores is not None:
-                box_bounds = self._outside(boxes, box_bounds, cores)
+            for some_cores in cores:
+                box_bounds = self._outside(boxes, box_bounds, some_cores)
             rest = np.flatnonzero(box_bounds.possible)
             boxes = boxes.some(rest)._replace(start=box_bounds.start[rest], end=box_bounds.end[rest])
             complete, earliest = self._complete_boxes(motion, boxes, box_bounds, rest, earliest)

@@ -44,28 +44,29 @@ CHAIN_STEP, MOST_SAMPLES = 0.02, 2000
 Solution = tuple[list[Segment], list[Transition], tuple[str, str]]
 
 
-def until_second_contact(case: Case, solution: Solution) -> Solution:
-    """Segments, transitions and ending of a motion, cut where the plate meets its track in a second place, if it
-    does."""
+def until_second_contact(case: Case, solution: Solution) -> tuple[Solution, Meeting | None]:
+    """Segments, transitions and ending of a motion, cut where the plate meets its track in a second place, and that
+    place; None if there is none."""
     segments, transitions, _ = solution
     touching = [segment for segment in segments if segment.phase.regime != FLIGHT]  # flights are searched for landings
     if touching and has_pieces(case):
         return _until_entry(case, solution, touching)
     if not touching or fits_everywhere(case, touching):
-        return solution
+        return solution, None
     search = MeetingSearch(case)
     for lot, motion, around in _lots(case, touching):
         try:
-            meeting = search.first(motion, around)
+            meeting = search.first(motion, [around])
         except TooMuch:
             t = lot[0].start
-            return _cut(solution, t, "unfinished", f"The search for second contacts reached its limit at {t:.9g} s.")
+            why = f"The search for second contacts reached its limit at {t:.9g} s."
+            return _cut(solution, t, "unfinished", why), None
         if meeting is not None:
             segment = next(segment for segment in reversed(lot) if segment.start <= meeting.time or segment is lot[0])
             touch = _locate(case, segment, meeting)
             reason = f"The plate meets its track in a second place, xi1 = {touch.xi1:.9g}, at t = {touch.time:.9g} s."
-            return _cut(solution, touch.time, "second_contact", reason)
-    return solution
+            return _cut(solution, touch.time, "second_contact", reason), touch
+    return solution, None
 
 
 def _until_entry(case: Case, solution: Solution, segments: list[Segment]) -> Solution:
@@ -193,9 +194,10 @@ def _locate(case: Case, segment: Segment, meeting: Meeting) -> Meeting:
 
     try:
         time = _zero(lambda t: contact(t).gap, meeting.time, brentq)
-        return Meeting(time, contact(time).xi1, pair[1])
+        at = contact(time)
+        return Meeting(time, at.xi1, at.xi2)
     except (DoesNotFit, ValueError):
-        return meeting  # no simple touch (two flat sides): accurate to the search only
+        return Meeting(meeting.time, *pair)  # no simple touch (two flat sides): accurate to the search only
 
 
 def _zero(gap: Callable[[float], float], near: float, root: Callable[..., float]) -> float:

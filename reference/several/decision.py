@@ -1,0 +1,158 @@
+"""Which modes follow: every combination of the touched contacts' modes is tried, and all consistent ones are compared.
+
+A combination is consistent if its conditions hold just after the instant along its own motion (`minimal.decision`, by
+series where values vanish). Several combinations that give the same accelerations are one motion; different ones are
+reported as `not_unique`, none is chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Mode
+
+from ..minimal.decision import Undecidable, follows
+from ..minimal.effects import laws
+from ..minimal.elimination import T
+from ..minimal.system import _MOTION
+from . import forces
+from .geometry import Place
+from .regimes import SeveralRegime, body_of, coefficients, several_phase, slip_modes
+
+# Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
+STILL = 1e-11
+# Accelerations that differ by less than this part of the largest are the same motion: series decide with 1e-12.
+SAME = 1e-7
+# A load is balanced if the least weight is no more negative than its rounding.
+BALANCED = -1e-11
+
+
+class Instant(NamedTuple):
+    """What a decision needs: time, state, the contacts' places, names and limits, which of them touch, and the largest
+    speed of the motion so far (m/s)."""
+
+    time: float
+    state: tuple[float, ...]
+    places: Sequence[Place]
+    names: tuple[str, ...]
+    limits: tuple[float, ...]
+    touching: tuple[int, ...]
+    speed: float
+
+
+class Decision(NamedTuple):
+    """The regime that follows; None if there is none or several, with their modes in `motions`."""
+
+    regime: SeveralRegime | None
+    motions: tuple[tuple[Mode, ...], ...]
+
+
+def load_at(case: Case, t: float, body: Sequence[float]) -> np.ndarray:
+    """The applied force and moment (N, N, N m)."""
+    from ..paper.augmented import applied_torsor
+
+    return applied_torsor(case, (t, *body))
+
+
+def decide(case: Case, now: Instant, error: float, fixed: dict[int, tuple[Mode, ...]] | None = None) -> Decision:
+    """The regime that follows. `fixed` limits the modes of some contacts, by their places; `error` is the relative error
+    of the state. Raises Undecidable."""
+    motions: list[tuple[SeveralRegime, np.ndarray]] = []
+    for modes in product(*_options(case, now, fixed or {})):
+        regime = SeveralRegime(modes, now.names, now.limits)
+        rows = sum(2 if mode is Mode.ROLL else mode is not Mode.FLIGHT for mode in modes)
+        if rows > 2:
+            if not _rests(case, now, modes):
+                continue
+            motions.append((regime._replace(rests=True), np.zeros(3)))
+            continue
+        phase = several_phase(case, regime)
+        if follows(case, phase, now.time, now.state, error) and _approaches_no_contact(phase, now):
+            rates = phase.system.rates_of_numbers(now.time, now.state, phase.parameters)
+            motions.append((regime, np.array(rates[-3:])))
+    mu, stick = coefficients(case)
+    if stick > mu:  # with static friction a contact that may stick does
+        most = max((_sticking(regime) for regime, _ in motions), default=0)
+        motions = [(regime, a) for regime, a in motions if _sticking(regime) == most]
+    clusters = _clusters(case, now, motions)
+    if not clusters:
+        return Decision(None, ())
+    if len(clusters) > 1 and len(now.touching) > 1:
+        return Decision(None, tuple(cluster[0].modes for cluster in clusters))
+    best = max(clusters[0], key=lambda r: (r.rests, len(r.closed), _sticking(r)))
+    return Decision(best, (best.modes,))
+
+
+def _sticking(regime: SeveralRegime) -> int:
+    """How many contacts do not slip."""
+    return sum(mode is Mode.ROLL for mode in regime.modes)
+
+
+def _options(case: Case, now: Instant, fixed: dict[int, tuple[Mode, ...]]) -> list[tuple[Mode, ...]]:
+    """The modes that each contact may have."""
+    velocity, options = np.array(now.state[-3:]), []
+    rolling = (Mode.ROLL,) if coefficients(case)[1] > 0.0 else ()
+    slipping = slip_modes(case)
+    for k, at in enumerate(now.places):
+        if k not in now.touching:
+            options.append((Mode.FLIGHT,))
+            continue
+        slip = float(at.slip_row @ velocity)
+        if k in fixed:
+            options.append(fixed[k])
+        elif abs(slip) <= STILL * now.speed or len(slipping) < 2:
+            options.append((*rolling, *slipping, Mode.FLIGHT))
+        else:
+            options.append((slipping[0] if slip > 0.0 else slipping[1], Mode.FLIGHT))
+    return options
+
+
+def _rests(case: Case, now: Instant, modes: tuple[Mode, ...]) -> bool:
+    """Whether these contacts hold the plate: it is still, they leave it no motion, and their forces balance the load."""
+    closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
+    slips = any(mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD) for mode in modes)
+    if slips or len(closed) < len(now.touching) or np.any(np.array(now.state[-3:])):
+        return False
+    some = [now.places[k] for k in closed]
+    stick = coefficients(case)[1] if any(mode is Mode.ROLL for mode in modes) else 0.0
+    rows = [at.lift_row for at in some] + [at.slip_row for at in some if stick > 0.0]
+    if np.linalg.matrix_rank(np.array(rows), tol=1e-9 * case.plate.reach) < 3:
+        return False
+    load = load_at(case, now.time, body_of(now.state))
+    if not np.isfinite(load).all():
+        raise Undecidable
+    return forces.margin(some, load, case.plate.gyration, stick) >= BALANCED
+
+
+def _approaches_no_contact(phase, now: Instant) -> bool:
+    """Whether the forces of a slip are unique: not beyond Painlevé's paradox."""
+    names = list(phase.system.guards)
+    if "painleve" not in names:
+        return True
+    values = phase.system.guards_of_numbers(now.time, now.state, phase.parameters)
+    return bool(values[names.index("painleve")] != 0.0)
+
+
+def _clusters(case: Case, now: Instant, motions) -> list[list[SeveralRegime]]:
+    """Regimes with the same accelerations together."""
+    units = np.array([1.0, 1.0, case.plate.gyration])
+    load = np.abs(load_at(case, now.time, body_of(now.state)) / np.array([1.0, 1.0, case.plate.gyration])).max()
+    clusters: list[tuple[np.ndarray, list[SeveralRegime]]] = []
+    for regime, acceleration in motions:
+        size = max(load / case.plate.mass, float(np.abs(acceleration * units).max()))
+        for other, regimes in clusters:
+            if np.abs((acceleration - other) * units).max() <= SAME * size:
+                regimes.append(regime)
+                break
+        else:
+            clusters.append((acceleration, [regime]))
+    return [regimes for _, regimes in clusters]
+
+
+def depends_on_time(case: Case) -> bool:
+    """Whether the load on a plate at rest changes."""
+    return any(T in e.symbols or _MOTION[0] in e.symbols for e in laws(case).torsor)

@@ -1,0 +1,201 @@
+"""The paper's rows (8)″, (9)′ and (27) for several contacts of one plate, eliminated by hand.
+
+In the frame of contact i (t along the track, n = U t towards the plate, arm h = θr from the centre of mass) the rows
+(8)″ along n read  a·n + ω̇ h_t = C_n  (`minimal.elimination` has C_n), and where the contact does not slip those along t
+a·t − ω̇ h_n = ω² h_t. With q̈₁ from (16), (19), they are linear in the contacts' forces. A plate has three degrees of
+freedom: three rows or more hold it at rest, so one that moves has at most two, solved by Cramer's rule. ξ̇ follows from
+the velocities by (8)′ and (9)′, for an open contact with its gap.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from enum import Enum
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from cases.derivation import in_one_thread
+from cases.expression_graph import ONE, ZERO, Node, symbol
+
+from ..minimal.effects import Laws
+from ..minimal.elimination import GYRATION
+from ..minimal.frames import Frame, frame
+from ..minimal.system import _MOTION, PARADOX, Equations, System
+
+_, X, Y, THETA, VX, VY, OMEGA = _MOTION
+# Columns of the outputs for each contact.
+COLUMNS = ("normal", "friction", "slip", "gap", "lift")
+
+
+class Kind(Enum):
+    """What a contact contributes to the equations: nothing, a normal row, or a normal and a tangential row."""
+
+    OPEN = "open"
+    SLIP = "slip"
+    STICK = "stick"
+
+
+class _Contact(NamedTuple):
+    """One contact's expressions: frames of track and outline, slip and lift velocities, gap, rates of ξ₁ and ξ₂ along
+    the curves (m/s), and the clearance of its curvatures (1/m)."""
+
+    f: Frame
+    h: Frame
+    slip: Node
+    lift: Node
+    gap: Node
+    along_track: Node
+    along_outline: Node
+    clearance: Node
+
+
+class _Row(NamedTuple):
+    """A row of the equations: the unit direction (x, y), its moment arm, the right-hand side, and the force column: a
+    direction with its moment arm."""
+
+    direction: tuple[Node, Node]
+    lever: Node
+    right: Node
+    force: tuple[Node, Node]
+    moment: Node
+
+
+def several_system(
+    track, outline, has_ends: tuple[bool, bool], law: Laws, kinds: tuple[Kind, ...], rubs: bool, rough: bool
+) -> System:
+    """The equations of contacts of those kinds, derived once per structure. `rubs`: friction has a bound;
+    `rough`: it has none."""
+    return _several_system(track, outline, has_ends, law, kinds, rubs, rough)
+
+
+@lru_cache(maxsize=256)
+@in_one_thread
+def _several_system(track, outline, has_ends, law: Laws, kinds: tuple[Kind, ...], rubs: bool, rough: bool) -> System:
+    return System(_equations(track, outline, has_ends, law, kinds, rubs, rough))
+
+
+def _contact(track, outline, k: int, kind: Kind) -> _Contact:
+    f, h = frame(track, symbol(f"xi1_{k}"), "track_"), frame(outline, symbol(f"xi2_{k}"), "outline_")
+    slip = VX * f.tx + VY * f.ty - OMEGA * h.hn
+    lift = VY * f.tx - VX * f.ty + OMEGA * h.ht
+    gap = (Y - f.y) * f.tx - (X - f.x) * f.ty + h.hn
+    apart = gap if kind is Kind.OPEN else ZERO
+    shrink = ONE - apart * f.curvature
+    clearance = h.curvature * shrink - f.curvature
+    # Tangents turn together, ω + κ₂ ṡ₂ = κ₁ ṡ₁, and the gap keeps to the normal, v + ṡ₂ = ṡ₁ (1 − g κ₁).
+    along_track = (h.curvature * slip - OMEGA) / clearance
+    return _Contact(f, h, slip, lift, gap, along_track, along_track * shrink - slip, clearance)
+
+
+def _rows(contact: _Contact, kind: Kind, ratio: Node) -> list[_Row]:
+    f, h = contact.f, contact.h
+    u1, u2 = contact.along_track / f.P, contact.along_outline / h.P
+    right_n = OMEGA**2 * h.hn - 2 * OMEGA * contact.along_outline - u2**2 * h.b + u1**2 * f.b
+    t, n = (f.tx, f.ty), (-f.ty, f.tx)
+    if kind is Kind.STICK:
+        return [_Row(n, h.ht, right_n, n, h.ht), _Row(t, -h.hn, OMEGA**2 * h.ht, t, -h.hn)]
+    force = n[0] + ratio * t[0], n[1] + ratio * t[1]
+    return [_Row(n, h.ht, right_n, force, h.ht - ratio * h.hn)]
+
+
+def _multipliers(rows: list[_Row], applied: tuple[Node, Node, Node]) -> tuple[list[Node], Node]:
+    """The forces per mass that satisfy the rows, and the determinant in units of its value without the coupling of
+    translation and rotation, which Painlevé's paradox makes 0."""
+
+    def weight(row: _Row, other: _Row) -> Node:
+        (x, y), (u, v) = row.direction, other.force
+        return x * u + y * v + row.lever * other.moment / GYRATION
+
+    def free(row: _Row) -> Node:
+        (x, y), (fx, fy, moment) = row.direction, applied
+        return row.right - x * fx - y * fy - row.lever * moment / GYRATION
+
+    if not rows:
+        return [], ONE
+    if len(rows) == 1:
+        determinant = weight(rows[0], rows[0])
+        return [free(rows[0]) / determinant], determinant
+    (a, b), (c, d) = ([weight(row, other) for other in rows] for row in rows)
+    determinant = a * d - b * c
+    first, second = free(rows[0]), free(rows[1])
+    return [(d * first - b * second) / determinant, (a * second - c * first) / determinant], determinant
+
+
+def _equations(track, outline, has_ends, law: Laws, kinds: tuple[Kind, ...], rubs: bool, rough: bool) -> Equations:
+    count = len(kinds)
+    contacts = [_contact(track, outline, k, kind) for k, kind in enumerate(kinds)]
+    ratios = [symbol(f"k_{k}") if rubs else ZERO for k in range(count)]
+    rows = [
+        _rows(contact, kind, ratio) if kind is not Kind.OPEN else []
+        for contact, kind, ratio in zip(contacts, kinds, ratios, strict=True)
+    ]
+    flat = [row for some in rows for row in some]
+    if len(flat) > 2:
+        raise ValueError("a plate that moves has at most two rows of contact")
+    applied = law.torsor
+    multipliers, determinant = _multipliers(flat, applied)
+    acceleration = list(applied[:2]) + [applied[2] / GYRATION]
+    for row, value in zip(flat, multipliers, strict=True):
+        acceleration[0] = acceleration[0] + row.force[0] * value
+        acceleration[1] = acceleration[1] + row.force[1] * value
+        acceleration[2] = acceleration[2] + row.moment * value / GYRATION
+    conditions: dict[str, Node] = {}
+    slip_rates: dict[str, Node] = {}
+    limits: dict[str, Node] = {}
+    columns: list[Node] = []
+    rest = iter(multipliers)
+    for k, (contact, kind, ratio) in enumerate(zip(contacts, kinds, ratios, strict=True)):
+        normal = next(rest) if kind is not Kind.OPEN else ZERO
+        friction = next(rest) if kind is Kind.STICK else ratio * normal
+        columns += [normal, friction, contact.slip, contact.gap, contact.lift]
+        if kind is Kind.OPEN:
+            conditions[f"gap:{k}"] = contact.gap
+            limits[f"lost:{k}"] = contact.clearance - symbol(f"lost_{k}")
+            limits |= _ends(has_ends, k, "lost_")
+            continue
+        if kind is Kind.STICK and rubs:
+            bound = symbol(f"stick_{k}") * normal
+            conditions[f"cone_forward:{k}"], conditions[f"cone_backward:{k}"] = bound + friction, bound - friction
+        else:
+            conditions[f"normal:{k}"] = normal
+        if kind is Kind.SLIP and rubs:
+            sigma, (tx, ty) = symbol(f"sigma_{k}"), (contact.f.tx, contact.f.ty)
+            conditions[f"slip:{k}"] = sigma * contact.slip
+            along = acceleration[0] * tx + acceleration[1] * ty
+            slip_rates[f"slip:{k}"] = sigma * (
+                along - acceleration[2] * contact.h.hn - OMEGA**2 * contact.h.ht
+            )
+        limits[f"fit:{k}"] = contact.clearance
+        limits |= _ends(has_ends, k, "")
+    if flat and rubs and any(kind is Kind.SLIP for kind in kinds):
+        limits["painleve"] = determinant - PARADOX
+    positions = [X, Y, THETA]
+    rates = [VX, VY, OMEGA]
+    for k, contact in enumerate(contacts):
+        positions += [symbol(f"xi1_{k}"), symbol(f"xi2_{k}")]
+        rates += [contact.along_track / contact.f.P, contact.along_outline / contact.h.P]
+    variables = (*positions, VX, VY, OMEGA)
+    outputs = _outputs(count)(*applied[:2], *acceleration, *columns)
+    guards = {name: g for name, g in (conditions | limits).items() if g.symbols & {*variables, _MOTION[0]}}
+    return Equations(
+        variables, len(positions), (*rates, *acceleration), outputs, conditions, slip_rates, guards,
+        law.checked_quantities,
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=32)
+def _outputs(count: int) -> Any:
+    """The columns of the outputs of that many contacts: the applied force per mass, accelerations, and each contact's
+    `COLUMNS`. The first two have the names under which integrators look for the largest force."""
+    names = [f"{column}_{k}" for k in range(count) for column in COLUMNS]
+    return namedtuple("SeveralOutputs", ["normal", "friction", "ax", "ay", "omega_dot", *names])
+
+
+def _ends(has_ends: tuple[bool, bool], k: int, prefix: str) -> dict[str, Node]:
+    """Guards for the ends of the curves at contact k."""
+    guards = {}
+    for name, bound, variable in zip(("track", "outline"), has_ends, ("xi1", "xi2"), strict=True):
+        if bound:
+            low, high, at = symbol(f"{name}_low"), symbol(f"{name}_high"), symbol(f"{variable}_{k}")
+            guards |= {f"{prefix}{name}_start:{k}": at - low, f"{prefix}{name}_end:{k}": high - at}
+    return guards

@@ -1,0 +1,105 @@
+"""Forces of contacts that hold a plate at rest: which forces are admissible, and by how much.
+
+A force inside Coulomb's cone is a sum of its two edges n ± μ t with weights that are not negative (a frictionless
+contact has the one edge n). Equilibrium is three equations for the weights, so the admissible forces are a polytope:
+linear programs find whether it is empty and its ranges, and the last step solves the active equations, to rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, isinf, nan
+from typing import NamedTuple
+
+import numpy as np
+
+from .geometry import Place
+
+# Weights below this part of the load count as zero where a linear program (HiGHS: feasible to 1e-9) ends; the active
+# equations are then solved again.
+ZERO = 1e-7
+# Ranges narrower than this part of the load are one value: HiGHS' tolerance is below it.
+UNIQUE = 1e-8
+
+
+class Ranges(NamedTuple):
+    """Least and greatest normal and friction force of each contact (N), shape (contacts, 2) each; infinite where
+    contacts may press against each other without bound."""
+
+    normal: np.ndarray
+    friction: np.ndarray
+
+
+def _generators(now: Sequence[Place], stick: float) -> tuple[np.ndarray, np.ndarray]:
+    """The edges of all cones as columns (fx, fy, moment), shape (3, edges), and (normal, friction) of each edge by
+    contact, shape (contacts, 2, edges). Without a bound on friction the edges are n, t and −t."""
+    if stick == 0.0:
+        edges = [(1.0, 0.0)]
+    elif isinf(stick):
+        edges = [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
+    else:
+        edges = [(1.0, stick), (1.0, -stick)]
+    columns, parts = [], np.zeros((len(now), 2, len(now) * len(edges)))
+    for k, one in enumerate(now):
+        for normal, friction in edges:
+            parts[k, :, len(columns)] = normal, friction
+            columns.append(normal * one.lift_row + friction * one.slip_row)
+    return np.array(columns).T, parts
+
+
+def margin(now: Sequence[Place], load: np.ndarray, gyration: float, stick: float) -> float:
+    """The largest least weight with which the contacts balance a load (fx, fy, moment), in units of the load; −inf if
+    the load cannot be balanced with weights of any sign, at most 1.
+
+    It is negative if no admissible forces hold the plate, and its zero is the limit.
+    """
+    from scipy.optimize import linprog  # slow to import, and most motions never come here
+
+    units = np.array([1.0, 1.0, 1.0 / gyration])
+    columns, right = _generators(now, stick)[0] * units[:, None], -load * units
+    size = float(np.abs(right).max())
+    if size == 0.0:
+        return 0.0
+    right = right / size
+    matrix = np.column_stack([columns, columns.sum(axis=1)])
+    count = columns.shape[1]
+    answer = linprog(
+        np.append(np.zeros(count), -1.0), A_eq=matrix, b_eq=right, bounds=[(0.0, None)] * count + [(None, 1.0)]
+    )
+    if answer.status != 0:
+        return -inf
+    if answer.x[-1] >= 1.0 - ZERO:
+        return 1.0
+    active = np.append(answer.x[:-1] > ZERO, True)
+    exact, *_ = np.linalg.lstsq(matrix[:, active], right, rcond=None)
+    return float(exact[-1]) if np.abs(matrix[:, active] @ exact - right).max() < 1e-12 else float(answer.x[-1])
+
+
+def ranges(now: Sequence[Place], load: np.ndarray, gyration: float, stick: float) -> Ranges:
+    """The ranges of the forces with which the contacts balance a load (N, N, N m); NaN if they cannot."""
+    from scipy.optimize import linprog
+
+    units = np.array([1.0, 1.0, 1.0 / gyration])
+    columns, parts = _generators(now, stick)
+    matrix, right = columns * units[:, None], -load * units
+    size = float(np.abs(right).max()) or 1.0
+    limits = np.full((len(now), 2, 2), nan)
+    for k in range(len(now)):
+        for which in range(2):
+            for end, sign in enumerate((1.0, -1.0)):
+                goal = sign * parts[k, which]
+                answer = linprog(goal, A_eq=matrix, b_eq=right / size, bounds=(0.0, None))
+                if answer.status == 0:
+                    active = answer.x > ZERO
+                    exact, *_ = np.linalg.lstsq(matrix[:, active], right / size, rcond=None)
+                    close = np.abs(exact - answer.x[active]).max(initial=0.0) <= ZERO
+                    limits[k, which, end] = size * (parts[k, which, active] @ (exact if close else answer.x[active]))
+                elif answer.status == 3:
+                    limits[k, which, end] = -sign * inf
+    return Ranges(limits[:, 0], limits[:, 1])
+
+
+def values(ranges_of: np.ndarray, size: float) -> np.ndarray:
+    """The forces of ranges (contacts, 2) that are one value, NaN where they are not unique."""
+    narrow = ranges_of[:, 1] - ranges_of[:, 0] <= UNIQUE * size
+    return np.where(narrow, ranges_of.mean(axis=1, where=np.isfinite(ranges_of)), nan)

@@ -1,0 +1,87 @@
+"""Numbers of several contacts in one pose: frames, gaps, velocities, and the rows of their velocities."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, hypot, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case
+from cases.contact import find
+
+# Newton's steps that move a plate onto its contacts: each squares the error, which begins at an integrator's tolerance.
+STEPS = 8
+
+
+class Place(NamedTuple):
+    """One contact: parameters, gap (m), unit tangent of the track, the arm from the centre of mass to the outline's
+    point (m), the rows of slip and lift velocity in (vx, vy, ω), and the clearance of the curvatures (1/m)."""
+
+    xi1: float
+    xi2: float
+    gap: float
+    tangent: tuple[float, float]
+    arm: tuple[float, float]
+    slip_row: np.ndarray
+    lift_row: np.ndarray
+    clearance: float
+
+
+def place(case: Case, body: Sequence[float], near: tuple[float, float]) -> Place:
+    """The pair of nearest points next to `near` of a plate in that pose. Raises DoesNotFit."""
+    x, y, theta = (float(v) for v in body[:3])
+    contact = find(case, x, y, theta, near)
+    _, _, xp, yp, *_ = case.track.jet(contact.xi1)
+    speed = hypot(xp, yp)
+    tx, ty = xp / speed, yp / speed
+    u, v, *_ = case.plate.outline.jet(contact.xi2)
+    c, s = cos(theta), sin(theta)
+    rx, ry = c * u - s * v, s * u + c * v
+    slip = np.array([tx, ty, tx * -ry + ty * rx])
+    lift = np.array([-ty, tx, ty * ry + tx * rx])
+    bend, own = float(case.track.curvature(contact.xi1)), float(case.plate.outline.curvature(contact.xi2))
+    clearance = own * (1.0 - contact.gap * bend) - bend
+    return Place(contact.xi1, contact.xi2, contact.gap, (tx, ty), (rx, ry), slip, lift, clearance)
+
+
+def places(case: Case, body: Sequence[float], pairs: Sequence[tuple[float, float]]) -> list[Place]:
+    """`place` for every pair."""
+    return [place(case, body, pair) for pair in pairs]
+
+
+def project(
+    case: Case, body: Sequence[float], pairs: Sequence[tuple[float, float]], closed: Sequence[int]
+) -> tuple[list[float], list[Place]]:
+    """The plate moved by rounding so that the closed contacts have no gap, with all pairs in that pose."""
+    body = list(body)
+    compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
+    for _ in range(STEPS):
+        now = places(case, body, pairs)
+        gaps = np.array([now[k].gap for k in closed])
+        if not len(closed) or np.abs(gaps).max() <= 2e-16 * (abs(body[0]) + abs(body[1]) + case.plate.reach):
+            break
+        rows = np.array([now[k].lift_row for k in closed])
+        step = compliance * (rows.T @ np.linalg.lstsq(rows * compliance @ rows.T, gaps, rcond=1e-10)[0])
+        body[:3] = [value - change for value, change in zip(body[:3], step.tolist(), strict=True)]
+        pairs = [(one.xi1, one.xi2) for one in now]
+    return body, places(case, body, pairs)
+
+
+def without_velocity(
+    case: Case, body: Sequence[float], now: Sequence[Place], closed: Sequence[int], stuck: Sequence[int]
+) -> list[float]:
+    """The plate's state with lift velocity 0 at the closed contacts and slip velocity 0 at the stuck ones: the nearest
+    such velocities in kinetic energy."""
+    rows = [now[k].lift_row for k in closed] + [now[k].slip_row for k in stuck]
+    velocity = np.array(body[3:], dtype=float)
+    if rows:
+        compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
+        matrix = np.array(rows)
+        if np.linalg.matrix_rank(matrix * np.array([1.0, 1.0, 1.0 / case.plate.gyration]), tol=1e-9) == 3:
+            return [*body[:3], 0.0, 0.0, 0.0]
+        for _ in range(2):  # the second step removes the rounding of the first
+            off = np.linalg.lstsq(matrix * compliance @ matrix.T, matrix @ velocity, rcond=1e-10)[0]
+            velocity = velocity - compliance * (matrix.T @ off)
+    return [*body[:3], *velocity.tolist()]

@@ -1,0 +1,85 @@
+"""Impacts that accumulate: which are listed, and when they come to rest.
+
+A disc that rocks in a valley hits its two flanks in turn, each time slower, infinitely often in a finite time. Impacts
+that close with less than `LISTING_PART` of the largest closing speed are simulated, but listed only if the motion does
+not come to rest by them; the end of the rest of the series is extrapolated (Aitken).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+
+from cases import Transition
+
+from ..minimal.bouncing import LISTING_PART
+
+# Impacts alternate between two contacts, whose intervals may differ: intervals are compared with those two before.
+PERIOD = 2
+
+
+class Hops:
+    """The transitions of a motion in order, those of small impacts kept back, and the times of these."""
+
+    def __init__(self) -> None:
+        self.listed: list[Transition] = []
+        self.kept_back: list[Transition] = []
+        self.times: list[float] = []
+        self.fastest, self.is_small = 0.0, False
+        self.best: tuple[float, float] = (inf, inf)  # change of the extrapolated end, and that end, s
+        self.last = inf
+
+    @property
+    def all(self) -> list[Transition]:
+        """All transitions of a motion that is complete."""
+        return [*self.listed, *self.kept_back]
+
+    def strike(self, t: float, closing: float) -> None:
+        """Record an impact with that closing speed, m/s."""
+        self.is_small = closing < LISTING_PART * self.fastest
+        self.fastest = max(self.fastest, closing)
+        if not self.is_small:
+            self.listed, self.kept_back = self.all, []
+            self.best, self.last = (inf, inf), inf
+        self.times = [*self.times[-2 * PERIOD :], t]
+        if len(self.times) <= 2 * PERIOD:
+            return
+        before, between, now = self.times[-1 - 2 * PERIOD], self.times[-1 - PERIOD], self.times[-1]
+        ratio = (now - between) / (between - before) if between > before else inf
+        if ratio < 1.0:
+            end = now + (now - between) * ratio / (1.0 - ratio)
+            self.best = min(self.best, (abs(end - self.last), end))
+            self.last = end
+
+    def limit(self, t: float, speed: float, size: float) -> float | None:
+        """The time at which small impacts end, if the plate moves by less than `size` (m) until then at that speed."""
+        if not self.is_small or self.best[1] == inf or not self.times or self.times[-1] != t:
+            return None
+        return max(self.best[1], t) if speed * abs(self.last - t) <= size else None
+
+    def record(self, t: float, changes: list[Transition], cause: str = "") -> None:
+        """Record the changes of mode at one instant; `cause` is given if bouncing has come to rest."""
+        rests = bool(cause)
+        if rests and self.kept_back:
+            changes = _net([*self.kept_back, *changes], t, cause)
+            self.kept_back = []
+        if rests:
+            self.fastest, self.is_small, self.times = 0.0, False, []
+        if self.is_small:
+            self.kept_back += changes
+        else:
+            self.listed, self.kept_back = [*self.all, *changes], []
+
+
+def _net(changes: list[Transition], t: float, cause: str) -> list[Transition]:
+    """The changes of mode between the first and the last of some, as changes at one time."""
+    first: dict[str, Transition] = {}
+    last: dict[str, Transition] = {}
+    for change in changes:
+        first.setdefault(change.contact, change)
+        last[change.contact] = change
+    return [
+        replace(change, time=t, before=first[name].before, cause=cause)
+        for name, change in last.items()
+        if first[name].before is not change.after
+    ]

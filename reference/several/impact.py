@@ -1,0 +1,234 @@
+"""Impacts of a plate that touches its track in several places: modes of impulses by enumeration.
+
+Normal impulses P ≥ 0 and velocities after the impact obey v_n⁺ + e v_n⁻ ≥ 0, complementary to P, at every contact that
+is touched, and friction Coulomb's law between whole impulses and velocities after the impact. Poisson's law has two
+stages: e = 0, then impulses of at least e times those of the first. With one contact touched, Routh's construction of
+`minimal.impact` is used instead. (Derived here; the laws differ where several contacts are touched.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Impact
+
+from ..minimal.impact import ContactVelocity, collide, law_of
+from .geometry import Place
+from .regimes import coefficients
+
+# Velocities and impulses below this part of the largest are roundings of a solution by least squares.
+ROUNDING = 1e-10
+STICK, FORWARD, BACKWARD, OPEN = "stick", "forward", "backward", "open"
+SIGN = {FORWARD: 1.0, BACKWARD: -1.0}
+
+
+class NoImpact(ArithmeticError):
+    """No impulses agree with the law of impact, or several do with different velocities after it."""
+
+
+class Outcome(NamedTuple):
+    """Velocities (vx, vy, ω) after an impact, and lift and slip velocity of every touched contact, zeros exact."""
+
+    velocity: np.ndarray
+    lift: np.ndarray
+    slip: np.ndarray
+
+
+class _Law(NamedTuple):
+    """Restitution at each contact, least normal impulses, and the coefficient of friction."""
+
+    restitution: np.ndarray
+    least: np.ndarray
+    mu: float
+
+
+def impact(case: Case, velocity: Sequence[float], touched: Sequence[Place]) -> Outcome:
+    """The velocities after an impact at all contacts that are touched. Raises NoImpact."""
+    law = case.effect(Impact)
+    assert law is not None
+    before = np.array(velocity, dtype=float)
+    if len(touched) == 1:
+        return _one_contact(case, before, touched[0])
+    mu, _ = coefficients(case)
+    nothing = np.zeros(len(touched))
+    if law.law != "poisson":
+        return _collide(case, before, touched, _Law(nothing + law.restitution, nothing, mu))[0]
+    compressed, impulses = _collide(case, before, touched, _Law(nothing, nothing, mu))
+    if law.restitution == 0.0:
+        return compressed
+    return _collide(case, compressed.velocity, touched, _Law(nothing, law.restitution * impulses, mu))[0]
+
+
+def _one_contact(case: Case, before: np.ndarray, at: Place) -> Outcome:
+    """Routh's construction, or Moreau's law for one contact."""
+    (tx, ty), (rx, ry) = at.tangent, at.arm
+    law = law_of(case, rx * tx + ry * ty, ry * tx - rx * ty)
+    after = collide(law, ContactVelocity(float(at.slip_row @ before), float(at.lift_row @ before), float(before[2])))
+    # The centre of mass follows from the contact's point.
+    vx = after.slip * tx - after.lift * ty + after.omega * ry
+    vy = after.slip * ty + after.lift * tx - after.omega * rx
+    return Outcome(np.array([vx, vy, after.omega]), np.array([after.lift]), np.array([after.slip]))
+
+
+def _collide(case: Case, before: np.ndarray, touched: Sequence[Place], law: _Law) -> tuple[Outcome, np.ndarray]:
+    """The outcome by enumeration, and the normal impulses per mass."""
+    compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
+    speed = float(np.abs(before * np.array([1.0, 1.0, case.plate.gyration])).max())
+    options = [OPEN, FORWARD] if law.mu == 0.0 else [OPEN, STICK] if law.mu == inf else [STICK, FORWARD, BACKWARD, OPEN]
+    solutions: list[tuple[Outcome, np.ndarray]] = []
+    for modes in product(options, repeat=len(touched)):
+        one = _in_modes(modes, before, touched, law, compliance, speed)
+        if one is not None and all(_differ(one[0], other[0], case.plate.gyration, speed) for other in solutions):
+            solutions.append(one)
+    if len(solutions) != 1:
+        count = "no" if not solutions else f"{len(solutions)} different"
+        raise NoImpact(f"{count} velocities after the impact agree with its law")
+    return solutions[0]
+
+
+def _differ(one: Outcome, other: Outcome, gyration: float, speed: float) -> bool:
+    off = np.abs((one.velocity - other.velocity) * np.array([1.0, 1.0, gyration])).max()
+    return bool(off > 1e-8 * speed)
+
+
+def _in_modes(modes, before, touched, law: _Law, compliance, speed) -> tuple[Outcome, np.ndarray] | None:
+    """The outcome in these modes if it is consistent."""
+    lift = np.array([at.lift_row @ before for at in touched])
+    slip = np.array([at.slip_row @ before for at in touched])
+    rows, columns, goals, which = [], [], [], []
+    change = np.zeros(3)
+    for k, (at, mode) in enumerate(zip(touched, modes, strict=True)):
+        ratio = -SIGN.get(mode, 0.0) * law.mu if law.mu and mode in SIGN else 0.0
+        if mode == OPEN:
+            if law.least[k] > 0.0 and law.mu > 0.0:
+                # The least impulse has friction of its own; its direction is that of the slip after the impact.
+                return _with_least(modes, before, touched, law, compliance, speed)
+            change = change + law.least[k] * at.lift_row
+            continue
+        rows.append(at.lift_row)
+        goals.append(-(1.0 + law.restitution[k]) * lift[k])
+        columns.append(at.lift_row + ratio * at.slip_row)
+        which.append((k, True))
+        if mode == STICK:
+            rows.append(at.slip_row)
+            goals.append(-slip[k])
+            columns.append(at.slip_row)
+            which.append((k, False))
+    return _check(modes, before, touched, law, speed, _solve(rows, columns, goals, change, compliance, speed), which)
+
+
+def _with_least(modes, before, touched, law: _Law, compliance, speed) -> tuple[Outcome, np.ndarray] | None:
+    """The outcome in these modes where contacts that open have a least impulse with friction: for each direction of
+    their slip, and for stick."""
+    opening = [k for k, mode in enumerate(modes) if mode == OPEN]
+    for senses in product((1.0, -1.0, 0.0), repeat=len(opening)):
+        rows, columns, goals, which, change = [], [], [], [], np.zeros(3)
+        for k, (at, mode) in enumerate(zip(touched, modes, strict=True)):
+            if mode == OPEN:
+                sense = senses[opening.index(k)]
+                change = change + law.least[k] * (at.lift_row - sense * law.mu * at.slip_row)
+                if sense == 0.0:
+                    rows.append(at.slip_row)
+                    goals.append(-float(at.slip_row @ before))
+                    columns.append(at.slip_row)
+                    which.append((k, False))
+                continue
+            ratio = -SIGN.get(mode, 0.0) * law.mu
+            rows.append(at.lift_row)
+            goals.append(-(1.0 + law.restitution[k]) * float(at.lift_row @ before))
+            columns.append(at.lift_row + ratio * at.slip_row)
+            which.append((k, True))
+            if mode == STICK:
+                rows.append(at.slip_row)
+                goals.append(-float(at.slip_row @ before))
+                columns.append(at.slip_row)
+                which.append((k, False))
+        result = _check(
+            modes, before, touched, law, speed, _solve(rows, columns, goals, change, compliance, speed), which,
+            dict(zip(opening, senses, strict=True)),
+        )  # fmt: skip
+        if result is not None:
+            return result
+    return None
+
+
+def _solve(rows, columns, goals, change, compliance, speed) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Change of the velocities, impulses, and a basis of the impulses that change nothing; None if there is none."""
+    if not rows:
+        return compliance * change, np.zeros(0), np.zeros((0, 0))
+    matrix = np.array(rows) @ (compliance[:, None] * np.array(columns).T)
+    right = np.array(goals) - np.array(rows) @ (compliance * change)
+    impulses, *_ = np.linalg.lstsq(matrix, right, rcond=1e-11)
+    if np.abs(matrix @ impulses - right).max() > ROUNDING * speed:
+        return None
+    _, sizes, basis = np.linalg.svd(matrix)
+    rank = int((sizes > 1e-10 * sizes[0]).sum())
+    return compliance * (change + np.array(columns).T @ impulses), impulses, basis[rank:].T
+
+
+def _check(modes, before, touched, law: _Law, speed, solved, which, senses=None) -> tuple[Outcome, np.ndarray] | None:
+    """The outcome of a solution if its impulses and velocities agree with the law."""
+    if solved is None:
+        return None
+    change, impulses, free = solved
+    after = before + change
+    lift, slip = (np.array([row @ after for row in rows]) for rows in zip(*((a.lift_row, a.slip_row) for a in touched)))
+    small = ROUNDING * speed
+    normal = law.least.copy()
+    friction = np.zeros(len(touched))
+    admissible: list[np.ndarray] = []  # rows of impulses that must not be negative
+    for i, (k, is_normal) in enumerate(which):
+        row = np.zeros(len(which))
+        row[i] = 1.0
+        if is_normal:
+            normal[k] = impulses[i]
+            admissible.append(row)
+        else:
+            friction[k] = impulses[i]
+            if law.mu < inf and (k, True) in which:
+                bound = np.zeros(len(which))
+                bound[which.index((k, True))] = law.mu
+                admissible += [bound + row, bound - row]
+            elif law.mu < inf and abs(impulses[i]) > law.mu * law.least[k] + small:
+                return None
+    least = np.array([law.least[k] if is_normal else 0.0 for k, is_normal in which])
+    if not _is_admissible(admissible, impulses, free, least, small):
+        return None
+    for k, mode in enumerate(modes):
+        rebound = lift[k] + law.restitution[k] * (touched[k].lift_row @ before)
+        if mode == OPEN:
+            if rebound < -small:
+                return None
+            sense = (senses or {}).get(k)
+            if sense and sense * slip[k] < -small:
+                return None
+            slip[k] = 0.0 if sense == 0.0 else slip[k]
+        elif mode == STICK:
+            slip[k] = 0.0
+        elif law.mu and SIGN[mode] * slip[k] < -small:
+            return None
+        if mode != OPEN and law.restitution[k] * (touched[k].lift_row @ before) == 0.0:
+            lift[k] = 0.0
+    lift[np.abs(lift) <= small] = 0.0
+    return Outcome(after, lift, slip), normal
+
+
+def _is_admissible(rows: list[np.ndarray], impulses, free, least, small) -> bool:
+    """Whether impulses, or some that differ by what changes nothing, satisfy all inequalities."""
+    if not rows:
+        return True
+    matrix = np.array(rows)
+    bound = np.array([float(row @ least) if (row >= 0.0).all() and row.sum() == row.max() else 0.0 for row in rows])
+    if not free.size:
+        return bool((matrix @ impulses >= bound - small).all())
+    from scipy.optimize import linprog
+
+    answer = linprog(
+        np.zeros(free.shape[1]), A_ub=-matrix @ free, b_ub=matrix @ impulses - bound + small, bounds=(None, None)
+    )
+    return bool(answer.status == 0)

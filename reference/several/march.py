@@ -1,0 +1,462 @@
+"""The motion from a second contact on: phases, events and impacts until the end of the time span or a status."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, DoesNotFit, Flight, Impact, Mode, RollingResistance, Transition, Unilateral
+
+from ..minimal.curve_pieces import TooMuch
+from ..minimal.decision import Undecidable
+from ..minimal.hybrid import (
+    CAUSES,
+    COMPLETION,
+    ENDS,
+    LIFT_OFF,
+    LOCATION_ERROR,
+    MOST_PHASES,
+    MOST_STEPS,
+    NO_MODE,
+    NO_SLIP,
+    REBOUND_ROUNDINGS,
+    ROUGH,
+    Ending,
+    undecidable,
+    work_limit_ending,
+)
+from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
+from ..minimal.meetings import Meeting, MeetingSearch
+from ..minimal.scales import frequency
+from ..minimal.series import EPS
+from . import forces
+from .decision import Decision, Instant, decide, depends_on_time, load_at
+from .hops import Hops
+from .geometry import Place, places, project, without_velocity
+from .impact import NoImpact, impact
+from .meetings import first_meeting
+from .regimes import LOST, SeveralRegime, body_of, coefficients, join, pairs_of, several_phase
+
+# Name of the contacts of a plate with its track: the first, then numbered ones.
+CONTACT = "plate/track"
+# A contact touches if its gap is below this part of the plate's size: the rounding of an event's pose.
+TOUCHES = 1e-12
+# A contact closes if it does so faster than this part of the largest speed so far; slower is rounding.
+CLOSES = 1e-10
+# This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
+IDLE, STUCK = 4, 50
+# A flight is integrated over this many of its time scales at once.
+FLIES = 4.0
+# Looks at a load in time while it may end a rest, besides those that resolve its features.
+LOOKS = 64
+
+
+class Ends(Exception):
+    """The motion ends, with a status and a sentence."""
+
+    def __init__(self, ending: Ending):
+        super().__init__(ending[1])
+        self.ending = ending
+
+
+@dataclass
+class Watch:
+    """A watched contact: its name, pair of points and mode, and the clearance (1/m) at which it is lost while open."""
+
+    name: str
+    pair: tuple[float, float]
+    mode: Mode
+    limit: float
+
+
+class _Rests(NamedTuple):
+    """The dense output of a plate at rest."""
+
+    state: tuple[float, ...]
+
+    def __call__(self, times: np.ndarray) -> np.ndarray:
+        return np.outer(self.state, np.ones_like(times))
+
+
+def supports(case: Case) -> str:
+    """Why a motion of this case with several contacts cannot be computed, in a sentence; "" if it can."""
+    if case.effect(Unilateral) is None:
+        return "A second contact needs Unilateral: a bilateral guide has no free side."
+    if case.effect(RollingResistance) is not None:
+        return "RollingResistance is not supported with several contacts."
+    return ""
+
+
+@dataclass
+class March:
+    """The state of a simulation with several contacts; `run` continues it until an ending."""
+
+    case: Case
+    rtol: float
+    integrate: Callable[..., Segment]
+    t: float
+    body: list[float]
+    watches: list[Watch]
+    segments: list[Segment] = field(default_factory=list)
+    transitions: list[Transition] = field(default_factory=list)
+    speed: float = 0.0
+    idle: int = 0
+    causes: dict[str, str] = field(default_factory=dict)
+    fixed: dict[str, tuple[Mode, ...]] = field(default_factory=dict)
+    stuck: set[str] = field(default_factory=set)
+    touching: set[str] = field(default_factory=set)
+    hops: Hops = field(default_factory=Hops)
+
+    def __post_init__(self) -> None:
+        self.search = MeetingSearch(self.case)
+        self.work = 0
+
+    # --- one phase ----------------------------------------------------------------------------------------------------
+
+    def run(self) -> Ending:
+        """Simulate phases until the end."""
+        ending = self._run()
+        self.transitions = self.hops.all
+        return ending
+
+    def _run(self) -> Ending:
+        try:
+            self._settle(self.stuck, struck=True)
+            for _ in range(MOST_PHASES):
+                ending = self._phase(self._decide())
+                if ending:
+                    return ending
+                if self.work >= MOST_STEPS:
+                    return work_limit_ending(self.t, self.work)
+        except Ends as end:
+            return end.ending
+        except Undecidable:
+            return undecidable(self.t)
+        except (DoesNotFit, np.linalg.LinAlgError) as problem:
+            return BREAKDOWN, f"After t = {self.t:.9g} s {problem}."
+        except TooMuch:
+            return "unfinished", f"The search for further contacts reached its limit at {self.t:.9g} s."
+        return "unfinished", f"The modes changed {MOST_PHASES} times until t = {self.t:.9g} s, the limit of a run."
+
+    def _instant(self) -> Instant:
+        now = self._places()
+        touching = tuple(k for k, watch in enumerate(self.watches) if watch.name in self.touching)
+        names, limits = tuple(watch.name for watch in self.watches), tuple(watch.limit for watch in self.watches)
+        pairs = [(at.xi1, at.xi2) for at in now]
+        return Instant(self.t, join(self.body, pairs), now, names, limits, touching, self.speed)
+
+    def _places(self) -> list[Place]:
+        now = places(self.case, self.body, [watch.pair for watch in self.watches])
+        for watch, at in zip(self.watches, now, strict=True):
+            watch.pair = at.xi1, at.xi2
+        return now
+
+    def _decide(self) -> SeveralRegime:
+        now = self._instant()
+        now = self._come_to_rest(now)
+        error = LOCATION_ERROR if self.idle <= IDLE else ROUGH
+        fixed = {k: self.fixed[name] for k, name in enumerate(now.names) if name in self.fixed}
+        decision = decide(self.case, now, error, fixed)
+        if decision.regime is None and fixed and not decision.motions:
+            decision = decide(self.case, now, error)
+        if decision.regime is None:
+            raise Ends(self._no_regime(now, decision))
+        regime, changes = decision.regime, list[Transition]()
+        for watch, mode, at in zip(self.watches, regime.modes, now.places, strict=True):
+            bounced = watch.name in self.causes and self.causes[watch.name] == CAUSES["landing"]
+            if mode is not watch.mode or (bounced and mode is Mode.FLIGHT):
+                cause = self.causes.get(watch.name, "the motion of another contact changed")
+                changes.append(Transition(self.t, watch.mode, mode, at.xi1, at.xi2, cause, watch.name))
+            watch.mode = mode
+        came_to_rest = CAUSES["rest"] in self.causes.values()
+        self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "")
+        self.causes, self.fixed, self.stuck = {}, {}, set()
+        if not regime.closed and self.case.effect(Flight) is None:
+            raise Ends(LIFT_OFF)
+        # Every closed contact has its own limit, and numbers with many digits would make every phase a new one.
+        self.watches = [watch for watch in self.watches if watch.mode is not Mode.FLIGHT or self._is_watched(watch)]
+        kept = {watch.name for watch in self.watches}
+        modes = tuple(mode for mode, name in zip(regime.modes, regime.names, strict=True) if name in kept)
+        limits = tuple(float(np.float32(watch.limit)) for watch in self.watches)
+        return SeveralRegime(modes, tuple(watch.name for watch in self.watches), limits, regime.rests)
+
+    def _come_to_rest(self, now: Instant) -> Instant:
+        """The instant at which impacts that accumulate come to rest, if they do; the same instant otherwise.
+
+        The plate is then moved by less than rounding, so that all contacts of the last impacts touch, and stopped."""
+        x, y, *_ = self.body
+        size = EPS ** 0.75 * (abs(x) + abs(y) + self.case.plate.reach)
+        limit = self.hops.limit(self.t, self._speed(), size)
+        if limit is None or not self.t <= limit < self.case.duration:
+            return now
+        near = [k for k, at in enumerate(now.places) if at.gap <= size]
+        body, at = project(self.case, [*self.body[:3], 0.0, 0.0, 0.0], [watch.pair for watch in self.watches], near)
+        rows = [one.lift_row for one in at] + [one.slip_row for one in at if coefficients(self.case)[1] > 0.0]
+        if len(near) < 2 or np.linalg.matrix_rank(np.array(rows), tol=1e-9 * self.case.plate.reach) < 3:
+            return now
+        pairs = [(one.xi1, one.xi2) for one in at]
+        rest = now._replace(time=limit, state=join(body, pairs), places=at, touching=tuple(near))
+        decision = decide(self.case, rest, LOCATION_ERROR)
+        if decision.regime is None or not decision.regime.rests:
+            return now
+        if limit > self.t:
+            still = several_phase(self.case, decision.regime)
+            self._advance(Segment.of(still, np.array([self.t, limit]), _Rests(rest.state), Event(None, limit, rest.state), 0))
+        self.body, self.touching = body, {self.watches[k].name for k in near}
+        self.causes = {name: CAUSES["rest"] for name in self.touching}
+        return self._instant()
+
+    def _is_watched(self, watch: Watch) -> bool:
+        at = places(self.case, self.body, [watch.pair])[0]
+        return at.clearance > 2.0 * watch.limit
+
+    def _no_regime(self, now: Instant, decision: Decision) -> Ending:
+        if decision.motions:
+            choices = "; ".join(
+                ", ".join(f"{name} {mode}" for name, mode in zip(now.names, modes, strict=True))
+                for modes in decision.motions
+            )
+            count = len(decision.motions)
+            return "not_unique", f"{count} motions of rigid Coulomb contact are consistent at {self.t:.9g} s: {choices}."
+        return NO_SLIP if coefficients(self.case)[1] == inf else NO_MODE
+
+    def _phase(self, regime: SeveralRegime) -> Ending | None:
+        """Integrate one phase and apply its event; returns an ending, or None."""
+        phase = several_phase(self.case, regime)
+        y = join(self.body, [watch.pair for watch in self.watches])
+        if regime.rests:
+            segment = self._rest(phase, y)
+        else:
+            segment, meeting = self._move(phase, y)
+            if meeting is not None:
+                self._advance(segment)
+                return self._meet(meeting)
+        self._advance(segment)
+        return self._event(segment, regime)
+
+    def _move(self, phase, y) -> tuple[Segment, Meeting | None]:
+        end = self.case.duration
+        if not phase.regime.closed:
+            often = frequency(phase, self.t, y)
+            end = min(end, max(self.t + FLIES / often if often else end, self.t + 1e3 * np.spacing(self.t)))
+        segment = self.integrate(phase, self.t, y, end, self.rtol)
+        meeting = first_meeting(self.case, self.search, segment) if segment.event.time > self.t else None
+        if meeting is None:
+            return segment, None
+        cut = segment.until(meeting.time, segment.evaluations)
+        state = tuple(segment.states(np.array([meeting.time]))[:, 0].tolist())
+        return Segment.of(
+            phase, cut.times, segment.states, Event(None, meeting.time, state), segment.evaluations
+        ), meeting
+
+    def _rest(self, phase, y) -> Segment:
+        """A rest: it ends where the forces cannot balance the load any more."""
+        end, guard = self.case.duration, None
+        if depends_on_time(self.case):
+            last = self._limit_of_rest(phase.regime, y)
+            end, guard = (last, "rest") if last is not None else (end, None)
+        return Segment.of(phase, np.array([self.t, end]), _Rests(y), Event(guard, end, y), 0)
+
+    def _limit_of_rest(self, regime: SeveralRegime, y) -> float | None:
+        from scipy.optimize import brentq
+
+        from cases import Load
+
+        at = [self._places()[k] for k in regime.closed]
+        stick, gyration = coefficients(self.case)[1], self.case.plate.gyration
+
+        def margin(t: float) -> float:
+            return forces.margin(at, load_at(self.case, t, body_of(y)), gyration, stick)
+
+        load, end = self.case.effect(Load), self.case.duration
+        looks = np.linspace(self.t, end, LOOKS)
+        if load is not None and load.features is not None:
+            looks = np.union1d(looks, load.features.nodes(self.t, end))
+        last = self.t
+        for look in looks[1:].tolist():
+            if margin(look) < 0.0:
+                return float(brentq(margin, last, look, xtol=1e-15, rtol=8.9e-16)) if margin(last) > 0.0 else last
+            last = look
+        return None
+
+    def _advance(self, segment: Segment) -> None:
+        self.segments.append(segment)
+        self.work += segment.steps
+        self.idle = self.idle + 1 if segment.event.time == self.t else 0
+        if self.idle > STUCK:
+            raise Ends(("accumulation", f"{STUCK} changes of mode took no time at t = {self.t:.9g} s."))
+        self.t, state = segment.event.time, segment.event.state
+        self.body = body_of(state)
+        for watch, pair in zip(self.watches, pairs_of(state), strict=True):
+            watch.pair = pair
+        self.speed = max(self.speed, self._speed())
+
+    def _speed(self) -> float:
+        return float(np.abs(np.array(self.body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max())
+
+    # --- events -------------------------------------------------------------------------------------------------------
+
+    def _event(self, segment: Segment, regime: SeveralRegime) -> Ending | None:
+        guard = segment.event.guard
+        self.touching = {regime.names[k] for k in regime.closed}
+        if guard is None:
+            if self.t >= self.case.duration:
+                return COMPLETION
+            self._settle()
+            return None
+        if guard == OUT_OF_STEPS:
+            return work_limit_ending(self.t, segment.steps)
+        if guard == BREAKDOWN:
+            return BREAKDOWN, f"The equations became singular at t = {self.t:.9g} s, and no step was small enough."
+        if guard == "rest":
+            # The contacts no longer hold the plate: some contact slips or opens.
+            self.causes = {name: "the forces at rest reached their limit" for name in self.touching}
+            self._settle(stuck=self.touching)
+            self.fixed = {}
+            return None
+        kind, _, number = guard.partition(":")
+        if kind.startswith("lost"):
+            del self.watches[int(number)]
+            self._settle()
+            return None
+        if kind in ENDS:
+            return ENDS[kind]
+        name = regime.names[int(number)]
+        stuck = {regime.names[k] for k, mode in enumerate(regime.modes) if mode is Mode.ROLL}
+        if kind == "gap":
+            self.touching.add(name)
+            self._settle(stuck, struck=True)
+            return None
+        cause = {"normal": "normal_force"}.get(kind, kind)
+        self.causes[name] = CAUSES[cause]
+        if kind == "slip":
+            stuck.add(name)
+        if kind == "normal":
+            self.fixed = {name: (Mode.FLIGHT,)}
+        self._settle(stuck)
+        return None
+
+    def _meet(self, meeting: Meeting) -> Ending | None:
+        """A contact at a place that is not watched."""
+        regime = self.segments[-1].phase.regime
+        self.touching = {regime.names[k] for k in regime.closed}
+        watch = self._new_watch((meeting.xi1, meeting.xi2))
+        self.touching.add(watch.name)
+        self._settle({n for n, m in zip(regime.names, regime.modes, strict=True) if m is Mode.ROLL}, struck=True)
+        return None
+
+    def _new_watch(self, pair: tuple[float, float]) -> Watch:
+        used = {watch.name for watch in self.watches}
+        number = next(i for i in range(1, len(used) + 2) if _name(i) not in used)
+        watch = Watch(_name(number), pair, Mode.FLIGHT, 0.0)
+        self.watches.append(watch)
+        return watch
+
+    def _settle(self, stuck: set[str] | None = None, struck: bool = False) -> None:
+        """Remove roundings from the state: no gap at contacts that touch, and no velocity where there is none.
+
+        `struck`: a contact may have closed with a velocity, which is an impact."""
+        stuck = set(stuck or ())
+        if struck:
+            self._add_touching()
+        indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
+        self.body, now = project(self.case, self.body, [watch.pair for watch in self.watches], indices)
+        for watch, at in zip(self.watches, now, strict=True):
+            watch.pair = at.xi1, at.xi2
+        for k in indices:
+            self.watches[k].limit = LOST * now[k].clearance
+        self.speed = max(self.speed, self._speed())
+        if struck:
+            stuck = self._impact(now, indices, stuck)
+            indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
+        held = [k for k in indices if self.watches[k].name in stuck]
+        self.body = without_velocity(self.case, self.body, now, indices, held)
+
+    def _add_touching(self) -> None:
+        size = abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach
+        for watch, at in zip(self.watches, self._places(), strict=True):
+            if at.gap <= TOUCHES * size:
+                self.touching.add(watch.name)
+
+    def _impact(self, now: Sequence[Place], indices: list[int], stuck: set[str]) -> set[str]:
+        """Apply an impact if a touched contact closes; returns the names of contacts that do not slip after it (`stuck`
+        before it), and leaves the ones that open out of `touching`."""
+        velocity = np.array(self.body[3:])
+        lifts = {k: float(now[k].lift_row @ velocity) for k in indices}
+        closing = [k for k in indices if lifts[k] < -CLOSES * self.speed]
+        if not closing:
+            self.touching = {self.watches[k].name for k in indices if lifts[k] <= CLOSES * self.speed}
+            return stuck | {self.watches[k].name for k in indices if self._is_still(now[k], velocity)}
+        if self.case.effect(Impact) is None:
+            raise Ends(
+                (
+                    "second_contact",
+                    f"The plate meets its track in a second place, xi1 = {now[closing[0]].xi1:.9g}, at t = "
+                    f"{self.t:.9g} s, and the case names no Impact; add Flight() and Impact(0.0) to go on.",
+                )
+            )
+        touched = [k for k in indices if lifts[k] <= CLOSES * self.speed]
+        try:
+            outcome = impact(self.case, self.body[3:], [now[k] for k in touched])
+        except NoImpact as problem:
+            raise Ends(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
+        self._check_energy(outcome.velocity)
+        self.body[3:] = outcome.velocity.tolist()
+        self.hops.strike(self.t, max(-lifts[k] for k in closing))
+        self.touching, sticks = set(), set[str]()
+        for i, k in enumerate(touched):
+            watch, lift = self.watches[k], float(outcome.lift[i])
+            if k in closing:
+                self.causes[watch.name] = CAUSES["landing"]
+            if lift > 0.0 and not self._is_unresolved(now[k], lift):
+                continue
+            if lift > 0.0:
+                self.causes[watch.name] = CAUSES["rest"]
+            self.touching.add(watch.name)
+            if outcome.slip[i] == 0.0:
+                sticks.add(watch.name)
+        return sticks
+
+    def _check_energy(self, after: np.ndarray) -> None:
+        """Newton's law may create energy, which ends the motion."""
+        from ..minimal.hybrid import ENERGY
+
+        weights = np.array([1.0, 1.0, self.case.plate.gyration**2])
+        before = np.array(self.body[3:])
+        law = self.case.effect(Impact)
+        if law is not None and law.law == "newton" and weights @ after**2 > (1.0 + 1e-12) * (weights @ before**2):
+            raise Ends(ENERGY)
+
+    def _is_still(self, at: Place, velocity: np.ndarray) -> bool:
+        return abs(float(at.slip_row @ velocity)) <= 1e-11 * self.speed
+
+    def _is_unresolved(self, at: Place, lift: float) -> bool:
+        """Whether a rebound rises no higher than positions' rounding."""
+        load = load_at(self.case, self.t, self.body)
+        weights = 1.0 / np.array([1.0, 1.0, self.case.plate.gyration**2]) / self.case.plate.mass
+        pull = max(-float(at.lift_row @ (weights * load)), 0.0)
+        rounding = REBOUND_ROUNDINGS * EPS * (abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach)
+        return lift * lift <= 2.0 * pull * rounding
+
+
+def _name(number: int) -> str:
+    return CONTACT if number == 1 else f"{CONTACT} {number}"
+
+
+def until_end(
+    case: Case, t: float, body: Sequence[float], own: tuple[float, float], mode: Mode, other: tuple[float, float],
+    rtol: float, integrate: Callable[..., Segment],
+) -> tuple[list[Segment], list[Transition], Ending]:  # fmt: skip
+    """Continue a motion whose plate (x, y, θ, vx, vy, ω) has a contact at the pair `own`, in that mode, and meets its
+    track at the pair `other`: (segments, transitions, (status, sentence))."""
+    watches = [Watch(_name(1), own, mode, 0.0), Watch(_name(2), other, Mode.FLIGHT, 0.0)]
+    march = March(case, rtol, integrate, t, list(body), watches)
+    march.touching = {_name(1), _name(2)}
+    if mode is Mode.ROLL:
+        march.stuck = {_name(1)}
+    ending = march.run()
+    return march.segments, march.transitions, ending
