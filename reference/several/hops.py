@@ -24,7 +24,7 @@ class Hops:
     def __init__(self) -> None:
         self.listed: list[Transition] = []
         self.kept_back: list[Transition] = []
-        self.times: list[float] = []
+        self.strikes: list[tuple[float, float]] = []  # time (s) and angle of the plate
         self.fastest, self.is_small = 0.0, False
         self.best: tuple[float, float] = (inf, inf)  # change of the extrapolated end, and that end, s
         self.last = inf
@@ -34,28 +34,34 @@ class Hops:
         """All transitions of a motion that is complete."""
         return [*self.listed, *self.kept_back]
 
-    def strike(self, t: float, closing: float) -> None:
-        """Record an impact with that closing speed, m/s."""
+    def strike(self, t: float, theta: float, closing: float) -> None:
+        """Record an impact with that closing speed, m/s, at that angle of the plate."""
         self.is_small = closing < LISTING_PART * self.fastest
-        self.fastest = max(self.fastest, closing)
+        if closing >= self.fastest:
+            self.fastest, self.best, self.last = closing, (inf, inf), inf
         if not self.is_small:
             self.listed, self.kept_back = self.all, []
-            self.best, self.last = (inf, inf), inf
-        self.times = [*self.times[-2 * PERIOD :], t]
-        if len(self.times) <= 2 * PERIOD:
-            return
-        before, between, now = self.times[-1 - 2 * PERIOD], self.times[-1 - PERIOD], self.times[-1]
-        ratio = (now - between) / (between - before) if between > before else inf
-        if ratio < 1.0:
-            end = now + (now - between) * ratio / (1.0 - ratio)
+        self.strikes = [*self.strikes[-2 * PERIOD :], (t, theta)]
+        end = self._limit(0)
+        if end is not None:
             self.best = min(self.best, (abs(end - self.last), end))
             self.last = end
 
-    def limit(self, t: float, speed: float, size: float) -> float | None:
-        """The time at which small impacts end, if the plate moves by less than `size` (m) until then at that speed."""
-        if not self.is_small or self.best[1] == inf or not self.times or self.times[-1] != t:
+    def _limit(self, column: int) -> float | None:
+        """The limit of times (0) or angles (1), extrapolated; None if they do not approach one."""
+        if len(self.strikes) <= 2 * PERIOD:
             return None
-        return max(self.best[1], t) if speed * abs(self.last - t) <= size else None
+        before, between, now = (self.strikes[i][column] for i in (0, PERIOD, 2 * PERIOD))
+        first, second = between - before, now - between
+        return now + second * second / (first - second) if abs(second) < abs(first) else None
+
+    def limit(self, t: float, speed: float, size: float) -> tuple[float, float] | None:
+        """Time and angle at which small impacts end, if the plate moves by less than `size` (m) until then at that
+        speed."""
+        theta = self._limit(1)
+        if not self.is_small or self.best[1] == inf or theta is None or self.strikes[-1][0] != t:
+            return None
+        return (max(self.best[1], t), theta) if speed * abs(self.last - t) <= size else None
 
     def record(self, t: float, changes: list[Transition], cause: str = "") -> None:
         """Record the changes of mode at one instant; `cause` is given if bouncing has come to rest."""
@@ -64,7 +70,7 @@ class Hops:
             changes = _net([*self.kept_back, *changes], t, cause)
             self.kept_back = []
         if rests:
-            self.fastest, self.is_small, self.times = 0.0, False, []
+            self.fastest, self.is_small, self.strikes = 0.0, False, []
         if self.is_small:
             self.kept_back += changes
         else:

@@ -49,6 +49,9 @@ TOUCHES = 1e-12
 CLOSES = 1e-10
 # This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
 IDLE, STUCK = 4, 50
+# Impacts are extrapolated to their end where the plate moves by less than this part of its size until then: gaps of
+# larger hops have five digits.
+SMALL_HOP = 1e-10
 # A flight is integrated over this many of its time scales at once.
 FLIES = 4.0
 # Looks at a load in time while it may end a rest, besides those that resolve its features.
@@ -189,12 +192,13 @@ class March:
 
         The plate is then moved by less than rounding, so that all contacts of the last impacts touch, and stopped."""
         x, y, *_ = self.body
-        size = EPS ** 0.75 * (abs(x) + abs(y) + self.case.plate.reach)
-        limit = self.hops.limit(self.t, self._speed(), size)
-        if limit is None or not self.t <= limit < self.case.duration:
+        size = SMALL_HOP * (abs(x) + abs(y) + self.case.plate.reach)
+        end = self.hops.limit(self.t, self._speed(), size)
+        if end is None or not self.t <= end[0] < self.case.duration:
             return now
+        limit, theta = end
         near = [k for k, at in enumerate(now.places) if at.gap <= size]
-        body, at = project(self.case, [*self.body[:3], 0.0, 0.0, 0.0], [watch.pair for watch in self.watches], near)
+        body, at = project(self.case, [x, y, theta, 0.0, 0.0, 0.0], [watch.pair for watch in self.watches], near)
         rows = [one.lift_row for one in at] + [one.slip_row for one in at if coefficients(self.case)[1] > 0.0]
         if len(near) < 2 or np.linalg.matrix_rank(np.array(rows), tol=1e-9 * self.case.plate.reach) < 3:
             return now
@@ -406,7 +410,7 @@ class March:
             raise Ends(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
         self._check_energy(outcome.velocity)
         self.body[3:] = outcome.velocity.tolist()
-        self.hops.strike(self.t, max(-lifts[k] for k in closing))
+        self.hops.strike(self.t, self.body[2], max(-lifts[k] for k in closing))
         self.touching, sticks = set(), set[str]()
         for i, k in enumerate(touched):
             watch, lift = self.watches[k], float(outcome.lift[i])

@@ -1,0 +1,113 @@
+"""Linear complementarity problems, w = M z + q, w ≥ 0, z ≥ 0, wᵀ z = 0, by Lemke's method; Coulomb's law as one.
+
+(Lemke's complementary pivoting and the planar friction problem with variables N, T⁺, T⁻, σ are known to us from Cottle,
+Pang & Stone, The Linear Complementarity Problem, not looked up.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+# Pivots of a problem of n variables: a multiple of n in practice.
+MOST_PIVOTS = 50
+# Entries below this part of the largest are roundings, and no pivots.
+SMALL = 1e-11
+# Solutions that differ by less than this part are the same.
+SAME = 1e-7
+# Lemke's method follows one path for each covering vector; different ones may reach different solutions.
+COVERS = 6
+
+
+def lemke(matrix: np.ndarray, right: np.ndarray, cover: np.ndarray) -> np.ndarray | None:
+    """One solution z, shape (n,); None if the method ends in a ray."""
+    n = len(right)
+    if right.min(initial=0.0) >= 0.0:
+        return np.zeros(n)
+    table = np.hstack([np.eye(n), -matrix, -cover[:, None], right[:, None]])
+    basis = list(range(n))
+    row = int(np.argmin(right / cover))
+    entering = 2 * n
+    for _ in range(MOST_PIVOTS * n):
+        table[row] /= table[row, entering]
+        for other in range(n):
+            if other != row:
+                table[other] -= table[other, entering] * table[row]
+        leaving, basis[row] = basis[row], entering
+        if leaving == 2 * n:
+            z = np.zeros(2 * n + 1)
+            z[basis] = table[:, -1]
+            return z[n : 2 * n]
+        entering = leaving + n if leaving < n else leaving - n
+        column = table[:, entering]
+        candidates = np.flatnonzero(column > SMALL * np.abs(table[:, :-1]).max())
+        if not candidates.size:
+            return None
+        ratios = table[candidates, -1] / column[candidates]
+        near = candidates[ratios <= ratios.min() + SMALL * (np.abs(ratios).max() + 1e-300)]
+        artificial = [i for i in near.tolist() if basis[i] == 2 * n]
+        row = artificial[0] if artificial else int(near[np.argmax(column[near])])
+    return None
+
+
+def covers(n: int) -> list[np.ndarray]:
+    """Covering vectors of positive entries, the first of ones."""
+    numbers = np.random.default_rng(0)
+    return [np.ones(n), *(numbers.uniform(0.1, 10.0, n) for _ in range(COVERS - 1))]
+
+
+def friction_problem(
+    delassus: np.ndarray, free: np.ndarray, slips: Sequence[float | None], mu: float, stick: float,
+    least: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Coulomb's law at K contacts as a problem: its matrix and vector, and the matrix from z to the contact forces.
+
+    `delassus` (2K, 2K) maps forces (N₁ … N_K, T₁ … T_K) to the rates of lift and slip, `free` (2K,) are those without
+    forces. `slips`: the sign of each slip, None where friction resists its beginning. `least`: normal forces that act
+    in any case.
+    """
+    count = len(slips)
+    open_cone = [k for k, sign in enumerate(slips) if sign is None and mu > 0.0]
+    columns = np.zeros((2 * count, count + 3 * len(open_cone)))
+    rows = np.zeros((count + 3 * len(open_cone), 2 * count))
+    extra = np.zeros((len(rows), len(rows)))
+    base = np.zeros(2 * count)
+    least = np.zeros(count) if least is None else least
+    base[:count] = least
+    for k, sign in enumerate(slips):
+        columns[k, k] = rows[k, k] = 1.0
+        if sign is not None and mu > 0.0:
+            columns[count + k, k] = -sign * mu
+            base[count + k] = -sign * mu * least[k]
+    constant = np.zeros(len(rows))
+    for i, k in enumerate(open_cone):
+        forward, backward, bound = (count + 3 * i + j for j in range(3))
+        columns[count + k, forward], columns[count + k, backward] = 1.0, -1.0
+        rows[forward, count + k], rows[backward, count + k] = 1.0, -1.0
+        extra[forward, bound] = extra[backward, bound] = 1.0
+        extra[bound, k], extra[bound, forward], extra[bound, backward] = stick, -1.0, -1.0
+        constant[bound] = stick * least[k]
+    matrix = rows @ delassus @ columns + extra
+    return matrix, rows @ (free + delassus @ base) + constant, np.column_stack([columns, base])
+
+
+def solutions(
+    delassus: np.ndarray, free: np.ndarray, slips: Sequence[float | None], mu: float, stick: float,
+    least: np.ndarray | None = None,
+) -> list[np.ndarray]:
+    """Contact forces (2K,) that satisfy Coulomb's law, one for each different set of rates among those found from
+    several covering vectors."""
+    matrix, right, to_forces = friction_problem(delassus, free, slips, mu, stick, least)
+    size = np.abs(right).max(initial=0.0)
+    scale = np.abs(delassus).max(initial=0.0)
+    results: list[tuple[np.ndarray, np.ndarray]] = []
+    for cover in covers(len(right)):
+        z = lemke(matrix, right, cover)
+        if z is None:
+            continue
+        force = to_forces @ np.append(z, 1.0)
+        rates = delassus @ force + free
+        if all(np.abs(rates - other).max() > SAME * max(size, scale * np.abs(force).max()) for _, other in results):
+            results.append((force, rates))
+    return [force for force, _ in results]

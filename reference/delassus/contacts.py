@@ -1,0 +1,130 @@
+"""The contacts of a plate in their own frames, in numbers: rows and biases of the accelerations of gap and slip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, hypot, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, CoulombFriction, DoesNotFit, Gravity, Load, PerfectlyRough
+from cases.contact import find
+
+# Pairs of nearest points with a gap below this part of the plate's reach are looked for among samples of the track.
+NEAR, SAMPLES = 0.3, 240
+# Two pairs are the same one if their track points are closer than this part of the reach.
+APART = 1e-6
+
+
+class Pair(NamedTuple):
+    """A contact in its frame: parameters, gap (m), lift and slip velocity (m/s), their rows in (vx, vy, ω), their
+    accelerations without that of the plate (m/s²), and the rate of ξ₁ (1/s)."""
+
+    xi1: float
+    xi2: float
+    gap: float
+    lift: float
+    slip: float
+    lift_row: np.ndarray
+    slip_row: np.ndarray
+    lift_bias: float
+    slip_bias: float
+    xi1_rate: float
+
+
+def pair_at(case: Case, body: Sequence[float], near: tuple[float, float]) -> Pair:
+    """The pair of nearest points next to `near`; `body` is (x, y, θ, vx, vy, ω). Raises DoesNotFit."""
+    x, y, theta, vx, vy, omega = (float(v) for v in body)
+    contact = find(case, x, y, theta, near)
+    jet, own = case.track.jet(contact.xi1), case.plate.outline.jet(contact.xi2)
+    speed, own_speed = hypot(jet[2], jet[3]), hypot(own[2], own[3])
+    bend = (jet[2] * jet[5] - jet[3] * jet[4]) / speed**3
+    own_bend = (own[2] * own[5] - own[3] * own[4]) / own_speed**3
+    tx, ty = jet[2] / speed, jet[3] / speed
+    c, s = cos(theta), sin(theta)
+    rx, ry = c * own[0] - s * own[1], s * own[0] + c * own[1]
+    rt, rn = rx * tx + ry * ty, ry * tx - rx * ty
+    slip_row, lift_row = np.array([tx, ty, -rn]), np.array([-ty, tx, rt])
+    slip, lift = vx * tx + vy * ty - omega * rn, vy * tx - vx * ty + omega * rt
+    # The normals turn together; how fast the points move along their curves follows from slip, spin and gap.
+    along = (own_bend * slip - omega) / (own_bend * (1.0 - contact.gap * bend) - bend)
+    along_own = along * (1.0 - contact.gap * bend) - slip
+    turning = bend * along
+    lift_bias = -omega * omega * rn + omega * along_own - turning * slip
+    slip_bias = -omega * omega * rt + turning * lift
+    return Pair(
+        contact.xi1, contact.xi2, contact.gap, lift, slip, lift_row, slip_row, lift_bias, slip_bias, along / speed
+    )
+
+
+def all_pairs(case: Case, body: Sequence[float], around: float) -> list[tuple[float, float]]:
+    """Pairs of nearest points with small gaps in one pose, from Newton's method at samples of the track near `around`,
+    a parameter near the plate."""
+    track, outline, reach = case.track, case.plate.outline, case.plate.reach
+    x, y, theta = (float(v) for v in body[:3])
+    if track.domain or track.period:
+        samples = np.linspace(*track.span, 8 * SAMPLES)
+    else:
+        wide = 6.0 * reach / float(track.speed(around))
+        samples = np.linspace(around - wide, around + wide, 4 * SAMPLES)
+    points = track.point(samples)
+    samples = samples[np.hypot(points[0] - x, points[1] - y) < (1.0 + NEAR) * reach]
+    samples = samples[:: max(1, len(samples) // SAMPLES)]
+    own = np.linspace(*outline.span, 1440)
+    angles = np.asarray(outline.tangent_angle(own)) + theta
+    found: list[tuple[float, float]] = []
+    for xi1 in samples.tolist():
+        off = np.angle(np.exp(1j * (angles - float(track.tangent_angle(xi1)))))
+        try:
+            one = find(case, x, y, theta, (xi1, float(own[np.argmin(np.abs(off))])))
+        except DoesNotFit:
+            continue
+        if track.domain and not track.period and not track.domain[0] <= one.xi1 <= track.domain[1]:
+            continue
+        if abs(one.gap) > NEAR * reach or not _faces(case, one.xi1, one.xi2, theta):
+            continue
+        place = track.point(one.xi1)
+        if all(np.hypot(*(place - track.point(xi1))) > APART * reach for xi1, _ in found):
+            found.append((one.xi1, one.xi2))
+    return found
+
+
+def _faces(case: Case, xi1: float, xi2: float, theta: float) -> bool:
+    """Whether the tangents point in the same direction, and the outline bends more than the track."""
+    angle = float(case.track.tangent_angle(xi1)) - float(case.plate.outline.tangent_angle(xi2)) - theta
+    return cos(angle) > 0.0 and float(case.plate.outline.curvature(xi2)) > float(case.track.curvature(xi1))
+
+
+class Dynamics:
+    """Mass, applied forces and friction of a case."""
+
+    def __init__(self, case: Case):
+        self.case = case
+        self.inverse = 1.0 / np.array([case.plate.mass, case.plate.mass, case.plate.inertia])
+        self.units = np.array([1.0, 1.0, case.plate.gyration])
+        gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
+        self.weight = np.zeros(3)
+        if gravity is not None:
+            self.weight[:2] = case.plate.mass * np.array(gravity.vector)
+        self.load = case.effect(Load)
+        self.mu, self.stick = (friction.mu, friction.stick) if friction else (0.0, 0.0)
+        self.rough = case.effect(PerfectlyRough) is not None
+        if self.rough:  # far beyond any force of the scenes, as Lemke's method needs a number
+            self.mu = self.stick = 1e9
+
+    def applied(self, t: float, body: Sequence[float]) -> np.ndarray:
+        """The applied force and moment (N, N, N m)."""
+        if self.load is None:
+            return self.weight
+        return self.weight + np.array(self.load.at(t, *(float(v) for v in body)))
+
+    def delassus(self, pairs: Sequence[Pair]) -> tuple[np.ndarray, np.ndarray]:
+        """The Delassus matrix (2K, 2K) of lifts, then slips, and the rows (2K, 3)."""
+        rows = np.array([p.lift_row for p in pairs] + [p.slip_row for p in pairs]).reshape(-1, 3)
+        return rows * self.inverse @ rows.T, rows
+
+    def free_rates(self, t: float, body: Sequence[float], pairs: Sequence[Pair], rows: np.ndarray) -> np.ndarray:
+        """Accelerations of the gaps, then of the slips, without contact forces."""
+        biases = np.array([p.lift_bias for p in pairs] + [p.slip_bias for p in pairs])
+        return rows @ (self.inverse * self.applied(t, body)) + biases

@@ -1,0 +1,112 @@
+"""One phase of several contacts: accelerations with fixed modes, and the guards that are positive while it lasts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Mode
+
+from .contacts import Dynamics, Pair, pair_at
+
+SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
+
+
+class Contact(NamedTuple):
+    """A watched contact: its name, pair of points, and mode (FLIGHT: open)."""
+
+    name: str
+    pair: tuple[float, float]
+    mode: Mode
+
+    @property
+    def is_closed(self) -> bool:
+        return self.mode is not Mode.FLIGHT
+
+
+class Forces(NamedTuple):
+    """Accelerations (3,), and normal and friction force of each contact (K,), N."""
+
+    acceleration: np.ndarray
+    normal: np.ndarray
+    friction: np.ndarray
+
+
+class SeveralContactPhase:
+    """The equations of a phase, and the pairs of points, which are followed from one evaluation to the next."""
+
+    def __init__(self, dynamics: Dynamics, contacts: Sequence[Contact], rests: bool = False):
+        self.dynamics, self.contacts, self.rests = dynamics, list(contacts), rests
+        self.near = [contact.pair for contact in contacts]
+
+    def pairs(self, body: Sequence[float]) -> list[Pair]:
+        """All contacts in one state of the plate."""
+        now = [pair_at(self.dynamics.case, body, near) for near in self.near]
+        self.near = [(pair.xi1, pair.xi2) for pair in now]
+        return now
+
+    def closed_pairs(self, body: Sequence[float]) -> list[Pair | None]:
+        """The closed contacts in one state; an integrator's stages lie ahead, where open ones may be lost."""
+        case = self.dynamics.case
+        return [
+            pair_at(case, body, near) if contact.is_closed else None
+            for contact, near in zip(self.contacts, self.near, strict=True)
+        ]
+
+    def forces(self, t: float, body: Sequence[float], now: Sequence[Pair | None] | None = None) -> Forces:
+        """Accelerations and forces in the phase's modes, from the Delassus matrix."""
+        now = self.closed_pairs(body) if now is None else now
+        dynamics, count = self.dynamics, len(self.contacts)
+        free = dynamics.inverse * dynamics.applied(t, body)
+        normal, friction = np.zeros(count), np.zeros(count)
+        rows, columns, biases, which = [], [], [], []
+        for k, (contact, pair) in enumerate(zip(self.contacts, now, strict=True)):
+            if pair is None or not contact.is_closed:
+                continue
+            ratio = -SIGN.get(contact.mode, 0.0) * dynamics.mu
+            rows.append(pair.lift_row)
+            columns.append(pair.lift_row + ratio * pair.slip_row)
+            biases.append(pair.lift_bias)
+            which.append((k, ratio))
+            if contact.mode is Mode.ROLL:
+                rows.append(pair.slip_row)
+                columns.append(pair.slip_row)
+                biases.append(pair.slip_bias)
+                which.append((k, None))
+        if not rows:
+            return Forces(free, normal, friction)
+        rows_matrix, columns_matrix = np.array(rows), np.array(columns).T
+        matrix = rows_matrix @ (dynamics.inverse[:, None] * columns_matrix)
+        multipliers = np.linalg.solve(matrix, -(rows_matrix @ free + np.array(biases)))
+        for (k, ratio), value in zip(which, multipliers.tolist(), strict=True):
+            if ratio is None:
+                friction[k] = value
+            else:
+                normal[k] = value
+                friction[k] = ratio * value
+        return Forces(free + dynamics.inverse * (columns_matrix @ multipliers), normal, friction)
+
+    def rates(self, t: float, y: np.ndarray) -> np.ndarray:
+        """The derivative of (x, y, θ, vx, vy, ω)."""
+        return np.concatenate([y[3:], self.forces(t, y).acceleration])
+
+    def guards(self, t: float, y: np.ndarray) -> dict[tuple[str, str], float]:
+        """Values by (kind, contact) that are positive while the phase lasts, each in its natural unit: forces in the
+        weight or load, speeds and gaps in SI units."""
+        now = self.pairs(y)
+        forces = self.forces(t, y, now)
+        values: dict[tuple[str, str], float] = {}
+        for k, (contact, pair) in enumerate(zip(self.contacts, now, strict=True)):
+            normal, friction = float(forces.normal[k]), float(forces.friction[k])
+            if not contact.is_closed:
+                values["gap", contact.name] = pair.gap
+            elif contact.mode is Mode.ROLL and not self.dynamics.rough:
+                bound = self.dynamics.stick * normal
+                values["cone+", contact.name], values["cone-", contact.name] = bound + friction, bound - friction
+            else:
+                values["normal", contact.name] = normal
+            if contact.mode in SIGN:
+                values["slip", contact.name] = SIGN[contact.mode] * pair.slip
+        return values
