@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, fields, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .errors import BadValue
+from .errors import BadValue, unknown_name
 from .owned_folder import atomic_path
 
 if TYPE_CHECKING:
@@ -121,8 +121,42 @@ class State(NamedTuple):
         return f"State({', '.join(f'{name}={value:.6g}' for name, value in self._asdict().items())})"
 
 
+class ContactColumns(NamedTuple):
+    """One contact at n instants, arrays (n,): gap (m), slip velocity (m/s), normal and friction force (N), contact
+    parameters, and the ranges of both forces, (2, n).
+
+    A force that Coulomb's law leaves open is NaN, and its range has its least and greatest value (infinite where
+    contacts may press against each other without bound). While a contact is open its forces are 0 and its slip is NaN;
+    gap and parameters are NaN where it is far from its track.
+    """
+
+    gap: np.ndarray
+    slip: np.ndarray
+    normal_force: np.ndarray
+    friction_force: np.ndarray
+    xi1: np.ndarray
+    xi2: np.ndarray
+    normal_range: np.ndarray
+    friction_range: np.ndarray
+
+
+# The name of a plate's contact with its track; further ones are numbered from 2.
+CONTACT = "plate/track"
 # The columns of a trajectory.
 _SAMPLES = ("t", *State._fields)
+
+
+class _OneContact:
+    """The dense output of a motion with the slip, forces and parameters of one contact."""
+
+    def __init__(self, dense: Callable, columns: Callable, contact: str):
+        self.dense, self.columns, self.contact = dense, columns, contact
+
+    def __call__(self, times: np.ndarray) -> State:
+        now = self.columns(self.contact, times)
+        return self.dense(times)._replace(
+            slip=now.slip, normal_force=now.normal_force, friction_force=now.friction_force, xi1=now.xi1, xi2=now.xi2
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -137,6 +171,9 @@ class Trajectory:
     (0: exact). `passages` of the contact between pieces and corners of a chain are empty on smooth curves. `dense` maps
     a time or an array of times inside the range to a State; without it the samples are interpolated. `case`, if known,
     is the case of the motion: `plot` and `animate` draw it.
+
+    In a motion with several contacts `contact_names` lists them, `contacts` has the columns of each, and `of` gives the
+    motion of one; slip, forces and parameters of the trajectory itself are those of the first closed contact.
     """
 
     t: np.ndarray
@@ -160,6 +197,39 @@ class Trajectory:
     dense: Callable[[np.ndarray], State] | None = None
     case: Case | None = None
     passages: tuple[Passage, ...] = ()
+    contact_names: tuple[str, ...] = (CONTACT,)
+    contact_columns: Callable[[str, np.ndarray | None], ContactColumns] | None = None
+
+    @property
+    def contacts(self) -> dict[str, ContactColumns]:
+        """The columns of each contact at the times of the samples, by name."""
+        return {name: self._columns(name, None) for name in self.contact_names}
+
+    def of(self, contact: str) -> Trajectory:
+        """The motion of one contact: the same plate, with this contact's slip, forces, parameters and transitions.
+
+        Raises UnknownName for a contact that the motion does not have.
+        """
+        if contact not in self.contact_names:
+            raise unknown_name("contact of the motion", str(contact), self.contact_names)
+        if self.contact_columns is None:
+            return self
+        now = self._columns(contact, None)
+        transitions = tuple(t for t in self.transitions if t.contact == contact)
+        is_first = contact == self.contact_names[0]
+        return replace(
+            self, slip=now.slip, normal_force=now.normal_force, friction_force=now.friction_force, xi1=now.xi1,
+            xi2=now.xi2, transitions=transitions, first_mode=self.first_mode if is_first else Mode.FLIGHT,
+            dense=self.dense and _OneContact(self.dense, self.contact_columns, contact),
+            contact_names=(contact,), contact_columns=None,
+        )  # fmt: skip
+
+    def _columns(self, contact: str, times: np.ndarray | None) -> ContactColumns:
+        if self.contact_columns is not None:
+            return self.contact_columns(contact, times)
+        ranges = (np.array([values, values]) for values in (self.normal_force, self.friction_force))
+        gap = np.where(np.isnan(self.slip), np.nan, 0.0)
+        return ContactColumns(gap, self.slip, self.normal_force, self.friction_force, self.xi1, self.xi2, *ranges)
 
     @classmethod
     def on_demand(cls, sample: Callable[[], tuple[np.ndarray, State]], **rest) -> Trajectory:

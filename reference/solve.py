@@ -17,6 +17,7 @@ from cases import BadValue, Case, Cost, Mode, NotSupported, Passage, State, Traj
 from cases.contact import belt_speed, pose
 from cases.errors import between, unknown_name
 from cases.piece_case import PieceCase, has_pieces, passages_between
+from cases.trajectory import CONTACT
 
 from . import augmented_integrator, several
 from .minimal.decision import Undecidable, decide
@@ -115,15 +116,18 @@ def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrat
     unsupported = several.supports(case)
     if unsupported:
         return segments, transitions, (status, f"{reason} {unsupported}")
-    last = segments[-1]
-    y = last.states(np.array([meeting.time]))
-    state = _observe(case, last.phase, np.array([meeting.time]), y)
+    last, pair = segments[-1], (meeting.xi1, meeting.xi2)
+    if several.touches_at_start(case, pair):
+        segments, transitions, time = [], [], 0.0
+    else:
+        time = meeting.time
+    y = last.states(np.array([time])) if segments else np.array(state_in(last.phase, start))[:, None]
+    state = _observe(case, last.phase, np.array([time]), y)
     x, y0, theta, vx, vy, omega, *_, xi1, xi2 = (float(column[0]) for column in np.broadcast_arrays(*state))
     more, changes, ending = several.until_end(
-        case, meeting.time, (x, y0, theta, vx, vy, omega), (xi1, xi2), last.phase.regime.mode,
-        (meeting.xi1, meeting.xi2), rtol, integrate,
-    )  # fmt: skip
-    transitions = [replace(event, contact=several.CONTACT) for event in transitions]
+        case, time, (x, y0, theta, vx, vy, omega), (xi1, xi2), last.phase.regime.mode, pair, rtol, integrate
+    )
+    transitions = [replace(event, contact=CONTACT) for event in transitions]
     return [*segments, *more], [*transitions, *changes], ending
 
 
@@ -215,14 +219,18 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         times = np.concatenate([segment.times for segment in segments])
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 
+    if any(isinstance(segment.phase, several.SeveralPhase) for segment in segments):
+        contacts = several.Contacts(case, segments, _observe)
+        common |= dict(contact_names=contacts.names, contact_columns=contacts)
     first_mode = _first_mode(segments, transitions)
     return Trajectory.on_demand(samples, **common, first_mode=first_mode, dense=_Dense(case, segments))
 
 
 def _first_mode(segments: list[Segment], transitions) -> Mode:
     """The mode of the first contact at the start."""
-    regime = segments[0].phase.regime
-    return regime.modes[0] if isinstance(segments[0].phase, several.SeveralPhase) else regime.mode
+    first = next((change.before for change in transitions if change.contact == CONTACT), None)
+    now = segments[0].phase
+    return now.regime.mode if not isinstance(now, several.SeveralPhase) else first or now.regime.modes[0]
 
 
 class _Dense:

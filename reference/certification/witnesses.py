@@ -8,13 +8,16 @@ each phase, where the state is stored in doubles.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from cases import Case, Flight, NotSupported, Trajectory, Transition
+from cases.trajectory import CONTACT
 
-from .. import solve
+from .. import several, solve
 from ..minimal import hybrid
 from ..minimal.integrators import taylor
 from ..minimal.modes import FLIGHT, Phase, candidates, phase_at, start_pieces, start_state
@@ -46,7 +49,7 @@ class Witness(NamedTuple):
     @property
     def events(self):
         """Status and modes of all transitions, without times."""
-        return self.status, [(t.before, t.after) for t in self.transitions]
+        return self.status, [(t.contact, t.before, t.after) for t in self.transitions]
 
     @property
     def answer(self) -> str:
@@ -112,6 +115,8 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
     from .. import contact_frame  # SciPy's integrators and trees are slow to import, and stored truth needs no witness
 
     answer = contact_frame.solve(case, rtol=rtol, steps_per_turn=STEPS_PER_TURN, overlaps=True)
+    if answer.status == contact_frame.STOPS["elsewhere"] and not several.supports(case):
+        return _by_delassus(case, name, rtol, answer)
 
     def states(times):
         # Beyond a second contact the equations may be singular; if there was none, the search is not repeated.
@@ -122,6 +127,35 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
         return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
 
     return Witness(name, answer.transitions, answer.status, answer.end, states)
+
+
+def _by_delassus(case: Case, name: str, rtol: float, first) -> Witness:
+    """The second formulation with the motion after a second contact."""
+    from .. import contact_frame, delassus
+
+    at_start = delassus.touches_at_start(case)
+    end = 0.0 if at_start else first.end
+    last = contact_frame.solve(case, rtol=rtol, times=[end], steps_per_turn=STEPS_PER_TURN, until=first.end)
+    before = () if at_start else tuple(replace(event, contact=CONTACT) for event in first.transitions)
+    mode = before[-1].after if before else delassus.first_mode(case)
+    body, own = last.motions[:6, 0], (float(last.states[0, 0]), float(last.states[1, 0]))
+
+    def go_on(times: Sequence[float]) -> delassus.SeveralMotion:
+        return delassus.continue_motion(case, end, body, own, mode, rtol, times)
+
+    answer = go_on(())
+
+    def states(times):
+        times = np.asarray(times, dtype=float)
+        motions = go_on(times).motions
+        is_before = times < end
+        early = contact_frame.solve(
+            case, rtol=rtol, times=times[is_before], steps_per_turn=STEPS_PER_TURN, until=end
+        ).motions if is_before.any() else np.empty((7, 0))  # fmt: skip
+        motions[:, is_before] = early
+        return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
+
+    return Witness(name, (*before, *answer.transitions), answer.status, answer.end, states)
 
 
 # --- the same motion from a perturbed state ---------------------------------------------------------------------------
@@ -145,11 +179,19 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
 
     start = start_state(case)
     regime = solve.first_regime(case, start)
-    segments, transitions, ending = hybrid.simulate_phases(case, regime, start, rtol, integrate_perturbation)
+    # The search for second contacts takes longer than most motions.
+    run = solve.solve_motion if _has_several_contacts(case) else hybrid.simulate_phases
+    segments, transitions, ending = run(case, regime, start, rtol, integrate_perturbation)
     return _witness(
         f"component {component} moved by {roundings:g} roundings",
         solve.as_trajectory(case, segments, transitions, ending),
     )
+
+
+@lru_cache(maxsize=64)
+def _has_several_contacts(case: Case) -> bool:
+    """Whether a motion goes on after a second contact."""
+    return len(solve.simulate(case).contact_names) > 1
 
 
 def _shift(now: Phase, y: Sequence[float], component: int, roundings: float) -> tuple[float, ...]:

@@ -18,6 +18,9 @@ SMALL = 1e-11
 SAME = 1e-7
 # Lemke's method follows one path for each covering vector; different ones may reach different solutions.
 COVERS = 6
+# Sweeps of the projected Gauss-Seidel method, the change of rates at which it has converged, and the forces, in units of
+# those that the load needs, from which it looks for contacts that press against each other.
+SWEEPS, CONVERGED, PRESSED = 300, 1e-12, 100.0
 
 
 def lemke(matrix: np.ndarray, right: np.ndarray, cover: np.ndarray) -> np.ndarray | None:
@@ -92,6 +95,30 @@ def friction_problem(
     return matrix, rows @ (free + delassus @ base) + constant, np.column_stack([columns, base])
 
 
+def gauss_seidel(
+    delassus: np.ndarray, free: np.ndarray, slips: Sequence[float | None], mu: float, stick: float, start: np.ndarray,
+    sweeps: int = SWEEPS,
+) -> np.ndarray | None:
+    """Contact forces (2K,) by projection, contact after contact, from `start`; None if it does not converge."""
+    force, count = start.copy(), len(slips)
+    size = np.abs(free).max() or 1.0
+    for _ in range(sweeps):
+        before = force.copy()
+        for k, sign in enumerate(slips):
+            t = count + k
+            force[k] = max(0.0, force[k] - (delassus[k] @ force + free[k]) / delassus[k, k])
+            if sign is not None or mu == 0.0:
+                force[t] = -(sign or 0.0) * mu * force[k]
+                continue
+            bound = stick * force[k]
+            force[t] = min(bound, max(-bound, force[t] - (delassus[t] @ force + free[t]) / delassus[t, t]))
+        if np.abs(delassus @ (force - before)).max() <= CONVERGED * size:
+            return force
+        if not np.isfinite(force).all():
+            return None
+    return None
+
+
 def solutions(
     delassus: np.ndarray, free: np.ndarray, slips: Sequence[float | None], mu: float, stick: float,
     least: np.ndarray | None = None,
@@ -102,11 +129,14 @@ def solutions(
     size = np.abs(right).max(initial=0.0)
     scale = np.abs(delassus).max(initial=0.0)
     results: list[tuple[np.ndarray, np.ndarray]] = []
-    for cover in covers(len(right)):
-        z = lemke(matrix, right, cover)
-        if z is None:
-            continue
-        force = to_forces @ np.append(z, 1.0)
+    answers = [lemke(matrix, right, cover) for cover in covers(len(right))]
+    forces = [to_forces @ np.append(z, 1.0) for z in answers if z is not None]
+    if len(slips) > 1 and mu > 0.0 and least is None:
+        # Contacts that press against each other may hold a plate that others would let go: start from large forces.
+        large = PRESSED * size / min(delassus.diagonal()) * np.repeat([1.0, 0.0], len(slips))
+        pressed = gauss_seidel(delassus, free, slips, mu, stick, large)
+        forces += [pressed] if pressed is not None else []
+    for force in forces:
         rates = delassus @ force + free
         if all(np.abs(rates - other).max() > SAME * max(size, scale * np.abs(force).max()) for _, other in results):
             results.append((force, rates))

@@ -12,7 +12,9 @@ from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from cases import Case, DoesNotFit, Flight, Impact, Mode, Transition
+from cases.contact import start_motion
 from cases.overlap import first_overlap
+from cases.trajectory import CONTACT
 
 from ..contact_frame.equations import ContactScene
 from ..contact_frame.impact import ImpactWithoutSolution, creates_energy, hit
@@ -20,7 +22,6 @@ from .complementarity import solutions
 from .contacts import Dynamics, Pair, all_pairs, pair_at
 from .phase import Contact, SeveralContactPhase
 
-CONTACT = "plate/track"
 EPS = float(np.finfo(float).eps)
 # Guards are evaluated at this many places of each step; steps are at most this part of the plate's turn.
 LOOKS, STEPS_PER_TURN = 4, 60
@@ -90,6 +91,7 @@ class _March:
         self.leaving: set[str] = set()
         self.at_rest = False
         self.struck: set[str] = set()
+        self.is_start = t == 0.0
 
     # --- phases -------------------------------------------------------------------------------------------------------
 
@@ -134,7 +136,8 @@ class _March:
             if mode is not contact.mode or (mode is Mode.FLIGHT and contact.name in self.struck):
                 changes.append(Transition(self.t, contact.mode, mode, *contact.pair, contact=contact.name))
             self.contacts[k] = contact._replace(mode=mode)
-        self.list_changes(changes)
+        self.list_changes([] if self.is_start else changes)  # the modes of a start are no changes
+        self.is_start = False
         self.begins, self.leaving, self.struck, self.stuck = {}, set(), set(), set()
         if not modes and self.case.effect(Flight) is None:
             raise _Ended("lift_off")
@@ -548,6 +551,7 @@ class _March:
 
     def list_changes(self, changes: list[Transition]) -> None:
         """Keep the changes of small impacts back until it is clear whether the motion comes to rest."""
+        changes = sorted(changes, key=lambda change: change.contact)
         if self.at_rest:
             every = [*self.kept_back, *changes]
             before = {change.contact: change.before for change in reversed(every)}
@@ -556,7 +560,7 @@ class _March:
                 replace(change, time=self.t, before=before[name])
                 for name, change in last.items() if before[name] is not change.after
             ]  # fmt: skip
-            self.listed += changes
+            self.listed += sorted(changes, key=lambda change: change.contact)
             self.kept_back, self.at_rest, self.small, self.fastest, self.strikes = [], False, False, 0.0, []
         elif self.small:
             self.kept_back += changes
@@ -597,6 +601,25 @@ class _March:
         self.stretches.append(_Stretch(self.t, high, lambda t: still, phase))
         self.t, self.touching = high, {c.name for c in self.contacts if c.is_closed}
         self.stuck = set(self.touching)
+
+
+def touches_at_start(case: Case) -> bool:
+    """Whether the plate touches its track in several places in its start, to rounding."""
+    if not case.start.in_contact:
+        return False
+    begin = start_motion(case)
+    body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
+    size = abs(begin.x) + abs(begin.y) + case.plate.reach
+    gaps = [pair_at(case, body, pair).gap for pair in all_pairs(case, body, begin.xi1)]
+    return sum(abs(gap) <= 1e-12 * size for gap in gaps) > 1
+
+
+def first_mode(case: Case) -> Mode:
+    """The mode of a start's contact before others are considered: the sign of its slip."""
+    slip, dynamics = case.start.slip, Dynamics(case)
+    if dynamics.mu == 0.0:
+        return Mode.SLIDE
+    return Mode.SLIP_FORWARD if slip > 0.0 else Mode.SLIP_BACKWARD if slip < 0.0 else Mode.ROLL
 
 
 def continue_motion(

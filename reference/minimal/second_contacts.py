@@ -130,7 +130,10 @@ def _cut(solution: Solution, time: float, status: str, reason: str) -> Solution:
     number = max((i for i, segment in enumerate(segments) if segment.start < time), default=0)
     # Work beyond the cut counts, too.
     work = sum(segment.evaluations for segment in segments[number:])
-    parts = [*segments[:number], segments[number].until(time, work)]
+    last = segments[number].until(time, work)
+    # Beyond the cut the motion may have become singular.
+    last.event = last.event._replace(guard=None, state=tuple(last.states(np.array([time]))[:, 0].tolist()))
+    parts = [*segments[:number], last]
     return parts, [t for t in transitions if t.time < time], (status, reason)
 
 

@@ -15,18 +15,20 @@ import numpy as np
 
 from cases import Case, Mode
 
-from ..minimal.decision import Undecidable, follows
+from ..minimal.decision import Undecidable, _by_series, follows
 from ..minimal.effects import laws
 from ..minimal.elimination import T
 from ..minimal.system import _MOTION
 from . import forces
 from .geometry import Place
-from .regimes import SeveralRegime, body_of, coefficients, several_phase, slip_modes
+from .regimes import SeveralPhase, SeveralRegime, body_of, coefficients, several_phase, slip_modes
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
 STILL = 1e-11
 # Accelerations that differ by less than this part of the largest are the same motion: series decide with 1e-12.
 SAME = 1e-7
+# A gap below this part of the plate's size may be the rounding of none.
+NEAR = 1e-9
 # A load is balanced if the least weight is no more negative than its rounding.
 BALANCED = -1e-11
 
@@ -58,20 +60,22 @@ def load_at(case: Case, t: float, body: Sequence[float]) -> np.ndarray:
     return applied_torsor(case, (t, *body))
 
 
-def decide(case: Case, now: Instant, error: float, fixed: dict[int, tuple[Mode, ...]] | None = None) -> Decision:
+def decide(
+    case: Case, now: Instant, error: float, fixed: dict[int, tuple[Mode, ...]] | None = None, may_rest: bool = True
+) -> Decision:
     """The regime that follows. `fixed` limits the modes of some contacts, by their places; `error` is the relative error
-    of the state. Raises Undecidable."""
+    of the state; a rest whose limit is reached may not go on. Raises Undecidable."""
     motions: list[tuple[SeveralRegime, np.ndarray]] = []
     for modes in product(*_options(case, now, fixed or {})):
         regime = SeveralRegime(modes, now.names, now.limits)
         rows = sum(2 if mode is Mode.ROLL else mode is not Mode.FLIGHT for mode in modes)
         if rows > 2:
-            if not _rests(case, now, modes):
+            if not may_rest or not _rests(case, now, modes):
                 continue
             motions.append((regime._replace(rests=True), np.zeros(3)))
             continue
         phase = several_phase(case, regime)
-        if follows(case, phase, now.time, now.state, error) and _approaches_no_contact(phase, now):
+        if _is_consistent(case, now, phase, error) and _has_unique_force(phase, now):
             rates = phase.system.rates_of_numbers(now.time, now.state, phase.parameters)
             motions.append((regime, np.array(rates[-3:])))
     mu, stick = coefficients(case)
@@ -128,7 +132,16 @@ def _rests(case: Case, now: Instant, modes: tuple[Mode, ...]) -> bool:
     return forces.margin(some, load, case.plate.gyration, stick) >= BALANCED
 
 
-def _approaches_no_contact(phase, now: Instant) -> bool:
+def _is_consistent(case: Case, now: Instant, phase: SeveralPhase, error: float) -> bool:
+    """Whether the conditions of a regime hold just after the instant along its own motion."""
+    size = abs(now.state[0]) + abs(now.state[1]) + case.plate.reach
+    near = [at.gap <= NEAR * size for at in now.places]
+    if any(mode is Mode.FLIGHT and close for mode, close in zip(phase.regime.modes, near, strict=True)):
+        return _by_series(phase, now.time, now.state, error)  # a gap has no size with which its value can be compared
+    return follows(case, phase, now.time, now.state, error)
+
+
+def _has_unique_force(phase: SeveralPhase, now: Instant) -> bool:
     """Whether the forces of a slip are unique: not beyond Painlevé's paradox."""
     names = list(phase.system.guards)
     if "painleve" not in names:

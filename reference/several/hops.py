@@ -65,7 +65,7 @@ class Hops:
 
     def record(self, t: float, changes: list[Transition], cause: str = "") -> None:
         """Record the changes of mode at one instant; `cause` is given if bouncing has come to rest."""
-        rests = bool(cause)
+        rests, changes = bool(cause), sorted(changes, key=lambda change: change.contact)
         if rests and self.kept_back:
             changes = _net([*self.kept_back, *changes], t, cause)
             self.kept_back = []
@@ -86,6 +86,6 @@ def _net(changes: list[Transition], t: float, cause: str) -> list[Transition]:
         last[change.contact] = change
     return [
         replace(change, time=t, before=first[name].before, cause=cause)
-        for name, change in last.items()
+        for name, change in sorted(last.items())
         if first[name].before is not change.after
     ]

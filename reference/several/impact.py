@@ -47,8 +47,9 @@ class _Law(NamedTuple):
     mu: float
 
 
-def impact(case: Case, velocity: Sequence[float], touched: Sequence[Place]) -> Outcome:
-    """The velocities after an impact at all contacts that are touched. Raises NoImpact."""
+def impact(case: Case, velocity: Sequence[float], touched: Sequence[Place], speed: float) -> Outcome:
+    """The velocities after an impact at all contacts that are touched; `speed` (m/s) is the largest of the motion, by
+    which velocities are rounded. Raises NoImpact."""
     law = case.effect(Impact)
     assert law is not None
     before = np.array(velocity, dtype=float)
@@ -57,11 +58,11 @@ def impact(case: Case, velocity: Sequence[float], touched: Sequence[Place]) -> O
     mu, _ = coefficients(case)
     nothing = np.zeros(len(touched))
     if law.law != "poisson":
-        return _collide(case, before, touched, _Law(nothing + law.restitution, nothing, mu))[0]
-    compressed, impulses = _collide(case, before, touched, _Law(nothing, nothing, mu))
+        return _collide(case, before, touched, _Law(nothing + law.restitution, nothing, mu), speed)[0]
+    compressed, impulses = _collide(case, before, touched, _Law(nothing, nothing, mu), speed)
     if law.restitution == 0.0:
         return compressed
-    return _collide(case, compressed.velocity, touched, _Law(nothing, law.restitution * impulses, mu))[0]
+    return _collide(case, compressed.velocity, touched, _Law(nothing, law.restitution * impulses, mu), speed)[0]
 
 
 def _one_contact(case: Case, before: np.ndarray, at: Place) -> Outcome:
@@ -75,10 +76,11 @@ def _one_contact(case: Case, before: np.ndarray, at: Place) -> Outcome:
     return Outcome(np.array([vx, vy, after.omega]), np.array([after.lift]), np.array([after.slip]))
 
 
-def _collide(case: Case, before: np.ndarray, touched: Sequence[Place], law: _Law) -> tuple[Outcome, np.ndarray]:
+def _collide(
+    case: Case, before: np.ndarray, touched: Sequence[Place], law: _Law, speed: float
+) -> tuple[Outcome, np.ndarray]:
     """The outcome by enumeration, and the normal impulses per mass."""
     compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
-    speed = float(np.abs(before * np.array([1.0, 1.0, case.plate.gyration])).max())
     options = [OPEN, FORWARD] if law.mu == 0.0 else [OPEN, STICK] if law.mu == inf else [STICK, FORWARD, BACKWARD, OPEN]
     solutions: list[tuple[Outcome, np.ndarray]] = []
     for modes in product(options, repeat=len(touched)):

@@ -11,6 +11,9 @@ import numpy as np
 
 from cases import Case, DoesNotFit, Flight, Impact, Mode, RollingResistance, Transition, Unilateral
 
+from cases.contact import start_motion
+from cases.trajectory import CONTACT
+
 from ..minimal.curve_pieces import TooMuch
 from ..minimal.decision import Undecidable
 from ..minimal.hybrid import (
@@ -41,10 +44,10 @@ from .impact import NoImpact, impact
 from .meetings import first_meeting
 from .regimes import LOST, SeveralRegime, body_of, coefficients, join, pairs_of, several_phase
 
-# Name of the contacts of a plate with its track: the first, then numbered ones.
-CONTACT = "plate/track"
 # A contact touches if its gap is below this part of the plate's size: the rounding of an event's pose.
 TOUCHES = 1e-12
+# Two contacts are different ones if their points on the track are farther apart than this part of the plate's size.
+APART = 1e-6
 # A contact closes if it does so faster than this part of the largest speed so far; slower is rounding.
 CLOSES = 1e-10
 # This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
@@ -113,6 +116,8 @@ class March:
     stuck: set[str] = field(default_factory=set)
     touching: set[str] = field(default_factory=set)
     hops: Hops = field(default_factory=Hops)
+    begins: bool = False
+    held_out: bool = False
 
     def __post_init__(self) -> None:
         self.search = MeetingSearch(self.case)
@@ -163,7 +168,8 @@ class March:
         now = self._come_to_rest(now)
         error = LOCATION_ERROR if self.idle <= IDLE else ROUGH
         fixed = {k: self.fixed[name] for k, name in enumerate(now.names) if name in self.fixed}
-        decision = decide(self.case, now, error, fixed)
+        decision = decide(self.case, now, error, fixed, may_rest=not self.held_out)
+        self.held_out = False
         if decision.regime is None and fixed and not decision.motions:
             decision = decide(self.case, now, error)
         if decision.regime is None:
@@ -175,6 +181,8 @@ class March:
                 cause = self.causes.get(watch.name, "the motion of another contact changed")
                 changes.append(Transition(self.t, watch.mode, mode, at.xi1, at.xi2, cause, watch.name))
             watch.mode = mode
+        if self.begins:  # the modes of a start are no changes
+            changes, self.begins = [], False
         came_to_rest = CAUSES["rest"] in self.causes.values()
         self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "")
         self.causes, self.fixed, self.stuck = {}, {}, set()
@@ -320,7 +328,7 @@ class March:
             # The contacts no longer hold the plate: some contact slips or opens.
             self.causes = {name: "the forces at rest reached their limit" for name in self.touching}
             self._settle(stuck=self.touching)
-            self.fixed = {}
+            self.held_out = True
             return None
         kind, _, number = guard.partition(":")
         if kind.startswith("lost"):
@@ -405,7 +413,7 @@ class March:
             )
         touched = [k for k in indices if lifts[k] <= CLOSES * self.speed]
         try:
-            outcome = impact(self.case, self.body[3:], [now[k] for k in touched])
+            outcome = impact(self.case, self.body[3:], [now[k] for k in touched], self.speed)
         except NoImpact as problem:
             raise Ends(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
         self._check_energy(outcome.velocity)
@@ -451,6 +459,21 @@ def _name(number: int) -> str:
     return CONTACT if number == 1 else f"{CONTACT} {number}"
 
 
+def touches_at_start(case: Case, pair: tuple[float, float]) -> bool:
+    """Whether the plate touches its track at that pair, too, in its start, to rounding."""
+    if not case.start.in_contact:
+        return False
+    begin = start_motion(case)
+    try:
+        at = places(case, [begin.x, begin.y, begin.theta], [pair])[0]
+    except DoesNotFit:  # it is far away
+        return False
+    off = case.track.point(at.xi1) - case.track.point(begin.xi1)
+    if float(np.hypot(*off)) <= APART * case.plate.reach:
+        return False  # Newton's method has come to the start's own contact
+    return abs(at.gap) <= TOUCHES * (abs(begin.x) + abs(begin.y) + case.plate.reach)
+
+
 def until_end(
     case: Case, t: float, body: Sequence[float], own: tuple[float, float], mode: Mode, other: tuple[float, float],
     rtol: float, integrate: Callable[..., Segment],
@@ -460,6 +483,7 @@ def until_end(
     watches = [Watch(_name(1), own, mode, 0.0), Watch(_name(2), other, Mode.FLIGHT, 0.0)]
     march = March(case, rtol, integrate, t, list(body), watches)
     march.touching = {_name(1), _name(2)}
+    march.begins = t == 0.0
     if mode is Mode.ROLL:
         march.stuck = {_name(1)}
     ending = march.run()

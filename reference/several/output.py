@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, State
+from cases import Case, Mode, State
+from cases.trajectory import CONTACT, ContactColumns
 
-from ..minimal.integrators.segment import Segment
-from .decision import load_at
+from ..minimal.integrators.segment import Segment, blocks
+from .decision import depends_on_time, load_at
 from .equations import COLUMNS
 from .forces import Ranges, ranges
 from .geometry import places
@@ -17,8 +19,7 @@ from .regimes import SeveralPhase, body_of, coefficients, pairs_of
 
 
 class ContactStates(NamedTuple):
-    """One contact at n instants, arrays (n,): gap (m), slip velocity (m/s), normal and friction force (N, NaN where they
-    are not unique), contact parameters; slip and parameters are NaN where it is not watched."""
+    """One contact at n instants, arrays (n,), as the first columns of `cases.ContactColumns`."""
 
     gap: np.ndarray
     slip: np.ndarray
@@ -26,6 +27,62 @@ class ContactStates(NamedTuple):
     friction_force: np.ndarray
     xi1: np.ndarray
     xi2: np.ndarray
+
+
+class Contacts:
+    """The contacts of a motion: (name, times) -> ContactColumns; None instead of times: those of its samples.
+
+    `observe` gives the State of a phase with one contact at some times. It is pickled with all steps.
+    """
+
+    def __init__(self, case: Case, segments: list[Segment], observe: Callable):
+        self.case, self.segments, self.observe = case, segments, observe
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The contacts' names in the order of their numbers."""
+        names = {name for s in self.segments if isinstance(s.phase, SeveralPhase) for name in s.phase.regime.names}
+        return tuple(sorted(names | {CONTACT}, key=lambda name: (len(name), name)))
+
+    def __call__(self, name: str, times: np.ndarray | None) -> ContactColumns:
+        if times is None:
+            return _join([self._of(segment, name, segment.times) for segment in self.segments])
+        columns = [np.empty(len(times)) for _ in ContactStates._fields] + [np.empty((2, len(times))) for _ in range(2)]
+        for i, block in blocks(np.array([segment.start for segment in self.segments]), times):
+            for column, values in zip(columns, self._of(self.segments[i], name, times[block]), strict=True):
+                column[..., block] = values
+        return ContactColumns(*columns)
+
+    def _of(self, segment: Segment, name: str, times: np.ndarray) -> ContactColumns:
+        y = segment.states(times)
+        if not isinstance(segment.phase, SeveralPhase):
+            return self._one_contact(segment, name, times, y)
+        now = contact_states(self.case, segment.phase, times, y, name)
+        normal, friction = (np.array([values, values]) for values in (now.normal_force, now.friction_force))
+        open_forces = np.flatnonzero(np.isnan(now.normal_force) | np.isnan(now.friction_force))
+        found: dict[float, np.ndarray] = {}
+        for i in open_forces.tolist():
+            key = float(times[i]) if depends_on_time(self.case) else 0.0
+            if key not in found:
+                found[key] = force_ranges(self.case, segment, float(times[i]))[name]
+            normal[:, i], friction[:, i] = found[key]
+        return ContactColumns(*now, normal, friction)
+
+    def _one_contact(self, segment: Segment, name: str, times: np.ndarray, y: np.ndarray) -> ContactColumns:
+        """The columns before the second contact."""
+        none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
+        if name != CONTACT:
+            return ContactColumns(none, none, nothing, nothing, none, none, *np.zeros((2, 2, len(times))))
+        now = self.observe(self.case, segment.phase, times, y)
+        normal, friction = (np.broadcast_to(v, times.shape) for v in (now.normal_force, now.friction_force))
+        gap = np.where(np.isnan(np.broadcast_to(now.slip, times.shape)), np.nan, 0.0)
+        ranges = np.array([normal, normal]), np.array([friction, friction])
+        return ContactColumns(gap, now.slip, normal, friction, now.xi1, now.xi2, *ranges)
+
+
+def _join(parts: list[ContactColumns]) -> ContactColumns:
+    """The columns of all parts one after the other."""
+    return ContactColumns(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
 def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray, name: str) -> ContactStates:
@@ -43,6 +100,7 @@ def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarr
     columns = values[5 + len(COLUMNS) * k : 5 + len(COLUMNS) * (k + 1)]
     normal, friction, slip, _, _ = (np.broadcast_to(np.asarray(row, dtype=float), times.shape) for row in columns)
     is_closed, mass = k in now.regime.closed, case.plate.mass
+    slip = 0.0 * slip if now.regime.modes[k] is Mode.ROLL else slip
     return ContactStates(
         _gap(case, y, k, is_closed), slip if is_closed else none, mass * normal, mass * friction, xi1, xi2
     )
