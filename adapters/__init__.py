@@ -4,7 +4,17 @@ An adapter imports `cases`, the code that engines share (`common`) and the defin
 no other part of the suite.
 """
 
-from .interface import EngineFailure, Meaning, Setting, other_laws, our_part, refusal
+from .interface import EngineFailure, Meaning, Setting, other_laws, our_part, refusal, supports_several_contacts
 from .lookup import engine, engines
 
-__all__ = ["EngineFailure", "Meaning", "Setting", "engine", "engines", "other_laws", "our_part", "refusal"]
+__all__ = [
+    "EngineFailure",
+    "Meaning",
+    "Setting",
+    "engine",
+    "engines",
+    "other_laws",
+    "our_part",
+    "refusal",
+    "supports_several_contacts",
+]

@@ -52,6 +52,8 @@ Optional:
     SLIP_LAWS: tuple[str, ...]                      the routes that support a friction coefficient that depends on the
                                                     slip velocity (`CoulombFriction.by_speed`); without a declaration,
                                                     `refusal` rejects such a case before `refuses` is called
+    SEVERAL_CONTACTS: tuple[str, ...]               the routes that report each contact of a plate that touches its
+                                                    track in several places; others are not run on such motions
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
                                                     and rolling resistance, and for which cases its law differs
 
@@ -108,6 +110,12 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):
         return f"The {route} route does not support curves with corners."
     return adapter.refuses(case, route)
+
+
+def supports_several_contacts(adapter: Any, route: str) -> bool:
+    """Whether a route follows a plate that touches its track in several places: the adapter lists such routes in
+    `SEVERAL_CONTACTS`."""
+    return route in getattr(adapter, "SEVERAL_CONTACTS", ())
 
 
 def _never(case: Case) -> bool:

@@ -114,6 +114,8 @@ def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrat
     if meeting is None:
         return solution
     unsupported = several.supports(case)
+    if integrate is augmented_integrator.integrate:
+        unsupported = "The method 'augmented' has one contact; leave method out to go on."
     if unsupported:
         return segments, transitions, (status, f"{reason} {unsupported}")
     last, pair = segments[-1], (meeting.xi1, meeting.xi2)
@@ -230,7 +232,7 @@ def _first_mode(segments: list[Segment], transitions) -> Mode:
     """The mode of the first contact at the start."""
     first = next((change.before for change in transitions if change.contact == CONTACT), None)
     now = segments[0].phase
-    return now.regime.mode if not isinstance(now, several.SeveralPhase) else first or now.regime.modes[0]
+    return now.regime.mode if not isinstance(now, several.SeveralPhase) else first or several.regime_of(now).modes[0]
 
 
 class _Dense:

@@ -112,12 +112,14 @@ PARTS = {
     "minimal": set(),
     "contact_frame": set(),
     "augmented_integrator": {"minimal", "paper"},
-    "solve": {"minimal", "augmented_integrator"},
+    "several": {"minimal", "paper"},
+    "delassus": {"contact_frame"},
+    "solve": {"minimal", "augmented_integrator", "several"},
     "narration": {"solve"},
     "errata": {"paper", "solve"},
     "proofs": set(),
     "proof_checker": set(),
-    "certification": {"solve", "minimal", "contact_frame", "proofs"},
+    "certification": {"solve", "minimal", "several", "contact_frame", "delassus", "proofs"},
     "sweeping": {"certification", "solve", "minimal"},
 }
 

@@ -18,8 +18,8 @@ SMALL = 1e-11
 SAME = 1e-7
 # Lemke's method follows one path for each covering vector; different ones may reach different solutions.
 COVERS = 6
-# Sweeps of the projected Gauss-Seidel method, the change of rates at which it has converged, and the forces, in units of
-# those that the load needs, from which it looks for contacts that press against each other.
+# Sweeps of the projected Gauss-Seidel method, the change of rates at which it has converged, and the forces, in units
+# of those that the load needs, from which it looks for contacts that press against each other.
 SWEEPS, CONVERGED, PRESSED = 300, 1e-12, 100.0
 
 
@@ -61,7 +61,11 @@ def covers(n: int) -> list[np.ndarray]:
 
 
 def friction_problem(
-    delassus: np.ndarray, free: np.ndarray, slips: Sequence[float | None], mu: float, stick: float,
+    delassus: np.ndarray,
+    free: np.ndarray,
+    slips: Sequence[float | None],
+    mu: float,
+    stick: float,
     least: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Coulomb's law at K contacts as a problem: its matrix and vector, and the matrix from z to the contact forces.
@@ -96,7 +100,12 @@ def friction_problem(
 
 
 def gauss_seidel(
-    delassus: np.ndarray, free: np.ndarray, slips: Sequence[float | None], mu: float, stick: float, start: np.ndarray,
+    delassus: np.ndarray,
+    free: np.ndarray,
+    slips: Sequence[float | None],
+    mu: float,
+    stick: float,
+    start: np.ndarray,
     sweeps: int = SWEEPS,
 ) -> np.ndarray | None:
     """Contact forces (2K,) by projection, contact after contact, from `start`; None if it does not converge."""
@@ -120,7 +129,11 @@ def gauss_seidel(
 
 
 def solutions(
-    delassus: np.ndarray, free: np.ndarray, slips: Sequence[float | None], mu: float, stick: float,
+    delassus: np.ndarray,
+    free: np.ndarray,
+    slips: Sequence[float | None],
+    mu: float,
+    stick: float,
     least: np.ndarray | None = None,
 ) -> list[np.ndarray]:
     """Contact forces (2K,) that satisfy Coulomb's law, one for each different set of rates among those found from

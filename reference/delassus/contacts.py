@@ -33,7 +33,7 @@ class Pair(NamedTuple):
     xi1_rate: float
 
 
-def pair_at(case: Case, body: Sequence[float], near: tuple[float, float]) -> Pair:
+def pair_at(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> Pair:
     """The pair of nearest points next to `near`; `body` is (x, y, θ, vx, vy, ω). Raises DoesNotFit."""
     x, y, theta, vx, vy, omega = (float(v) for v in body)
     contact = find(case, x, y, theta, near)
@@ -58,7 +58,7 @@ def pair_at(case: Case, body: Sequence[float], near: tuple[float, float]) -> Pai
     )
 
 
-def all_pairs(case: Case, body: Sequence[float], around: float) -> list[tuple[float, float]]:
+def all_pairs(case: Case, body: Sequence[float] | np.ndarray, around: float) -> list[tuple[float, float]]:
     """Pairs of nearest points with small gaps in one pose, from Newton's method at samples of the track near `around`,
     a parameter near the plate."""
     track, outline, reach = case.track, case.plate.outline, case.plate.reach
@@ -108,12 +108,12 @@ class Dynamics:
         if gravity is not None:
             self.weight[:2] = case.plate.mass * np.array(gravity.vector)
         self.load = case.effect(Load)
-        self.mu, self.stick = (friction.mu, friction.stick) if friction else (0.0, 0.0)
+        self.mu, self.stick = (friction.at_rest, friction.stick) if friction else (0.0, 0.0)
         self.rough = case.effect(PerfectlyRough) is not None
         if self.rough:  # far beyond any force of the scenes, as Lemke's method needs a number
             self.mu = self.stick = 1e9
 
-    def applied(self, t: float, body: Sequence[float]) -> np.ndarray:
+    def applied(self, t: float, body: Sequence[float] | np.ndarray) -> np.ndarray:
         """The applied force and moment (N, N, N m)."""
         if self.load is None:
             return self.weight
@@ -124,7 +124,9 @@ class Dynamics:
         rows = np.array([p.lift_row for p in pairs] + [p.slip_row for p in pairs]).reshape(-1, 3)
         return rows * self.inverse @ rows.T, rows
 
-    def free_rates(self, t: float, body: Sequence[float], pairs: Sequence[Pair], rows: np.ndarray) -> np.ndarray:
+    def free_rates(
+        self, t: float, body: Sequence[float] | np.ndarray, pairs: Sequence[Pair], rows: np.ndarray
+    ) -> np.ndarray:
         """Accelerations of the gaps, then of the slips, without contact forces."""
         biases = np.array([p.lift_bias for p in pairs] + [p.slip_bias for p in pairs])
         return rows @ (self.inverse * self.applied(t, body)) + biases

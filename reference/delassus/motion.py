@@ -71,7 +71,7 @@ class _Ended(Exception):
 class _March:
     """The state of one simulation."""
 
-    def __init__(self, case: Case, t: float, body: Sequence[float], rtol: float):
+    def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray, rtol: float):
         self.case, self.dynamics, self.rtol = case, Dynamics(case), max(rtol, 1e-13)
         self.t, self.body = t, np.array(body, dtype=float)
         self.contacts: list[Contact] = []
@@ -267,6 +267,7 @@ class _March:
         """The earliest zero between two looks."""
         roots = {}
         for name in crossed:
+
             def value(t: float, name=name) -> float:
                 return phase.guards(t, dense(t))[name]
 
@@ -296,7 +297,7 @@ class _March:
         looks = np.linspace(start, end, LOOKS + 1)[1:]
         poses = np.array([dense(t)[:3] for t in looks]).T
         near = np.full(len(looks), self.contacts[0].pair[0] if self.contacts else self.case.start.xi1)
-        overlap = first_overlap(self.case.track, self.case.plate.outline, *poses, near)
+        overlap = first_overlap(self.case.track, self.case.plate.outline, poses[0], poses[1], poses[2], near)
         if overlap is None:
             return False
         number, xi1 = overlap
@@ -623,8 +624,8 @@ def first_mode(case: Case) -> Mode:
 
 
 def continue_motion(
-    case: Case, t: float, body: Sequence[float], own: tuple[float, float] | None, mode: Mode, rtol: float = 1e-13,
-    times: Sequence[float] = (),
+    case: Case, t: float, body: Sequence[float] | np.ndarray, own: tuple[float, float] | None, mode: Mode,
+    rtol: float = 1e-13, times: Sequence[float] | np.ndarray = (),
 ) -> SeveralMotion:  # fmt: skip
     """Continue a motion whose plate (x, y, θ, vx, vy, ω) has a contact at the pair `own` in that mode, and touches its
     track in further places at time t (s)."""

@@ -41,13 +41,13 @@ class SeveralContactPhase:
         self.dynamics, self.contacts, self.rests = dynamics, list(contacts), rests
         self.near = [contact.pair for contact in contacts]
 
-    def pairs(self, body: Sequence[float]) -> list[Pair]:
+    def pairs(self, body: Sequence[float] | np.ndarray) -> list[Pair]:
         """All contacts in one state of the plate."""
         now = [pair_at(self.dynamics.case, body, near) for near in self.near]
         self.near = [(pair.xi1, pair.xi2) for pair in now]
         return now
 
-    def closed_pairs(self, body: Sequence[float]) -> list[Pair | None]:
+    def closed_pairs(self, body: Sequence[float] | np.ndarray) -> list[Pair | None]:
         """The closed contacts in one state; an integrator's stages lie ahead, where open ones may be lost."""
         case = self.dynamics.case
         return [
@@ -55,13 +55,14 @@ class SeveralContactPhase:
             for contact, near in zip(self.contacts, self.near, strict=True)
         ]
 
-    def forces(self, t: float, body: Sequence[float], now: Sequence[Pair | None] | None = None) -> Forces:
+    def forces(self, t: float, body: Sequence[float] | np.ndarray, now: Sequence[Pair | None] | None = None) -> Forces:
         """Accelerations and forces in the phase's modes, from the Delassus matrix."""
         now = self.closed_pairs(body) if now is None else now
         dynamics, count = self.dynamics, len(self.contacts)
         free = dynamics.inverse * dynamics.applied(t, body)
         normal, friction = np.zeros(count), np.zeros(count)
-        rows, columns, biases, which = [], [], [], []
+        rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
+        which: list[tuple[int, float | None]] = []
         for k, (contact, pair) in enumerate(zip(self.contacts, now, strict=True)):
             if pair is None or not contact.is_closed:
                 continue
@@ -80,12 +81,12 @@ class SeveralContactPhase:
         rows_matrix, columns_matrix = np.array(rows), np.array(columns).T
         matrix = rows_matrix @ (dynamics.inverse[:, None] * columns_matrix)
         multipliers = np.linalg.solve(matrix, -(rows_matrix @ free + np.array(biases)))
-        for (k, ratio), value in zip(which, multipliers.tolist(), strict=True):
-            if ratio is None:
+        for (k, share), value in zip(which, multipliers.tolist(), strict=True):
+            if share is None:
                 friction[k] = value
             else:
                 normal[k] = value
-                friction[k] = ratio * value
+                friction[k] = share * value
         return Forces(free + dynamics.inverse * (columns_matrix @ multipliers), normal, friction)
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:

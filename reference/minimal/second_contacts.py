@@ -50,7 +50,7 @@ def until_second_contact(case: Case, solution: Solution) -> tuple[Solution, Meet
     segments, transitions, _ = solution
     touching = [segment for segment in segments if segment.phase.regime != FLIGHT]  # flights are searched for landings
     if touching and has_pieces(case):
-        return _until_entry(case, solution, touching)
+        return _until_entry(case, solution, touching), None
     if not touching or fits_everywhere(case, touching):
         return solution, None
     search = MeetingSearch(case)

@@ -2,6 +2,6 @@
 
 from .march import supports, touches_at_start, until_end
 from .output import Contacts, observe
-from .regimes import SeveralPhase
+from .regimes import SeveralPhase, regime_of
 
-__all__ = ["Contacts", "SeveralPhase", "observe", "supports", "touches_at_start", "until_end"]
+__all__ = ["Contacts", "SeveralPhase", "observe", "regime_of", "supports", "touches_at_start", "until_end"]

@@ -21,7 +21,7 @@ from ..minimal.elimination import T
 from ..minimal.system import _MOTION
 from . import forces
 from .geometry import Place
-from .regimes import SeveralPhase, SeveralRegime, body_of, coefficients, several_phase, slip_modes
+from .regimes import SeveralPhase, SeveralRegime, body_of, coefficients, regime_of, several_phase, slip_modes
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
 STILL = 1e-11
@@ -53,7 +53,7 @@ class Decision(NamedTuple):
     motions: tuple[tuple[Mode, ...], ...]
 
 
-def load_at(case: Case, t: float, body: Sequence[float]) -> np.ndarray:
+def load_at(case: Case, t: float, body: Sequence[float] | np.ndarray) -> np.ndarray:
     """The applied force and moment (N, N, N m)."""
     from ..paper.augmented import applied_torsor
 
@@ -63,8 +63,8 @@ def load_at(case: Case, t: float, body: Sequence[float]) -> np.ndarray:
 def decide(
     case: Case, now: Instant, error: float, fixed: dict[int, tuple[Mode, ...]] | None = None, may_rest: bool = True
 ) -> Decision:
-    """The regime that follows. `fixed` limits the modes of some contacts, by their places; `error` is the relative error
-    of the state; a rest whose limit is reached may not go on. Raises Undecidable."""
+    """The regime that follows. `fixed` limits the modes of some contacts, by their places; `error` is the relative
+    error of the state; a rest whose limit is reached may not go on. Raises Undecidable."""
     motions: list[tuple[SeveralRegime, np.ndarray]] = []
     for modes in product(*_options(case, now, fixed or {})):
         regime = SeveralRegime(modes, now.names, now.limits)
@@ -98,8 +98,8 @@ def _sticking(regime: SeveralRegime) -> int:
 
 def _options(case: Case, now: Instant, fixed: dict[int, tuple[Mode, ...]]) -> list[tuple[Mode, ...]]:
     """The modes that each contact may have."""
-    velocity, options = np.array(now.state[-3:]), []
-    rolling = (Mode.ROLL,) if coefficients(case)[1] > 0.0 else ()
+    velocity, options = np.array(now.state[-3:]), list[tuple[Mode, ...]]()
+    rolling: tuple[Mode, ...] = (Mode.ROLL,) if coefficients(case)[1] > 0.0 else ()
     slipping = slip_modes(case)
     for k, at in enumerate(now.places):
         if k not in now.touching:
@@ -116,7 +116,7 @@ def _options(case: Case, now: Instant, fixed: dict[int, tuple[Mode, ...]]) -> li
 
 
 def _rests(case: Case, now: Instant, modes: tuple[Mode, ...]) -> bool:
-    """Whether these contacts hold the plate: it is still, they leave it no motion, and their forces balance the load."""
+    """Whether these contacts hold the plate: it is still, cannot move, and their forces balance the load."""
     closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
     slips = any(mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD) for mode in modes)
     if slips or len(closed) < len(now.touching) or np.any(np.array(now.state[-3:])):
@@ -136,7 +136,7 @@ def _is_consistent(case: Case, now: Instant, phase: SeveralPhase, error: float) 
     """Whether the conditions of a regime hold just after the instant along its own motion."""
     size = abs(now.state[0]) + abs(now.state[1]) + case.plate.reach
     near = [at.gap <= NEAR * size for at in now.places]
-    if any(mode is Mode.FLIGHT and close for mode, close in zip(phase.regime.modes, near, strict=True)):
+    if any(mode is Mode.FLIGHT and close for mode, close in zip(regime_of(phase).modes, near, strict=True)):
         return _by_series(phase, now.time, now.state, error)  # a gap has no size with which its value can be compared
     return follows(case, phase, now.time, now.state, error)
 

@@ -162,9 +162,7 @@ def _equations(track, outline, has_ends, law: Laws, kinds: tuple[Kind, ...], rub
             sigma, (tx, ty) = symbol(f"sigma_{k}"), (contact.f.tx, contact.f.ty)
             conditions[f"slip:{k}"] = sigma * contact.slip
             along = acceleration[0] * tx + acceleration[1] * ty
-            slip_rates[f"slip:{k}"] = sigma * (
-                along - acceleration[2] * contact.h.hn - OMEGA**2 * contact.h.ht
-            )
+            slip_rates[f"slip:{k}"] = sigma * (along - acceleration[2] * contact.h.hn - OMEGA**2 * contact.h.ht)
         limits[f"fit:{k}"] = contact.clearance
         limits |= _ends(has_ends, k, "")
     if flat and rubs and any(kind is Kind.SLIP for kind in kinds):
@@ -193,7 +191,7 @@ def _outputs(count: int) -> Any:
 
 def _ends(has_ends: tuple[bool, bool], k: int, prefix: str) -> dict[str, Node]:
     """Guards for the ends of the curves at contact k."""
-    guards = {}
+    guards = dict[str, Node]()
     for name, bound, variable in zip(("track", "outline"), has_ends, ("xi1", "xi2"), strict=True):
         if bound:
             low, high, at = symbol(f"{name}_low"), symbol(f"{name}_high"), symbol(f"{variable}_{k}")

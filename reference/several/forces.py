@@ -39,7 +39,8 @@ def _generators(now: Sequence[Place], stick: float) -> tuple[np.ndarray, np.ndar
         edges = [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
     else:
         edges = [(1.0, stick), (1.0, -stick)]
-    columns, parts = [], np.zeros((len(now), 2, len(now) * len(edges)))
+    columns: list[np.ndarray] = []
+    parts = np.zeros((len(now), 2, len(now) * len(edges)))
     for k, one in enumerate(now):
         for normal, friction in edges:
             parts[k, :, len(columns)] = normal, friction

@@ -29,7 +29,7 @@ class Place(NamedTuple):
     clearance: float
 
 
-def place(case: Case, body: Sequence[float], near: tuple[float, float]) -> Place:
+def place(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> Place:
     """The pair of nearest points next to `near` of a plate in that pose. Raises DoesNotFit."""
     x, y, theta = (float(v) for v in body[:3])
     contact = find(case, x, y, theta, near)
@@ -46,13 +46,13 @@ def place(case: Case, body: Sequence[float], near: tuple[float, float]) -> Place
     return Place(contact.xi1, contact.xi2, contact.gap, (tx, ty), (rx, ry), slip, lift, clearance)
 
 
-def places(case: Case, body: Sequence[float], pairs: Sequence[tuple[float, float]]) -> list[Place]:
+def places(case: Case, body: Sequence[float] | np.ndarray, pairs: Sequence[tuple[float, float]]) -> list[Place]:
     """`place` for every pair."""
     return [place(case, body, pair) for pair in pairs]
 
 
 def project(
-    case: Case, body: Sequence[float], pairs: Sequence[tuple[float, float]], closed: Sequence[int]
+    case: Case, body: Sequence[float] | np.ndarray, pairs: Sequence[tuple[float, float]], closed: Sequence[int]
 ) -> tuple[list[float], list[Place]]:
     """The plate moved by rounding so that the closed contacts have no gap, with all pairs in that pose."""
     body = list(body)
@@ -70,7 +70,7 @@ def project(
 
 
 def without_velocity(
-    case: Case, body: Sequence[float], now: Sequence[Place], closed: Sequence[int], stuck: Sequence[int]
+    case: Case, body: Sequence[float] | np.ndarray, now: Sequence[Place], closed: Sequence[int], stuck: Sequence[int]
 ) -> list[float]:
     """The plate's state with lift velocity 0 at the closed contacts and slip velocity 0 at the stuck ones: the nearest
     such velocities in kinetic energy."""

@@ -179,7 +179,10 @@ def _check(modes, before, touched, law: _Law, speed, solved, which, senses=None)
         return None
     change, impulses, free = solved
     after = before + change
-    lift, slip = (np.array([row @ after for row in rows]) for rows in zip(*((a.lift_row, a.slip_row) for a in touched)))
+    lift, slip = (
+        np.array([row @ after for row in rows])
+        for rows in zip(*((a.lift_row, a.slip_row) for a in touched), strict=True)
+    )
     small = ROUNDING * speed
     normal = law.least.copy()
     friction = np.zeros(len(touched))

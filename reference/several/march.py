@@ -5,13 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import inf
-from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, DoesNotFit, Flight, Impact, Mode, RollingResistance, Transition, Unilateral
-
+from cases import (
+    Belt,
+    Case,
+    CoulombFriction,
+    DoesNotFit,
+    Flight,
+    Impact,
+    Mode,
+    RollingResistance,
+    Transition,
+    Unilateral,
+)
 from cases.contact import start_motion
+from cases.piece_case import has_pieces
 from cases.trajectory import CONTACT
 
 from ..minimal.curve_pieces import TooMuch
@@ -38,11 +48,11 @@ from ..minimal.scales import frequency
 from ..minimal.series import EPS
 from . import forces
 from .decision import Decision, Instant, decide, depends_on_time, load_at
-from .hops import Hops
 from .geometry import Place, places, project, without_velocity
+from .hops import Hops
 from .impact import NoImpact, impact
 from .meetings import first_meeting
-from .regimes import LOST, SeveralRegime, body_of, coefficients, join, pairs_of, several_phase
+from .regimes import LOST, SeveralRegime, body_of, coefficients, join, pairs_of, regime_of, several_phase
 
 # A contact touches if its gap is below this part of the plate's size: the rounding of an event's pose.
 TOUCHES = 1e-12
@@ -79,7 +89,8 @@ class Watch:
     limit: float
 
 
-class _Rests(NamedTuple):
+@dataclass(frozen=True)
+class _Rests:
     """The dense output of a plate at rest."""
 
     state: tuple[float, ...]
@@ -94,6 +105,13 @@ def supports(case: Case) -> str:
         return "A second contact needs Unilateral: a bilateral guide has no free side."
     if case.effect(RollingResistance) is not None:
         return "RollingResistance is not supported with several contacts."
+    if case.effect(Belt) is not None:
+        return "A belt is not supported with several contacts."
+    friction = case.effect(CoulombFriction)
+    if friction is not None and friction.by_speed:
+        return "Friction that depends on the slip speed is not supported with several contacts."
+    if has_pieces(case) or case.track.parts is not None or case.plate.outline.parts is not None:
+        return "Curves in pieces are not supported with several contacts."
     return ""
 
 
@@ -217,7 +235,9 @@ class March:
             return now
         if limit > self.t:
             still = several_phase(self.case, decision.regime)
-            self._advance(Segment.of(still, np.array([self.t, limit]), _Rests(rest.state), Event(None, limit, rest.state), 0))
+            self._advance(
+                Segment.of(still, np.array([self.t, limit]), _Rests(rest.state), Event(None, limit, rest.state), 0)
+            )
         self.body, self.touching = body, {self.watches[k].name for k in near}
         self.causes = {name: CAUSES["rest"] for name in self.touching}
         return self._instant()
@@ -233,7 +253,10 @@ class March:
                 for modes in decision.motions
             )
             count = len(decision.motions)
-            return "not_unique", f"{count} motions of rigid Coulomb contact are consistent at {self.t:.9g} s: {choices}."
+            return (
+                "not_unique",
+                f"{count} motions of rigid Coulomb contact are consistent at {self.t:.9g} s: {choices}.",
+            )
         return NO_SLIP if coefficients(self.case)[1] == inf else NO_MODE
 
     def _phase(self, regime: SeveralRegime) -> Ending | None:
@@ -252,7 +275,7 @@ class March:
 
     def _move(self, phase, y) -> tuple[Segment, Meeting | None]:
         end = self.case.duration
-        if not phase.regime.closed:
+        if not regime_of(phase).closed:
             often = frequency(phase, self.t, y)
             end = min(end, max(self.t + FLIES / often if often else end, self.t + 1e3 * np.spacing(self.t)))
         segment = self.integrate(phase, self.t, y, end, self.rtol)
@@ -354,7 +377,7 @@ class March:
 
     def _meet(self, meeting: Meeting) -> Ending | None:
         """A contact at a place that is not watched."""
-        regime = self.segments[-1].phase.regime
+        regime = regime_of(self.segments[-1].phase)
         self.touching = {regime.names[k] for k in regime.closed}
         watch = self._new_watch((meeting.xi1, meeting.xi2))
         self.touching.add(watch.name)

@@ -15,7 +15,8 @@ from ..minimal.gap import facing
 from ..minimal.integrators.segment import Segment
 from ..minimal.meetings import Meeting, MeetingSearch
 from ..minimal.second_contacts import BEYOND, HALVINGS, PLACES, TOGETHER, _zero
-from ..minimal.windows import EPS, Windows, join_windows, windows
+from ..minimal.windows import EPS, Windows, windows
+from .regimes import regime_of
 
 
 def first_meeting(case: Case, search: MeetingSearch, segment: Segment) -> Meeting | None:
@@ -32,7 +33,7 @@ def first_meeting(case: Case, search: MeetingSearch, segment: Segment) -> Meetin
 
 def _in_windows(case: Case, segment: Segment, edges: np.ndarray) -> tuple[Windows, list[Cores]]:
     """Steps in windows so short that every contact is the only one in its surroundings, and these."""
-    count = len(segment.phase.regime.modes)
+    count = len(regime_of(segment.phase).modes)
     for _ in range(HALVINGS):
         motion = windows(partial(_poses, segment), edges, case.plate.reach)
         times = motion.start[:, None] + (motion.end - motion.start)[:, None] * PLACES

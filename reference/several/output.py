@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from .decision import depends_on_time, load_at
 from .equations import COLUMNS
 from .forces import Ranges, ranges
 from .geometry import places
-from .regimes import SeveralPhase, body_of, coefficients, pairs_of
+from .regimes import SeveralPhase, body_of, coefficients, pairs_of, regime_of
 
 
 class ContactStates(NamedTuple):
@@ -41,7 +41,8 @@ class Contacts:
     @property
     def names(self) -> tuple[str, ...]:
         """The contacts' names in the order of their numbers."""
-        names = {name for s in self.segments if isinstance(s.phase, SeveralPhase) for name in s.phase.regime.names}
+        phases = [s.phase for s in self.segments if isinstance(s.phase, SeveralPhase)]
+        names = {name for phase in phases for name in regime_of(phase).names}
         return tuple(sorted(names | {CONTACT}, key=lambda name: (len(name), name)))
 
     def __call__(self, name: str, times: np.ndarray | None) -> ContactColumns:
@@ -87,20 +88,22 @@ def _join(parts: list[ContactColumns]) -> ContactColumns:
 
 def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray, name: str) -> ContactStates:
     """One contact of a phase at some instants; `y` (variables, n)."""
-    none = np.full(times.shape, np.nan)
-    if name not in now.regime.names:
+    none, regime = np.full(times.shape, np.nan), regime_of(now)
+    if name not in regime.names:
         return ContactStates(none, none, 0.0 * times, 0.0 * times, none, none)
-    k = now.regime.names.index(name)
+    k = regime.names.index(name)
     xi1, xi2 = y[3 + 2 * k], y[4 + 2 * k]
-    if now.regime.rests:
+    if regime.rests:
         normal, friction = _rest_forces(case, now, times, y, k)
-        is_closed = k in now.regime.closed
-        return ContactStates(_gap(case, y, k, is_closed), 0.0 * times if is_closed else none, normal, friction, xi1, xi2)
+        is_closed = k in regime.closed
+        return ContactStates(
+            _gap(case, y, k, is_closed), 0.0 * times if is_closed else none, normal, friction, xi1, xi2
+        )
     values = now.system.outputs_of_arrays(times, y, now.parameters)
     columns = values[5 + len(COLUMNS) * k : 5 + len(COLUMNS) * (k + 1)]
     normal, friction, slip, _, _ = (np.broadcast_to(np.asarray(row, dtype=float), times.shape) for row in columns)
-    is_closed, mass = k in now.regime.closed, case.plate.mass
-    slip = 0.0 * slip if now.regime.modes[k] is Mode.ROLL else slip
+    is_closed, mass = k in regime.closed, case.plate.mass
+    slip = 0.0 * slip if regime.modes[k] is Mode.ROLL else slip
     return ContactStates(
         _gap(case, y, k, is_closed), slip if is_closed else none, mass * normal, mass * friction, xi1, xi2
     )
@@ -115,7 +118,7 @@ def _gap(case: Case, y: np.ndarray, k: int, is_closed: bool) -> np.ndarray:
 
 def _rest_forces(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray, k: int):
     """Normal and friction force of contact k of a plate at rest, NaN where they are not unique."""
-    closed, stick = now.regime.closed, coefficients(case)[1]
+    closed, stick = regime_of(now).closed, coefficients(case)[1]
     if k not in closed:
         return 0.0 * times, 0.0 * times
     state = y[:, 0]
@@ -133,19 +136,19 @@ def _rest_forces(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray
 def observe(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray) -> State:
     """The plate's pose and velocities, and slip, forces and parameters of the first closed contact; as in flight if
     none is closed."""
-    closed = now.regime.closed
+    closed = regime_of(now).closed
     x, y0, theta, vx, vy, omega = *y[:3], *y[-3:]
     if not closed:
         none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
         return State(x, y0, theta, vx, vy, omega, none, nothing, nothing, none, none)
-    one = contact_states(case, now, times, y, now.regime.names[closed[0]])
+    one = contact_states(case, now, times, y, regime_of(now).names[closed[0]])
     return State(x, y0, theta, vx, vy, omega, one.slip, one.normal_force, one.friction_force, one.xi1, one.xi2)
 
 
 def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray]:
     """For each closed contact at an instant: least and greatest normal force and friction force, shape (2, 2)."""
-    now, state = segment.phase, segment.states(np.array([t]))[:, 0]
-    regime = now.regime
+    now, state = cast(SeveralPhase, segment.phase), segment.states(np.array([t]))[:, 0]
+    regime = regime_of(now)
     names = [regime.names[k] for k in regime.closed]
     if not regime.rests:
         values = [contact_states(case, now, np.array([t]), state[:, None], name) for name in names]

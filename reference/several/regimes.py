@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, cast
+
+import numpy as np
 
 from cases import Case, CoulombFriction, Load, Mode, PerfectlyRough
 
 from ..minimal.effects import SLIP_SIGN, laws
-from ..minimal.modes import Phase, _features
+from ..minimal.modes import Phase, Regime, _features
 from ..minimal.system import parameter_values
 from .equations import Kind, several_system
 
@@ -55,12 +57,17 @@ class SeveralPhase(Phase):
         return several_phase, (self.case, self.regime)
 
 
+def regime_of(phase: Phase) -> SeveralRegime:
+    """The regime of a phase of several contacts."""
+    return cast(SeveralRegime, phase.regime)
+
+
 def coefficients(case: Case) -> tuple[float, float]:
     """The coefficients of friction with slip and without; infinite for a perfectly rough contact."""
     if case.effect(PerfectlyRough) is not None:
         return float("inf"), float("inf")
     friction = case.effect(CoulombFriction)
-    return (friction.mu, friction.stick) if friction else (0.0, 0.0)
+    return (friction.at_rest, friction.stick) if friction else (0.0, 0.0)
 
 
 def slip_modes(case: Case) -> tuple[Mode, ...]:
@@ -92,28 +99,36 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
     ]
     lengths = (gyration, gyration, 1.0, *speeds)
     load, count = case.effect(Load), len(regime.modes)
-    features = [f for f in _features(load) if f[0] is None]
+    features = list(_features(load, None))
     for k in range(count):
-        features += [(3 + 2 * k, f) for _, f in _features(None, case.track)]
-        features += [(4 + 2 * k, f) for _, f in _features(None, case.plate.outline)]
-    parameters = parameter_values(case, values, system)
+        features += [(3 + 2 * k, f) for _, f in _features(None, None, case.track)]
+        features += [(4 + 2 * k, f) for _, f in _features(None, None, case.plate.outline)]
+    parameters = parameter_values(case, values, system, case.track, case.plate.outline)
     places = tuple(range(6 + 2 * count))
     return SeveralPhase(
-        regime, system, parameters, gyration, lengths, places, case, tuple(features), bool(laws(case).checked_quantities)
+        cast(Regime, regime),
+        system,
+        parameters,
+        gyration,
+        lengths,
+        places,
+        case,
+        tuple(features),
+        bool(laws(case).checked_quantities),
     )
 
 
-def pairs_of(state: Sequence[float]) -> list[tuple[float, float]]:
+def pairs_of(state: Sequence[float] | np.ndarray) -> list[tuple[float, float]]:
     """(ξ₁, ξ₂) of every contact of a state."""
     inside = list(state[3:-3])
     return list(zip(inside[::2], inside[1::2], strict=True))
 
 
-def body_of(state: Sequence[float]) -> list[float]:
+def body_of(state: Sequence[float] | np.ndarray) -> list[float]:
     """(x, y, θ, vx, vy, ω) of a state."""
     return [*state[:3], *state[-3:]]
 
 
-def join(body: Sequence[float], pairs: Sequence[tuple[float, float]]) -> tuple[float, ...]:
+def join(body: Sequence[float] | np.ndarray, pairs: Sequence[tuple[float, float]]) -> tuple[float, ...]:
     """The state of a body (x, y, θ, vx, vy, ω) with those pairs of points."""
     return (*map(float, body[:3]), *(float(v) for pair in pairs for v in pair), *map(float, body[3:]))

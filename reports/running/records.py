@@ -33,13 +33,15 @@ class Offer:
     """The ladder of settings that one route of a solver offers for a case, or the reason why there is none.
 
     `outcome` is "" for an offer, else "unsupported", "crashed" or "not_installed". `our_part`: what of the route is not
-    the engine's own, "" for an engine by itself."""
+    the engine's own, "" for an engine by itself; `several_contacts`: whether it supports motions with several
+    contacts."""
 
     route: str
     settings: tuple[Setting, ...] = ()
     outcome: str = ""
     reason: str = ""
     our_part: str = ""
+    several_contacts: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,11 @@ class Truth:
     friction_sensitivity: float = float("nan")  # the score that 1 % of friction makes
     centre_bar: float = float("nan")  # error bar of the motion's centre, m
     kinds: tuple[str, ...] = ()
+
+    @property
+    def has_several_contacts(self) -> bool:
+        """Whether the plate touches its track in several places."""
+        return any(event.contact for event in self.transitions)
 
 
 @dataclass(frozen=True)

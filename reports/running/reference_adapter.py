@@ -18,6 +18,8 @@ NAME = "reference"
 ENGINE = "heyoka"
 routes = solve.ROUTES
 SLIP_LAWS = routes
+# The paper's matrix is for one contact.
+SEVERAL_CONTACTS = tuple(route for route in routes if route != "augmented")
 
 # From a coarse tolerance to the limit of double precision.
 _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)

@@ -16,7 +16,7 @@ import numpy as np
 
 import cases
 import reference
-from adapters import EngineFailure, Setting, gate, other_laws, our_part, refusal
+from adapters import EngineFailure, Setting, gate, other_laws, our_part, refusal, supports_several_contacts
 from cases import Case, CaseError, NotSupported, Trajectory
 from reference.certification import Certificate, NotCertified, contradiction, stored_or_new
 
@@ -66,7 +66,8 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
             offered = (*first, *offered[1:])
         if len(offered) > _MOST_SETTINGS:
             raise ValueError(f"it has more than {_MOST_SETTINGS} settings")
-        return Offer(route, tuple(map(_plain, offered)), our_part=part)
+        several = supports_several_contacts(module, route)
+        return Offer(route, tuple(map(_plain, offered)), our_part=part, several_contacts=several)
     except (Exception, SystemExit) as problem:
         return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}", part)
 

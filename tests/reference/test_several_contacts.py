@@ -1,15 +1,35 @@
 """A plate with several contacts: exact motions, and agreement of two formulations that share no code."""
 
 from functools import lru_cache
-from math import cos, pi, radians, sin, sqrt, tan
+from math import cos, radians, sin, tan
 
 import numpy as np
 import pytest
 
 import reference
-from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Load, Mode, Plate, Start, Unilateral, disc
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    Mode,
+    Plate,
+    Start,
+    Unilateral,
+    disc,
+)  # fmt: skip
 from cases import curves as c
-from reference import contact_frame, delassus
+from cases.contact import start_motion
+from cases.mechanics import energy
+from reference.certification.witnesses import _by_second
+from reference.delassus import complementarity
+from reference.delassus.contacts import Dynamics, pair_at
+from reference.several.decision import Instant, decide
+from reference.several.geometry import project
+from reference.several.regimes import SeveralRegime, join, several_phase
 
 G = 9.81
 
@@ -79,54 +99,192 @@ def test_a_disc_held_in_a_valley_begins_to_turn_under_a_growing_moment(mu):
     assert np.diff(ranges, axis=0)[0, 1] < 1e-4 * np.diff(ranges, axis=0)[0, 0]  # the forces become unique at the limit
 
 
-def test_a_disc_rocks_in_a_v_and_comes_to_rest():
-    # It rolls down and up with the acceleration (2/3) g sin α; each hand-over multiplies its speed by (1 + 2 cos 2α)/3:
-    # angular momentum about the new contact. The V is rounded at the bottom by 1e-7, which moves the flanks by 1e-13 m.
-    alpha, radius, way = radians(20), 0.5, 0.4
-    track = groove(alpha, 1e-7)
-    begin = -(radius * sin(alpha) + way * cos(alpha))
-    case = case_in(track, Start(begin), CoulombFriction(1.0), radius=radius, duration=9.0)
+def test_a_disc_rocks_in_a_valley_and_comes_to_rest():
+    # In a symmetric valley every hand-over is at the same pose. Angular momentum about the new contact gives the
+    # factor (1 + 2 cos 2α)/3 of the spin, with the flanks' inclination α there; between two of them energy is kept.
+    radius = 0.5
+    track = groove(radians(20), 0.01)
+    _, alpha = held(track, radius, low=0.1)
+    case = case_in(track, Start(-0.6), CoulombFriction(1.0), radius=radius, duration=8.0)
     motion = reference.simulate(case, rtol=1e-14)
-    pull, factor = 2 / 3 * G * sin(alpha), (1 + 2 * cos(2 * alpha)) / 3
-    speed, times = sqrt(2 * pull * way), [sqrt(2 * way / pull)]
-    for _ in range(19):
-        speed *= factor
-        times.append(times[-1] + 2 * speed / pull)
-    impacts = [t.time for t in motion.transitions if t.after is Mode.ROLL][:20]
-    assert impacts == pytest.approx(times, abs=1e-11)
-    rest = times[0] + 2 * sqrt(2 * pull * way) / pull * factor / (1 - factor)
+    factor = (1 + 2 * cos(2 * alpha)) / 3
+    jumps = np.flatnonzero((np.diff(motion.t) == 0.0) & (np.abs(np.diff(motion.omega)) > 1e-6))[:20]
+    assert len(jumps) == 20
+    assert motion.omega[jumps + 1] / motion.omega[jumps] == pytest.approx([factor] * 20, rel=1e-9)
+    assert motion.omega[jumps[:8] + 1] / motion.omega[jumps[:8]] == pytest.approx([factor] * 8, rel=1e-12)
+    total = energy(case, motion)
+    for first, last in zip(jumps[:-1] + 1, jumps[1:], strict=True):
+        assert np.ptp(total[first : last + 1]) < 1e-13 * total[0]
     last = motion.transitions[-1]
-    assert last.cause == "bouncing came to rest" and last.time == pytest.approx(rest, abs=1e-9)
-    assert motion(9.0).omega == 0.0
+    assert last.cause == "bouncing came to rest" and motion(8.0).omega == 0.0
+    # The intervals become a geometric series with the same factor.
+    times = motion.t[jumps]
+    rest = times[-1] + (times[-1] - times[-2]) * factor / (1 - factor)
+    assert last.time == pytest.approx(rest, abs=1e-3 * (last.time - times[-1]))
 
 
-def test_a_disc_without_friction_slides_from_flank_to_flank():
-    # Without friction the velocity along the next flank is kept: cos 2α of it.
-    alpha, radius, way = radians(30), 0.3, 0.4
-    begin = -(radius * sin(alpha) + way * cos(alpha))
-    motion = reference.simulate(case_in(groove(alpha, 1e-7), Start(begin), radius=radius, duration=2.5), rtol=1e-14)
-    pull, speed, time = G * sin(alpha), sqrt(2 * G * sin(alpha) * way), sqrt(2 * way / (G * sin(alpha)))
-    impacts = [t.time for t in motion.transitions if t.after is Mode.SLIDE][:8]
-    exact = []
-    for _ in range(8):
-        exact.append(time)
-        speed *= cos(2 * alpha)
-        time += 2 * speed / pull
-    assert impacts == pytest.approx(exact, abs=1e-11)
-
-
-def test_contacts_that_may_press_against_each_other_have_no_unique_motion():
-    # Steep flanks: each contact lies in the other's cone, so they may hold a disc that a load would lift. Coulomb's law
-    # allows both.
-    track = Curve(lambda s: (s, 3.0 * c.sqrt(s * s + 0.01)), domain=(-3, 3))
-    xi1, alpha = held(track, 0.5)
-    assert alpha > 0.5 * np.pi - np.arctan(1.2)
-    case = case_in(track, Start(xi1), CoulombFriction(1.2), Load(fy=20.0))
-    motion = reference.simulate(case)
-    assert motion.status == "not_unique" and "plate/track flight, plate/track 2 flight" in motion.reason
+def test_without_friction_the_speed_along_the_next_flank_is_kept():
+    # cos 2α of it, with the flanks' inclination α where the disc touches both.
+    radius = 0.3
+    track = groove(radians(30), 0.01)
+    _, alpha = held(track, radius, low=0.1)
+    motion = reference.simulate(case_in(track, Start(-0.5), radius=radius, duration=2.0), rtol=1e-14)
+    jumps = np.flatnonzero((np.diff(motion.t) == 0.0) & (np.abs(np.diff(motion.vx)) > 1e-6))[:6]
+    speeds = np.hypot(motion.vx, motion.vy)
+    assert speeds[jumps + 1] / speeds[jumps] == pytest.approx([cos(2 * alpha)] * 6, rel=1e-10)
 
 
 def test_a_second_contact_without_a_law_of_impact_ends_the_motion_and_says_what_to_add():
     effects = Gravity(G), CoulombFriction(0.2), Unilateral()
     motion = reference.simulate(Case(groove(radians(20), 0.01), disc(0.5, 1.0), effects, Start(-0.6), 3.0))
     assert motion.status == "second_contact" and "add Flight() and Impact(0.0)" in motion.reason
+
+
+# --- decisions --------------------------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=32)
+def _valley(number: int) -> tuple[Curve, tuple[float, float], float]:
+    """A valley, one of 32, with the parameters at which a disc touches both flanks, and its radius."""
+    numbers = np.random.default_rng(number)
+    radius, alpha = numbers.uniform(0.3, 0.7), numbers.uniform(0.3, 1.1)
+    track = groove(alpha, 0.05 * radius)
+    xi1, _ = held(track, radius, low=0.35 * radius * sin(alpha))
+    return track, (xi1, -xi1), radius
+
+
+def _random_state(seed: int):
+    """A disc in a valley at rest or turning, under a random load, with random friction: case and instant."""
+    numbers = np.random.default_rng(seed)
+    track, contacts, radius = _valley(seed % 32)
+    moves = float(numbers.choice([0.0, numbers.uniform(-5.0, 5.0)]))
+    fx, fy, moment = numbers.uniform(-15.0, 15.0, 3) * (1.0, 1.0, 0.3)
+    effects = CoulombFriction(float(numbers.uniform(0.05, 1.2))), Load(fx=fx, fy=fy, moment=moment)
+    case = case_in(track, Start(contacts[0], slip=radius * moves, omega=moves), *effects, radius=radius)
+    begin = start_motion(case)
+    body = [begin.x, begin.y, begin.theta, 0.0, 0.0, moves]
+    body, at = project(case, body, [(begin.xi1, begin.xi2), (contacts[1], begin.xi2 + 0.5 * np.pi)], (0, 1))
+    names, limits = ("plate/track", "plate/track 2"), (0.0, 0.0)
+    state = join(body, [(one.xi1, one.xi2) for one in at])
+    return case, Instant(0.0, state, at, names, limits, (0, 1), max(abs(moves) * radius, 1.0))
+
+
+def _accelerations(seed: int) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray | None]:
+    """Accelerations of a random state by enumeration and by Lemke's method, one for each motion, and by projected
+    Gauss-Seidel from zero (None: it does not converge)."""
+    case, now = _random_state(seed)
+    decision = decide(case, now, 1e-12)
+    first = []
+    for modes in decision.motions:
+        regime = SeveralRegime(modes, now.names, now.limits)
+        still = sum(2 if m is Mode.ROLL else m is not Mode.FLIGHT for m in modes) > 2
+        phase = None if still else several_phase(case, regime)
+        rates = phase.system.rates_of_numbers(0.0, now.state, phase.parameters)[-3:] if phase else (0.0, 0.0, 0.0)
+        first.append(np.array(rates))
+    dynamics, body = Dynamics(case), [*now.state[:3], *now.state[-3:]]
+    pairs = [pair_at(case, body, (one.xi1, one.xi2)) for one in now.places]
+    matrix, rows = dynamics.delassus(pairs)
+    free = dynamics.free_rates(0.0, body, pairs, rows)
+    slips = [None if abs(pair.slip) < 1e-9 else float(np.sign(pair.slip)) for pair in pairs]
+    law = dynamics.mu, dynamics.stick
+
+    def move(force: np.ndarray) -> np.ndarray:
+        return dynamics.inverse * (dynamics.applied(0.0, body) + rows.T @ force)
+
+    second = [move(force) for force in complementarity.solutions(matrix, free, slips, *law)]
+    projected = complementarity.gauss_seidel(matrix, free, slips, *law, np.zeros(4), sweeps=20_000)
+    return first, second, None if projected is None else move(projected)
+
+
+def _compare_decisions(seeds) -> dict[str, int]:
+    counts = {"one": 0, "several": 0, "none": 0, "projected": 0}
+    for seed in seeds:
+        first, second, projected = _accelerations(seed)
+        counts["one" if len(first) == 1 else "several" if first else "none"] += 1
+        if len(first) == 1:
+            assert len(second) == 1, seed
+            assert second[0] == pytest.approx(first[0], rel=1e-8, abs=1e-8), seed
+            if projected is not None:
+                counts["projected"] += 1
+                assert projected == pytest.approx(first[0], rel=1e-6, abs=1e-6), seed
+        for one in second:  # a motion that Lemke's method finds is among those of the enumeration
+            assert any(np.abs(one - other).max() < 1e-6 for other in first) or not first, seed
+    return counts
+
+
+def test_decisions_are_those_of_lemkes_method_and_of_projected_gauss_seidel():
+    counts = _compare_decisions(range(200))
+    assert counts["one"] > 150 and counts["projected"] > 140 and counts["several"] > 0
+
+
+@pytest.mark.slow
+def test_five_thousand_decisions_are_those_of_projected_gauss_seidel():
+    counts = _compare_decisions(range(5000))
+    assert counts["one"] > 4000 and counts["projected"] > 3500
+
+
+# --- two formulations -------------------------------------------------------------------------------------------------
+
+
+def _agree(case: Case, within: float) -> int:
+    """Compare both formulations' whole sequences; returns the number of changes, or raises AssertionError."""
+    motion = reference.simulate(case, rtol=1e-14)
+    second = _by_second(case, "second", 1e-13)
+    changes = [(t.contact, t.before, t.after) for t in motion.transitions]
+    assert (second.status, [(t.contact, t.before, t.after) for t in second.transitions]) == (motion.status, changes)
+    for one, other in zip(motion.transitions, second.transitions, strict=True):
+        assert abs(one.time - other.time) < within
+    return len(changes)
+
+
+def test_both_formulations_have_the_same_sequence_and_a_certificate_of_it():
+    case = case_in(groove(radians(20), 0.01), Start(-0.6), CoulombFriction(1.0), duration=2.0)
+    certificate = reference.certify(case)
+    assert "contact frame 1e-13" in certificate.witnesses and len(certificate.transitions) == 4
+    assert all(time.bar < 1e-11 for _, _, time, _ in certificate.transitions)
+
+
+def test_an_ellipse_crosses_a_valley_alike_in_both_formulations():
+    outline = Curve(lambda s: (0.5 * c.cos(s), 0.35 * c.sin(s)))
+    effects = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.4)
+    case = Case(groove(radians(25), 0.02), Plate(outline, 1.0, 0.09), effects, Start(-0.7, xi2=4.3), 1.0)
+    assert _agree(case, 1e-10) > 2
+
+
+# --- an independent time stepper --------------------------------------------------------------------------------------
+
+
+def _step_through(case: Case, pairs, h: float) -> np.ndarray:
+    """The pose at the end by Moreau's midpoint rule: contacts with a closed gap at mid-step, velocities at its end by
+    projected Gauss-Seidel on impulses; no events, no modes."""
+    begin, dynamics = start_motion(case), Dynamics(case)
+    q, u = np.array([begin.x, begin.y, begin.theta]), np.array([begin.vx, begin.vy, begin.omega])
+    for number in range(round(case.duration / h)):
+        middle = q + 0.5 * h * u
+        now = [pair_at(case, [*middle, *u], near) for near in pairs]
+        pairs = [(pair.xi1, pair.xi2) for pair in now]
+        free = u + h * dynamics.inverse * dynamics.applied((number + 0.5) * h, [*middle, *u])
+        closed = [pair for pair in now if pair.gap <= 0.0]
+        if closed:
+            matrix, rows = dynamics.delassus(closed)
+            start = np.zeros(2 * len(closed))
+            law = dynamics.mu, dynamics.stick
+            impulse = complementarity.gauss_seidel(matrix, rows @ free, [None] * len(closed), *law, start, sweeps=5000)
+            assert impulse is not None
+            free = free + dynamics.inverse * (rows.T @ impulse)
+        u = free
+        q = middle + 0.5 * h * u
+    return q
+
+
+def test_a_time_stepper_without_events_converges_to_the_motion():
+    radius, duration = 0.5, 1.2  # one hand-over at 0.639 s
+    case = case_in(groove(radians(20), 0.05), Start(-0.6), CoulombFriction(1.0), radius=radius, duration=duration)
+    motion = reference.simulate(case)
+    assert len(motion.transitions) >= 2
+    begin = start_motion(case)
+    other = motion.transitions[1]
+    pairs = [(begin.xi1, begin.xi2), (other.xi1, begin.xi2 + 0.7)]
+    exact = np.array([motion.x[-1], motion.y[-1], motion.theta[-1]])
+    errors = [np.abs(_step_through(case, pairs, h) - exact).max() for h in (4e-3, 1e-3)]
+    assert errors[1] < 0.5 * errors[0] and errors[1] < 5e-3
