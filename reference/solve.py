@@ -222,7 +222,7 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 
     if any(isinstance(segment.phase, several.SeveralPhase) for segment in segments):
-        contacts = several.Contacts(case, segments, _observe)
+        contacts = several.AllContacts(case, segments, _observe)
         common |= dict(contact_names=contacts.names, contact_columns=contacts)
     first_mode = _first_mode(segments, transitions)
     return Trajectory.on_demand(samples, **common, first_mode=first_mode, dense=_Dense(case, segments))

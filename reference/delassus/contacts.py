@@ -17,7 +17,7 @@ NEAR, SAMPLES = 0.3, 240
 APART = 1e-6
 
 
-class Pair(NamedTuple):
+class PairState(NamedTuple):
     """A contact in its frame: parameters, gap (m), lift and slip velocity (m/s), their rows in (vx, vy, ω), their
     accelerations without that of the plate (m/s²), and the rate of ξ₁ (1/s)."""
 
@@ -33,7 +33,7 @@ class Pair(NamedTuple):
     xi1_rate: float
 
 
-def pair_at(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> Pair:
+def pair_at(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
     """The pair of nearest points next to `near`; `body` is (x, y, θ, vx, vy, ω). Raises DoesNotFit."""
     x, y, theta, vx, vy, omega = (float(v) for v in body)
     contact = find(case, x, y, theta, near)
@@ -53,7 +53,7 @@ def pair_at(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, f
     turning = bend * along
     lift_bias = -omega * omega * rn + omega * along_own - turning * slip
     slip_bias = -omega * omega * rt + turning * lift
-    return Pair(
+    return PairState(
         contact.xi1, contact.xi2, contact.gap, lift, slip, lift_row, slip_row, lift_bias, slip_bias, along / speed
     )
 
@@ -73,7 +73,7 @@ def all_pairs(case: Case, body: Sequence[float] | np.ndarray, around: float) -> 
     samples = samples[:: max(1, len(samples) // SAMPLES)]
     own = np.linspace(*outline.span, 1440)
     angles = np.asarray(outline.tangent_angle(own)) + theta
-    found: list[tuple[float, float]] = []
+    results: list[tuple[float, float]] = []
     for xi1 in samples.tolist():
         off = np.angle(np.exp(1j * (angles - float(track.tangent_angle(xi1)))))
         try:
@@ -85,9 +85,9 @@ def all_pairs(case: Case, body: Sequence[float] | np.ndarray, around: float) -> 
         if abs(one.gap) > NEAR * reach or not _faces(case, one.xi1, one.xi2, theta):
             continue
         place = track.point(one.xi1)
-        if all(np.hypot(*(place - track.point(xi1))) > APART * reach for xi1, _ in found):
-            found.append((one.xi1, one.xi2))
-    return found
+        if all(np.hypot(*(place - track.point(xi1))) > APART * reach for xi1, _ in results):
+            results.append((one.xi1, one.xi2))
+    return results
 
 
 def _faces(case: Case, xi1: float, xi2: float, theta: float) -> bool:
@@ -96,7 +96,7 @@ def _faces(case: Case, xi1: float, xi2: float, theta: float) -> bool:
     return cos(angle) > 0.0 and float(case.plate.outline.curvature(xi2)) > float(case.track.curvature(xi1))
 
 
-class Dynamics:
+class PlateDynamics:
     """Mass, applied forces and friction of a case."""
 
     def __init__(self, case: Case):
@@ -113,20 +113,20 @@ class Dynamics:
         if self.rough:  # far beyond any force of the scenes, as Lemke's method needs a number
             self.mu = self.stick = 1e9
 
-    def applied(self, t: float, body: Sequence[float] | np.ndarray) -> np.ndarray:
+    def torsor(self, t: float, body: Sequence[float] | np.ndarray) -> np.ndarray:
         """The applied force and moment (N, N, N m)."""
         if self.load is None:
             return self.weight
         return self.weight + np.array(self.load.at(t, *(float(v) for v in body)))
 
-    def delassus(self, pairs: Sequence[Pair]) -> tuple[np.ndarray, np.ndarray]:
+    def delassus(self, pairs: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
         """The Delassus matrix (2K, 2K) of lifts, then slips, and the rows (2K, 3)."""
         rows = np.array([p.lift_row for p in pairs] + [p.slip_row for p in pairs]).reshape(-1, 3)
         return rows * self.inverse @ rows.T, rows
 
     def free_rates(
-        self, t: float, body: Sequence[float] | np.ndarray, pairs: Sequence[Pair], rows: np.ndarray
+        self, t: float, body: Sequence[float] | np.ndarray, pairs: Sequence[PairState], rows: np.ndarray
     ) -> np.ndarray:
         """Accelerations of the gaps, then of the slips, without contact forces."""
         biases = np.array([p.lift_bias for p in pairs] + [p.slip_bias for p in pairs])
-        return rows @ (self.inverse * self.applied(t, body)) + biases
+        return rows @ (self.inverse * self.torsor(t, body)) + biases

@@ -19,8 +19,8 @@ from cases.trajectory import CONTACT
 from ..contact_frame.equations import ContactScene
 from ..contact_frame.impact import ImpactWithoutSolution, creates_energy, hit
 from .complementarity import solutions
-from .contacts import Dynamics, Pair, all_pairs, pair_at
-from .phase import Contact, SeveralContactPhase
+from .contacts import PairState, PlateDynamics, all_pairs, pair_at
+from .phase import SeveralContactPhase, WatchedContact
 
 EPS = float(np.finfo(float).eps)
 # Guards are evaluated at this many places of each step; steps are at most this part of the plate's turn.
@@ -55,7 +55,7 @@ class SeveralMotion(NamedTuple):
     motions: np.ndarray
 
 
-class _Stretch(NamedTuple):
+class _DenseStep(NamedTuple):
     """A step's dense output with its phase: times from `start` to `end`, s."""
 
     start: float
@@ -64,19 +64,19 @@ class _Stretch(NamedTuple):
     phase: SeveralContactPhase
 
 
-class _Ended(Exception):
+class _MotionEnd(Exception):
     """The motion ends with a status."""
 
 
-class _March:
+class _Simulation:
     """The state of one simulation."""
 
     def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray, rtol: float):
-        self.case, self.dynamics, self.rtol = case, Dynamics(case), max(rtol, 1e-13)
+        self.case, self.dynamics, self.rtol = case, PlateDynamics(case), max(rtol, 1e-13)
         self.t, self.body = t, np.array(body, dtype=float)
-        self.contacts: list[Contact] = []
-        self.stretches: list[_Stretch] = []
-        self.listed: list[Transition] = []
+        self.contacts: list[WatchedContact] = []
+        self.stretches: list[_DenseStep] = []
+        self.ordinary: list[Transition] = []
         self.kept_back: list[Transition] = []
         self.strikes: list[tuple[float, float]] = []
         self.speed = self.fastest = 0.0
@@ -95,18 +95,18 @@ class _March:
 
     # --- phases -------------------------------------------------------------------------------------------------------
 
-    def run(self) -> str:
+    def simulate(self) -> str:
         try:
             self.settle(may_strike=True)
             for _ in range(MOST_PHASES):
                 self.phase(self.decide())
-        except _Ended as end:
+        except _MotionEnd as end:
             return str(end)
         except (DoesNotFit, np.linalg.LinAlgError):
             return "breakdown"
         return "unfinished"
 
-    def pairs(self) -> list[Pair]:
+    def pairs(self) -> list[PairState]:
         now = [pair_at(self.case, self.body, contact.pair) for contact in self.contacts]
         self.contacts = [c._replace(pair=(p.xi1, p.xi2)) for c, p in zip(self.contacts, now, strict=True)]
         return now
@@ -123,7 +123,7 @@ class _March:
             closed = [k for k, c in enumerate(self.contacts) if c.name in self.touching]
             modes = self.modes(now, closed)
         if modes is None:
-            raise _Ended("paradox")
+            raise _MotionEnd("paradox")
         rank = np.linalg.matrix_rank(
             np.array([now[k].lift_row for k in modes] + [now[k].slip_row for k, m in modes.items() if m is Mode.ROLL])
             / self.dynamics.units,
@@ -140,10 +140,10 @@ class _March:
         self.is_start = False
         self.begins, self.leaving, self.struck, self.stuck = {}, set(), set(), set()
         if not modes and self.case.effect(Flight) is None:
-            raise _Ended("lift_off")
+            raise _MotionEnd("lift_off")
         return SeveralContactPhase(self.dynamics, self.contacts, rests)
 
-    def modes(self, now: Sequence[Pair], closed: list[int]) -> dict[int, Mode] | None:
+    def modes(self, now: Sequence[PairState], closed: list[int]) -> dict[int, Mode] | None:
         """The modes of the contacts that stay closed, by their places; None without a solution."""
         if not closed:
             return {}
@@ -160,7 +160,7 @@ class _March:
         if not answers:
             return None
         if len(answers) > 1 and len(closed) > 1 and not stick > mu:
-            raise _Ended("not_unique")
+            raise _MotionEnd("not_unique")
         force = min(answers, key=lambda f: float(np.abs((delassus @ f + free)[len(closed) :]).max()))
         rates = delassus @ force + free
         scale = max(float(np.abs(free).max()), float(np.abs(delassus).max() * np.abs(force).max()))
@@ -194,7 +194,7 @@ class _March:
                 break
         self.apply(phase, hit_guards)
 
-    def clearance(self, pair: Pair) -> float:
+    def clearance(self, pair: PairState) -> float:
         bend = float(self.case.track.curvature(pair.xi1))
         own = float(self.case.plate.outline.curvature(pair.xi2))
         return own * (1.0 - pair.gap * bend) - bend
@@ -210,7 +210,7 @@ class _March:
         end = self.case.duration
         scales = self.scales(phase)
         values = phase.guards(self.t, self.body)
-        armed = {name: value > RISEN * scales[name[0]] for name, value in values.items()}
+        positive = {name: value > RISEN * scales[name[0]] for name, value in values.items()}
         pace = self.pace(phase)
         solver = DOP853(
             phase.rates, self.t, self.body, end, rtol=self.rtol, atol=1e-2 * self.rtol,
@@ -220,37 +220,37 @@ class _March:
             solver.step()
             self.steps += 1
             if solver.status == "failed" or not np.isfinite(solver.y).all():
-                raise _Ended("breakdown")
+                raise _MotionEnd("breakdown")
             if self.steps > MOST_STEPS:
-                raise _Ended("unfinished")
+                raise _MotionEnd("unfinished")
             dense = solver.dense_output()
             looks = np.linspace(solver.t_old, solver.t, LOOKS + 1)[1:]
-            if not any(armed.values()) or solver.t_old == self.t:
+            if not any(positive.values()) or solver.t_old == self.t:
                 looks = np.union1d(looks, solver.t_old + (solver.t - solver.t_old) * np.geomspace(1e-8, 0.2, 24))
             before = solver.t_old
             for look in looks.tolist():
                 if look > before and self.is_lost(phase, before, look, dense):
                     # At the last look the points were still the nearest ones.
-                    self.stretches.append(_Stretch(solver.t_old, before, dense, phase))
+                    self.stretches.append(_DenseStep(solver.t_old, before, dense, phase))
                     if before > solver.t_old and self.elsewhere(solver.t_old, before, dense):
                         return [("meeting", "")]
                     self.t, self.body = before, np.array(dense(before))
                     return [("forget", "")]
                 values = phase.guards(look, dense(look))
-                crossed = [
+                zeros = [
                     name for name, value in values.items()
-                    if (armed[name] and value <= 0.0) or (not armed[name] and value < -100.0 * RISEN * scales[name[0]])
+                    if value <= (0.0 if positive[name] else -100.0 * RISEN * scales[name[0]])
                 ]  # fmt: skip
-                if crossed:
-                    return self.locate(phase, dense, before, look, crossed, armed)
+                if zeros:
+                    return self.locate(phase, dense, before, look, zeros, positive)
                 for name, value in values.items():
-                    armed[name] |= value > RISEN * scales[name[0]]
+                    positive[name] |= value > RISEN * scales[name[0]]
                 before = look
-            self.stretches.append(_Stretch(solver.t_old, solver.t, dense, phase))
+            self.stretches.append(_DenseStep(solver.t_old, solver.t, dense, phase))
             if self.elsewhere(solver.t_old, solver.t, dense):
                 return [("meeting", "")]
         self.t, self.body = solver.t, solver.y
-        raise _Ended("completed")
+        raise _MotionEnd("completed")
 
     def is_lost(self, phase: SeveralContactPhase, before: float, look: float, dense) -> bool:
         """Whether an open contact's points are no longer surely the nearest ones: the clearance has fallen, or they
@@ -263,18 +263,18 @@ class _March:
                 return True
         return False
 
-    def locate(self, phase, dense, before: float, look: float, crossed, armed) -> list[tuple[str, str]]:
+    def locate(self, phase, dense, before: float, look: float, zeros, positive) -> list[tuple[str, str]]:
         """The earliest zero between two looks."""
         roots = {}
-        for name in crossed:
+        for name in zeros:
 
             def value(t: float, name=name) -> float:
                 return phase.guards(t, dense(t))[name]
 
-            falls = armed[name] and value(before) > 0.0
+            falls = positive[name] and value(before) > 0.0
             roots[name] = float(brentq(value, before, look, xtol=1e-15, rtol=8.9e-16)) if falls else before
         first = min(roots.values())
-        self.stretches.append(_Stretch(self.stretches[-1].end if self.stretches else self.t, first, dense, phase))
+        self.stretches.append(_DenseStep(self.stretches[-1].end if self.stretches else self.t, first, dense, phase))
         self.stretches[-1] = self.stretches[-1]._replace(start=min(before, first))
         if self.elsewhere(before, first, dense):
             return [("meeting", "")]
@@ -283,7 +283,7 @@ class _March:
 
     def scales(self, phase: SeveralContactPhase) -> dict[str, float]:
         force = max(
-            float(np.abs(self.dynamics.applied(self.t, self.body) / self.dynamics.units).max()),
+            float(np.abs(self.dynamics.torsor(self.t, self.body) / self.dynamics.units).max()),
             float(np.abs(phase.forces(self.t, self.body).normal).max(initial=0.0)),
         )
         speed = max(self.speed, float(np.abs(self.body[3:]).max()), 1e-300)
@@ -322,7 +322,7 @@ class _March:
             self.stretches.pop()
         last = self.stretches[-1]
         self.stretches[-1] = last._replace(end=root)
-        self.listed = [change for change in self.listed if change.time <= root]
+        self.ordinary = [change for change in self.ordinary if change.time <= root]
         self.kept_back = [change for change in self.kept_back if change.time <= root]
         self.t, self.body, self.contacts = root, np.array(last.states(root)), list(last.phase.contacts)
         self.add(pair)
@@ -344,7 +344,7 @@ class _March:
         numbers = range(1, len(used) + 2)
         names = (CONTACT if i == 1 else f"{CONTACT} {i}" for i in numbers)
         name = next(name for name in names if name not in used)
-        self.contacts.append(Contact(name, pair, Mode.FLIGHT))
+        self.contacts.append(WatchedContact(name, pair, Mode.FLIGHT))
         self.touching.add(name)
 
     # --- events -------------------------------------------------------------------------------------------------------
@@ -413,8 +413,8 @@ class _March:
         """No velocity along the rows that are held."""
         now = self.pairs()
         touching = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.touching]
-        held = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.stuck & self.touching]
-        rows = np.array([p.lift_row for p in touching] + [p.slip_row for p in held])
+        sticking = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.stuck & self.touching]
+        rows = np.array([p.lift_row for p in touching] + [p.slip_row for p in sticking])
         if not rows.size:
             return
         rows = rows / self.dynamics.units
@@ -428,32 +428,32 @@ class _March:
 
     # --- impacts ------------------------------------------------------------------------------------------------------
 
-    def strike(self, now: Sequence[Pair]) -> None:
+    def strike(self, now: Sequence[PairState]) -> None:
         """The impact at the touched contacts, if one of them closes."""
-        touched = [k for k, c in enumerate(self.contacts) if c.name in self.touching]
+        places_hit = [k for k, c in enumerate(self.contacts) if c.name in self.touching]
         small = MOVES * self.speed
-        closing = [k for k in touched if now[k].lift < -small]
-        touched = [k for k in touched if now[k].lift <= small]
-        self.touching = {self.contacts[k].name for k in touched}
+        closing = [k for k in places_hit if now[k].lift < -small]
+        places_hit = [k for k in places_hit if now[k].lift <= small]
+        self.touching = {self.contacts[k].name for k in places_hit}
         if not closing:
-            self.stuck |= {self.contacts[k].name for k in touched if abs(now[k].slip) <= small}
+            self.stuck |= {self.contacts[k].name for k in places_hit if abs(now[k].slip) <= small}
             return
         effect = self.case.effect(Impact)
         if effect is None:
-            raise _Ended("second_contact")
+            raise _MotionEnd("second_contact")
         self.count(max(-now[k].lift for k in closing))
-        velocity, stuck = self.velocities(effect, [now[k] for k in touched])
+        velocity, stuck = self.velocities(effect, [now[k] for k in places_hit])
         if effect.law == "newton":
             weights = 1.0 / self.dynamics.inverse
             if weights @ velocity**2 > (1.0 + 1e-12) * (weights @ self.body[3:] ** 2):
-                raise _Ended("energy_gain")
+                raise _MotionEnd("energy_gain")
         self.body[3:] = velocity
         self.touching, self.stuck = set(), set()
-        for i, k in enumerate(touched):
+        for i, k in enumerate(places_hit):
             name, lift = self.contacts[k].name, float(now[k].lift_row @ velocity)
             if k in closing:
                 self.struck.add(name)
-            if lift > small and not self.unresolved(now[k], lift):
+            if lift > small and not self.is_tiny(now[k], lift):
                 continue
             if lift > small:
                 self.at_rest = True
@@ -461,7 +461,7 @@ class _March:
             if stuck[i]:
                 self.stuck.add(name)
 
-    def velocities(self, effect: Impact, some: Sequence[Pair]) -> tuple[np.ndarray, list[bool]]:
+    def velocities(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
         """Velocities after an impact, and which contacts do not slip."""
         velocity = self.body[3:]
         if len(some) == 1:
@@ -470,9 +470,9 @@ class _March:
             try:
                 result = hit(scene, effect, q, pair.slip, pair.lift, float(velocity[2]))
             except ImpactWithoutSolution:
-                raise _Ended("paradox") from None
+                raise _MotionEnd("paradox") from None
             if effect.law == "newton" and creates_energy(result):
-                raise _Ended("energy_gain")
+                raise _MotionEnd("energy_gain")
             rows = np.array([pair.slip_row, pair.lift_row, [0.0, 0.0, 1.0]])
             return np.linalg.solve(rows, np.array([result.slip, result.lift, result.spin])), [result.slip == 0.0]
         if effect.law != "poisson":
@@ -484,7 +484,9 @@ class _March:
         slips = [abs(float(pair.slip_row @ after)) <= MOVES * self.speed and self.dynamics.mu > 0.0 for pair in some]
         return after, slips
 
-    def complementary(self, velocity, some: Sequence[Pair], restitution: float, least) -> tuple[np.ndarray, np.ndarray]:
+    def complementary(
+        self, velocity, some: Sequence[PairState], restitution: float, least
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Velocities and normal impulses of Coulomb's law between impulses and velocities after the impact."""
         delassus, rows = self.dynamics.delassus(some)
         before = rows @ velocity
@@ -492,11 +494,11 @@ class _March:
         mu = self.dynamics.mu
         answers = solutions(delassus, free, [None] * len(some), mu, mu, least)
         if len(answers) != 1:
-            raise _Ended("not_unique")
+            raise _MotionEnd("not_unique")
         return velocity + self.dynamics.inverse * (rows.T @ answers[0]), answers[0][: len(some)]
 
-    def unresolved(self, pair: Pair, lift: float) -> bool:
-        pull = max(-float(pair.lift_row @ (self.dynamics.inverse * self.dynamics.applied(self.t, self.body))), 0.0)
+    def is_tiny(self, pair: PairState, lift: float) -> bool:
+        pull = max(-float(pair.lift_row @ (self.dynamics.inverse * self.dynamics.torsor(self.t, self.body))), 0.0)
         return lift * lift <= 8.0 * pull * EPS * self.size()
 
     # --- small impacts ------------------------------------------------------------------------------------------------
@@ -507,7 +509,7 @@ class _March:
         if closing >= self.fastest:
             self.fastest, self.guess, self.last_guess = closing, (inf, inf), inf
         if not self.small:
-            self.listed, self.kept_back = [*self.listed, *self.kept_back], []
+            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back], []
         self.strikes = [*self.strikes[-4:], (self.t, float(self.body[2]))]
         end = self.aitken(0)
         if end is not None:
@@ -547,7 +549,7 @@ class _March:
         still = self.body.copy()
         if end > self.t:
             phase = SeveralContactPhase(self.dynamics, self.contacts, True)
-            self.stretches.append(_Stretch(self.t, end, lambda t: still, phase))
+            self.stretches.append(_DenseStep(self.t, end, lambda t: still, phase))
         self.t, self.stuck, self.at_rest = end, set(self.touching), True
 
     def list_changes(self, changes: list[Transition]) -> None:
@@ -561,12 +563,12 @@ class _March:
                 replace(change, time=self.t, before=before[name])
                 for name, change in last.items() if before[name] is not change.after
             ]  # fmt: skip
-            self.listed += sorted(changes, key=lambda change: change.contact)
+            self.ordinary += sorted(changes, key=lambda change: change.contact)
             self.kept_back, self.at_rest, self.small, self.fastest, self.strikes = [], False, False, 0.0, []
         elif self.small:
             self.kept_back += changes
         else:
-            self.listed, self.kept_back = [*self.listed, *self.kept_back, *changes], []
+            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back, *changes], []
 
     # --- rest ---------------------------------------------------------------------------------------------------------
 
@@ -590,16 +592,16 @@ class _March:
                     break
                 before = look
         if last is None:
-            self.stretches.append(_Stretch(self.t, end, lambda t: still, phase))
+            self.stretches.append(_DenseStep(self.t, end, lambda t: still, phase))
             self.t = end
-            raise _Ended("completed")
+            raise _MotionEnd("completed")
         low, high = last
         while high - low > 4.0 * EPS * high:
             middle = 0.5 * (low + high)
             low, high = (low, middle) if moves(middle) else (middle, high)
             if middle in (low, high) and high - low <= 4.0 * EPS * high:
                 break
-        self.stretches.append(_Stretch(self.t, high, lambda t: still, phase))
+        self.stretches.append(_DenseStep(self.t, high, lambda t: still, phase))
         self.t, self.touching = high, {c.name for c in self.contacts if c.is_closed}
         self.stuck = set(self.touching)
 
@@ -617,7 +619,7 @@ def touches_at_start(case: Case) -> bool:
 
 def first_mode(case: Case) -> Mode:
     """The mode of a start's contact before others are considered: the sign of its slip."""
-    slip, dynamics = case.start.slip, Dynamics(case)
+    slip, dynamics = case.start.slip, PlateDynamics(case)
     if dynamics.mu == 0.0:
         return Mode.SLIDE
     return Mode.SLIP_FORWARD if slip > 0.0 else Mode.SLIP_BACKWARD if slip < 0.0 else Mode.ROLL
@@ -629,9 +631,9 @@ def continue_motion(
 ) -> SeveralMotion:  # fmt: skip
     """Continue a motion whose plate (x, y, θ, vx, vy, ω) has a contact at the pair `own` in that mode, and touches its
     track in further places at time t (s)."""
-    march = _March(case, t, body, rtol)
+    march = _Simulation(case, t, body, rtol)
     if own is not None:
-        march.contacts.append(Contact(CONTACT, own, mode))
+        march.contacts.append(WatchedContact(CONTACT, own, mode))
         march.touching.add(CONTACT)
         if mode is Mode.ROLL:
             march.stuck = {CONTACT}
@@ -643,13 +645,13 @@ def continue_motion(
         if is_new and pair_at(case, body, pair).gap <= 1e-9 * case.plate.reach:
             march.add(pair)
     with np.errstate(all="ignore"):
-        status = march.run()
+        status = march.simulate()
     return SeveralMotion(
-        (*march.listed, *march.kept_back), status, march.t, _sample(march, np.asarray(times, dtype=float))
+        (*march.ordinary, *march.kept_back), status, march.t, _sample(march, np.asarray(times, dtype=float))
     )
 
 
-def _sample(march: _March, times: np.ndarray) -> np.ndarray:
+def _sample(march: _Simulation, times: np.ndarray) -> np.ndarray:
     motions = np.full((7, len(times)), np.nan)
     starts = np.array([stretch.start for stretch in march.stretches])
     for i, t in enumerate(times.tolist()):

@@ -9,12 +9,12 @@ import numpy as np
 
 from cases import Mode
 
-from .contacts import Dynamics, Pair, pair_at
+from .contacts import PairState, PlateDynamics, pair_at
 
 SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 
 
-class Contact(NamedTuple):
+class WatchedContact(NamedTuple):
     """A watched contact: its name, pair of points, and mode (FLIGHT: open)."""
 
     name: str
@@ -26,7 +26,7 @@ class Contact(NamedTuple):
         return self.mode is not Mode.FLIGHT
 
 
-class Forces(NamedTuple):
+class ContactSolution(NamedTuple):
     """Accelerations (3,), and normal and friction force of each contact (K,), N."""
 
     acceleration: np.ndarray
@@ -37,17 +37,17 @@ class Forces(NamedTuple):
 class SeveralContactPhase:
     """The equations of a phase, and the pairs of points, which are followed from one evaluation to the next."""
 
-    def __init__(self, dynamics: Dynamics, contacts: Sequence[Contact], rests: bool = False):
+    def __init__(self, dynamics: PlateDynamics, contacts: Sequence[WatchedContact], rests: bool = False):
         self.dynamics, self.contacts, self.rests = dynamics, list(contacts), rests
         self.near = [contact.pair for contact in contacts]
 
-    def pairs(self, body: Sequence[float] | np.ndarray) -> list[Pair]:
+    def pairs(self, body: Sequence[float] | np.ndarray) -> list[PairState]:
         """All contacts in one state of the plate."""
         now = [pair_at(self.dynamics.case, body, near) for near in self.near]
         self.near = [(pair.xi1, pair.xi2) for pair in now]
         return now
 
-    def closed_pairs(self, body: Sequence[float] | np.ndarray) -> list[Pair | None]:
+    def closed_pairs(self, body: Sequence[float] | np.ndarray) -> list[PairState | None]:
         """The closed contacts in one state; an integrator's stages lie ahead, where open ones may be lost."""
         case = self.dynamics.case
         return [
@@ -55,11 +55,13 @@ class SeveralContactPhase:
             for contact, near in zip(self.contacts, self.near, strict=True)
         ]
 
-    def forces(self, t: float, body: Sequence[float] | np.ndarray, now: Sequence[Pair | None] | None = None) -> Forces:
+    def forces(
+        self, t: float, body: Sequence[float] | np.ndarray, now: Sequence[PairState | None] | None = None
+    ) -> ContactSolution:
         """Accelerations and forces in the phase's modes, from the Delassus matrix."""
         now = self.closed_pairs(body) if now is None else now
         dynamics, count = self.dynamics, len(self.contacts)
-        free = dynamics.inverse * dynamics.applied(t, body)
+        free = dynamics.inverse * dynamics.torsor(t, body)
         normal, friction = np.zeros(count), np.zeros(count)
         rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
         which: list[tuple[int, float | None]] = []
@@ -77,7 +79,7 @@ class SeveralContactPhase:
                 biases.append(pair.slip_bias)
                 which.append((k, None))
         if not rows:
-            return Forces(free, normal, friction)
+            return ContactSolution(free, normal, friction)
         rows_matrix, columns_matrix = np.array(rows), np.array(columns).T
         matrix = rows_matrix @ (dynamics.inverse[:, None] * columns_matrix)
         multipliers = np.linalg.solve(matrix, -(rows_matrix @ free + np.array(biases)))
@@ -87,7 +89,7 @@ class SeveralContactPhase:
             else:
                 normal[k] = value
                 friction[k] = share * value
-        return Forces(free + dynamics.inverse * (columns_matrix @ multipliers), normal, friction)
+        return ContactSolution(free + dynamics.inverse * (columns_matrix @ multipliers), normal, friction)
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:
         """The derivative of (x, y, θ, vx, vy, ω)."""

@@ -20,7 +20,7 @@ from ..minimal.effects import laws
 from ..minimal.elimination import T
 from ..minimal.system import _MOTION
 from . import forces
-from .geometry import Place
+from .geometry import ContactPlace
 from .regimes import SeveralPhase, SeveralRegime, body_of, coefficients, regime_of, several_phase, slip_modes
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
@@ -33,20 +33,20 @@ NEAR = 1e-9
 BALANCED = -1e-11
 
 
-class Instant(NamedTuple):
+class DecisionInstant(NamedTuple):
     """What a decision needs: time, state, the contacts' places, names and limits, which of them touch, and the largest
     speed of the motion so far (m/s)."""
 
     time: float
     state: tuple[float, ...]
-    places: Sequence[Place]
+    places: Sequence[ContactPlace]
     names: tuple[str, ...]
     limits: tuple[float, ...]
     touching: tuple[int, ...]
     speed: float
 
 
-class Decision(NamedTuple):
+class SeveralDecision(NamedTuple):
     """The regime that follows; None if there is none or several, with their modes in `motions`."""
 
     regime: SeveralRegime | None
@@ -61,8 +61,12 @@ def load_at(case: Case, t: float, body: Sequence[float] | np.ndarray) -> np.ndar
 
 
 def decide(
-    case: Case, now: Instant, error: float, fixed: dict[int, tuple[Mode, ...]] | None = None, may_rest: bool = True
-) -> Decision:
+    case: Case,
+    now: DecisionInstant,
+    error: float,
+    fixed: dict[int, tuple[Mode, ...]] | None = None,
+    may_rest: bool = True,
+) -> SeveralDecision:
     """The regime that follows. `fixed` limits the modes of some contacts, by their places; `error` is the relative
     error of the state; a rest whose limit is reached may not go on. Raises Undecidable."""
     motions: list[tuple[SeveralRegime, np.ndarray]] = []
@@ -84,11 +88,11 @@ def decide(
         motions = [(regime, a) for regime, a in motions if _sticking(regime) == most]
     clusters = _clusters(case, now, motions)
     if not clusters:
-        return Decision(None, ())
+        return SeveralDecision(None, ())
     if len(clusters) > 1 and len(now.touching) > 1:
-        return Decision(None, tuple(cluster[0].modes for cluster in clusters))
+        return SeveralDecision(None, tuple(cluster[0].modes for cluster in clusters))
     best = max(clusters[0], key=lambda r: (r.rests, len(r.closed), _sticking(r)))
-    return Decision(best, (best.modes,))
+    return SeveralDecision(best, (best.modes,))
 
 
 def _sticking(regime: SeveralRegime) -> int:
@@ -96,7 +100,7 @@ def _sticking(regime: SeveralRegime) -> int:
     return sum(mode is Mode.ROLL for mode in regime.modes)
 
 
-def _options(case: Case, now: Instant, fixed: dict[int, tuple[Mode, ...]]) -> list[tuple[Mode, ...]]:
+def _options(case: Case, now: DecisionInstant, fixed: dict[int, tuple[Mode, ...]]) -> list[tuple[Mode, ...]]:
     """The modes that each contact may have."""
     velocity, options = np.array(now.state[-3:]), list[tuple[Mode, ...]]()
     rolling: tuple[Mode, ...] = (Mode.ROLL,) if coefficients(case)[1] > 0.0 else ()
@@ -115,7 +119,7 @@ def _options(case: Case, now: Instant, fixed: dict[int, tuple[Mode, ...]]) -> li
     return options
 
 
-def _rests(case: Case, now: Instant, modes: tuple[Mode, ...]) -> bool:
+def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
     """Whether these contacts hold the plate: it is still, cannot move, and their forces balance the load."""
     closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
     slips = any(mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD) for mode in modes)
@@ -132,7 +136,7 @@ def _rests(case: Case, now: Instant, modes: tuple[Mode, ...]) -> bool:
     return forces.margin(some, load, case.plate.gyration, stick) >= BALANCED
 
 
-def _is_consistent(case: Case, now: Instant, phase: SeveralPhase, error: float) -> bool:
+def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error: float) -> bool:
     """Whether the conditions of a regime hold just after the instant along its own motion."""
     size = abs(now.state[0]) + abs(now.state[1]) + case.plate.reach
     near = [at.gap <= NEAR * size for at in now.places]
@@ -141,7 +145,7 @@ def _is_consistent(case: Case, now: Instant, phase: SeveralPhase, error: float) 
     return follows(case, phase, now.time, now.state, error)
 
 
-def _has_unique_force(phase: SeveralPhase, now: Instant) -> bool:
+def _has_unique_force(phase: SeveralPhase, now: DecisionInstant) -> bool:
     """Whether the forces of a slip are unique: not beyond Painlevé's paradox."""
     names = list(phase.system.guards)
     if "painleve" not in names:
@@ -150,7 +154,7 @@ def _has_unique_force(phase: SeveralPhase, now: Instant) -> bool:
     return bool(values[names.index("painleve")] != 0.0)
 
 
-def _clusters(case: Case, now: Instant, motions) -> list[list[SeveralRegime]]:
+def _clusters(case: Case, now: DecisionInstant, motions) -> list[list[SeveralRegime]]:
     """Regimes with the same accelerations together."""
     units = np.array([1.0, 1.0, case.plate.gyration])
     load = np.abs(load_at(case, now.time, body_of(now.state)) / np.array([1.0, 1.0, case.plate.gyration])).max()

@@ -27,7 +27,7 @@ _, X, Y, THETA, VX, VY, OMEGA = _MOTION
 COLUMNS = ("normal", "friction", "slip", "gap", "lift")
 
 
-class Kind(Enum):
+class ContactRows(Enum):
     """What a contact contributes to the equations: nothing, a normal row, or a normal and a tangential row."""
 
     OPEN = "open"
@@ -35,7 +35,7 @@ class Kind(Enum):
     STICK = "stick"
 
 
-class _Contact(NamedTuple):
+class _ContactTerms(NamedTuple):
     """One contact's expressions: frames of track and outline, slip and lift velocities, gap, rates of ξ₁ and ξ₂ along
     the curves (m/s), and the clearance of its curvatures (1/m)."""
 
@@ -49,7 +49,7 @@ class _Contact(NamedTuple):
     clearance: Node
 
 
-class _Row(NamedTuple):
+class _EquationRow(NamedTuple):
     """A row of the equations: the unit direction (x, y), its moment arm, the right-hand side, and the force column: a
     direction with its moment arm."""
 
@@ -61,7 +61,7 @@ class _Row(NamedTuple):
 
 
 def several_system(
-    track, outline, has_ends: tuple[bool, bool], law: Laws, kinds: tuple[Kind, ...], rubs: bool, rough: bool
+    track, outline, has_ends: tuple[bool, bool], law: Laws, kinds: tuple[ContactRows, ...], rubs: bool, rough: bool
 ) -> System:
     """The equations of contacts of those kinds, derived once per structure. `rubs`: friction has a bound;
     `rough`: it has none."""
@@ -70,44 +70,46 @@ def several_system(
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _several_system(track, outline, has_ends, law: Laws, kinds: tuple[Kind, ...], rubs: bool, rough: bool) -> System:
+def _several_system(
+    track, outline, has_ends, law: Laws, kinds: tuple[ContactRows, ...], rubs: bool, rough: bool
+) -> System:
     return System(_equations(track, outline, has_ends, law, kinds, rubs, rough))
 
 
-def _contact(track, outline, k: int, kind: Kind) -> _Contact:
+def _contact(track, outline, k: int, kind: ContactRows) -> _ContactTerms:
     f, h = frame(track, symbol(f"xi1_{k}"), "track_"), frame(outline, symbol(f"xi2_{k}"), "outline_")
     slip = VX * f.tx + VY * f.ty - OMEGA * h.hn
     lift = VY * f.tx - VX * f.ty + OMEGA * h.ht
     gap = (Y - f.y) * f.tx - (X - f.x) * f.ty + h.hn
-    apart = gap if kind is Kind.OPEN else ZERO
+    apart = gap if kind is ContactRows.OPEN else ZERO
     shrink = ONE - apart * f.curvature
     clearance = h.curvature * shrink - f.curvature
     # Tangents turn together, ω + κ₂ ṡ₂ = κ₁ ṡ₁, and the gap keeps to the normal, v + ṡ₂ = ṡ₁ (1 − g κ₁).
     along_track = (h.curvature * slip - OMEGA) / clearance
-    return _Contact(f, h, slip, lift, gap, along_track, along_track * shrink - slip, clearance)
+    return _ContactTerms(f, h, slip, lift, gap, along_track, along_track * shrink - slip, clearance)
 
 
-def _rows(contact: _Contact, kind: Kind, ratio: Node) -> list[_Row]:
+def _rows(contact: _ContactTerms, kind: ContactRows, ratio: Node) -> list[_EquationRow]:
     f, h = contact.f, contact.h
     u1, u2 = contact.along_track / f.P, contact.along_outline / h.P
     right_n = OMEGA**2 * h.hn - 2 * OMEGA * contact.along_outline - u2**2 * h.b + u1**2 * f.b
     t, n = (f.tx, f.ty), (-f.ty, f.tx)
-    if kind is Kind.STICK:
-        return [_Row(n, h.ht, right_n, n, h.ht), _Row(t, -h.hn, OMEGA**2 * h.ht, t, -h.hn)]
+    if kind is ContactRows.STICK:
+        return [_EquationRow(n, h.ht, right_n, n, h.ht), _EquationRow(t, -h.hn, OMEGA**2 * h.ht, t, -h.hn)]
     force = n[0] + ratio * t[0], n[1] + ratio * t[1]
-    return [_Row(n, h.ht, right_n, force, h.ht - ratio * h.hn)]
+    return [_EquationRow(n, h.ht, right_n, force, h.ht - ratio * h.hn)]
 
 
-def _multipliers(rows: list[_Row], applied: tuple[Node, Node, Node]) -> tuple[list[Node], Node]:
+def _multipliers(rows: list[_EquationRow], torsor: tuple[Node, Node, Node]) -> tuple[list[Node], Node]:
     """The forces per mass that satisfy the rows, and the determinant in units of its value without the coupling of
     translation and rotation, which Painlevé's paradox makes 0."""
 
-    def weight(row: _Row, other: _Row) -> Node:
+    def weight(row: _EquationRow, other: _EquationRow) -> Node:
         (x, y), (u, v) = row.direction, other.force
         return x * u + y * v + row.lever * other.moment / GYRATION
 
-    def free(row: _Row) -> Node:
-        (x, y), (fx, fy, moment) = row.direction, applied
+    def free(row: _EquationRow) -> Node:
+        (x, y), (fx, fy, moment) = row.direction, torsor
         return row.right - x * fx - y * fy - row.lever * moment / GYRATION
 
     if not rows:
@@ -121,20 +123,22 @@ def _multipliers(rows: list[_Row], applied: tuple[Node, Node, Node]) -> tuple[li
     return [(d * first - b * second) / determinant, (a * second - c * first) / determinant], determinant
 
 
-def _equations(track, outline, has_ends, law: Laws, kinds: tuple[Kind, ...], rubs: bool, rough: bool) -> Equations:
+def _equations(
+    track, outline, has_ends, law: Laws, kinds: tuple[ContactRows, ...], rubs: bool, rough: bool
+) -> Equations:
     count = len(kinds)
     contacts = [_contact(track, outline, k, kind) for k, kind in enumerate(kinds)]
     ratios = [symbol(f"k_{k}") if rubs else ZERO for k in range(count)]
     rows = [
-        _rows(contact, kind, ratio) if kind is not Kind.OPEN else []
+        _rows(contact, kind, ratio) if kind is not ContactRows.OPEN else []
         for contact, kind, ratio in zip(contacts, kinds, ratios, strict=True)
     ]
     flat = [row for some in rows for row in some]
     if len(flat) > 2:
         raise ValueError("a plate that moves has at most two rows of contact")
-    applied = law.torsor
-    multipliers, determinant = _multipliers(flat, applied)
-    acceleration = list(applied[:2]) + [applied[2] / GYRATION]
+    torsor = law.torsor
+    multipliers, determinant = _multipliers(flat, torsor)
+    acceleration = list(torsor[:2]) + [torsor[2] / GYRATION]
     for row, value in zip(flat, multipliers, strict=True):
         acceleration[0] = acceleration[0] + row.force[0] * value
         acceleration[1] = acceleration[1] + row.force[1] * value
@@ -145,27 +149,27 @@ def _equations(track, outline, has_ends, law: Laws, kinds: tuple[Kind, ...], rub
     columns: list[Node] = []
     rest = iter(multipliers)
     for k, (contact, kind, ratio) in enumerate(zip(contacts, kinds, ratios, strict=True)):
-        normal = next(rest) if kind is not Kind.OPEN else ZERO
-        friction = next(rest) if kind is Kind.STICK else ratio * normal
+        normal = next(rest) if kind is not ContactRows.OPEN else ZERO
+        friction = next(rest) if kind is ContactRows.STICK else ratio * normal
         columns += [normal, friction, contact.slip, contact.gap, contact.lift]
-        if kind is Kind.OPEN:
+        if kind is ContactRows.OPEN:
             conditions[f"gap:{k}"] = contact.gap
             limits[f"lost:{k}"] = contact.clearance - symbol(f"lost_{k}")
             limits |= _ends(has_ends, k, "lost_")
             continue
-        if kind is Kind.STICK and rubs:
+        if kind is ContactRows.STICK and rubs:
             bound = symbol(f"stick_{k}") * normal
             conditions[f"cone_forward:{k}"], conditions[f"cone_backward:{k}"] = bound + friction, bound - friction
         else:
             conditions[f"normal:{k}"] = normal
-        if kind is Kind.SLIP and rubs:
+        if kind is ContactRows.SLIP and rubs:
             sigma, (tx, ty) = symbol(f"sigma_{k}"), (contact.f.tx, contact.f.ty)
             conditions[f"slip:{k}"] = sigma * contact.slip
             along = acceleration[0] * tx + acceleration[1] * ty
             slip_rates[f"slip:{k}"] = sigma * (along - acceleration[2] * contact.h.hn - OMEGA**2 * contact.h.ht)
         limits[f"fit:{k}"] = contact.clearance
         limits |= _ends(has_ends, k, "")
-    if flat and rubs and any(kind is Kind.SLIP for kind in kinds):
+    if flat and rubs and any(kind is ContactRows.SLIP for kind in kinds):
         limits["painleve"] = determinant - PARADOX
     positions = [X, Y, THETA]
     rates = [VX, VY, OMEGA]
@@ -173,7 +177,7 @@ def _equations(track, outline, has_ends, law: Laws, kinds: tuple[Kind, ...], rub
         positions += [symbol(f"xi1_{k}"), symbol(f"xi2_{k}")]
         rates += [contact.along_track / contact.f.P, contact.along_outline / contact.h.P]
     variables = (*positions, VX, VY, OMEGA)
-    outputs = _outputs(count)(*applied[:2], *acceleration, *columns)
+    outputs = _outputs(count)(*torsor[:2], *acceleration, *columns)
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & {*variables, _MOTION[0]}}
     return Equations(
         variables, len(positions), (*rates, *acceleration), outputs, conditions, slip_rates, guards,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .geometry import Place
+from .geometry import ContactPlace
 
 # Weights below this part of the load count as zero where a linear program (HiGHS: feasible to 1e-9) ends; the active
 # equations are then solved again.
@@ -22,7 +22,7 @@ ZERO = 1e-7
 UNIQUE = 1e-8
 
 
-class Ranges(NamedTuple):
+class ForceRanges(NamedTuple):
     """Least and greatest normal and friction force of each contact (N), shape (contacts, 2) each; infinite where
     contacts may press against each other without bound."""
 
@@ -30,7 +30,7 @@ class Ranges(NamedTuple):
     friction: np.ndarray
 
 
-def _generators(now: Sequence[Place], stick: float) -> tuple[np.ndarray, np.ndarray]:
+def _generators(now: Sequence[ContactPlace], stick: float) -> tuple[np.ndarray, np.ndarray]:
     """The edges of all cones as columns (fx, fy, moment), shape (3, edges), and (normal, friction) of each edge by
     contact, shape (contacts, 2, edges). Without a bound on friction the edges are n, t and −t."""
     if stick == 0.0:
@@ -48,7 +48,7 @@ def _generators(now: Sequence[Place], stick: float) -> tuple[np.ndarray, np.ndar
     return np.array(columns).T, parts
 
 
-def margin(now: Sequence[Place], load: np.ndarray, gyration: float, stick: float) -> float:
+def margin(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, stick: float) -> float:
     """The largest least weight with which the contacts balance a load (fx, fy, moment), in units of the load; −inf if
     the load cannot be balanced with weights of any sign, at most 1.
 
@@ -76,7 +76,7 @@ def margin(now: Sequence[Place], load: np.ndarray, gyration: float, stick: float
     return float(exact[-1]) if np.abs(matrix[:, active] @ exact - right).max() < 1e-12 else float(answer.x[-1])
 
 
-def ranges(now: Sequence[Place], load: np.ndarray, gyration: float, stick: float) -> Ranges:
+def ranges(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, stick: float) -> ForceRanges:
     """The ranges of the forces with which the contacts balance a load (N, N, N m); NaN if they cannot."""
     from scipy.optimize import linprog
 
@@ -97,7 +97,7 @@ def ranges(now: Sequence[Place], load: np.ndarray, gyration: float, stick: float
                     limits[k, which, end] = size * (parts[k, which, active] @ (exact if close else answer.x[active]))
                 elif answer.status == 3:
                     limits[k, which, end] = -sign * inf
-    return Ranges(limits[:, 0], limits[:, 1])
+    return ForceRanges(limits[:, 0], limits[:, 1])
 
 
 def values(ranges_of: np.ndarray, size: float) -> np.ndarray:

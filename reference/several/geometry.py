@@ -15,7 +15,7 @@ from cases.contact import find
 STEPS = 8
 
 
-class Place(NamedTuple):
+class ContactPlace(NamedTuple):
     """One contact: parameters, gap (m), unit tangent of the track, the arm from the centre of mass to the outline's
     point (m), the rows of slip and lift velocity in (vx, vy, ω), and the clearance of the curvatures (1/m)."""
 
@@ -29,7 +29,7 @@ class Place(NamedTuple):
     clearance: float
 
 
-def place(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> Place:
+def place(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> ContactPlace:
     """The pair of nearest points next to `near` of a plate in that pose. Raises DoesNotFit."""
     x, y, theta = (float(v) for v in body[:3])
     contact = find(case, x, y, theta, near)
@@ -43,17 +43,17 @@ def place(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, flo
     lift = np.array([-ty, tx, ty * ry + tx * rx])
     bend, own = float(case.track.curvature(contact.xi1)), float(case.plate.outline.curvature(contact.xi2))
     clearance = own * (1.0 - contact.gap * bend) - bend
-    return Place(contact.xi1, contact.xi2, contact.gap, (tx, ty), (rx, ry), slip, lift, clearance)
+    return ContactPlace(contact.xi1, contact.xi2, contact.gap, (tx, ty), (rx, ry), slip, lift, clearance)
 
 
-def places(case: Case, body: Sequence[float] | np.ndarray, pairs: Sequence[tuple[float, float]]) -> list[Place]:
+def places(case: Case, body: Sequence[float] | np.ndarray, pairs: Sequence[tuple[float, float]]) -> list[ContactPlace]:
     """`place` for every pair."""
     return [place(case, body, pair) for pair in pairs]
 
 
 def project(
     case: Case, body: Sequence[float] | np.ndarray, pairs: Sequence[tuple[float, float]], closed: Sequence[int]
-) -> tuple[list[float], list[Place]]:
+) -> tuple[list[float], list[ContactPlace]]:
     """The plate moved by rounding so that the closed contacts have no gap, with all pairs in that pose."""
     body = list(body)
     compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
@@ -70,7 +70,11 @@ def project(
 
 
 def without_velocity(
-    case: Case, body: Sequence[float] | np.ndarray, now: Sequence[Place], closed: Sequence[int], stuck: Sequence[int]
+    case: Case,
+    body: Sequence[float] | np.ndarray,
+    now: Sequence[ContactPlace],
+    closed: Sequence[int],
+    stuck: Sequence[int],
 ) -> list[float]:
     """The plate's state with lift velocity 0 at the closed contacts and slip velocity 0 at the stuck ones: the nearest
     such velocities in kinetic energy."""

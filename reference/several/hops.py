@@ -18,11 +18,11 @@ from ..minimal.bouncing import LISTING_PART
 PERIOD = 2
 
 
-class Hops:
+class ImpactSeries:
     """The transitions of a motion in order, those of small impacts kept back, and the times of these."""
 
     def __init__(self) -> None:
-        self.listed: list[Transition] = []
+        self.ordinary: list[Transition] = []
         self.kept_back: list[Transition] = []
         self.strikes: list[tuple[float, float]] = []  # time (s) and angle of the plate
         self.fastest, self.is_small = 0.0, False
@@ -32,7 +32,7 @@ class Hops:
     @property
     def all(self) -> list[Transition]:
         """All transitions of a motion that is complete."""
-        return [*self.listed, *self.kept_back]
+        return [*self.ordinary, *self.kept_back]
 
     def strike(self, t: float, theta: float, closing: float) -> None:
         """Record an impact with that closing speed, m/s, at that angle of the plate."""
@@ -40,7 +40,7 @@ class Hops:
         if closing >= self.fastest:
             self.fastest, self.best, self.last = closing, (inf, inf), inf
         if not self.is_small:
-            self.listed, self.kept_back = self.all, []
+            self.ordinary, self.kept_back = self.all, []
         self.strikes = [*self.strikes[-2 * PERIOD :], (t, theta)]
         end = self._limit(0)
         if end is not None:
@@ -74,7 +74,7 @@ class Hops:
         if self.is_small:
             self.kept_back += changes
         else:
-            self.listed, self.kept_back = [*self.all, *changes], []
+            self.ordinary, self.kept_back = [*self.all, *changes], []
 
 
 def _net(changes: list[Transition], t: float, cause: str) -> list[Transition]:

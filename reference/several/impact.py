@@ -18,7 +18,7 @@ import numpy as np
 from cases import Case, Impact
 
 from ..minimal.impact import ContactVelocity, collide, law_of
-from .geometry import Place
+from .geometry import ContactPlace
 from .regimes import coefficients
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
@@ -31,7 +31,7 @@ class NoImpact(ArithmeticError):
     """No impulses agree with the law of impact, or several do with different velocities after it."""
 
 
-class Outcome(NamedTuple):
+class ImpactVelocities(NamedTuple):
     """Velocities (vx, vy, ω) after an impact, and lift and slip velocity of every touched contact, zeros exact."""
 
     velocity: np.ndarray
@@ -39,7 +39,7 @@ class Outcome(NamedTuple):
     slip: np.ndarray
 
 
-class _Law(NamedTuple):
+class _ImpactLaw(NamedTuple):
     """Restitution at each contact, least normal impulses, and the coefficient of friction."""
 
     restitution: np.ndarray
@@ -47,25 +47,27 @@ class _Law(NamedTuple):
     mu: float
 
 
-def impact(case: Case, velocity: Sequence[float], touched: Sequence[Place], speed: float) -> Outcome:
+def impact(case: Case, velocity: Sequence[float], places_hit: Sequence[ContactPlace], speed: float) -> ImpactVelocities:
     """The velocities after an impact at all contacts that are touched; `speed` (m/s) is the largest of the motion, by
     which velocities are rounded. Raises NoImpact."""
     law = case.effect(Impact)
     assert law is not None
     before = np.array(velocity, dtype=float)
-    if len(touched) == 1:
-        return _one_contact(case, before, touched[0])
+    if len(places_hit) == 1:
+        return _one_contact(case, before, places_hit[0])
     mu, _ = coefficients(case)
-    nothing = np.zeros(len(touched))
+    nothing = np.zeros(len(places_hit))
     if law.law != "poisson":
-        return _collide(case, before, touched, _Law(nothing + law.restitution, nothing, mu), speed)[0]
-    compressed, impulses = _collide(case, before, touched, _Law(nothing, nothing, mu), speed)
+        return _collide(case, before, places_hit, _ImpactLaw(nothing + law.restitution, nothing, mu), speed)[0]
+    compressed, impulses = _collide(case, before, places_hit, _ImpactLaw(nothing, nothing, mu), speed)
     if law.restitution == 0.0:
         return compressed
-    return _collide(case, compressed.velocity, touched, _Law(nothing, law.restitution * impulses, mu), speed)[0]
+    return _collide(case, compressed.velocity, places_hit, _ImpactLaw(nothing, law.restitution * impulses, mu), speed)[
+        0
+    ]
 
 
-def _one_contact(case: Case, before: np.ndarray, at: Place) -> Outcome:
+def _one_contact(case: Case, before: np.ndarray, at: ContactPlace) -> ImpactVelocities:
     """Routh's construction, or Moreau's law for one contact."""
     (tx, ty), (rx, ry) = at.tangent, at.arm
     law = law_of(case, rx * tx + ry * ty, ry * tx - rx * ty)
@@ -73,18 +75,18 @@ def _one_contact(case: Case, before: np.ndarray, at: Place) -> Outcome:
     # The centre of mass follows from the contact's point.
     vx = after.slip * tx - after.lift * ty + after.omega * ry
     vy = after.slip * ty + after.lift * tx - after.omega * rx
-    return Outcome(np.array([vx, vy, after.omega]), np.array([after.lift]), np.array([after.slip]))
+    return ImpactVelocities(np.array([vx, vy, after.omega]), np.array([after.lift]), np.array([after.slip]))
 
 
 def _collide(
-    case: Case, before: np.ndarray, touched: Sequence[Place], law: _Law, speed: float
-) -> tuple[Outcome, np.ndarray]:
+    case: Case, before: np.ndarray, places_hit: Sequence[ContactPlace], law: _ImpactLaw, speed: float
+) -> tuple[ImpactVelocities, np.ndarray]:
     """The outcome by enumeration, and the normal impulses per mass."""
     compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
     options = [OPEN, FORWARD] if law.mu == 0.0 else [OPEN, STICK] if law.mu == inf else [STICK, FORWARD, BACKWARD, OPEN]
-    solutions: list[tuple[Outcome, np.ndarray]] = []
-    for modes in product(options, repeat=len(touched)):
-        one = _in_modes(modes, before, touched, law, compliance, speed)
+    solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
+    for modes in product(options, repeat=len(places_hit)):
+        one = _in_modes(modes, before, places_hit, law, compliance, speed)
         if one is not None and all(_differ(one[0], other[0], case.plate.gyration, speed) for other in solutions):
             solutions.append(one)
     if len(solutions) != 1:
@@ -93,23 +95,25 @@ def _collide(
     return solutions[0]
 
 
-def _differ(one: Outcome, other: Outcome, gyration: float, speed: float) -> bool:
+def _differ(one: ImpactVelocities, other: ImpactVelocities, gyration: float, speed: float) -> bool:
     off = np.abs((one.velocity - other.velocity) * np.array([1.0, 1.0, gyration])).max()
     return bool(off > 1e-8 * speed)
 
 
-def _in_modes(modes, before, touched, law: _Law, compliance, speed) -> tuple[Outcome, np.ndarray] | None:
+def _in_modes(
+    modes, before, places_hit, law: _ImpactLaw, compliance, speed
+) -> tuple[ImpactVelocities, np.ndarray] | None:
     """The outcome in these modes if it is consistent."""
-    lift = np.array([at.lift_row @ before for at in touched])
-    slip = np.array([at.slip_row @ before for at in touched])
+    lift = np.array([at.lift_row @ before for at in places_hit])
+    slip = np.array([at.slip_row @ before for at in places_hit])
     rows, columns, goals, which = [], [], [], []
     change = np.zeros(3)
-    for k, (at, mode) in enumerate(zip(touched, modes, strict=True)):
+    for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
         ratio = -SIGN.get(mode, 0.0) * law.mu if law.mu and mode in SIGN else 0.0
         if mode == OPEN:
             if law.least[k] > 0.0 and law.mu > 0.0:
                 # The least impulse has friction of its own; its direction is that of the slip after the impact.
-                return _with_least(modes, before, touched, law, compliance, speed)
+                return _with_least(modes, before, places_hit, law, compliance, speed)
             change = change + law.least[k] * at.lift_row
             continue
         rows.append(at.lift_row)
@@ -121,16 +125,18 @@ def _in_modes(modes, before, touched, law: _Law, compliance, speed) -> tuple[Out
             goals.append(-slip[k])
             columns.append(at.slip_row)
             which.append((k, False))
-    return _check(modes, before, touched, law, speed, _solve(rows, columns, goals, change, compliance, speed), which)
+    return _check(modes, before, places_hit, law, speed, _solve(rows, columns, goals, change, compliance, speed), which)
 
 
-def _with_least(modes, before, touched, law: _Law, compliance, speed) -> tuple[Outcome, np.ndarray] | None:
+def _with_least(
+    modes, before, places_hit, law: _ImpactLaw, compliance, speed
+) -> tuple[ImpactVelocities, np.ndarray] | None:
     """The outcome in these modes where contacts that open have a least impulse with friction: for each direction of
     their slip, and for stick."""
     opening = [k for k, mode in enumerate(modes) if mode == OPEN]
     for senses in product((1.0, -1.0, 0.0), repeat=len(opening)):
         rows, columns, goals, which, change = [], [], [], [], np.zeros(3)
-        for k, (at, mode) in enumerate(zip(touched, modes, strict=True)):
+        for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
             if mode == OPEN:
                 sense = senses[opening.index(k)]
                 change = change + law.least[k] * (at.lift_row - sense * law.mu * at.slip_row)
@@ -151,7 +157,7 @@ def _with_least(modes, before, touched, law: _Law, compliance, speed) -> tuple[O
                 columns.append(at.slip_row)
                 which.append((k, False))
         result = _check(
-            modes, before, touched, law, speed, _solve(rows, columns, goals, change, compliance, speed), which,
+            modes, before, places_hit, law, speed, _solve(rows, columns, goals, change, compliance, speed), which,
             dict(zip(opening, senses, strict=True)),
         )  # fmt: skip
         if result is not None:
@@ -173,7 +179,9 @@ def _solve(rows, columns, goals, change, compliance, speed) -> tuple[np.ndarray,
     return compliance * (change + np.array(columns).T @ impulses), impulses, basis[rank:].T
 
 
-def _check(modes, before, touched, law: _Law, speed, solved, which, senses=None) -> tuple[Outcome, np.ndarray] | None:
+def _check(
+    modes, before, places_hit, law: _ImpactLaw, speed, solved, which, senses=None
+) -> tuple[ImpactVelocities, np.ndarray] | None:
     """The outcome of a solution if its impulses and velocities agree with the law."""
     if solved is None:
         return None
@@ -181,11 +189,11 @@ def _check(modes, before, touched, law: _Law, speed, solved, which, senses=None)
     after = before + change
     lift, slip = (
         np.array([row @ after for row in rows])
-        for rows in zip(*((a.lift_row, a.slip_row) for a in touched), strict=True)
+        for rows in zip(*((a.lift_row, a.slip_row) for a in places_hit), strict=True)
     )
     small = ROUNDING * speed
     normal = law.least.copy()
-    friction = np.zeros(len(touched))
+    friction = np.zeros(len(places_hit))
     admissible: list[np.ndarray] = []  # rows of impulses that must not be negative
     for i, (k, is_normal) in enumerate(which):
         row = np.zeros(len(which))
@@ -205,7 +213,7 @@ def _check(modes, before, touched, law: _Law, speed, solved, which, senses=None)
     if not _is_admissible(admissible, impulses, free, least, small):
         return None
     for k, mode in enumerate(modes):
-        rebound = lift[k] + law.restitution[k] * (touched[k].lift_row @ before)
+        rebound = lift[k] + law.restitution[k] * (places_hit[k].lift_row @ before)
         if mode == OPEN:
             if rebound < -small:
                 return None
@@ -217,10 +225,10 @@ def _check(modes, before, touched, law: _Law, speed, solved, which, senses=None)
             slip[k] = 0.0
         elif law.mu and SIGN[mode] * slip[k] < -small:
             return None
-        if mode != OPEN and law.restitution[k] * (touched[k].lift_row @ before) == 0.0:
+        if mode != OPEN and law.restitution[k] * (places_hit[k].lift_row @ before) == 0.0:
             lift[k] = 0.0
     lift[np.abs(lift) <= small] = 0.0
-    return Outcome(after, lift, slip), normal
+    return ImpactVelocities(after, lift, slip), normal
 
 
 def _is_admissible(rows: list[np.ndarray], impulses, free, least, small) -> bool:

@@ -47,9 +47,9 @@ from ..minimal.meetings import Meeting, MeetingSearch
 from ..minimal.scales import frequency
 from ..minimal.series import EPS
 from . import forces
-from .decision import Decision, Instant, decide, depends_on_time, load_at
-from .geometry import Place, places, project, without_velocity
-from .hops import Hops
+from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time, load_at
+from .geometry import ContactPlace, places, project, without_velocity
+from .hops import ImpactSeries
 from .impact import NoImpact, impact
 from .meetings import first_meeting
 from .regimes import LOST, SeveralRegime, body_of, coefficients, join, pairs_of, regime_of, several_phase
@@ -71,7 +71,7 @@ FLIES = 4.0
 LOOKS = 64
 
 
-class Ends(Exception):
+class MotionEnds(Exception):
     """The motion ends, with a status and a sentence."""
 
     def __init__(self, ending: Ending):
@@ -80,7 +80,7 @@ class Ends(Exception):
 
 
 @dataclass
-class Watch:
+class WatchState:
     """A watched contact: its name, pair of points and mode, and the clearance (1/m) at which it is lost while open."""
 
     name: str
@@ -116,15 +116,15 @@ def supports(case: Case) -> str:
 
 
 @dataclass
-class March:
-    """The state of a simulation with several contacts; `run` continues it until an ending."""
+class SeveralSimulation:
+    """The state of a simulation with several contacts; `simulate` continues it until an ending."""
 
     case: Case
     rtol: float
     integrate: Callable[..., Segment]
     t: float
     body: list[float]
-    watches: list[Watch]
+    watches: list[WatchState]
     segments: list[Segment] = field(default_factory=list)
     transitions: list[Transition] = field(default_factory=list)
     speed: float = 0.0
@@ -133,7 +133,7 @@ class March:
     fixed: dict[str, tuple[Mode, ...]] = field(default_factory=dict)
     stuck: set[str] = field(default_factory=set)
     touching: set[str] = field(default_factory=set)
-    hops: Hops = field(default_factory=Hops)
+    hops: ImpactSeries = field(default_factory=ImpactSeries)
     begins: bool = False
     held_out: bool = False
 
@@ -143,13 +143,13 @@ class March:
 
     # --- one phase ----------------------------------------------------------------------------------------------------
 
-    def run(self) -> Ending:
+    def simulate(self) -> Ending:
         """Simulate phases until the end."""
-        ending = self._run()
+        ending = self._simulate_phases()
         self.transitions = self.hops.all
         return ending
 
-    def _run(self) -> Ending:
+    def _simulate_phases(self) -> Ending:
         try:
             self._settle(self.stuck, struck=True)
             for _ in range(MOST_PHASES):
@@ -158,7 +158,7 @@ class March:
                     return ending
                 if self.work >= MOST_STEPS:
                     return work_limit_ending(self.t, self.work)
-        except Ends as end:
+        except MotionEnds as end:
             return end.ending
         except Undecidable:
             return undecidable(self.t)
@@ -168,14 +168,14 @@ class March:
             return "unfinished", f"The search for further contacts reached its limit at {self.t:.9g} s."
         return "unfinished", f"The modes changed {MOST_PHASES} times until t = {self.t:.9g} s, the limit of a run."
 
-    def _instant(self) -> Instant:
+    def _instant(self) -> DecisionInstant:
         now = self._places()
         touching = tuple(k for k, watch in enumerate(self.watches) if watch.name in self.touching)
         names, limits = tuple(watch.name for watch in self.watches), tuple(watch.limit for watch in self.watches)
         pairs = [(at.xi1, at.xi2) for at in now]
-        return Instant(self.t, join(self.body, pairs), now, names, limits, touching, self.speed)
+        return DecisionInstant(self.t, join(self.body, pairs), now, names, limits, touching, self.speed)
 
-    def _places(self) -> list[Place]:
+    def _places(self) -> list[ContactPlace]:
         now = places(self.case, self.body, [watch.pair for watch in self.watches])
         for watch, at in zip(self.watches, now, strict=True):
             watch.pair = at.xi1, at.xi2
@@ -191,7 +191,7 @@ class March:
         if decision.regime is None and fixed and not decision.motions:
             decision = decide(self.case, now, error)
         if decision.regime is None:
-            raise Ends(self._no_regime(now, decision))
+            raise MotionEnds(self._no_regime(now, decision))
         regime, changes = decision.regime, list[Transition]()
         for watch, mode, at in zip(self.watches, regime.modes, now.places, strict=True):
             bounced = watch.name in self.causes and self.causes[watch.name] == CAUSES["landing"]
@@ -205,15 +205,15 @@ class March:
         self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "")
         self.causes, self.fixed, self.stuck = {}, {}, set()
         if not regime.closed and self.case.effect(Flight) is None:
-            raise Ends(LIFT_OFF)
+            raise MotionEnds(LIFT_OFF)
         # Every closed contact has its own limit, and numbers with many digits would make every phase a new one.
         self.watches = [watch for watch in self.watches if watch.mode is not Mode.FLIGHT or self._is_watched(watch)]
-        kept = {watch.name for watch in self.watches}
-        modes = tuple(mode for mode, name in zip(regime.modes, regime.names, strict=True) if name in kept)
+        names = {watch.name for watch in self.watches}
+        modes = tuple(mode for mode, name in zip(regime.modes, regime.names, strict=True) if name in names)
         limits = tuple(float(np.float32(watch.limit)) for watch in self.watches)
         return SeveralRegime(modes, tuple(watch.name for watch in self.watches), limits, regime.rests)
 
-    def _come_to_rest(self, now: Instant) -> Instant:
+    def _come_to_rest(self, now: DecisionInstant) -> DecisionInstant:
         """The instant at which impacts that accumulate come to rest, if they do; the same instant otherwise.
 
         The plate is then moved by less than rounding, so that all contacts of the last impacts touch, and stopped."""
@@ -242,11 +242,11 @@ class March:
         self.causes = {name: CAUSES["rest"] for name in self.touching}
         return self._instant()
 
-    def _is_watched(self, watch: Watch) -> bool:
+    def _is_watched(self, watch: WatchState) -> bool:
         at = places(self.case, self.body, [watch.pair])[0]
         return at.clearance > 2.0 * watch.limit
 
-    def _no_regime(self, now: Instant, decision: Decision) -> Ending:
+    def _no_regime(self, now: DecisionInstant, decision: SeveralDecision) -> Ending:
         if decision.motions:
             choices = "; ".join(
                 ", ".join(f"{name} {mode}" for name, mode in zip(now.names, modes, strict=True))
@@ -323,7 +323,7 @@ class March:
         self.work += segment.steps
         self.idle = self.idle + 1 if segment.event.time == self.t else 0
         if self.idle > STUCK:
-            raise Ends(("accumulation", f"{STUCK} changes of mode took no time at t = {self.t:.9g} s."))
+            raise MotionEnds(("accumulation", f"{STUCK} changes of mode took no time at t = {self.t:.9g} s."))
         self.t, state = segment.event.time, segment.event.state
         self.body = body_of(state)
         for watch, pair in zip(self.watches, pairs_of(state), strict=True):
@@ -384,10 +384,10 @@ class March:
         self._settle({n for n, m in zip(regime.names, regime.modes, strict=True) if m is Mode.ROLL}, struck=True)
         return None
 
-    def _new_watch(self, pair: tuple[float, float]) -> Watch:
+    def _new_watch(self, pair: tuple[float, float]) -> WatchState:
         used = {watch.name for watch in self.watches}
         number = next(i for i in range(1, len(used) + 2) if _name(i) not in used)
-        watch = Watch(_name(number), pair, Mode.FLIGHT, 0.0)
+        watch = WatchState(_name(number), pair, Mode.FLIGHT, 0.0)
         self.watches.append(watch)
         return watch
 
@@ -408,8 +408,8 @@ class March:
         if struck:
             stuck = self._impact(now, indices, stuck)
             indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
-        held = [k for k in indices if self.watches[k].name in stuck]
-        self.body = without_velocity(self.case, self.body, now, indices, held)
+        sticking = [k for k in indices if self.watches[k].name in stuck]
+        self.body = without_velocity(self.case, self.body, now, indices, sticking)
 
     def _add_touching(self) -> None:
         size = abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach
@@ -417,7 +417,7 @@ class March:
             if at.gap <= TOUCHES * size:
                 self.touching.add(watch.name)
 
-    def _impact(self, now: Sequence[Place], indices: list[int], stuck: set[str]) -> set[str]:
+    def _impact(self, now: Sequence[ContactPlace], indices: list[int], stuck: set[str]) -> set[str]:
         """Apply an impact if a touched contact closes; returns the names of contacts that do not slip after it (`stuck`
         before it), and leaves the ones that open out of `touching`."""
         velocity = np.array(self.body[3:])
@@ -427,23 +427,23 @@ class March:
             self.touching = {self.watches[k].name for k in indices if lifts[k] <= CLOSES * self.speed}
             return stuck | {self.watches[k].name for k in indices if self._is_still(now[k], velocity)}
         if self.case.effect(Impact) is None:
-            raise Ends(
+            raise MotionEnds(
                 (
                     "second_contact",
                     f"The plate meets its track in a second place, xi1 = {now[closing[0]].xi1:.9g}, at t = "
                     f"{self.t:.9g} s, and the case names no Impact; add Flight() and Impact(0.0) to go on.",
                 )
             )
-        touched = [k for k in indices if lifts[k] <= CLOSES * self.speed]
+        places_hit = [k for k in indices if lifts[k] <= CLOSES * self.speed]
         try:
-            outcome = impact(self.case, self.body[3:], [now[k] for k in touched], self.speed)
+            outcome = impact(self.case, self.body[3:], [now[k] for k in places_hit], self.speed)
         except NoImpact as problem:
-            raise Ends(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
+            raise MotionEnds(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
         self._check_energy(outcome.velocity)
         self.body[3:] = outcome.velocity.tolist()
         self.hops.strike(self.t, self.body[2], max(-lifts[k] for k in closing))
         self.touching, sticks = set(), set[str]()
-        for i, k in enumerate(touched):
+        for i, k in enumerate(places_hit):
             watch, lift = self.watches[k], float(outcome.lift[i])
             if k in closing:
                 self.causes[watch.name] = CAUSES["landing"]
@@ -464,12 +464,12 @@ class March:
         before = np.array(self.body[3:])
         law = self.case.effect(Impact)
         if law is not None and law.law == "newton" and weights @ after**2 > (1.0 + 1e-12) * (weights @ before**2):
-            raise Ends(ENERGY)
+            raise MotionEnds(ENERGY)
 
-    def _is_still(self, at: Place, velocity: np.ndarray) -> bool:
+    def _is_still(self, at: ContactPlace, velocity: np.ndarray) -> bool:
         return abs(float(at.slip_row @ velocity)) <= 1e-11 * self.speed
 
-    def _is_unresolved(self, at: Place, lift: float) -> bool:
+    def _is_unresolved(self, at: ContactPlace, lift: float) -> bool:
         """Whether a rebound rises no higher than positions' rounding."""
         load = load_at(self.case, self.t, self.body)
         weights = 1.0 / np.array([1.0, 1.0, self.case.plate.gyration**2]) / self.case.plate.mass
@@ -503,11 +503,11 @@ def until_end(
 ) -> tuple[list[Segment], list[Transition], Ending]:  # fmt: skip
     """Continue a motion whose plate (x, y, θ, vx, vy, ω) has a contact at the pair `own`, in that mode, and meets its
     track at the pair `other`: (segments, transitions, (status, sentence))."""
-    watches = [Watch(_name(1), own, mode, 0.0), Watch(_name(2), other, Mode.FLIGHT, 0.0)]
-    march = March(case, rtol, integrate, t, list(body), watches)
+    watches = [WatchState(_name(1), own, mode, 0.0), WatchState(_name(2), other, Mode.FLIGHT, 0.0)]
+    march = SeveralSimulation(case, rtol, integrate, t, list(body), watches)
     march.touching = {_name(1), _name(2)}
     march.begins = t == 0.0
     if mode is Mode.ROLL:
         march.stuck = {_name(1)}
-    ending = march.run()
+    ending = march.simulate()
     return march.segments, march.transitions, ending

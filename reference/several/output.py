@@ -13,12 +13,12 @@ from cases.trajectory import CONTACT, ContactColumns
 from ..minimal.integrators.segment import Segment, blocks
 from .decision import depends_on_time, load_at
 from .equations import COLUMNS
-from .forces import Ranges, ranges
+from .forces import ForceRanges, ranges
 from .geometry import places
 from .regimes import SeveralPhase, body_of, coefficients, pairs_of, regime_of
 
 
-class ContactStates(NamedTuple):
+class OneContactColumns(NamedTuple):
     """One contact at n instants, arrays (n,), as the first columns of `cases.ContactColumns`."""
 
     gap: np.ndarray
@@ -29,7 +29,7 @@ class ContactStates(NamedTuple):
     xi2: np.ndarray
 
 
-class Contacts:
+class AllContacts:
     """The contacts of a motion: (name, times) -> ContactColumns; None instead of times: those of its samples.
 
     `observe` gives the State of a phase with one contact at some times. It is pickled with all steps.
@@ -48,7 +48,9 @@ class Contacts:
     def __call__(self, name: str, times: np.ndarray | None) -> ContactColumns:
         if times is None:
             return _join([self._of(segment, name, segment.times) for segment in self.segments])
-        columns = [np.empty(len(times)) for _ in ContactStates._fields] + [np.empty((2, len(times))) for _ in range(2)]
+        columns = [np.empty(len(times)) for _ in OneContactColumns._fields] + [
+            np.empty((2, len(times))) for _ in range(2)
+        ]
         for i, block in blocks(np.array([segment.start for segment in self.segments]), times):
             for column, values in zip(columns, self._of(self.segments[i], name, times[block]), strict=True):
                 column[..., block] = values
@@ -61,12 +63,12 @@ class Contacts:
         now = contact_states(self.case, segment.phase, times, y, name)
         normal, friction = (np.array([values, values]) for values in (now.normal_force, now.friction_force))
         open_forces = np.flatnonzero(np.isnan(now.normal_force) | np.isnan(now.friction_force))
-        found: dict[float, np.ndarray] = {}
+        results: dict[float, np.ndarray] = {}
         for i in open_forces.tolist():
             key = float(times[i]) if depends_on_time(self.case) else 0.0
-            if key not in found:
-                found[key] = force_ranges(self.case, segment, float(times[i]))[name]
-            normal[:, i], friction[:, i] = found[key]
+            if key not in results:
+                results[key] = force_ranges(self.case, segment, float(times[i]))[name]
+            normal[:, i], friction[:, i] = results[key]
         return ContactColumns(*now, normal, friction)
 
     def _one_contact(self, segment: Segment, name: str, times: np.ndarray, y: np.ndarray) -> ContactColumns:
@@ -86,17 +88,17 @@ def _join(parts: list[ContactColumns]) -> ContactColumns:
     return ContactColumns(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
 
 
-def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray, name: str) -> ContactStates:
+def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray, name: str) -> OneContactColumns:
     """One contact of a phase at some instants; `y` (variables, n)."""
     none, regime = np.full(times.shape, np.nan), regime_of(now)
     if name not in regime.names:
-        return ContactStates(none, none, 0.0 * times, 0.0 * times, none, none)
+        return OneContactColumns(none, none, 0.0 * times, 0.0 * times, none, none)
     k = regime.names.index(name)
     xi1, xi2 = y[3 + 2 * k], y[4 + 2 * k]
     if regime.rests:
         normal, friction = _rest_forces(case, now, times, y, k)
         is_closed = k in regime.closed
-        return ContactStates(
+        return OneContactColumns(
             _gap(case, y, k, is_closed), 0.0 * times if is_closed else none, normal, friction, xi1, xi2
         )
     values = now.system.outputs_of_arrays(times, y, now.parameters)
@@ -104,7 +106,7 @@ def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarr
     normal, friction, slip, _, _ = (np.broadcast_to(np.asarray(row, dtype=float), times.shape) for row in columns)
     is_closed, mass = k in regime.closed, case.plate.mass
     slip = 0.0 * slip if regime.modes[k] is Mode.ROLL else slip
-    return ContactStates(
+    return OneContactColumns(
         _gap(case, y, k, is_closed), slip if is_closed else none, mass * normal, mass * friction, xi1, xi2
     )
 
@@ -155,7 +157,7 @@ def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray
         pairs = [(float(one.normal_force[0]), float(one.friction_force[0])) for one in values]
         return {name: np.array([[n, n], [f, f]]) for name, (n, f) in zip(names, pairs, strict=True)}
     at = places(case, body_of(state), pairs_of(state))
-    limits: Ranges = ranges(
+    limits: ForceRanges = ranges(
         [at[k] for k in regime.closed], load_at(case, t, body_of(state)), case.plate.gyration, coefficients(case)[1]
     )
     return {name: np.array([limits.normal[i], limits.friction[i]]) for i, name in enumerate(names)}

@@ -17,7 +17,7 @@ from cases import Case, CoulombFriction, Load, Mode, PerfectlyRough
 from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.modes import Phase, Regime, _features
 from ..minimal.system import parameter_values
-from .equations import Kind, several_system
+from .equations import ContactRows, several_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of its value when it was last
 # closed: its nearest points then move fast, and may soon be lost.
@@ -41,10 +41,11 @@ class SeveralRegime(NamedTuple):
         return tuple(k for k, mode in enumerate(self.modes) if mode is not Mode.FLIGHT)
 
     @property
-    def kinds(self) -> tuple[Kind, ...]:
+    def kinds(self) -> tuple[ContactRows, ...]:
         """The kind of equations of each contact."""
         return tuple(
-            Kind.OPEN if mode is Mode.FLIGHT else Kind.STICK if mode is Mode.ROLL else Kind.SLIP for mode in self.modes
+            ContactRows.OPEN if mode is Mode.FLIGHT else ContactRows.STICK if mode is Mode.ROLL else ContactRows.SLIP
+            for mode in self.modes
         )
 
 
@@ -83,7 +84,7 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
     mu, stick = coefficients(case)
     rough = case.effect(PerfectlyRough) is not None
     has_ends = tuple(c.domain is not None and c.period is None for c in (case.track, case.plate.outline))
-    kinds = regime.kinds if not regime.rests else (Kind.OPEN,) * len(regime.kinds)
+    kinds = regime.kinds if not regime.rests else (ContactRows.OPEN,) * len(regime.kinds)
     system = several_system(
         case.track.structure, case.plate.outline.structure, (has_ends[0], has_ends[1]), laws(case), kinds,
         stick > 0.0 and not rough, rough,

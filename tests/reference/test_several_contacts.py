@@ -27,8 +27,8 @@ from cases.contact import start_motion
 from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
 from reference.delassus import complementarity
-from reference.delassus.contacts import Dynamics, pair_at
-from reference.several.decision import Instant, decide
+from reference.delassus.contacts import PlateDynamics, pair_at
+from reference.several.decision import DecisionInstant, decide
 from reference.several.geometry import project
 from reference.several.regimes import SeveralRegime, join, several_phase
 
@@ -167,7 +167,7 @@ def _random_state(seed: int):
     body, at = project(case, body, [(begin.xi1, begin.xi2), (contacts[1], begin.xi2 + 0.5 * np.pi)], (0, 1))
     names, limits = ("plate/track", "plate/track 2"), (0.0, 0.0)
     state = join(body, [(one.xi1, one.xi2) for one in at])
-    return case, Instant(0.0, state, at, names, limits, (0, 1), max(abs(moves) * radius, 1.0))
+    return case, DecisionInstant(0.0, state, at, names, limits, (0, 1), max(abs(moves) * radius, 1.0))
 
 
 def _accelerations(seed: int) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray | None]:
@@ -182,7 +182,7 @@ def _accelerations(seed: int) -> tuple[list[np.ndarray], list[np.ndarray], np.nd
         phase = None if still else several_phase(case, regime)
         rates = phase.system.rates_of_numbers(0.0, now.state, phase.parameters)[-3:] if phase else (0.0, 0.0, 0.0)
         first.append(np.array(rates))
-    dynamics, body = Dynamics(case), [*now.state[:3], *now.state[-3:]]
+    dynamics, body = PlateDynamics(case), [*now.state[:3], *now.state[-3:]]
     pairs = [pair_at(case, body, (one.xi1, one.xi2)) for one in now.places]
     matrix, rows = dynamics.delassus(pairs)
     free = dynamics.free_rates(0.0, body, pairs, rows)
@@ -258,7 +258,7 @@ def test_an_ellipse_crosses_a_valley_alike_in_both_formulations():
 def _step_through(case: Case, h: float) -> np.ndarray:
     """The pose at the end by Moreau's midpoint rule: contacts with a closed gap at mid-step, velocities at its end by
     projected Gauss-Seidel on impulses; no events, no modes."""
-    begin, dynamics = start_motion(case), Dynamics(case)
+    begin, dynamics = start_motion(case), PlateDynamics(case)
     q, u = np.array([begin.x, begin.y, begin.theta]), np.array([begin.vx, begin.vy, begin.omega])
     for number in range(round(case.duration / h)):
         middle = q + 0.5 * h * u
