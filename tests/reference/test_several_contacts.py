@@ -190,7 +190,7 @@ def _accelerations(seed: int) -> tuple[list[np.ndarray], list[np.ndarray], np.nd
     law = dynamics.mu, dynamics.stick
 
     def move(force: np.ndarray) -> np.ndarray:
-        return dynamics.inverse * (dynamics.applied(0.0, body) + rows.T @ force)
+        return dynamics.inverse * (dynamics.torsor(0.0, body) + rows.T @ force)
 
     second = [move(force) for force in complementarity.solutions(matrix, free, slips, *law)]
     projected = complementarity.gauss_seidel(matrix, free, slips, *law, np.zeros(4), sweeps=20_000)
@@ -269,7 +269,7 @@ def _step_through(case: Case, h: float) -> np.ndarray:
                 now += [pair for pair in [pair_at(case, [*middle, *u], near)] if side * pair.xi1 > 0.0]
             except DoesNotFit:
                 pass  # the disc is far up the other flank
-        free = u + h * dynamics.inverse * dynamics.applied((number + 0.5) * h, [*middle, *u])
+        free = u + h * dynamics.inverse * dynamics.torsor((number + 0.5) * h, [*middle, *u])
         closed = [pair for pair in now if pair.gap <= 0.0]
         if closed:
             matrix, rows = dynamics.delassus(closed)
