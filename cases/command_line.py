@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import io
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextvars import ContextVar
 from typing import NoReturn
 
 from .errors import BadValue, CaseError, unknown_name
@@ -13,6 +14,16 @@ from .errors import BadValue, CaseError, unknown_name
 # Equations in quadruple precision need 1.5 GB of address space to compile. With less than 1 GB SciPy's BLAS waits for
 # its buffers without end while it is imported.
 _ADDRESS_BYTES = 2 * 2**30
+
+
+# How the user called each command, by module, if not as `python -m MODULE`: the console command sets this.
+PROGRAMS: ContextVar[Mapping[str, str]] = ContextVar("programs", default={})  # noqa: B039 - it is never changed
+
+
+def program(command: str) -> str:
+    """A command as the user types it: "reports.build" or, with a subcommand, "cases show"."""
+    module, _, rest = command.partition(" ")
+    return f"{PROGRAMS.get().get(module, f'python -m {module}')} {rest}".strip()
 
 
 class Parser(argparse.ArgumentParser):

@@ -51,7 +51,7 @@ from cases.curves import cos
 
 
 @case  # @case(variants=[dict(mu=0.1), dict(mu=0.3)]) runs several
-def {name}(depth=0.3, mu=0.1):
+def {name}(depth=0.3, mu=0.1, xi1=-1.0):
     """Say in one sentence what happens here.
 
     Why: what makes it interesting. Source: who posed it, or yourself.
@@ -65,8 +65,9 @@ def {name}(depth=0.3, mu=0.1):
         plate=disc(radius=0.1, mass=1.0),
         # Leave out CoulombFriction for no friction, Unilateral for a bilateral guide.
         effects=(Gravity(9.81), CoulombFriction(mu), Unilateral()),
-        # At rest unless slip= (m/s) and omega= (rad/s) say otherwise; xi2= for outlines that are no circle.
-        start=Start(xi1=-1.0),
+        # At the track's parameter xi1, at rest unless slip= (m/s) and omega= (rad/s) say otherwise; xi2= for outlines
+        # that are no circle.
+        start=Start(xi1=xi1),
         duration=2.0,  # seconds
     )
 '''

@@ -1,6 +1,7 @@
-"""The console command `slip-to-roll`, with the suite's commands as subcommands.
+"""The console command `slip-to-roll`, with all commands of the suite as subcommands.
 
-`slip-to-roll report` is `python -m reports.build`, and so on."""
+`slip-to-roll report` is `python -m reports.build`, and so on. A case is named in the same way in all of them
+(`cases.lookup`)."""
 
 from __future__ import annotations
 
@@ -13,6 +14,7 @@ from importlib import import_module
 from io import StringIO
 
 import cases
+from cases.command_line import PROGRAMS
 
 NAME = "slip-to-roll"
 # Subcommand: the module with its `main`, and its description.
@@ -20,12 +22,17 @@ COMMANDS = {
     "report": ("reports.build", "run cases through solvers and write the comparison"),
     "cases": ("cases.commands", "list, show, make, check and export cases"),
     "compare": ("reports.compare", "judge a motion from a file"),
+    "compare-builds": ("reports.compare_builds", "show the differences between two reports"),
     "submit": ("reports.submit", "check motions before you submit them"),
     "sweep": ("reports.sweep", "a map over any parameters of a case"),
     "animate": ("reports.animate", "write an animation of a motion, GIF or MP4"),
     "gate": ("reports.gate", "whether a report is worse than a baseline, for continuous integration"),
     "study": ("reports.study", "run one of the additional studies"),
     "laws": ("adapters.laws.__main__", "test an engine's adapter against mechanics"),
+    "prove": ("reference.proofs.command", "prove the transitions of a case as theorems"),
+    "check-proof": ("reference.proof_checker.__main__", "check proof records with an independent program"),
+    "publish": ("reports.publish", "publish a report with its release, in a clone"),
+    "cite": ("reports.cite", "print the citation as BibTeX"),
     "completion": ("", "print the completion script for bash, zsh or fish"),
 }
 
@@ -57,13 +64,26 @@ def main(argv: Sequence[str] | None = None) -> int:
     elif name == "completion":
         return _completion(rest)
     elif name in COMMANDS:
-        return import_module(COMMANDS[name][0]).main(rest)
+        return _run(name, rest)
     else:
         near = get_close_matches(name, COMMANDS, 1)
         hint = f"did you mean {near[0]}?" if near else f"give one of {', '.join(COMMANDS)}"
         print(f"{NAME}: there is no command {name!r}; {hint}", file=sys.stderr)
         return 2
     return 0
+
+
+def _run(name: str, words: Sequence[str]) -> int:
+    """Run a subcommand, whose help and messages have the name by which it was called."""
+    programs = {
+        module.removesuffix(".commands").removesuffix(".__main__"): f"{NAME} {name}"
+        for name, (module, _) in COMMANDS.items()
+    }
+    before = PROGRAMS.set(programs)
+    try:
+        return import_module(COMMANDS[name][0]).main(list(words))
+    finally:
+        PROGRAMS.reset(before)
 
 
 def _help() -> str:
@@ -96,7 +116,7 @@ def following(words: Sequence[str]) -> list[str]:
         return []
     if words == ["cases"]:
         return ["new", "check", "show", "export"]
-    if words[-1] in ("--case", "compare", "show", "export"):
+    if words[-1] in ("--case", "compare", "show", "export", "check", "sweep", "animate", "prove"):
         return cases.names()
     if words[-1] == "--solver":
         from .options import solvers
@@ -105,7 +125,7 @@ def following(words: Sequence[str]) -> list[str]:
     output = StringIO()
     with redirect_stdout(output):
         try:
-            import_module(COMMANDS[words[0]][0]).main(["--help"])
+            _run(words[0], ["--help"])
         except SystemExit:  # argparse exits after the help
             pass
     return sorted(set(re.findall(r"--[a-z][a-z-]*", output.getvalue())))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import adapters
 import cases
 from cases import BadValue, Case, lookup
-from cases.command_line import Parser
+from cases.command_line import Parser, program
 from cases.errors import unknown_name
 from cases.owned_folder import OwnedFolder, TemporaryFolder
 from cases.user_files import place
@@ -131,9 +131,9 @@ def parser(
     repeated. `defaults`: the command's own default values.
     """
     parser = Parser(
-        prog=f"python -m {command}",
+        prog=program(command),
         description=description,
-        epilog=example and f"Example: {example}",
+        epilog=example and f"Example: {example.replace(f'python -m {command}', program(command))}",
     )
     effort = parser.add_mutually_exclusive_group() if {"quick", "full"} <= {*options} else parser
     for option in options:
@@ -150,7 +150,7 @@ def parser(
 
 def command(module: str, words: Sequence[str]) -> str:
     """The command line that repeats a command."""
-    return " ".join([f"python -m {module}", *map(shlex.quote, words)])
+    return " ".join([program(module), *map(shlex.quote, words)])
 
 
 @dataclass(frozen=True)

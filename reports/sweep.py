@@ -23,6 +23,7 @@ def _work(words: list[str]) -> None:
     parser = options.parser(
         COMMAND, "Simulate a case for many parameter values: a row per scenario, in Parquet, and a map.", "vary",
         "sample", "number", "seed", "rtol", "certify", "refine", "solver", "case_file", "out", "jobs", "dask", "fresh",
+        "paper",
         words={"CASE": options.A_CASE}, out="sweep",
         example=f"python -m {COMMAND} disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200",
     )  # fmt: skip
@@ -35,7 +36,10 @@ def _work(words: list[str]) -> None:
         raise BadValue(f"a sweep runs the installed engines, not {with_version}; reports.build compares versions")
     jobs = options.whole_jobs(arguments.jobs)
     width = None if arguments.refine is None else _width(arguments.refine, plan)
-    _sweep(plan, solvers, jobs, arguments, width, options.command(COMMAND, words))
+    from .drawing.figure_files import for_print
+
+    with for_print(arguments.paper):
+        _sweep(plan, solvers, jobs, arguments, width, options.command(COMMAND, words))
 
 
 def _plan(arguments, case: str, files: Sequence[str]):

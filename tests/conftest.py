@@ -6,7 +6,7 @@ import gc
 import os
 import tempfile
 from collections.abc import Callable
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 
@@ -23,7 +23,8 @@ _COLUMNS = ("case", "solver", "route", "quantity", "error", "tolerance")
 
 def pytest_addoption(parser):
     """--case-file=FILE (with the =, else pytest takes FILE for a test file): test its cases, and nothing else."""
-    parser.addoption("--case-file", action="append", default=[], metavar="FILE", help="test the cases of this file")
+    with suppress(ValueError):  # the installed plugin, `pytest_slip_to_roll`, has the option
+        parser.addoption("--case-file", action="append", default=[], metavar="FILE", help="test the cases of this file")
 
 
 # `make test` draws the same examples everywhere and always: what fails is the change, not the draw. The slow tests,
@@ -66,7 +67,7 @@ def chosen_cases(names: tuple[str, ...]) -> list[Case]:
 def pytest_collection_modifyitems(config, items):
     """With --case-file only the tests of those cases run."""
     if config.own_cases:
-        items[:] = [item for item in items if "any_case" in item.fixturenames]
+        items[:] = [item for item in items if "any_case" in getattr(item, "fixturenames", ("any_case",))]
 
 
 def pytest_collection_finish(session):

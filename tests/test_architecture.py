@@ -21,7 +21,7 @@ FLOORS = (
     {"cli"},
     {
         "build", "compare", "compare_builds", "comparison", "gate", "publish", "submit",
-        "study", "show", "export", "sweep", "animate",
+        "study", "show", "export", "sweep", "animate", "cite", "engine_tests",
     },
     {"options"},
     {"page"},

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from cases import CaseError
-from cases.command_line import Parser
+from cases.command_line import Parser, program
 from cases.errors import unknown_name
 
 HELP = """\
@@ -29,7 +29,9 @@ same scenes.
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
-    parser = Parser(prog="python -m adapters.laws", description=__doc__, epilog=HELP)
+    parser = Parser(
+        prog=program("adapters.laws"), description="Check any adapter against the laws of mechanics.", epilog=HELP
+    )
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument("adapter", metavar="ADAPTER", help="the adapter")
     parser.add_argument("--route", metavar="ROUTE", nargs="+", help="only these routes (default: all)")

@@ -6,20 +6,27 @@ import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
-import cases
-from cases import BadValue, NotSupported, owned_folder
-from cases.command_line import Parser, status
+from cases import BadValue, NotSupported, lookup, owned_folder
+from cases.command_line import PROGRAMS, Parser, program, status
+
+# As the module of the console command's subcommand.
+COMMAND = "reference.proofs.command"
 
 
 def parser() -> Parser:
-    """The command's options."""
+    """The command's options. As a subcommand of the console command, the case is its argument."""
+    is_subcommand = COMMAND in PROGRAMS.get()
     result = Parser(
-        prog="python -m reference --prove",
+        prog=program(COMMAND) if is_subcommand else "python -m reference",
         description="Prove the motion of a case and write the proof record (JSON).",
-        epilog='Example: python -m reference --prove "disc_in_circle[mu=0.2]" --digits 50 --transitions 1',
+        epilog=f"Example: {program(COMMAND) if is_subcommand else 'python -m reference --prove'} "
+        '"disc_in_circle[mu=0.2]" --digits 50 --transitions 1',
     )
-    result.add_argument("--prove", metavar="NAME", required=True, help='a case: "name" or "name[parameter=value,…]"')
+    how: dict[str, Any] = {} if is_subcommand else {"required": True}
+    text = 'a case: name, "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION'
+    result.add_argument("prove" if is_subcommand else "--prove", metavar="CASE", help=text, **how)
     result.add_argument("--digits", metavar="N", default="20", help="digits of each transition's time (default: 20)")
     result.add_argument("--transitions", metavar="N", help="prove so many transitions only (default: the whole motion)")
     result.add_argument("--out", metavar="FILE", help="the record (default: NAME.proof.json, with _ for [ ] = ,)")
@@ -37,7 +44,7 @@ def _run(argv: list[str]) -> int:
     if find_spec("flint") is None:
         raise BadValue('proofs need python-flint, which is not installed; type: pip install "slip-to-roll[proofs]"')
     digits, transitions = _count("--digits", options.digits), _count("--transitions", options.transitions)
-    selection = cases.select(options.prove)
+    selection = lookup.case_name(options.prove).every()
     if options.out and len(selection) > 1:
         raise BadValue(
             f"{options.prove} has {len(selection)} variants; name one with --out, for example {selection[0].label}"

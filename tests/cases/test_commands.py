@@ -54,7 +54,7 @@ def test_new_then_check_then_show_works_without_an_edit(desk, capsys, in_process
 def test_check_runs_the_motion_and_says_what_happens(desk, capsys):
     """A third in a curve is an ordinary number; a motion that ends early says why."""
     text = TEMPLATE.format(name="my_bowl")
-    text = text.replace("-depth * cos(2 * s)", "depth * s**2 / 3").replace("mu=0.1):", "mu=0.05):")
+    text = text.replace("-depth * cos(2 * s)", "depth * s**2 / 3").replace("mu=0.1,", "mu=0.05,")
     (desk / "my_bowl.py").write_text(text)
     status, out, _ = run(capsys, "check", "my_bowl.py")
     assert status == 0 and re.search(r"my_bowl: fits; slides forward for 1\.05 s, then rolls", out)

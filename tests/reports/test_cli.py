@@ -1,11 +1,17 @@
 """The console command: the suite's commands under one name."""
 
+import re
 import subprocess
 import sys
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
 import cases
+from cases import registry
+from cases.command_line import PROGRAMS
+from cases.commands import TEMPLATE
 from reports import cli
 
 
@@ -32,7 +38,68 @@ def test_help_names_every_command(capsys):
 @pytest.mark.parametrize("name", [name for name, (module, _) in cli.COMMANDS.items() if module])
 def test_completion_offers_the_options_that_help_tells(name):
     assert name in cli.following([])
-    assert "--help" in cli.following([name, ""]) or name == "cases"
+    assert "--help" in cli.following([name, ""]) or name in ("cases", "check-proof")
+
+
+def test_every_command_of_the_suite_is_a_subcommand():
+    root = Path(cli.__file__).parents[1]
+    modules = {
+        f"{file.parent.name}.{file.stem}"
+        for file in (root / "reports").glob("*.py")
+        if 'if __name__ == "__main__"' in file.read_text() and file.stem not in ("cli", "show", "export")
+    }
+    assert modules <= {module for module, _ in cli.COMMANDS.values()}  # show and export are `cases show` and `export`
+
+
+@pytest.mark.parametrize("name", [n for n, (module, _) in cli.COMMANDS.items() if module and n != "check-proof"])
+def test_help_has_the_name_by_which_the_command_was_called(name, capsys):
+    words = [name, "show", "--help"] if name == "cases" else [name, "--help"]
+    with suppress(SystemExit):
+        cli.main(words)
+    out = capsys.readouterr().out
+    assert out.startswith(f"usage: slip-to-roll {' '.join(words[:-1])} ") and "python -m" not in out
+    assert PROGRAMS.get() == {}  # other calls in this process are not affected
+
+
+def test_no_advice_mentions_make_which_a_wheel_has_not():
+    root = Path(cli.__file__).parents[1]
+    for room in ("cases", "reference", "adapters", "reports"):
+        for file in (root / room).rglob("*.py"):
+            assert not re.search(r"\bmake (report|quick|test|check|docs|walk)\b", file.read_text()), file
+
+
+@pytest.mark.parametrize("command", ["sweep", "animate", "compare"])
+def test_every_command_finds_a_case_in_a_file_by_its_name(command, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
+    (tmp_path / "two_of_mine.py").write_text(TEMPLATE.format(name="one_of_mine") + TWO)
+    more = {"compare": ["none.csv"], "sweep": ["--vary", "mu=0.1,0.2"]}.get(command, [])
+    assert cli.main([command, "two_of_mine", *more]) == 2
+    assert "give one: two_of_mine.py:one_of_mine" in capsys.readouterr().err
+    assert cli.main([command, "two_of_mine.py:no_such_case", *more]) == 2
+    assert "there is no case in two_of_mine.py 'no_such_case'" in capsys.readouterr().err
+
+
+TWO = "\n\n@case\ndef another_of_mine():\n    return one_of_mine(mu=0.2)\n"
+
+
+def test_the_start_of_the_template_can_be_swept(tmp_path, monkeypatch, capsys, in_process):
+    pytest.importorskip("pyarrow")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
+    (tmp_path / "my_bowl.py").write_text(TEMPLATE.format(name="my_bowl"))
+    assert (
+        cli.main(["sweep", "my_bowl", "--vary", "xi1=-1.0,-0.5", "--vary", "mu=0.1,0.2", "--paper", "--jobs", "1"]) == 0
+    )
+    assert "4 scenarios of my_bowl" in capsys.readouterr().out
+    assert (tmp_path / "sweep" / "map.pdf").is_file()
+
+
+def test_the_citation_is_of_the_version_that_runs(capsys):
+    assert cli.main(["cite"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("@software{slip_to_roll,") and f"version = {{{cases.__version__}}}" in out
+    assert out.count("{") == out.count("}") and "@article{ogaru_pandrea," in out
 
 
 def test_completion_offers_cases_and_solvers():
@@ -52,5 +119,5 @@ COMP_WORDS=(slip-to-roll com); COMP_CWORD=1; _slip_to_roll; echo "${{COMPREPLY[@
 COMP_WORDS=(slip-to-roll report --case disc_in_cir); COMP_CWORD=3; _slip_to_roll; echo "${{COMPREPLY[@]}}"
 """
     told = subprocess.run(["bash", "-c", asked], capture_output=True, text=True, check=True).stdout.splitlines()
-    assert told[0].split() == ["compare", "completion"]
+    assert told[0].split() == ["compare", "compare-builds", "completion"]
     assert "disc_in_circle" in told[1].split()

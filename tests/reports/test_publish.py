@@ -14,6 +14,7 @@ import pytest
 
 import cases
 from cases.owned_folder import LIST, digest
+from cases.version import RELEASED
 from reports import compare_builds, options, publish
 from reports.page import report_folder
 from reports.page.manifest import FORMAT
@@ -84,6 +85,8 @@ def test_the_readme_begins_with_its_picture_and_its_numbers():
 def test_what_is_cited_and_packed_is_the_last_release():
     cited = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert re.search(r"^version: (.*)$", cited, flags=re.M)[1] == LAST.name
+    date = MANIFEST["made_at"][:10]
+    assert re.search(r'^date-released: "(.*)"$', cited, flags=re.M)[1] == date == RELEASED
     packed = (ROOT / "Dockerfile").read_text(encoding="utf-8")
     assert f"docs/results/{LAST.name}/constraints.txt" in packed
     told = (LAST / "constraints.txt").read_text(encoding="utf-8")

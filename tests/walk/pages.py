@@ -235,6 +235,7 @@ WALK = {
                 REPORT,
                 needs="node",
             ),
+            Left("python -m reports.build --quick --engine ./my_engine", "README has it"),
             Step("python -m adapters.laws ./my_engine", (r"^my_engine: .*\d+ kept",), needs="node"),
             Step(
                 "python -m cases export disc_on_line mu=0.1",
@@ -310,6 +311,20 @@ WALK = {
             ),
         ),
         {"submissions/my_engine/2.1.0/submission.toml": ("submit.md", "toml")},
+    ),
+    "test_an_engine.md": Page(
+        (
+            Left(
+                "pip install slip_to_roll-*.whl pytest", "the walk installs the wheel, and pytest before the next step"
+            ),
+            Step(
+                "pytest --slip-to-roll-engine ./my_engine",
+                (r"^1 passed, 6 skipped",),
+                needs="node",
+                before="python -m pip install --quiet --disable-pip-version-check pytest",
+            ),
+        ),
+        MY_ENGINE,
     ),
     "tutorial.md": Page(
         (

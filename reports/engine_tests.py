@@ -1,0 +1,158 @@
+"""Tests of an engine for pytest: the engine's motions are compared with the kept truth (`pytest_slip_to_roll`).
+
+Each test runs one case at one step and passes if the grade of its motion is at least `--slip-to-roll-grade`. A case
+that the engine does not support is skipped with the engine's reason.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf, isfinite
+from typing import Any, NamedTuple
+
+import pytest
+
+import adapters
+import cases
+from adapters import Setting
+from cases import BadValue, Case, CaseError, NotSupported, lookup
+from cases.errors import unknown_name
+
+from .judging.grades import LIMITS, Grade, percent
+from .running.records import Run
+from .running.tasks import find_truth, perform
+
+# What an engine with friction has to get right, and a case for each: short motions with a kept truth.
+PHENOMENA = {
+    "slide_to_roll": "disc_on_line[mu=0.1]",
+    "cone_holds": "disc_on_incline[slope=0.2]",
+    "cone_slips": "disc_on_incline[slope=0.4]",
+    "slip_reversal": "disc_in_circle[mu=0.2]",
+    "restitution": "bouncing_disc[e=0.5]",
+    "rolling_resistance": "disc_rolling_to_rest",
+}
+# The case in which rolling has to be free of creep: the contact point of a disc that rolls down an incline.
+CREEP = "disc_on_incline[slope=0.2]"
+# Creep above this part of the disc's speed is an error: it is then visible in the motion.
+MOST_CREEP = 0.01
+
+
+class _Check(NamedTuple):
+    """A test: its name, the engine and its route, the case, and whether the creep is checked instead of the grade."""
+
+    name: str
+    engine: str
+    route: str
+    case: Case
+    of_creep: bool = False
+
+
+def tests(session: pytest.Session, config: pytest.Config) -> list[pytest.Item]:
+    """The tests of the engines that the options name; raises UsageError for invalid options."""
+    try:
+        _check_options(config)
+        engines = config.getoption("--slip-to-roll-engine")
+        checks = [check for engine in engines for check in _checks(engine, config.getoption("--case-file"))]
+    except (CaseError, ImportError) as problem:
+        raise pytest.UsageError(str(problem)) from None
+    return [EngineTest.from_parent(session, name=f"{check.engine}-{check.name}", check=check) for check in checks]
+
+
+def _check_options(config: pytest.Config) -> None:
+    """Raise BadValue for an invalid step or grade."""
+    text = config.getoption("--slip-to-roll-step")
+    try:
+        step = float(text)
+    except ValueError:
+        step = 0.0
+    if not 0.0 < step < inf:
+        raise BadValue(f"--slip-to-roll-step is {text!r}; give a step in s, for example 1e-3")
+    grades = [str(grade) for grade in LIMITS]
+    if config.getoption("--slip-to-roll-grade") not in grades:
+        raise unknown_name("grade", config.getoption("--slip-to-roll-grade"), grades)
+
+
+def _checks(engine: str, files: list[str]) -> Iterator[_Check]:
+    """The tests of an engine: those of the cases in the files, or of all phenomena."""
+    name = engine if engine in adapters.engines() else adapters.lookup.register(engine)
+    own = [case for file in files for one in lookup.load_file(file) for case in lookup.case_name(one).every()]
+    for route in adapters.engine(name).routes:
+        suffix = "" if route == "process" else f"-{route}"
+        if own:
+            yield from (_Check(f"{case.label}{suffix}", name, route, case) for case in own)
+            continue
+        for phenomenon, label in PHENOMENA.items():
+            yield _Check(f"{phenomenon}{suffix}", name, route, cases.select(label)[0])
+        yield _Check(f"creep{suffix}", name, route, cases.load(CREEP), of_creep=True)
+
+
+class EngineTest(pytest.Item):
+    """The comparison of one engine with the truth of one case."""
+
+    def __init__(self, *, check: _Check, **how: Any):
+        super().__init__(**how)
+        self.check = check
+
+    def runtest(self) -> None:
+        """Run the engine; fails with the diagnosis of the motion, or is skipped if the engine does not support it."""
+        run = self._run()
+        if run.outcome == "unsupported":
+            pytest.skip(f"unsupported: {run.reason}")
+        if run.outcome != "answered" or run.score is None:
+            pytest.fail(f"{self.check.case.label}, {run.setting}: {run.outcome}: {run.reason}", pytrace=False)
+        if self.check.of_creep:
+            self._check_creep(run)
+        else:
+            self._check_grade(run)
+
+    def reportinfo(self) -> tuple[Any, int | None, str]:
+        """Where the test is, for pytest's reports."""
+        return self.path, None, f"slip-to-roll: {self.name}"
+
+    def _run(self) -> Run:
+        """The engine's judged motion; the truth is the kept one for a case of the catalogue."""
+        check = self.check
+        truth = find_truth(check.case)
+        if truth.failure:
+            pytest.fail(f"there is no truth: {truth.failure}", pytrace=False)
+        if check.route == "process":
+            setting = Setting.of(h=float(self.config.getoption("--slip-to-roll-step")))
+        else:
+            try:
+                setting = [*adapters.engine(check.engine).ladder(check.case, check.route)][-2:][0]
+            except NotSupported as problem:
+                pytest.skip(f"unsupported: {problem}")
+        return perform(check.case, check.engine, check.route, setting, 1, truth)
+
+    def _check_grade(self, run: Run) -> None:
+        assert run.score is not None, "an answered run has a score"
+        worst = Grade(self.config.getoption("--slip-to-roll-grade"))
+        if run.score.off > LIMITS[worst]:
+            pytest.fail(
+                f"{run.case}, {run.setting}: {run.grade}, {percent(run.score.off)} off; {worst} is at most "
+                f"{percent(LIMITS[worst])} of the error of ignoring friction\n{run.reason}\n{_transitions(run)}",
+                pytrace=False,
+            )
+
+    def _check_creep(self, run: Run) -> None:
+        assert run.score is not None, "an answered run has a score"
+        case = self.check.case
+        # The disc ends faster than anywhere before; its creep is compared with that speed.
+        speed = abs(float(run.samples["x"][-1] - run.samples["x"][0])) / case.duration
+        if not isfinite(run.score.creep):
+            pytest.fail(f"{run.case}: the creep is not known: too few samples where the truth rolls", pytrace=False)
+        if run.score.creep > MOST_CREEP * speed:
+            pytest.fail(
+                f"{run.case}, {run.setting}: the contact creeps at {run.score.creep:.2g} m/s while the disc rolls at "
+                f"{speed:.2g} m/s on average, more than {MOST_CREEP:.0%} of that",
+                pytrace=False,
+            )
+
+
+def _transitions(run: Run) -> str:
+    """The transitions of a motion next to the truth's, in lines."""
+    rows = [
+        f"  {row.pairing}: {row.before} -> {row.after} at {row.time:.6g} s, truth {row.reference_time:.6g} s"
+        for row in run.ledger
+    ]
+    return "\n".join(["transitions:", *rows]) if rows else "no transitions"

@@ -1,0 +1,104 @@
+"""The pytest plugin in an empty folder, as an engine project uses it: a right engine, wrong ones, and wrong options."""
+
+import os
+import shutil
+import subprocess
+import sys
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import pytest
+
+from cases.commands import TEMPLATE
+
+ROOT = Path(__file__).parents[2]
+ENGINE = ROOT / "starter" / "engine.py"
+# An installation that is older than the entry point does not have it: the plugin is then named.
+PLUGIN = [] if [*entry_points(group="pytest11", name="slip_to_roll")] else ["-p", "pytest_slip_to_roll"]
+
+
+@pytest.fixture
+def project(tmp_path):
+    """An empty folder with the starter engine, and a function that runs pytest there."""
+
+    def run(*words: str, change: tuple[str, str] = ("", "")):
+        text = ENGINE.read_text()
+        assert change[0] in text
+        (tmp_path / "my_engine").write_text(text.replace(*change) if change[0] else text)
+        shutil.copymode(ENGINE, tmp_path / "my_engine")
+        (tmp_path / "my_engine").chmod(0o755)
+        command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-ra", "-q", *PLUGIN, *words]
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, env=environment)
+        return done.returncode, done.stdout + done.stderr
+
+    run.folder = tmp_path
+    return run
+
+
+OURS = ("--slip-to-roll-engine", "./my_engine")
+
+
+def test_a_right_engine_passes_and_what_it_does_not_support_is_skipped(project):
+    status, out = project(*OURS)
+    assert status == 0 and "5 passed, 2 skipped" in out, out
+    assert "unsupported: Only discs in contact with a line or a circle" in out
+
+
+def test_friction_that_is_a_fifth_too_large_fails_with_the_reason(project):
+    status, out = project(
+        *OURS, "-k", "slide_to_roll", change=('{"mu": 0.0})["mu"]\n    bend', '{"mu": 0.0})["mu"] * 1.2\n    bend')
+    )
+    assert status == 1 and "1 failed, 6 deselected" in out, out
+    assert "of the error of ignoring friction" in out and "slip_forward -> roll" in out and "Traceback" not in out
+
+
+def test_a_contact_that_creeps_fails(project):
+    # A regularised contact never holds: it brakes a part of the slip that rolling would need to stop.
+    status, out = project(
+        *OURS, "-k", "creep", change=("stop = -((u + r * omega) / h", "stop = -(0.02 * (u + r * omega) / h")
+    )
+    assert status == 0, out  # a small lag is no creep
+    status, out = project(
+        *OURS, "-k", "creep", change=("stop = -((u + r * omega) / h + along)", "stop = -(5.0 * (u + r * omega))")
+    )
+    assert status == 1 and "the contact creeps at" in out, out
+
+
+def test_an_engine_that_crashes_fails_with_its_message(project):
+    status, out = project(
+        *OURS,
+        "-k",
+        "cone_holds",
+        change=("def main() -> int:\n", "def main() -> int:\n    raise OSError('no licence')\n"),
+    )
+    assert status == 1 and "crashed" in out and "no licence" in out
+
+
+def test_the_cases_of_a_file_replace_the_phenomena(project):
+    text = TEMPLATE.format(name="my_valley").replace("(s, -depth * cos(2 * s))", "(s, -0.5 * depth * s)")
+    (project.folder / "my_slopes.py").write_text(text)
+    status, out = project(*OURS, "--case-file=my_slopes.py", "-v")
+    assert status == 0 and "my_engine-my_valley PASSED" in out and "1 passed" in out, out
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("--slip-to-roll-engine", "./none"), "none is no executable file"),
+        ((*OURS, "--slip-to-roll-step", "fast"), "--slip-to-roll-step is 'fast'; give a step in s, for example 1e-3"),
+        ((*OURS, "--slip-to-roll-grade", "goood"), "there is no grade 'goood'; choose from excellent, good"),
+        ((*OURS, "--case-file=none.py"), "none.py"),
+    ],
+)
+def test_wrong_options_give_one_line(words, says, project):
+    status, out = project(*words)
+    assert status == 4 and says in out and "Traceback" not in out, out
+
+
+def test_without_its_options_the_plugin_imports_nothing_and_adds_nothing(project):
+    (project.folder / "test_mine.py").write_text(
+        "import sys\n\ndef test_mine():\n    assert not {'numpy', 'sympy', 'reference'} & sys.modules.keys()\n"
+    )
+    status, out = project()
+    assert status == 0 and "1 passed" in out, out
