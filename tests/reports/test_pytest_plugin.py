@@ -53,6 +53,7 @@ def test_friction_that_is_a_fifth_too_large_fails_with_the_reason(project):
     assert "of the error of ignoring friction" in out and "slip_forward -> roll" in out and "Traceback" not in out
 
 
+@pytest.mark.slow
 def test_a_contact_that_creeps_fails(project):
     # A regularised contact never holds: it brakes a part of the slip that rolling would need to stop.
     status, out = project(
@@ -65,6 +66,7 @@ def test_a_contact_that_creeps_fails(project):
     assert status == 1 and "the contact creeps at" in out, out
 
 
+@pytest.mark.slow
 def test_an_engine_that_crashes_fails_with_its_message(project):
     status, out = project(
         *OURS,
@@ -75,11 +77,12 @@ def test_an_engine_that_crashes_fails_with_its_message(project):
     assert status == 1 and "crashed" in out and "no licence" in out
 
 
+@pytest.mark.slow
 def test_the_cases_of_a_file_replace_the_phenomena(project):
     text = TEMPLATE.format(name="my_valley").replace("(s, -depth * cos(2 * s))", "(s, -0.5 * depth * s)")
     (project.folder / "my_slopes.py").write_text(text)
-    status, out = project(*OURS, "--case-file=my_slopes.py", "-v")
-    assert status == 0 and "my_engine-my_valley PASSED" in out and "1 passed" in out, out
+    status, out = project(*OURS, "--case-file=my_slopes.py", "-rA")
+    assert status == 0 and "PASSED ::my_engine-my_valley" in out and "1 passed" in out, out
 
 
 @pytest.mark.parametrize(
