@@ -11,11 +11,11 @@ from xml.etree import ElementTree as xml
 
 import numpy as np
 
-from cases import Case
+from cases import Case, Chain
 from cases.contact import start_motion
 from cases.mechanics import gravity
 
-from ..common.facets import visible_span
+from ..common.facets import chain_vertices, visible_span
 
 # Chords of the track, corners of the outline; and of boxes and prisms half the thickness in Z, in plate sizes.
 CHORDS, CORNERS, THIN = 400, 200, 0.25
@@ -94,7 +94,10 @@ def _collision(link: xml.Element, name: str, pose, kind: str) -> xml.Element:
 
 def _boxes(case: Case, depth: float):
     """(x, y, angle, half length, half height) of boxes whose left faces are the track's chords."""
-    corners = np.array(case.track.point(np.linspace(*visible_span(case), CHORDS + 1))).T
+    if isinstance(case.track, Chain):
+        corners = chain_vertices(case.track, CHORDS).T
+    else:
+        corners = np.array(case.track.point(np.linspace(*visible_span(case), CHORDS + 1))).T
     for (ax, ay), (bx, by) in zip(corners[:-1], corners[1:], strict=True):
         along = np.array([bx - ax, by - ay])
         length = float(np.hypot(*along))
@@ -105,6 +108,8 @@ def _boxes(case: Case, depth: float):
 
 def _corners(case: Case) -> np.ndarray:
     outline = case.plate.outline
+    if isinstance(outline, Chain):
+        return chain_vertices(outline, CORNERS)[:, :-1].T
     return np.array(outline.point(np.linspace(*outline.span, CORNERS, endpoint=not outline.period))).T
 
 

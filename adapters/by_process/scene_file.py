@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from cases import Case, CoulombFriction, Curve, Effect
+from cases import Case, Chain, CoulombFriction, Curve, Effect
 from cases.contact import start_motion
 
 from ..common.facets import visible_span
@@ -61,9 +61,9 @@ def _effect_name(effect: Effect) -> str:
 
 
 def formula(curve: Curve) -> list[str] | None:
-    """The coordinates as elementary formulas of s; null for a curve in pieces or by integrals, which has only its
-    `points`."""
-    if curve.parts is not None or any(part.has(sp.Integral) for part in curve.expression):
+    """The coordinates as elementary formulas of s; null for a curve in pieces, with corners or by integrals, which has
+    only its `points`."""
+    if isinstance(curve, Chain) or curve.parts is not None or any(part.has(sp.Integral) for part in curve.expression):
         return None
     return [str(part) for part in curve.expression]
 
@@ -84,8 +84,10 @@ def curve_samples(case: Case) -> dict[str, np.ndarray]:
 
 
 def _curve_rows(curve: Curve, low: float, high: float) -> np.ndarray:
-    """Rows of parameter, point (m), left unit normal, curvature (1/m); shape (SAMPLES, 6)."""
+    """Rows of parameter, point (m), left unit normal, curvature (1/m); shape (SAMPLES, 6), and more at corners."""
     s = np.linspace(low, high, SAMPLES)
+    if isinstance(curve, Chain):
+        s = np.union1d(s, curve.vertices(2 * np.pi))
     return np.column_stack([s, *curve.point(s), *curve.normal(s), curve.curvature(s)])
 
 

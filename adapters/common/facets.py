@@ -173,11 +173,11 @@ def chain(case: Case, count: int, behind: float = 0.0) -> np.ndarray:
     of that radius touch it."""
     part = stretch(case)
     if isinstance(case.track, Chain):
-        return _vertices(case.track, count)
+        return chain_vertices(case.track, count)
     return _facets(case.track, part.low, part.high, count, behind)
 
 
-def _vertices(curve: Chain, count: int) -> np.ndarray:
+def chain_vertices(curve: Chain, count: int) -> np.ndarray:
     """Corners of a chain's polygon, shape (2, n): its own corners and joints, and on bent pieces as many as a circle of
     `count` corners has on the same turn. They lie on the curve."""
     points = curve.point(curve.vertices(2 * pi / count))
@@ -215,7 +215,7 @@ def polygon(case: Case, count: int) -> np.ndarray:
     """
     outline = case.plate.outline
     if isinstance(outline, Chain):
-        return _vertices(outline, count)[:, :-1]
+        return chain_vertices(outline, count)[:, :-1]
     s = np.linspace(*outline.span, 64 * 721)
     # On straight parts of the outline rounding makes the tangent's angle decrease in places.
     angle = np.maximum.accumulate(outline.tangent_angle(s))

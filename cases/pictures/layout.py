@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, sin
+from math import cos, pi, sin
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..chain import Chain
 from ..curves import Curve
 
 # Corners of the polygon that shows a plate: the chords of a circle then deviate from it by 1/1,000 of its radius.
@@ -25,8 +26,8 @@ class DrawnScene(NamedTuple):
     down: bool = False
 
     def corners(self) -> np.ndarray:
-        """Points of the outline in the plate's own frame, (2, CORNERS)."""
-        return self.outline.point(np.linspace(*self.outline.span, CORNERS))
+        """Points of the outline in the plate's own frame, (2, n): CORNERS of a smooth one, the corners of others."""
+        return self.outline.point(_vertices(self.outline, np.linspace(*self.outline.span, CORNERS)))
 
 
 class Instant(NamedTuple):
@@ -37,6 +38,13 @@ class Instant(NamedTuple):
     theta: float
     xi1: float
     shade: float
+
+
+def _vertices(curve: Curve, even: np.ndarray) -> np.ndarray:
+    """The parameters at which a curve is drawn: `even` ones, of a chain its corners and as many on its bent pieces."""
+    if not isinstance(curve, Chain):
+        return even
+    return curve.vertices(2 * pi / CORNERS)
 
 
 def place_outline(scene: DrawnScene, at: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -54,13 +62,15 @@ def visible(scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> np.ndarray:
     """
     track = scene.track
     if track.period:
-        return np.linspace(*track.span, _POINTS)
+        return _vertices(track, np.linspace(*track.span, _POINTS))
     flying = ~np.isfinite(xi1)
     parameters = np.concatenate([xi1[~flying], _below(track, path[:, flying])])
     low, high = float(np.min(parameters)), float(np.max(parameters))
     size = float(np.ptp(scene.corners(), axis=1).max())
-    more = 1.2 * size / float(track.speed(0.5 * (low + high)))
     domain = track.domain or (-np.inf, np.inf)
+    if isinstance(track, Chain):  # its parameter has no one speed
+        return _vertices(track, np.zeros(0))
+    more = 1.2 * size / float(track.speed(0.5 * (low + high)))
     return np.linspace(max(low - more, domain[0]), min(high + more, domain[1]), _POINTS)
 
 

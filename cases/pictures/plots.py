@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..chain import Chain
 from ..curves import Curve
 from ..errors import unknown_name
 from . import drawn_scene
@@ -45,7 +46,9 @@ _PANEL = 270.0
 
 def parameter_unit(curve: Curve) -> str:
     """The unit of a curve's parameter: "rad" if it is the turning angle, "m" if it is an arc length or a coordinate, ""
-    for any other parameter."""
+    for any other parameter, as of a chain, whose pieces have units of their own."""
+    if isinstance(curve, Chain):
+        return ""
     s = np.linspace(*curve.span, _SAMPLES)
     speed, turning = np.asarray(curve.speed(s)), np.abs(np.asarray(curve.speed(s) * curve.curvature(s)))
     lengths = [speed, *(np.gradient(part, s) for part in curve.point(s))]

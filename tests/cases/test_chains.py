@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cases import BadCurve, BadValue, Chain, NotSupported, Outline, Plate, arc, library
+from cases import BadCurve, BadValue, Chain, Curve, NotSupported, Outline, Plate, arc, library
 from cases.area import area_inside
 from cases.chain import moved
 from cases.corner import Corner, Edge
@@ -55,6 +55,16 @@ def test_centre_of_mass_is_the_outlines_origin():
     share = 0.499**2 / (1 - 0.499**2)
     assert holed.outline.point(0.0)[0] == pytest.approx(1.0 + 0.5 * share, abs=EXACT)
     assert Plate.homogeneous(library.circle(0.7), 1.0).radius == 0.7
+
+
+def test_measured_outline_is_moved_to_its_centre_of_mass():
+    a = np.linspace(0, 2 * pi, 201)[:-1]
+    points = np.column_stack([0.2 * np.cos(a) + 5.0, 0.14 * np.sin(a) - 2.0])
+    plate = Plate.homogeneous(Curve.spline(points, closed=True), 1.0)
+    # The spline is 1e-12 from the ellipse.
+    assert plate.inertia == pytest.approx((0.2**2 + 0.14**2) / 4, rel=1e-11)
+    np.testing.assert_allclose(plate.outline.point(0.0), [0.2, 0.0], atol=1e-11)
+    assert plate.encloses_centre and pickle.loads(pickle.dumps(plate)) == plate
 
 
 def test_reuleaux_triangle_has_constant_width_and_its_area():

@@ -13,6 +13,7 @@ from cases import (
     Case,
     Chain,
     CoulombFriction,
+    Curve,
     Flight,
     Gravity,
     Load,
@@ -244,6 +245,14 @@ def test_other_effects_work_on_corners(effects):
     plate = Plate.reuleaux(0.2, 1.0)
     motion = compare(on(library.hill(1.5), plate, *effects, xi1=0.05, omega=-1.0, duration=1.0))
     assert motion.t[-1] > 0.1
+
+
+def test_chain_may_have_measured_pieces():
+    """A ramp through points ends in an edge: within a piece the contact passes its knots, then the corner."""
+    x = np.linspace(-1, 0, 41)
+    ramp = Curve.spline(np.column_stack([x, 0.1 * x**2]))
+    motion = compare(on(Chain([ramp, Curve(("s", "-s"), (0, 1))]), disc(R, 1.0), CoulombFriction(0.4), xi1=0.3))
+    assert motion.status == "lift_off" and [p.after for p in motion.passages] == ["corner 1"]
 
 
 @pytest.mark.parametrize(

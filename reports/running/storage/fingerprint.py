@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from cases import Case, Curve
+from cases import Case, Chain, Curve
 from reference import certification
 
 from .. import reference_adapter, versions
@@ -113,6 +113,8 @@ def content(case: Case) -> str | None:
 def plain(value: Any) -> Any:
     """A value of any kind as numbers, texts, formulas and digests of arrays; raises TypeError if it cannot be
     compared."""
+    if isinstance(value, Chain):
+        return [type(value).__name__, [plain(piece) for piece in value.pieces], value.is_closed]
     if isinstance(value, Curve) and value.parts is not None:
         return ["Curve in pieces", plain(value.parts)]
     if isinstance(value, Curve):
