@@ -191,6 +191,12 @@ class Curve:
         curve in pieces, whose parts have them."""
         return expressions.constants(self.expression) if self.parts is None else ()
 
+    @derived
+    def integrals(self) -> int:
+        """How many integrals contain each other in its formulas: 0 without any."""
+        formulas = self.expression if self.parts is None else [row for rows, _ in self.parts.forms for row in rows]
+        return max(map(expressions.integral_depth, formulas))
+
     @property
     def knots(self) -> tuple[float, ...]:
         """The parameters at which a curve in pieces changes its formula, with both ends; none for any other curve."""
@@ -435,7 +441,10 @@ def _expression(function) -> tuple[sp.Expr, sp.Expr]:
         texts = function
         function = lambda s: _from_strings(texts)  # noqa: E731 - one way on for both ways to write
     if not callable(function):
-        raise BadCurve(f"a curve is a function of its parameter, not {function!r}; give lambda s: (X, Y)")
+        what = repr(function) if isinstance(function, int | float | str) else type(function).__name__
+        raise BadCurve(
+            f"a curve is a function of its parameter, not {what}; give lambda s: (X, Y), or Curve.spline(points)"
+        )
     try:
         pair = tuple(function(PARAMETER))
         x, y = pair

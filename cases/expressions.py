@@ -36,9 +36,13 @@ _RECIPROCAL = {
 def integral(formula: Callable[[sp.Expr], sp.Expr], upper, lower=0) -> sp.Expr:
     """The integral of a formula from a number to an expression: integral(lambda u: cos(u**2), s)."""
     probe = sp.sympify(formula(PARAMETER))
-    depth = 1 + max((int(v.name[1:]) for node in probe.atoms(sp.Integral) for v in node.variables), default=0)
-    variable = sp.Symbol(f"u{depth}", real=True)
+    variable = sp.Symbol(f"u{1 + integral_depth(probe)}", real=True)
     return sp.Integral(formula(variable), (variable, as_expression(lower), as_expression(upper)))
+
+
+def integral_depth(expression: sp.Basic) -> int:
+    """How many integrals contain each other in an expression: 0 without any."""
+    return max((1 + integral_depth(node.function) for node in expression.atoms(sp.Integral)), default=0)
 
 
 # Special functions are integrals of elementary ones (NIST DLMF 7.2, 19.2: known to us, not looked up).
@@ -135,7 +139,8 @@ def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: typ
         elif not (isinstance(node, sp.Add | sp.Mul) or node in (sp.pi, sp.E)):
             raise error(
                 f"{what} has {type(node).__name__}, which is not smooth or not known to all solvers; write it with "
-                f"{', '.join(sorted(FUNCTIONS))} (sqrt(u**2 + 1e-6) is a smooth magnitude, tanh(u/1e-3) a smooth sign)"
+                f"{', '.join(sorted(FUNCTIONS))} (sqrt(u**2 + 1e-6) is a smooth magnitude, tanh(u/1e-3) a smooth "
+                "sign); curves are joined by constructions.piecewise, and with corners by Chain"
             )
         todo += [(argument, depth + 1, nesting) for argument in node.args]
     return foreign

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Cost, Mode, NotSupported, Passage, State, Trajectory
+from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
 from cases.contact import belt_speed, pose
 from cases.errors import between, unknown_name
 from cases.piece_case import PieceCase, has_pieces, passages_between
@@ -87,7 +87,7 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         raise NotSupported("the paper's matrix (27) has no rows for corners here; leave method out, or give 'dop853'")
     # Not as a decorator: NumPy 1 would store the state to restore in one place for all threads.
     with np.errstate(all="ignore"):  # non-finite values end the motion with a reason
-        return _simulate(case, rtol, _method_name(method))
+        return _simulate(case, rtol, _method_name(method, case))
 
 
 def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
@@ -175,10 +175,19 @@ def _report_method() -> None:
         logging.getLogger("reference").warning("heyoka is not installed: the reference uses dop853, slower and coarser")
 
 
-def _method_name(method: str | None) -> str:
+def _has_integrals(case: Case) -> bool:
+    """Whether the equations contain an integral, which the Taylor method cannot compute: a track's place is only in
+    those with a load."""
+    track, outline = case.track, case.plate.outline
+    if isinstance(track, Chain) or isinstance(outline, Chain):
+        return False
+    return track.integrals > (0 if case.effect(Load) else 1) or outline.integrals > 0
+
+
+def _method_name(method: str | None, case: Case) -> str:
     if method is None:
         _report_method()
-        return METHODS[0]
+        return "dop853" if _has_integrals(case) else METHODS[0]
     is_valid = isinstance(method, str) and method in INTEGRATORS
     if not is_valid or (method.startswith("taylor") and not taylor.AVAILABLE):
         raise unknown_name("method of the reference", str(method), ROUTES)

@@ -50,7 +50,8 @@ def parameter_unit(curve: Curve) -> str:
     if isinstance(curve, Chain):
         return ""
     s = np.linspace(*curve.span, _SAMPLES)
-    speed, turning = np.asarray(curve.speed(s)), np.abs(np.asarray(curve.speed(s) * curve.curvature(s)))
+    with np.errstate(invalid="ignore"):  # at a corner the speed is zero and the curvature infinite
+        speed, turning = np.asarray(curve.speed(s)), np.abs(np.asarray(curve.speed(s) * curve.curvature(s)))
     lengths = [speed, *(np.gradient(part, s) for part in curve.point(s))]
     if np.allclose(turning, 1.0, rtol=_ROUNDING):
         return "rad"

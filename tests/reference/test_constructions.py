@@ -79,6 +79,20 @@ def test_a_curve_by_its_curvature_has_it():
     assert circle.point(circle.domain[1]) == pytest.approx([0.0, 0.0], abs=1e-15)
 
 
+def test_a_track_that_crosses_itself_is_a_second_contact_where_the_plate_meets_it():
+    """A coaster's loop, by a curvature whose integral is one turn: the disc meets the way out before the loop."""
+    bend = 2 * float(np.pi) ** 0.5
+    with pytest.raises(BadCurve, match="crosses itself near .* allow it with may_cross=True"):
+        natural(lambda s: bend * exp(-((s - 4) ** 2)), length=8.0, angle=-0.4)
+    loop = natural(lambda s: bend * exp(-((s - 4) ** 2)), length=8.0, angle=-0.4, may_cross=True)
+    rolls = (Gravity(9.81), CoulombFriction(0.8), Unilateral())
+    motion = agree(Case(loop, disc(0.05, 1.0), rolls, Start(0.5), 3.0), 1e-9)
+    assert motion.status == "second_contact"
+    turned = natural(lambda s: bend * exp(-((s - 4) ** 2)), length=8.0, angle=1.2, may_cross=True)
+    inside = Case(turned, disc(0.05, 1.0), rolls, Start(4.3), 1.0)
+    assert agree(inside, 1e-9).status == "completed"  # it rocks in the loop, away from the crossing
+
+
 def test_a_disc_on_a_clothoid_moves_as_on_its_spline():
     clothoid = natural(lambda s: 0.8 * s, length=3.0, angle=-0.9)
     motion = agree(Case(clothoid, disc(0.1, 1.0), AIR, Start(xi1=0.1), 2.0))
@@ -101,8 +115,9 @@ def test_an_outline_by_integrals_is_simulated_by_dop853():
     )]  # fmt: skip
     ends = [reference.simulate(case, 1e-12, "dop853")(1.0) for case in cases]
     assert ends[0].x == pytest.approx(ends[1].x, abs=1e-11)
+    assert reference.simulate(cases[0], 1e-12)(1.0).x == ends[0].x  # what `simulate` chooses
     with pytest.raises(NotSupported, match="give method='dop853'"):
-        reference.simulate(cases[0])
+        reference.simulate(cases[0], method="taylor")
 
 
 # --- polar form and pieces --------------------------------------------------------------------------------------------
