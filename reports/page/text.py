@@ -12,6 +12,7 @@ import numpy as np
 
 from ..analysis.columns import Table, infinite
 from ..analysis.number_format import level, number
+from . import latex
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,7 +51,7 @@ def write(
         files[-1].write_text(f"{text}\nMake it again: `{command}`\n", encoding="utf-8")
         if paper:
             files.append(folder / f"{name}.tex")
-            files[-1].write_text(f"% {words[name].holds}. Make it again: {command}\n{latex(frame)}\n", encoding="utf-8")
+            files[-1].write_text(latex.table(name, frame, words[name].holds, command, shorten), encoding="utf-8")
     return files
 
 
@@ -99,15 +100,6 @@ def markdown(frame: pd.DataFrame) -> str:
 
 def _clip(text: str) -> str:
     return text if len(text) <= _CELL else f"{text[: _CELL - 1].rstrip()}…"
-
-
-def latex(frame: pd.DataFrame) -> str:
-    """The table as a LaTeX `longtable`; numbers are rounded."""
-    from tabulate import tabulate
-
-    columns = [str(column) for column in frame.columns]
-    rows = [[shorten(row[c], c) for c in columns] for row in frame.to_dict("records")]
-    return tabulate(rows, headers=columns, tablefmt="latex_longtable", disable_numparse=True)
 
 
 def _cell(value: Any, column: str) -> str:
