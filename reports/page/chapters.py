@@ -126,30 +126,33 @@ def _cell(row: dict[str, Any] | None, solver: str, route: str, which: str) -> di
 
 
 def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
-    """Runs without a usable motion, by severity: one row for each solver, route and reason, with the cases."""
-    groups: dict[tuple[str, ...], list[str]] = {}
+    """Runs without a usable motion, by severity: one row for each solver, route and reason, with the cases. The reasons
+    of unusable motions all differ; their row has the worst."""
+    groups: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for row in records(frame):
-        word = next((w for w in _FAILURES if w in (row["outcome"], row["grade"])), "")
+        word = next((str(w) for w in _FAILURES if w in (row["outcome"], row["grade"])), "")
         if word:
-            groups.setdefault((str(word), row["solver"], row["route"], row["reason"]), []).append(row["case"])
+            reason = "" if word == Grade.UNUSABLE else row["reason"]
+            groups.setdefault((word, row["solver"], row["route"], reason), []).append(row)
     order = [str(word) for word in _FAILURES]
-    entries = []
-    for (word, solver, route, reason), labels in sorted(groups.items(), key=lambda item: order.index(item[0][0])):
-        names = list(dict.fromkeys(labels))
-        more = f" and {len(names) - _NAMED_CASES} more" if len(names) > _NAMED_CASES else ""
-        entries.append(
-            {
-                "outcome": word.replace("_", " "),
-                "kind": word,
-                "solver": solver,
-                "route": route,
-                "switch": switch(solver, route),
-                "runs": len(labels),
-                "cases": f"{', '.join(names[:_NAMED_CASES])}{more}",
-                "reason": reason,
-            }
-        )
-    return entries
+    return [_failure(word, rows) for (word, *_), rows in sorted(groups.items(), key=lambda g: order.index(g[0][0]))]
+
+
+def _failure(word: str, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    worst = max(rows, key=lambda row: row["off"] if isfinite(row["off"]) else 0.0)
+    names = list(dict.fromkeys(row["case"] for row in rows))
+    more = f" and {len(names) - _NAMED_CASES} more" if len(names) > _NAMED_CASES else ""
+    where = f"{worst['case']}: " if word == Grade.UNUSABLE and len(names) > 1 else ""
+    return {
+        "outcome": word.replace("_", " "),
+        "kind": word,
+        "solver": worst["solver"],
+        "route": worst["route"],
+        "switch": switch(worst["solver"], worst["route"]),
+        "runs": len(rows),
+        "cases": f"{', '.join(names[:_NAMED_CASES])}{more}",
+        "reason": f"{where}{worst['reason']}",
+    }
 
 
 def left_out(frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:

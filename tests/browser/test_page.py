@@ -558,6 +558,19 @@ def test_dark_is_dark_by_wish_and_by_button(open_page):
     assert dark.evaluate(ground) == "rgb(255, 255, 255)"
 
 
+def test_in_the_dark_only_cells_of_a_grade_have_dark_text(open_page):
+    page = open_page(color_scheme="dark", place=DISC)
+    page.wait_for_selector(f"{DISC} table[data-name=engines]")
+    page.evaluate(SHOW_ALL)
+    cells = page.evaluate(
+        """() => [...document.querySelectorAll('td')].filter(e => e.checkVisibility() && e.innerText.trim()).map(e =>
+        [e.matches('.excellent, .very-good, .good, .rough, .poor, .unusable') && Boolean(e.closest('.map, .grades')),
+         getComputedStyle(e.querySelector('a') ?? e).color])"""
+    )
+    grades = {colour for is_grade, colour in cells if is_grade}
+    assert grades == {"rgb(16, 20, 24)"} and grades.isdisjoint({colour for is_grade, colour in cells if not is_grade})
+
+
 def test_the_keyboard_alone_reaches_everything(open_page):
     page = open_page(place=DISC, reduced_motion="reduce")
     page.wait_for_selector(f"{DISC} .plots .u-over")
@@ -609,7 +622,9 @@ RULES = {
 FEW_ROWS = {"exclude": [["tbody tr:nth-child(n+4)"]]}
 OPEN_ALL = "document.querySelectorAll('details').forEach(one => { one.open = true })"
 # Each look of axe begins with the whole document, shown or not: one look at all chapters is a third of one at each.
-SHOW_ALL = "document.querySelectorAll('.chapter[hidden]').forEach(one => { one.removeAttribute('hidden') })"
+SHOW_ALL = (
+    "document.querySelectorAll('.chapter[hidden], article[hidden]').forEach(one => { one.removeAttribute('hidden') })"
+)
 
 
 def serious_faults(page, part, scheme) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 import zlib
 from base64 import b64decode
@@ -10,11 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
+import pytest
 
 import cases
 from cases import Mode, Transition
-from reports.page import chapters, motions, vendor
-from reports.page.fragments import table, verbatim
+from reference.proofs.record import DecimalInterval
+from reports.page import chapters, evidence, motions, vendor
+from reports.page.fragments import short_percent, table, verbatim
 from reports.running.records import Experiment, Truth
 
 ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))
@@ -76,6 +79,62 @@ def test_numbers_stand_as_people_write_them_and_are_sorted_as_numbers():
     assert row["solver"], row["route"] == ("pymunk", "native")
     assert row["cells"][0] == {"text": "1.2e-7", "kind": "number", "order": None}
     assert row["cells"][1] == {"text": "1,700", "kind": "number", "order": "1712.5"}
+
+
+def test_failures_are_counted_once_for_each_reason_and_the_worst_unusable_run_is_named():
+    def run(case, outcome, grade, reason, off=math.nan):
+        names = {"case": case, "solver": "pymunk", "route": "native"}
+        return names | {"outcome": outcome, "grade": grade, "reason": reason, "off": off}
+
+    frame = pd.DataFrame(
+        [
+            run("a", "answered", "good", "fine", 0.005),
+            run("a", "unsupported", "", "no springs"),
+            run("b", "unsupported", "", "no springs"),
+            run("b", "crashed", "", "SIGSEGV"),
+            run("c", "answered", "unusable", "slip velocity: 60 %", 0.6),
+            run("d", "answered", "unusable", "pose: 900 %", 9.0),
+        ]
+    )
+    rows = chapters.failures(frame)
+    assert [(row["kind"], row["runs"], row["cases"]) for row in rows] == [
+        ("unusable", 2, "c, d"),
+        ("crashed", 1, "b"),
+        ("unsupported", 2, "a, b"),
+    ]
+    assert rows[0]["reason"] == "d: pose: 900 %" and rows[2]["reason"] == "no springs"
+
+
+def test_a_long_table_has_its_first_rows_and_says_how_many_there_are():
+    frame = pd.DataFrame({f"c{i}": range(40) for i in range(20)} | {"cpu_s": [0.1] * 40, "level": range(40)})
+    whole = table(frame.head(12), {"c0": "c0"})
+    assert len(whole["rows"]) == whole["count"] == 12
+    long = table(frame, {c: c for c in frame.columns}, {"c0": "height, m"}, file="x")
+    assert (len(long["rows"]), long["count"], len(long["heads"]), long["columns"]) == (8, 40, 12, 22)
+    assert long["heads"][0]["unit"] == "m" and long["file"] == "x"
+    (head,) = table(frame, {"cpu_s": "cpu s"})["heads"]
+    assert (head["title"], head["unit"], head["number"]) == ("cpu", "s", True)
+
+
+@pytest.mark.parametrize(
+    "off, text",
+    [(2.78, "278"), (0.31, "31"), (0.0995, "10"), (0.021, "2.1"), (0.00995, "1.0"), (0.0027, ".27"), (5.1e-5, ".01"),
+     (4.9e-5, "<.01"), (0.0, "<.01"), (44.58, "4,458")],
+)  # fmt: skip
+def test_off_in_a_cell_has_two_digits_at_least(off, text):
+    assert short_percent(off) == text
+
+
+def test_an_enclosure_is_its_two_ends_with_their_common_digits_once():
+    for low, high, text in (
+        ("0.6307", "0.6308", "0.630[7, 8]"),
+        ("2.1", "2.12", "2.[1, 12]"),
+        ("0.749", "0.75", "0.7[49, 5]"),
+    ):
+        shown = evidence.enclosure(DecimalInterval(low, high))
+        assert shown == text
+        common, ends = shown[:-1].split("[")
+        assert [common + end for end in ends.split(", ")] == [low, high]
 
 
 def test_no_two_cases_have_the_same_anchor():
