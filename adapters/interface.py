@@ -54,6 +54,8 @@ Optional:
                                                     `refusal` rejects such a case before `refuses` is called
     SEVERAL_CONTACTS: tuple[str, ...]               the routes that report each contact of a plate that touches its
                                                     track in several places; others are not run on such motions
+    OWN_EFFECTS: tuple[type, ...]                   the effects of other packages that it supports (classes derived from
+                                                    `cases.ContactEffect`); `refusal` rejects all others
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
                                                     and rolling resistance, and for which cases its law differs
 
@@ -72,6 +74,7 @@ from itertools import product
 from typing import Any
 
 from cases import Case, CoulombFriction
+from cases.own_effects import own_effects
 from cases.piece_case import has_pieces
 
 # Names that every adapter must define.
@@ -104,6 +107,9 @@ def our_part(adapter: Any, route: str) -> str:
 def refusal(adapter: Any, case: Case, route: str) -> str | None:
     """Why a route does not support a case, in one sentence, or None: by what the adapter has to declare, then by its
     own `refuses`."""
+    for effect in own_effects(case.effects):
+        if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
+            return f"The {route} route does not support {type(effect).__name__}, an effect of a package of its own."
     friction = case.effect(CoulombFriction)
     if friction and friction.by_speed and route not in getattr(adapter, "SLIP_LAWS", ()):
         return f"The {route} route does not support friction that depends on the slip velocity."

@@ -20,6 +20,7 @@ from .effects import (
 )
 from .errors import BadCurve, BadValue, CaseError, DoesNotFit, NotSupported, UnknownName
 from .outline import Outline, arc
+from .own_effects import ContactEffect, ContactForce, EndCondition
 from .plate import Plate, disc
 from .registry import case, entry, load, load_file, names, select
 from .start import Start
@@ -33,11 +34,14 @@ __all__ = [
     "Case",
     "CaseError",
     "Chain",
+    "ContactEffect",
+    "ContactForce",
     "Cost",
     "CoulombFriction",
     "Curve",
     "DoesNotFit",
     "Effect",
+    "EndCondition",
     "Flight",
     "Gravity",
     "Impact",

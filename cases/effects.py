@@ -18,6 +18,7 @@ from .derivation import derived, in_one_thread
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
 from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
 from .moving_surface import Belt
+from .own_effects import ContactEffect
 
 # How an impact's restitution and friction go together (`Impact`).
 IMPACT_LAWS = ("poisson", "newton", "moreau")
@@ -262,9 +263,12 @@ class Impact:
             raise BadValue(f"law of Impact is {self.law!r}; give one of {names}")
 
 
-Effect = Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance | Unilateral | Flight | Impact | Belt
+SuiteEffect = (
+    Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance | Unilateral | Flight | Impact | Belt
+)
+Effect = SuiteEffect | ContactEffect
 
-_KINDS: tuple[type, ...] = get_args(Effect)
+_KINDS: tuple[type, ...] = get_args(SuiteEffect)
 
 # The effects of which another effect needs at least one, and why.
 _NEEDS: dict[type, tuple[tuple[type, ...], str]] = {
@@ -300,6 +304,11 @@ def check_formula(effects) -> tuple[Effect, ...]:
     kinds: Sequence[type] = [type(e) for e in effects]
     for e, kind in zip(effects, kinds, strict=True):
         if kind in _KINDS:
+            continue
+        if isinstance(e, ContactEffect):
+            e.check()
+            if kind.__name__ in {other.__name__ for other in _KINDS}:
+                raise BadValue(f"{kind.__name__} is an effect of the suite; give your effect another name")
             continue
         if base := next((base_class for base_class in _KINDS if isinstance(e, base_class)), None):
             # What it adds no solver would know, and what it contradicts no check.

@@ -10,6 +10,7 @@ import numpy as np
 from .case import Case
 from .contact import belt_speed
 from .effects import Gravity
+from .own_effects import ContactEffect, own_effects
 
 
 def gravity(case: Case) -> np.ndarray:
@@ -39,7 +40,18 @@ def contact_power(case: Case, t, motion):
     plate's point along the track, which is slip plus speed of a belt. 0 in flight; without the couple of a rolling
     resistance."""
     slip, friction = np.asarray(motion.slip), np.asarray(motion.friction_force)
-    return np.where(np.isnan(slip), 0.0, friction * (slip + belt_speed(case, t)))
+    power = friction * (slip + belt_speed(case, t))
+    for effect in own_effects(case.effects):
+        along, _, couple = own_forces(effect, t, motion)
+        power = power + along * (slip + belt_speed(case, t)) + couple * np.asarray(motion.omega)
+    return np.where(np.isnan(slip), 0.0, power)
+
+
+def own_forces(effect: ContactEffect, t, motion):
+    """The force of an effect of the user's own along tangent and normal (N), and its couple (N m), at each sample."""
+    slip = np.nan_to_num(np.asarray(motion.slip))
+    rows = [effect.at(*map(float, state))[:3] for state in np.broadcast(t, slip, np.asarray(motion.omega))]
+    return np.array(rows).T.reshape(3, *np.shape(slip))
 
 
 def energy_growth(total: np.ndarray) -> np.ndarray:

@@ -14,8 +14,10 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Belt, Case, CoulombFriction, RollingResistance
+from cases.own_effects import own_effects
 
 from .minimal import modes
+from .minimal.effects import OWN_END
 from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, full_state
 from .minimal.system import PARADOX, System
@@ -144,6 +146,9 @@ def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution
         xi, domain = (k.q[0], track.domain) if curve == "track" else (k.q[1], outline.domain)
         assert domain is not None  # a curve without ends has no such guard
         return float(xi - domain[0] if end == "start" else domain[1] - xi)
+    if name.startswith(OWN_END):
+        slip = 0.0 if equations.rolls else slip_velocity(k, belt_of(case, t)[0])
+        return _own_end(case, name.removeprefix(OWN_END), (t, slip, k.theta_dot))
     pressing = regime.side * forces.normal_force
     if name == "normal_force":
         return pressing / mass
@@ -163,6 +168,13 @@ def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution
     resistance = case.effect(RollingResistance)
     assert curve == "couple" and resistance is not None
     return (resistance.arm * pressing + sense * forces.couple) / (mass * size)
+
+
+def _own_end(case: Case, status: str, state: tuple[float, float, float]) -> float:
+    """The value of a condition of an effect of the user's own."""
+    effects = own_effects(case.effects)
+    values = [(end.status, value) for e in effects for end, value in zip(e.ends(), e.at(*state)[3:], strict=True)]
+    return next(value for name, value in values if name == status)
 
 
 def _bend(p: np.ndarray, s: np.ndarray) -> float:

@@ -42,7 +42,7 @@ def scene(case: Case) -> dict[str, Any]:
             "plate": {"mass": case.plate.mass, "inertia": case.plate.inertia, "radius": case.plate.radius},
             "track": formula(case.track),
             "outline": formula(case.plate.outline),
-            "effects": {_effect_name(effect): asdict(effect) for effect in case.effects},
+            "effects": {_effect_name(e): asdict(e) for e in case.effects},  # type: ignore[arg-type]
             "start": start_motion(case)._asdict(),
             "duration": case.duration,
             "closed": {"track": bool(case.track.period), "outline": bool(case.plate.outline.period)},

@@ -9,10 +9,12 @@ scales of an error.
 
 from __future__ import annotations
 
+import pkgutil
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from cases import NotSupported
+from cases.own_effects import registered
 
 from . import effects, mechanics
 from .mechanics import Law, mirror
@@ -36,7 +38,14 @@ __all__ = [
 ]
 
 
-LAWS: dict[str, Law] = {**mechanics.LAWS, **effects.LAWS}
+def _own_laws() -> dict[str, Law]:
+    """The laws of effects of installed packages, by the name of their function."""
+    texts = [text for effect in registered().values() for text in effect.laws]
+    laws = [pkgutil.resolve_name(text) for text in texts]
+    return {law.__name__: law for law in laws}
+
+
+LAWS: dict[str, Law] = {**mechanics.LAWS, **effects.LAWS, **_own_laws()}
 
 
 class Verdict(NamedTuple):

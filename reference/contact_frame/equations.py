@@ -21,6 +21,7 @@ import numpy as np
 from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import pose
 from cases.corner import Corner
+from cases.own_effects import own_effects
 from cases.piece_case import PieceCase
 
 from .loads import load_scales, slip_scales
@@ -130,6 +131,7 @@ class ContactScene:
         else:
             self.laws = _laws(friction, arm)
         self.belt = case.effect(Belt)
+        self.own = own_effects(case.effects)
         self.unilateral = case.effect(Unilateral) is not None
         # Features that a step could pass over: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
@@ -254,10 +256,21 @@ class ContactScene:
         """Whether friction's law allows a step through these states in a phase of slip."""
         return self.slip_scales is None or not phase.slip or self.slip_scales.allows(phase.slip * states[3])
 
+    def pull_in_contact(self, t: float, z, q: Place, turns: int) -> tuple[float, float, float]:
+        """What `pull` gives, and the forces of the user's own effects, which act at the contact."""
+        ax, ay, spin_pull = self.pull(t, self.body(t, z, turns) if self.load else None)
+        for effect in self.own:
+            along, across, couple = (value / self.m for value in effect.at(t, z[3], z[2])[:3])
+            if not isfinite(along + across + couple):
+                raise StepFailure(f"{type(effect).__name__} has no value at t = {t:.9g} s; end the case before")
+            ax, ay = ax + along * q.tx - across * q.ty, ay + along * q.ty + across * q.tx
+            spin_pull += q.arm_t * across - q.arm_n * along + couple
+        return ax, ay, spin_pull
+
     def forces(self, t: float, z, phase: ContactPhase, turns: int) -> Forces:
         """Forces and rates in one phase: Newton–Euler with one linear condition each on friction and couple."""
         q, (_, _, w, v) = self.place(z[0], z[1]), self.absolute(t, z)
-        ax, ay, spin_pull = self.pull(t, self.body(t, z, turns) if self.load else None)
+        ax, ay, spin_pull = self.pull_in_contact(t, z, q, turns)
         along_track, along_outline = speeds(q, w, v)
         J, at, an = self.J / self.m, q.arm_t, q.arm_n
         turning = v * (w + q.bend_outline * along_outline) if q.P == 0.0 else v * q.bend_track * along_track
@@ -288,8 +301,8 @@ class ContactScene:
 
     def scale(self, t: float, z, turns: int) -> float:
         """The size of the scene's forces, N: their rounding is relative to it."""
-        ax, ay, spin_pull = self.pull(t, self.body(t, z, turns) if self.load else None)
         q = self.place(z[0], z[1])
+        ax, ay, spin_pull = self.pull_in_contact(t, z, q, turns)
         arm = hypot(q.arm_t, q.arm_n)
         return self.m * (hypot(ax, ay) + abs(spin_pull) * arm * self.m / self.J + z[2] ** 2 * arm)
 

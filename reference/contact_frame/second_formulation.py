@@ -9,6 +9,7 @@ module integrates phases of contact and chains them.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from math import inf, pi
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from scipy.integrate import solve_ivp
 from cases import Case, CaseError, Flight, Mode, Transition
 from cases.contact import clearance, start_motion
 from cases.corner import Corner
+from cases.own_effects import ContactEffect
 from cases.piece_case import PieceCase, corner_on_corner, has_pieces, is_concave, neighbour, pieces_at
 
 from . import flight_guards
@@ -39,6 +41,9 @@ STOPS = {
     "outline": "outline_end",
     "elsewhere": "second_contact",
 }
+
+# The prefix of guards that end the motion by conditions of the user's own effects.
+OWN = "own end: "
 
 # The guard of a slip (or rotation) that has just begun is ignored for this part of the motion's time scale: an instant
 # located to 1e-13 may still lie inside the cone, where the slip would first go back by far less than the resolution.
@@ -210,7 +215,7 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
         for i, name in enumerate(("track", "outline")):
             if name in guard_names:
                 return _pass_on(course, now, course.scene.case, z, i)
-    stop = next((STOPS[name] for name in guard_names if name in STOPS), None)
+    stop = next((STOPS.get(name, name.removeprefix(OWN)) for name in guard_names if name in STOPS or OWN in name), None)
     if stop:
         return EndState(stop)
     if guard_names == ["knot"] and knots.beyond(z):
@@ -329,6 +334,9 @@ def _guards(course: MotionState, phase: ContactPhase, turns: int) -> dict[str, C
         guards["side"] = lambda t, z: phase.side * forces(t, z).push
     if not (isinstance(scene.track, Corner) or isinstance(scene.outline, Corner)):
         guards["fit"] = lambda t, z: (q := scene.place(z[0], z[1])).bend_outline - q.bend_track
+    for effect in scene.own:
+        for i, end in enumerate(effect.ends()):
+            guards[f"{OWN}{end.status}"] = partial(_own_end, effect, 3 + i)
     for name, curve, i in (("track", scene.track, 0), ("outline", scene.outline, 1)):
         if curve.domain and not curve.period:
             guards[name] = _inside(i, *curve.domain)
@@ -379,6 +387,11 @@ def _jams(scene: ContactScene, phase: ContactPhase, solution, turns: int) -> boo
         return False
     first, last = (scene.forces(solution.t[i], solution.y[:, i].tolist(), phase, turns).inverse_mass for i in (0, -1))
     return last <= JAMMED * first
+
+
+def _own_end(effect: ContactEffect, row: int, t: float, z) -> float:
+    """The value of a condition of an effect of the user's own."""
+    return effect.at(t, float(z[3]), float(z[2]))[row]
 
 
 def _formulas_allow(scene: ContactScene, phase: ContactPhase, turns: int):

@@ -20,6 +20,7 @@ from cases.expression_graph import ONE, ZERO, Node, from_sympy, sqrt, substitute
 from cases.expressions import constants, lift_constants
 from cases.features import singular_arguments
 from cases.moving_surface import TIME
+from cases.own_effects import CONTACT, own_effects
 from cases.slip_laws import SLIP_SPEED
 
 from .elimination import GYRATION, Elimination, Surface
@@ -32,6 +33,9 @@ RATIO, SIGMA, SIDE, STICK = map(symbol, ("k", "sigma", "nu", "mu_stick"))
 RESISTANCE, TURN, ARM = map(symbol, ("rho", "tau", "arm"))
 
 THETA = symbol(MOTION[3].name)
+
+# Components of a force of the user's own at the contact; the prefix of guards that end the motion by its conditions.
+OWN_COMPONENTS, OWN_END = 3, "end_"
 
 SLIP_SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 Conditions = dict[str, Node]
@@ -248,6 +252,46 @@ class FixedRotation(NoResistance):
     turns: ClassVar[tuple[int | None, ...]] = (0,)
 
 
+# --- effects of the user's own ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class OwnForce:
+    """An effect of the user's own: its formulas with their constants lifted, and its number among the case's own."""
+
+    number: int
+    formulas: tuple[sp.Expr, ...]
+    sizes: tuple[sp.Symbol, ...]
+    statuses: tuple[str, ...]
+
+    def force(self, slip: Node, omega: Node) -> tuple[Node, Node, Node]:
+        """Force along the tangent and the normal, and couple, per mass."""
+        along, across, couple = (value / MASS for value in self._nodes(slip, omega)[:OWN_COMPONENTS])
+        return along, across, couple
+
+    def ends(self, slip: Node, omega: Node) -> Conditions:
+        """The guards that end the motion, by name."""
+        conditions = self._nodes(slip, omega)[OWN_COMPONENTS:]
+        return {f"{OWN_END}{status}": node for status, node in zip(self.statuses, conditions, strict=True)}
+
+    def values(self, case: Case) -> dict[str, float]:
+        formulas = own_effects(case.effects)[self.number].formulas
+        return {f"own{self.number}_c{i}": value for i, value in enumerate(constants(formulas))}
+
+    def _nodes(self, slip: Node, omega: Node) -> list[Node]:
+        names: dict[sp.Basic, Node] = {size: symbol(f"own{self.number}_{size.name}") for size in self.sizes}
+        _, of_slip, of_omega = CONTACT
+        return [from_sympy(e, {**names, of_slip: slip, of_omega: omega}) for e in self.formulas]
+
+
+@lru_cache(maxsize=1024)
+def _own_forces(case: Case) -> tuple[OwnForce, ...]:
+    return tuple(
+        OwnForce(i, *lift_constants(effect.formulas), tuple(end.status for end in effect.ends()))
+        for i, effect in enumerate(own_effects(case.effects))
+    )
+
+
 class Laws(NamedTuple):
     """All contributions of a case's effects; hashable, the same for cases that differ only in numbers."""
 
@@ -256,6 +300,7 @@ class Laws(NamedTuple):
     resistance: NoResistance
     unilateral: bool
     belt: FixedSurface = FixedSurface()
+    own: tuple[OwnForce, ...] = ()
 
     @property
     def rotation_fixed(self) -> bool:
@@ -300,7 +345,10 @@ def laws(case: Case) -> Laws:
     load, friction, belt = case.effect(Load), case.effect(CoulombFriction), case.effect(Belt)
     kinds = frozenset(type(effect) for effect in case.effects)
     mu = friction.mu if friction and friction.by_speed else None
-    return _laws(kinds, load.expression if load else None, mu, belt.expression if belt else None, case.plate.turns)
+    force, speed = load.expression if load else None, belt.expression if belt else None
+    common = _laws(kinds, force, mu, speed, case.plate.turns)
+    own = _own_forces(case)
+    return common._replace(own=own) if own else common
 
 
 @lru_cache(maxsize=256)

@@ -10,11 +10,13 @@ import numpy as np
 
 from cases import Case, DoesNotFit, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
 from cases.contact import belt_speed, clearance, pose, start_motion
+from cases.own_effects import own_effects
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
 from .bouncing import Bounces
 from .curve_pieces import TooMuch
 from .decision import Undecidable, decide
+from .effects import OWN_END
 from .elimination import Elimination
 from .grazing import over_touch
 from .impact import ContactVelocity, collide, energy, law_of
@@ -245,6 +247,8 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
         return _pass_on(case, segment, t, y, guard)
     if guard in ENDS:
         return Step((segment,), t, ending=ENDS[guard])
+    if guard.startswith(OWN_END):
+        return Step((segment,), t, ending=_own_ending(case, guard))
     if guard == OUT_OF_STEPS:
         return Step((segment,), t, ending=work_limit_ending(t, segment.steps))
     if guard == BREAKDOWN:
@@ -260,6 +264,12 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
     if following is None:
         return _leave(case, (segment,), t, y, guard, error)
     return Step((segment,), t, (y[0], y[1]), guard, y, following)
+
+
+def _own_ending(case: Case, guard: str) -> Ending:
+    """The ending by a condition of an effect of the user's own."""
+    ends = [end for effect in own_effects(case.effects) for end in effect.ends()]
+    return next((end.status, end.reason) for end in ends if guard == f"{OWN_END}{end.status}")
 
 
 def _beyond_knot(case: Case, segment: Segment, y: Sequence[float], is_smooth: bool) -> Step:

@@ -330,7 +330,8 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     runs = belt.speed is not ZERO
     speeds = _speeds(f, h, belt, kind)
     pose = _motion(f, h, belt, kind, speeds)
-    force = _force(f, law, pose)
+    slip = U1 * f.P - U2 * h.P - belt.speed if kind.slips else ZERO
+    force = _at_contact(_force(f, law, pose), h, law, slip, pose[_MOTION[6]])
     if kind.holds and not kind.slips:
         motion = carried(f, h, force, belt) if runs else resting(h, force)
     elif kind.holds:
@@ -355,6 +356,8 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     moving = {T} if rests else {*variables, T}
     fit = {} if f.sign or h.sign else {"fit": h.curvature - f.curvature}  # a corner fits on every smooth curve
     limits = {**fit, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
+    for own in law.own:
+        limits |= own.ends(slip, pose[_MOTION[6]])
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
     rates_of = {name: velocities[name] for name in conditions if name in velocities}
     checked, layout = _checked(law, motion, pose, kind)
@@ -407,6 +410,15 @@ def _force(f: Frame, law: Laws, pose: dict[Node, Node]) -> Torsor:
     return Torsor(fx * f.tx + fy * f.ty, fy * f.tx - fx * f.ty, moment)
 
 
+def _at_contact(force: Torsor, h: Frame, law: Laws, slip: Node, omega: Node) -> Torsor:
+    """The applied torsor with the forces of the user's own effects, which act at the contact."""
+    for own in law.own:
+        along, across, couple = own.force(slip, omega)
+        moment = force.moment + h.ht * across - h.hn * along + couple
+        force = Torsor(force.t + along, force.n + across, moment)
+    return force
+
+
 @lru_cache(maxsize=64)
 @in_one_thread
 def _in_flight(law: Laws) -> System:
@@ -442,7 +454,7 @@ def parameter_values(
     """The runtime parameters in the system's order: those of parts of the case's curves, the case's own, the mode's
     `values`, by name, and the system's constants."""
     numbers = _sizes(track, outline, case.plate) | values
-    for part in (*laws(case).loads, laws(case).belt):
+    for part in (*laws(case).loads, laws(case).belt, *laws(case).own):
         numbers |= part.values(case)
     parameters = [numbers[name] for name in system.names]
     with np.errstate(all="ignore"):  # a constant without a value is NaN, as it is on arrays

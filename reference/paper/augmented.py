@@ -25,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, CoulombFriction, Gravity, Load, Mode, RollingResistance
+from cases.own_effects import own_effects
 
 from .kinematics import I2, Kinematics, U, belt_of, kinematics, slip_velocity
 
@@ -86,6 +87,17 @@ def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
         F[:2] = case.plate.mass * np.array(gravity.vector)
     if load is not None:
         F += load.at(*(float(value) for value in motion))
+    return F
+
+
+def own_torsor(case: Case, k: Kinematics, time: float, slip: float) -> np.ndarray:
+    """The forces of the user's own effects, which act at the contact, as a torsor at the centre of mass."""
+    F = np.zeros(3)
+    for effect in own_effects(case.effects):
+        along, across, couple = effect.at(time, slip, float(k.theta_dot))[:3]
+        tangent = k.Rp / sqrt(k.Rp @ k.Rp)
+        force = along * tangent + across * (U @ tangent)
+        F += np.array([*force, (U @ k.turn @ k.r) @ force + couple])
     return F
 
 
@@ -175,6 +187,8 @@ def assemble(
     size = 6 + rolls + rotation_fixed
     matrix, right = np.zeros((size, size)), np.zeros(size)
     matrix[:3, :3], right[:3] = mass_matrix(case), applied_torsor(case, motion)
+    if own_effects(case.effects):
+        right[:3] += own_torsor(case, k, motion[0], 0.0 if rolls else slip_velocity(k, belt[0]))
     matrix[THETA_ROW, THETA_ROW] = matrix[THETA_ROW, THETA_ROW] if case.plate.turns else 0.0
     matrix[3:6, :3], matrix[3:6, 3:5], right[3:6] = constraints(k)
     matrix[:3, 5:6] = -sliding_column(k, ratio, arm)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Belt, Case, CoulombFriction, Load, Mode, RollingResistance
+from cases.own_effects import own_effects
 
 from .augmented import fill
 from .kinematics import I2, U
@@ -32,7 +33,7 @@ class Contacts(NamedTuple):
 def fits(case: Case) -> bool:
     """Whether `contacts` covers all forces on the case's plate."""
     friction = case.effect(CoulombFriction)
-    constant = friction is None or not friction.by_speed
+    constant = (friction is None or not friction.by_speed) and not own_effects(case.effects)
     return constant and case.plate.turns and all(case.effect(kind) is None for kind in (Belt, Load, RollingResistance))
 
 

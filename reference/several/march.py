@@ -21,6 +21,7 @@ from cases import (
     Unilateral,
 )
 from cases.contact import start_motion
+from cases.own_effects import own_effects
 from cases.piece_case import has_pieces
 from cases.trajectory import CONTACT
 
@@ -107,6 +108,8 @@ def supports(case: Case) -> str:
         return "RollingResistance is not supported with several contacts."
     if case.effect(Belt) is not None:
         return "A belt is not supported with several contacts."
+    if own := own_effects(case.effects):
+        return f"{type(own[0]).__name__} is not supported with several contacts."
     friction = case.effect(CoulombFriction)
     if friction is not None and friction.by_speed:
         return "Friction that depends on the slip speed is not supported with several contacts."

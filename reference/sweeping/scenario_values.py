@@ -21,6 +21,7 @@ from cases import Belt, Case, CaseError, CoulombFriction, Curve, Gravity, Load, 
 from cases.contact import start_motion
 from cases.expressions import constants
 from cases.overlap import first_overlap
+from cases.own_effects import own_effects
 
 from ..minimal.effects import laws
 from .geometry import level_parameters, places
@@ -100,6 +101,8 @@ def scenes(
 def structure(case: Case) -> Structure:
     """The structure of a case: what it must share with other scenarios to be simulated with them; raises NotSupported
     for friction that depends on the slip velocity."""
+    if own := own_effects(case.effects):
+        raise NotSupported(f"a sweep does not support {type(own[0]).__name__}; simulate such cases one by one")
     friction = case.effect(CoulombFriction)
     if friction and friction.by_speed:
         raise NotSupported(

@@ -27,10 +27,11 @@ from cases import (
     mechanics,
 )
 from cases.contact import start_motion
+from cases.own_effects import ContactEffect, own_effects
 from cases.trajectory import State
 
 # Effects included in the balance of energy: a conservative force, friction, and a bound that does no work.
-_ENERGY_EFFECTS = (Gravity, CoulombFriction, Unilateral, Belt)
+_ENERGY_EFFECTS = (Gravity, CoulombFriction, Unilateral, Belt, ContactEffect)
 # Number of times at which residuals and condition numbers are computed: gives their maxima to within a few per cent.
 _LOOKS = 200
 # Gauss points between two samples of a dense motion: its steps carry polynomials of up to degree 25, their product with
@@ -79,15 +80,16 @@ def energy_residual(case: Case, motion: Trajectory) -> np.ndarray:
     if any(not isinstance(effect, _ENERGY_EFFECTS) for effect in case.effects):
         return np.full(len(motion.t), nan)
     total = mechanics.energy(case, motion)
-    off = total - total[0] - (work_of_friction(case, motion) if case.effect(CoulombFriction) else 0.0)
+    works = case.effect(CoulombFriction) or own_effects(case.effects)
+    off = total - total[0] - (work_of_contact(case, motion) if works else 0.0)
     kinetic = mechanics.kinetic_energy(case, motion)
     scale = float(max(kinetic.max(), np.ptp(total - kinetic)))
     return off / scale if scale > 0.0 else off
 
 
-def work_of_friction(case: Case, motion: Trajectory) -> np.ndarray:
-    """∫ T (v + b) dt, with the speed b of a belt, from the start to each sample, J: Gauss's rule on a dense motion,
-    trapezoids on samples."""
+def work_of_contact(case: Case, motion: Trajectory) -> np.ndarray:
+    """∫ T (v + b) dt, with the speed b of a belt, and the work of the user's own effects, from the start to each
+    sample, J: Gauss's rule on a dense motion, trapezoids on samples."""
     steps = np.diff(motion.t)
     if motion.dense is None:
         power = mechanics.contact_power(case, motion.t, motion)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from adapters import Setting
-from cases import Case, Trajectory
+from cases import Case, ContactEffect, Trajectory
 from reference import solve
 from reference.minimal.modes import start_state
 
@@ -20,6 +20,7 @@ routes = solve.ROUTES
 SLIP_LAWS = routes
 # The paper's matrix is for one contact.
 SEVERAL_CONTACTS = tuple(route for route in routes if route != "augmented")
+OWN_EFFECTS = (ContactEffect,)
 
 # From a coarse tolerance to the limit of double precision.
 _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)

@@ -44,7 +44,7 @@ def modes(case):
 
 def _state(case, mode):
     state = start_state(case)
-    return (*state[:3], without_slip(case, *state[:3])) if mode is Mode.ROLL else state
+    return (*state[:3], without_slip(case, 0.0, *state[:3])) if mode is Mode.ROLL else state
 
 
 @given(elliptic_scenes)

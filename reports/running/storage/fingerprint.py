@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from cases import Case, Chain, Curve
+from cases import Case, Chain, ContactEffect, Curve
 from reference import certification
 
 from .. import reference_adapter, versions
@@ -125,6 +125,9 @@ def plain(value: Any) -> Any:
         return ["ndarray", value.dtype.str, list(value.shape), hashlib.sha256(value.tobytes()).hexdigest()]
     if value is None or isinstance(value, bool | int | float | str | np.generic):
         return [type(value).__name__, repr(value)]
+    if isinstance(value, ContactEffect):  # what its fields mean may change with its package
+        module, ends = type(value).__module__, [[end.status, end.reason] for end in value.ends()]
+        return [module, type(value).__name__, [sp.srepr(formula) for formula in value.formulas], ends]
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return [type(value).__name__, {f.name: plain(getattr(value, f.name)) for f in dataclasses.fields(value)}]
     if isinstance(value, Mapping):

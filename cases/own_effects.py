@@ -1,0 +1,141 @@
+"""Effects of the user's own: forces at the contact, and conditions that end the motion, as formulas.
+
+A package defines a frozen dataclass derived from `ContactEffect` and names it in the entry-point group
+`slip_to_roll.effects`. Every formulation of the reference reads the same formulas. docs/own_effects.md has an example.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields, is_dataclass
+from importlib.metadata import entry_points
+from math import isfinite, nan
+from typing import Any, ClassVar, NamedTuple, TypeAlias
+
+import sympy as sp
+
+from . import expressions, features, formulas
+from .derivation import derived, in_one_thread
+from .errors import BadValue, describe
+from .expression_graph import ON_FLOATS, function_of
+
+# What a force at the contact may depend on: time (s), slip velocity (m/s) and spin (rad/s).
+CONTACT = sp.symbols("t slip omega", real=True)
+GROUP = "slip_to_roll.effects"
+
+Formula: TypeAlias = sp.Expr | str | float
+
+
+class ContactForce(NamedTuple):
+    """A force on the plate at the contact: along the track's tangent, along its left normal (N), and a couple (N m).
+    Each is a number or a formula of t, slip, omega."""
+
+    along: Formula = 0.0
+    across: Formula = 0.0
+    couple: Formula = 0.0
+
+
+class EndCondition(NamedTuple):
+    """A condition that ends the motion: its status, a formula of t, slip, omega that is positive until then, and a
+    sentence."""
+
+    status: str
+    positive: Formula
+    reason: str
+
+
+class ContactEffect:
+    """Base class of effects that act while the plate touches its track; a subclass is a frozen dataclass.
+
+    `force` returns what acts on the plate, `ends` conditions that end the motion. The work of the force is that of its
+    components along the slip and the rotation. `laws`: functions "module:function" that adapters are checked with, each
+    of an `adapters.laws.Route`. Subclasses have a name that no effect of the suite has.
+    """
+
+    laws: ClassVar[tuple[str, ...]] = ()
+
+    def __reduce__(self):
+        """An effect travels to another process as its fields; what is derived from them stays."""
+        return type(self), tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
+
+    def force(self) -> ContactForce:
+        """The force at the contact."""
+        return ContactForce()
+
+    def ends(self) -> tuple[EndCondition, ...]:
+        """The conditions that end the motion."""
+        return ()
+
+    @derived
+    def formulas(self) -> tuple[sp.Expr, ...]:
+        """The force's components, then the conditions that end the motion, as expressions in `CONTACT`."""
+        name = type(self).__name__
+        components = zip(ContactForce._fields, ContactForce(*self.force()), strict=True)
+        conditions = [(end.status, end.positive) for end in self.ends()]
+        with_names = [*((f"{part} of {name}", value) for part, value in components), *conditions]
+        return tuple(_formula(what, value) for what, value in with_names)
+
+    @derived
+    def at(self) -> Callable[..., list[float]]:
+        """A function (t, slip, omega) -> values of `formulas`, on floats; NaN where there is no value."""
+        function, count = function_of(CONTACT, self.formulas, ON_FLOATS), len(self.formulas)
+
+        def values(t: float, slip: float, omega: float) -> list[float]:
+            try:
+                numbers = function(t, slip, omega)
+                isfinite(sum(numbers))  # a complex number raises TypeError
+                return numbers
+            except (ArithmeticError, ValueError, TypeError):
+                return [nan] * count
+
+        return values
+
+    def check(self) -> None:
+        """Raise BadValue, with one sentence, if the effect cannot be used."""
+        name = type(self).__name__
+        if not is_dataclass(self) or not type(self).__dataclass_params__.frozen:
+            raise BadValue(f"{name} is no frozen dataclass; write @dataclass(frozen=True) above it")
+        try:
+            every = self.formulas
+        except BadValue:
+            raise
+        except Exception as problem:
+            raise BadValue(f"the formulas of {name} fail: {describe(problem)}") from problem
+        checked = [a for formula in every for a in features.arguments(formula, CONTACT)]
+        if checked or max(features.degree(formula, CONTACT) for formula in every) > MOST_DEGREE:
+            raise BadValue(
+                f"a formula of {name} is no polynomial of degree {MOST_DEGREE} at most in t, slip and omega; write it "
+                "as a Load, or as mu of CoulombFriction"
+            )
+        if not self.at(0.0, 0.0, 0.0)[0] == self.at(0.0, 0.0, 0.0)[0]:
+            raise BadValue(f"a formula of {name} has no value at t = 0 without slip and spin; give one that has")
+
+
+# Steps are not checked for features of these formulas, which a polynomial of this degree does not have.
+MOST_DEGREE = 2
+
+
+@in_one_thread
+def _formula(what: str, value: Any) -> sp.Expr:
+    if isinstance(value, str):
+        return formulas.parse(value, {s.name: s for s in CONTACT}, what, BadValue)
+    return expressions.admissible(value, CONTACT, what, BadValue)
+
+
+def own_effects(effects: Sequence[Any]) -> tuple[ContactEffect, ...]:
+    """The effects of the user's own among a case's effects."""
+    return tuple(effect for effect in effects if isinstance(effect, ContactEffect))
+
+
+def registered() -> dict[str, type[ContactEffect]]:
+    """The effects of installed packages by name; raises BadValue for an entry point that fails or is no effect."""
+    found = {}
+    for item in entry_points(group=GROUP):
+        try:
+            effect = item.load()
+        except (Exception, SystemExit) as problem:
+            raise BadValue(f"the effect {item.value} fails: {describe(problem)}") from problem
+        if not (isinstance(effect, type) and issubclass(effect, ContactEffect)):
+            raise BadValue(f"the effect {item.value} is no class derived from cases.own_effects.ContactEffect")
+        found[item.name] = effect
+    return found

@@ -1,0 +1,212 @@
+"""Effects of other packages: the example package, by every method of the reference, and how adapters reject them."""
+
+from __future__ import annotations
+
+import pickle
+import subprocess
+import sys
+from dataclasses import dataclass
+from math import pi
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import reference
+from adapters.interface import refusal
+from adapters.laws import Route
+from cases import (
+    BadValue,
+    Case,
+    ContactEffect,
+    ContactForce,
+    CoulombFriction,
+    Gravity,
+    Mode,
+    NotSupported,
+    Start,
+    Unilateral,
+    disc,
+)
+from cases.library import circle, line
+from reference import contact_frame
+from reference.sweeping.scenario_values import structure
+from reports.judging.residuals import examine
+from reports.running import reference_adapter
+from reports.running.storage.fingerprint import content
+from tests.adapters.mutants import of_case
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "magnetic_wheel"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def example_on_path():
+    sys.path.insert(0, str(EXAMPLE))
+    yield
+    sys.path.remove(str(EXAMPLE))
+
+
+def magnet(*values, **named):
+    import magnetic_wheel
+
+    return magnetic_wheel.Magnet(*values, **named)
+
+
+def all_motions(case: Case):
+    return [reference.simulate(case, 1e-13, m) for m in reference.solve.ROUTES] + [
+        contact_frame.solve(case, rtol=1e-13)
+    ]
+
+
+def in_circle(effect, slip=0.0, omega=-30.0, mu=0.15) -> Case:
+    effects = (Gravity(9.81), CoulombFriction(mu), effect, Unilateral())
+    return Case(circle(1.0), disc(0.1, 1.0), effects, Start(-pi / 2, slip=slip, omega=omega), 2.0)
+
+
+def test_a_magnet_brakes_a_sliding_wheel_as_the_closed_form_says():
+    """v̇ = −3 μ (g + pull/m) for a disc: it rolls after v₀/(3 μ (g + pull/m))."""
+    effects = (Gravity(9.81), CoulombFriction(0.1), magnet(20.0), Unilateral())
+    case = Case(line(), disc(0.1, 1.0), effects, Start(0.0, slip=1.0), 1.0)
+    for motion in all_motions(case):
+        assert [t.after for t in motion.transitions] == [Mode.ROLL]
+        assert motion.transitions[0].time == pytest.approx(1.0 / (0.3 * 29.81), abs=1e-13)
+    assert reference.simulate(case)(0.05).normal_force == pytest.approx(29.81, rel=1e-12)
+
+
+def test_eddy_currents_brake_a_rolling_wheel_exponentially():
+    """(J + m r²) ω̇ = −brake ω while it rolls: 0.015 ω̇ = −brake ω."""
+    effects = (Gravity(9.81), CoulombFriction(0.8), magnet(5.0, 0.01), Unilateral())
+    case = Case(line(), disc(0.1, 1.0), effects, Start(0.0, omega=-20.0), 2.0)
+    times = np.linspace(0.0, 2.0, 20)
+    for method in reference.METHODS:
+        omega = reference.simulate(case, 1e-13, method)(times).omega
+        assert omega == pytest.approx(-20.0 * np.exp(-0.01 / 0.015 * times), abs=1e-11)
+
+
+def test_every_method_agrees_in_a_loop_and_the_magnet_holds_the_wheel():
+    held, free = (in_circle(effect, slip=2.0, mu=0.03) for effect in (magnet(20.0, 0.002), magnet(0.0)))
+    first, *others = all_motions(held)
+    assert first.status == "completed" and len(first.transitions) >= 2
+    assert reference.simulate(free).status == "lift_off"
+    for other in others:
+        assert other.status == first.status
+        assert [t.after for t in other.transitions] == [t.after for t in first.transitions]
+        assert [t.time for t in other.transitions] == pytest.approx([t.time for t in first.transitions], abs=1e-10)
+    assert examine(held, first).energy <= 1e-10
+
+
+def test_a_condition_ends_the_motion_with_its_status_and_sentence():
+    """A wheel that rolls down a ramp reaches the limit of its spin."""
+    effects = (Gravity(9.81, -pi / 2 - 0.3), CoulombFriction(0.8), magnet(5.0, 0.0, 30.0), Unilateral())
+    case = Case(line(), disc(0.1, 1.0), effects, Start(0.0), 5.0)
+    # ω̇ = g sin(0.3)/(1.5 r) while it rolls.
+    exact = 30.0 / (9.81 * np.sin(0.3) / 0.15)
+    for motion in all_motions(case):
+        assert motion.status == "too_fast"
+        end = motion.end if isinstance(motion, contact_frame.SecondMotion) else float(motion.t[-1])
+        assert end == pytest.approx(exact, abs=1e-12)
+    assert reference.simulate(case).reason == "The spin reached the limit of the magnet."
+
+
+def test_adapters_reject_it_in_one_sentence_unless_they_declare_it():
+    case = in_circle(magnet(60.0))
+    adapter = SimpleNamespace(NAME="other", refuses=lambda case, route: None)
+    assert refusal(adapter, case, "native") == (
+        "The native route does not support Magnet, an effect of a package of its own."
+    )
+    adapter.OWN_EFFECTS = (type(magnet(1.0)),)
+    assert refusal(adapter, case, "native") is None
+    assert refusal(reference_adapter, case, "taylor") is None
+
+
+def test_sweeps_and_proofs_reject_it_in_one_sentence():
+    with pytest.raises(NotSupported, match="a sweep does not support Magnet"):
+        structure(in_circle(magnet(60.0)))
+    with pytest.raises(NotSupported, match="has Magnet, which proofs do not cover"):
+        reference.prove(in_circle(magnet(60.0)))
+
+
+def test_a_case_with_it_travels_and_its_stored_results_depend_on_its_formulas(monkeypatch):
+    case = in_circle(magnet(60.0))
+    assert pickle.loads(pickle.dumps(case)) == case
+    before = content(case)
+    monkeypatch.setattr(type(magnet(1.0)), "force", lambda self: ContactForce(across=-2.0 * self.pull))
+    assert content(in_circle(magnet(60.0))) == before  # cached by the case, which is equal
+    content.cache_clear()
+    assert content(in_circle(magnet(60.0))) != before
+
+
+def test_its_law_is_kept_by_an_adapter_that_supports_it_and_broken_by_a_mistake():
+    import magnetic_wheel_laws
+
+    def weaker(case):
+        effects = tuple(magnet(0.9 * e.pull) if isinstance(e, ContactEffect) else e for e in case.effects)
+        return Case(case.track, case.plate, effects, case.start, case.duration)
+
+    right, wrong = of_case(), of_case(weaker)
+    right.OWN_EFFECTS = wrong.OWN_EFFECTS = (ContactEffect,)
+    magnetic_wheel_laws.magnet_braking(Route(right, "native"))
+    with pytest.raises(AssertionError, match="magnet braking: .*pull of Magnet"):
+        magnetic_wheel_laws.magnet_braking(Route(wrong, "native"))
+
+
+def test_an_installed_package_adds_its_effect_its_case_and_its_law(tmp_path):
+    """As an installation writes it: the modules, and a folder of metadata with the entry points."""
+    for module in EXAMPLE.glob("*.py"):
+        (tmp_path / module.name).write_bytes(module.read_bytes())
+    metadata = tmp_path / "magnetic_wheel-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: magnetic-wheel\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text(
+        "[slip_to_roll.effects]\nmagnet = magnetic_wheel:Magnet\n"
+        "[slip_to_roll.cases]\nmagnetic_wheel = magnetic_wheel\n"
+    )
+    code = (
+        "import cases, reference; from cases.own_effects import registered; from adapters.laws import LAWS; "
+        "motion = reference.simulate(cases.load('magnetic_wheel_in_loop')); "
+        "print(sorted(registered()), 'magnet_braking' in LAWS, motion.status)"
+    )
+    environment = {"PYTHONPATH": f"{tmp_path}:{Path(__file__).parents[2]}", "PATH": "/usr/bin:/bin"}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, cwd=tmp_path)
+    assert run.stdout.strip() == "['magnet'] True completed", run.stderr
+
+
+# --- wrong effects ----------------------------------------------------------------------------------------------------
+
+
+class Loose(ContactEffect):
+    pass
+
+
+@dataclass(frozen=True)
+class Sine(ContactEffect):
+    def force(self):
+        return ContactForce(along="sin(t)")
+
+
+@dataclass(frozen=True)
+class Unknown(ContactEffect):
+    def force(self):
+        return ContactForce(couple="-0.1*theta")
+
+
+@dataclass(frozen=True)
+class Failing(ContactEffect):
+    def force(self):
+        raise KeyError("pull")
+
+
+@pytest.mark.parametrize(
+    ("effect", "words"),
+    [
+        (Loose(), "Loose is no frozen dataclass"),
+        (Sine(), "no polynomial of degree 2"),
+        (Unknown(), "couple of Unknown"),
+        (Failing(), "the formulas of Failing fail"),
+    ],
+)
+def test_a_wrong_effect_gets_one_line(effect, words):
+    with pytest.raises(BadValue, match=words) as told:
+        in_circle(effect)
+    assert "\n" not in str(told.value)
