@@ -201,6 +201,7 @@ class _Check:
 
     def _after(self, regime: Regime, cause: str) -> Regime:
         """The regime after a condition's zero; the state is set to the velocities that are then exactly 0."""
+        self.still = frozenset()
         if cause == "normal_force":
             return Regime("flight") if self.scene["unilateral"] else regime._replace(side=-regime.side)
         still = set()
@@ -253,7 +254,9 @@ class _Check:
     def _leading_zeros(self, now: Step, cause: str) -> dict[str, int]:
         """How many leading coefficients of a condition are zero at a phase's start, known or computed as exactly 0."""
         same = self.scene["mu"] == self.scene["mu_static"]
-        known = {"slip": 1 if cause == "slip" else 2 if same else 1} if cause == "slip" or "cone" in cause else {}
+        known = {}
+        if "slip" in self.still:
+            known["slip"] = 2 if same and "cone" in cause else 1
         if "turn" in self.still:
             known["turn"] = 1
         if cause == "normal_force":
