@@ -19,7 +19,6 @@ from .corner import Corner, Edge, Piece
 from .curves import Curve
 from .derivation import derived
 from .errors import BadCurve, BadValue, NotSupported, finite
-from .spline import moved_spline
 
 # Positions and directions where pieces meet, relative to the chain's size and in rad: the rounding of a few operations
 # with sines and cosines. Two pieces that turn by less than the second meet without a corner.
@@ -314,7 +313,7 @@ def moved(curve: Curve, x: float, y: float) -> Curve:
         (x0, y0), (x1, y1) = curve.point(curve.span[0]), curve.point(curve.span[1])
         return Edge.between((x0 + x, y0 + y), (x1 + x, y1 + y))
     if curve.parts is not None:
-        return Curve.in_pieces(moved_spline(curve.parts, x, y), curve.residual, curve.may_cross)
+        return Curve.in_pieces(curve.parts.moved(x, y), curve.residual, curve.may_cross)
 
     if curve.parts is not None:
         forms = tuple(((u + _X, v + _Y), (*symbols, _X, _Y)) for (u, v), symbols in curve.parts.forms)

@@ -7,7 +7,7 @@ where a motion passes a knot. The first number of every piece is its origin: its
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import floor
 from typing import Any, NamedTuple
@@ -66,6 +66,14 @@ class CurvePieces:
     def key(self) -> tuple:
         """What equal pieces share."""
         return self.breaks, self.forms, self.form_numbers, self.origins, self.sizes, self.order, self.period
+
+    def moved(self, x: float, y: float) -> CurvePieces:
+        """The pieces, moved by (x, y) m."""
+        number = len(self.forms[0][1])
+        offsets = sp.symbols(f"q{number} q{number + 1}", real=True)
+        forms = [((row + offsets[0], other + offsets[1]), (*symbols, *offsets)) for (row, other), symbols in self.forms]
+        sizes = tuple((*some, x, y) for some in self.sizes)
+        return replace(self, forms=tuple(forms), sizes=sizes)
 
     @property
     def count(self) -> int:

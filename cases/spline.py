@@ -7,7 +7,6 @@ every point; with it, no point is farther from the curve than a given tolerance.
 from __future__ import annotations
 
 import warnings
-from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -15,7 +14,7 @@ import numpy as np
 import sympy as sp
 
 from .derivation import in_one_thread
-from .errors import BadCurve, BadValue, NotSupported
+from .errors import BadCurve, BadValue
 from .expressions import PARAMETER
 from .jets import Structure
 from .pieces import CurvePieces
@@ -58,14 +57,6 @@ def spline(points: np.ndarray, smoothing: float, closed: bool) -> Spline:
         order=DEGREE - 1, period=ends[-1] - ends[0] if closed else None,
     )  # fmt: skip
     return Spline(pieces, float(off.max()))
-
-
-def moved_spline(pieces: CurvePieces, x: float, y: float) -> CurvePieces:
-    """The pieces of a spline, moved by (x, y) m. Raises NotSupported for pieces of other forms."""
-    if pieces.forms != (_structure(DEGREE),):
-        raise NotSupported("a curve in pieces that is no spline cannot be moved; give its formulas at the place")
-    sizes = tuple((*row[:DEGREE], row[DEGREE] + x, *row[DEGREE + 1 : -1], row[-1] + y) for row in pieces.sizes)
-    return replace(pieces, sizes=sizes)
 
 
 def _interpolate(s: np.ndarray, points: np.ndarray, closed: bool):

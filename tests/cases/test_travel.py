@@ -85,7 +85,7 @@ def test_a_case_is_small():
     letters = [pickle.dumps(case) for case in all_cases()]
     # Measured: 880 bytes a case.
     assert np.mean([len(letter) for letter in letters]) < 1100
-    assert max(map(len, letters)) < 3200  # the pebble: a spline has 12 numbers for each of its 13 pieces
+    assert max(map(len, letters)) < 3500  # the pebble: a spline that was moved has 15 numbers for each of its 13 pieces
 
 
 @pytest.mark.timed

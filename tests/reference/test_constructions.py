@@ -181,6 +181,10 @@ def test_a_closed_curve_of_pieces_is_rolled_through_again():
 
 def test_a_plate_of_pieces_rocks():
     plate = Plate.homogeneous(oval(0.05, 0.06, 0.08), mass=1.0)
+    aside = Curve.in_pieces(oval(0.05, 0.06, 0.08).parts.moved(0.7, -0.2))
+    centred = Plate.homogeneous(aside, mass=1.0)  # moved back to its centre of mass
+    assert centred.inertia == pytest.approx(plate.inertia, rel=1e-12)
+    assert np.abs(centred.outline.point(1.0) - plate.outline.point(1.0)).max() < 1e-14
     case = Case(line(0.0), plate, (Gravity(9.81), CoulombFriction(0.8), Unilateral()), Start(0.0, 1.6 * np.pi), 2.0)
     motion = agree(case, 1e-10)
     assert motion.status == "completed" and motion(2.0).xi1 != 0.0

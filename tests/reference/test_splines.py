@@ -121,3 +121,22 @@ def test_a_second_contact_on_a_spline_ends_the_motion_where_both_formulations_fi
     motion = agree(case, 1e-9)
     assert motion.status == "second_contact"
     assert motion.t[-1] == pytest.approx(contact_frame.solve(case, rtol=1e-11, overlaps=True).end, abs=1e-9)
+
+
+def test_a_sweep_on_a_spline_has_the_single_motions():
+    track = valley(40)
+
+    def disc_in_measured_valley(mu=0.1):
+        return Case(track, disc(0.1, 1.0), (Gravity(9.81), CoulombFriction(mu), Unilateral()), Start(1.3), 1.5)
+
+    values = [0.05, 0.1, 0.3]
+    rows = reference.sweep(disc_in_measured_valley, mu=values)
+    for value, outcome in zip(values, rows["outcome"], strict=True):
+        assert outcome == reference.simulate(disc_in_measured_valley(value)).status
+
+
+@pytest.mark.slow
+def test_a_motion_on_a_spline_is_certified_by_all_witnesses():
+    certificate = reference.certify(released(valley(40), -1.0, duration=1.5))
+    assert not certificate.missing and len(certificate.transitions) == 2
+    assert all(bar.bar < 1e-12 for _, _, bar, _ in certificate.transitions)
