@@ -30,6 +30,8 @@ _REMARKS = ("reason", "note", "notes")
 FIRST_ROWS, _WHOLE = 8, 12
 # The most columns of a table, for a window 1440 pixels wide.
 _WIDEST = 12
+# Longer texts may be broken within a word.
+_LONG = 40
 # The unit at the end of a description.
 _UNIT = re.compile(r"(?:, | \()(s|m|rad|m/s|m²|J|N|kg|MB|%)\)?$")
 _LONGEST_UNIT = 5
@@ -174,5 +176,5 @@ def _cell(value: Any, column: str, numeric: bool) -> dict[str, Any]:
     elif "setting" in column:
         kind = "setting"
     else:
-        kind = "reason" if column in _REMARKS else ""
+        kind = "reason" if column in _REMARKS or len(text) > _LONG else ""
     return {"text": text, "kind": kind, "order": None}

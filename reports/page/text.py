@@ -17,6 +17,8 @@ from . import latex
 if TYPE_CHECKING:
     import pandas as pd
 
+# Columns whose values agree in many digits.
+_NINE_DIGITS = ("time", "reference_time", "published", "ours")
 # Columns that hold errors, by the end of their names.
 _ERRORS = ("error", "error_bar", "_max", "_rms", "_mean", "_final", "_doubt")
 
@@ -125,7 +127,7 @@ def shorten(value: Any, column: str) -> str:
             return ""
         if column == "level":
             return level(value)
-        if column in ("time", "reference_time"):
+        if column in _NINE_DIGITS:
             return f"{value:.9g}"
         if column.endswith(_ERRORS):
             return f"{value:.1e}"

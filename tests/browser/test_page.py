@@ -390,7 +390,7 @@ def test_a_long_table_says_how_much_it_shows_and_gives_all_rows_sorted_and_filte
 def test_rows_that_a_script_adds_read_as_those_of_the_page(open_page):
     page = open_page(place="#data")
     values = ["", "0.0", "1.23456789e-07", "-0.00034", "1712.5", "0.0627", "3", "True", "nan of a text"]
-    columns = ["error", "cpu_s", "time", "order"]
+    columns = ["error", "cpu_s", "time", "order", "published"]
     read = page.evaluate(
         "([values, columns]) => columns.map(c => values.map(v => suite.shorten(v, c, v !== 'nan of a text')))",
         [values, columns],

@@ -48,7 +48,7 @@ suite.table = (table) => {
         if (isNumber) { cell.className = "number"; cell.dataset.order = value === "" ? "1e308" : value; cell.title = value; }
         else if (/^(answered|excellent|very good|good|rough|poor|unusable|crashed|timed_out|paired|missed|spurious)$/.test(value)) cell.className = value.replace(" ", "-");
         else if (head.dataset.column.includes("setting")) cell.className = "setting";
-        else if (/^(reason|notes?)$/.test(head.dataset.column)) cell.className = "reason";
+        else if (/^(reason|notes?)$/.test(head.dataset.column) || value.length > 40) cell.className = "reason";
       }
     }
     table.tBodies[0].replaceWith(body);
@@ -81,7 +81,7 @@ suite.shorten = (value, column, isNumber) => {
     return exponent < -4 || exponent >= digits ? power(short.toExponential()) : String(short);
   };
   if (column === "level") return size >= 1e-3 ? String(size) : power(size.toExponential(0));
-  if (column === "time" || column === "reference_time") return plain(9);
+  if (["time", "reference_time", "published", "ours"].includes(column)) return plain(9);
   if (/(error|error_bar|_max|_rms|_mean|_final|_doubt)$/.test(column)) return size === 0 ? "0" : power(size.toExponential(1));
   if (column.startsWith("order")) return size.toFixed(2);
   return Math.abs(size) >= 100 ? suite.number(size) : plain(2);
