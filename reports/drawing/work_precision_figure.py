@@ -40,7 +40,7 @@ _SUMMARY_WORDS = (
 _NULL_ROOM = 30.0
 # Title of a quantity's panel, and the label of its axis.
 _TITLES = {
-    "off": ("off", "share of the error of ignoring friction"),
+    "off": ("error of the motion, off", "share of ignoring friction"),
     "first_transition_time": ("first transition's time", "error / s"),
     "all_transitions": ("worst transition's time", "error / s"),
     "final_pose": ("final pose", "error / m"),

@@ -37,5 +37,6 @@ def draw(cells: Sequence[SettingCell], folder: Path) -> Iterator[FigureEntry]:
             logarithmic(ax, "xy")
             ax.set_title(f"{name}, {route}", loc="left")
         axes[0][0].set_ylabel("off: share of the error of ignoring friction")
-        figure.supxlabel("CPU time / that of the case's median setting", fontsize=9)
+        count = len({cell.case for cell in cells})
+        figure.supxlabel(f"CPU time / that of the case's median setting (mean over n = {count} cases)", fontsize=9)
         yield save(figure, folder, "settings", "", *_WORDS)
