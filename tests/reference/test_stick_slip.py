@@ -5,12 +5,13 @@ A spring that pulls at the disc's own point of contact, displaced by u = x + r �
 belt is a spring whose other end moves with V, in the frame of the belt.
 """
 
-from math import atan, atan2, inf, pi, sqrt
+from math import atan, atan2, cos, exp, inf, log, pi, sin, sqrt, tan
 
 import mpmath
 import numpy as np
 import pytest
 
+import cases
 import reference
 from cases import Case, CoulombFriction, Gravity, Load, Mode, Start, Unilateral, disc
 from cases.library import line
@@ -110,3 +111,16 @@ def test_a_falling_law_sustains_stick_and_slip_without_static_friction(mu):
     change = np.diff(energy(case, ours(np.array([0.0, ours.t[-1]]))))[0]
     scale = 3.0 * 0.02 * 3.5  # the force of friction times the way of the spring's moving end, J
     assert change == pytest.approx(work_done(case, ours), abs=1e-10 * scale)
+
+
+def test_the_cases_of_the_catalogue_have_their_exact_instants():
+    """t = log(1 + c v₀ cos/(sin + μ cos))/(c g cos) up the ramp; the belt's spring holds up to (low + more) m g/k."""
+    slope, mu, c, g = 0.5, 0.2, 0.2, 9.81
+    ramp = reference.simulate(cases.load("block_on_viscous_ramp"), 1e-13)
+    exact = log(1.0 + c * cos(slope) / (sin(slope) + mu * cos(slope))) / (c * g * cos(slope))
+    assert [t.after for t in ramp.transitions] == [Mode.SLIP_BACKWARD]
+    assert ramp.transitions[0].time == pytest.approx(exact, abs=1e-13)
+    rate, final = c * g * cos(slope), (tan(slope) - mu) / c
+    assert ramp(3.0).slip == pytest.approx(-final * (1.0 - exp(-rate * (3.0 - exact))), abs=1e-12)
+    slider_on_belt = reference.simulate(cases.load("slider_on_belt_falling_law"), 1e-13)
+    assert slider_on_belt.transitions[0].time == pytest.approx(0.4 * 9.81 / 40.0 / 0.2, abs=1e-13)
