@@ -9,6 +9,7 @@ from .curves import Curve
 from .effects import (
     Belt,
     CoulombFriction,
+    Drive,
     Effect,
     Flight,
     Gravity,
@@ -40,6 +41,7 @@ __all__ = [
     "CoulombFriction",
     "Curve",
     "DoesNotFit",
+    "Drive",
     "Effect",
     "EndCondition",
     "Flight",

@@ -16,6 +16,7 @@ from .chain import Chain
 from .curves import Curve
 from .effects import Belt, E, Effect, Flight, Gravity, Impact
 from .errors import BadValue, DoesNotFit, parameter, positive, real
+from .own_effects import own_effects
 from .plate import Plate
 from .size_limits import check_sizes
 from .start import Start
@@ -131,6 +132,8 @@ def _check_corners(track: Curve, outline: Curve, acting: tuple[Effect, ...]) -> 
     """Raise BadValue for an effect that curves with corners do not have yet."""
     if not (isinstance(track, Chain) or isinstance(outline, Chain)):
         return
+    if effects.one(acting, effects.Drive):
+        raise BadValue("a Drive of a track with corners is not supported; leave Drive out, or give smooth curves")
     if effects.one(acting, Belt):
         raise BadValue("a Belt over corners is not supported; leave Belt out, or give smooth curves")
     for kind in (Flight, Impact):
@@ -142,7 +145,13 @@ def _check_corners(track: Curve, outline: Curve, acting: tuple[Effect, ...]) -> 
 
 
 def _check_rotation(case: Case) -> None:
-    """Raise BadValue or DoesNotFit for a plate of infinite inertia with a rotation, or a resistance to it."""
+    """Raise BadValue or DoesNotFit for a plate of infinite inertia with a rotation, or a resistance to it; and for an
+    effect of the user's own together with such a plate or a driven track."""
+    own = own_effects(case.effects)
+    if own and (case.effect(effects.Drive) is not None or not case.plate.turns):
+        raise DoesNotFit(
+            f"{type(own[0]).__name__} is not supported with Drive or a plate of infinite inertia; leave one of them out"
+        )
     if case.plate.turns:
         return
     if isinstance(case.track, Chain) or isinstance(case.plate.outline, Chain):
@@ -151,6 +160,9 @@ def _check_rotation(case: Case) -> None:
         raise BadValue(f"a plate of infinite inertia does not turn; give omega=0 in Start, not {case.start.omega:g}")
     if case.effect(effects.RollingResistance) is not None:
         raise DoesNotFit("a plate of infinite inertia does not turn; leave RollingResistance out")
+    drive = case.effect(effects.Drive)
+    if drive is not None and drive.is_turning:
+        raise DoesNotFit("a plate of infinite inertia on a track that turns is not supported; leave angle of Drive out")
 
 
 def _check_name(name: object) -> None:

@@ -11,9 +11,10 @@ import numpy as np
 
 from . import geometry, piece_contact
 from .case import Case
-from .effects import Belt
+from .effects import Belt, Drive
 from .errors import BadValue
 from .geometry import Contact, MotionPoint
+from .moving_surface import TrackPlace
 from .overlap import first_overlap
 
 __all__ = [
@@ -23,21 +24,51 @@ __all__ = [
     "clearance",
     "find",
     "follow",
+    "in_track_frame",
     "overlap",
     "pose",
     "slip_velocity",
     "start_motion",
+    "track_place",
     "velocity",
 ]
 
 
 def start_motion(case: Case) -> MotionPoint:
     """The case's start as pose, velocities and contact rates."""
-    belt, start = case.effect(Belt), case.start
+    belt, drive, start = case.effect(Belt), case.effect(Drive), case.start
+    if drive is not None:
+        return _on_moving_track(case, drive)
     if belt is None:
         return start.motion(case.track, case.plate.outline)
     moving = replace(start, slip=start.slip + belt.at(0.0)[0])
     return moving.motion(case.track, case.plate.outline)._replace(slip=start.slip)
+
+
+def _on_moving_track(case: Case, drive: Drive) -> MotionPoint:
+    """The start in the fixed frame: that in the track's frame, carried along by the track."""
+    place, start = drive.at(0.0), case.start
+    still = replace(start, omega=start.omega - place.spin, slip=start.slip + belt_speed(case, 0.0))
+    own = still.motion(case.track, case.plate.outline)
+    c, s = np.cos(place.angle), np.sin(place.angle)
+    rx, ry = float(c * own.x - s * own.y), float(s * own.x + c * own.y)
+    return own._replace(
+        x=place.x + rx,
+        y=place.y + ry,
+        theta=own.theta + place.angle,
+        vx=place.vx + float(c * own.vx - s * own.vy) - place.spin * ry,
+        vy=place.vy + float(s * own.vx + c * own.vy) + place.spin * rx,
+        omega=start.omega,
+        slip=start.slip,
+    )
+
+
+def track_place(case: Case, t) -> TrackPlace:
+    """Place, angle and rates of the track's frame at a time or an array of times; all 0 without Drive."""
+    drive = case.effect(Drive)
+    if drive is None:
+        return TrackPlace(*[0.0] * 9)
+    return drive.at(t) if np.ndim(t) == 0 else drive.at_times(t)
 
 
 def belt_speed(case: Case, t):
@@ -80,15 +111,34 @@ def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def slip_velocity(case: Case, x, y, vx, vy, omega, xi1, t=None):
-    """(11) along the track's unit tangent at `xi1`: velocity of the plate's material point there, relative to a belt's
-    surface. Numbers or arrays.
+    """(11) along the track's unit tangent at `xi1`: velocity of the plate's material point there, relative to the
+    track's surface. Numbers or arrays.
 
-    `t`: the times (s), for a case with Belt. Raises BadValue if they are missing there.
+    `t`: the times (s), for a case with Belt or Drive. Raises BadValue if they are missing there.
     """
-    if t is None and case.effect(Belt) is not None:
-        raise BadValue("the track's surface moves; give the times t to slip_velocity")
+    if t is None and (case.effect(Belt) is not None or case.effect(Drive) is not None):
+        raise BadValue("the track or its surface moves; give the times t to slip_velocity")
+    if case.effect(Drive) is not None:
+        x, y, vx, vy, omega = _in_track_frame(track_place(case, t), x, y, vx, vy, omega)
     slip = geometry.slip_velocity(case.track, x, y, vx, vy, omega, xi1)
     return slip if t is None else slip - belt_speed(case, t)
+
+
+def in_track_frame(case: Case, t, x, y, theta):
+    """Poses (x, y, theta) at the times t as a driven track sees them; those of a track at rest are returned as is."""
+    if case.effect(Drive) is None:
+        return x, y, theta
+    place = track_place(case, t)
+    seen_x, seen_y, *_ = _in_track_frame(place, x, y, 0.0, 0.0, 0.0)
+    return seen_x, seen_y, theta - place.angle
+
+
+def _in_track_frame(place: TrackPlace, x, y, vx, vy, omega):
+    """Place, velocity and spin as the track sees them."""
+    c, s = np.cos(place.angle), np.sin(place.angle)
+    dx, dy = x - place.x, y - place.y
+    ux, uy = vx - place.vx + place.spin * dy, vy - place.vy - place.spin * dx
+    return c * dx + s * dy, c * dy - s * dx, c * ux + s * uy, c * uy - s * ux, omega - place.spin
 
 
 def clearance(case: Case, xi1, xi2):

@@ -17,7 +17,7 @@ from . import expressions, features, formulas, slip_laws
 from .derivation import derived, in_one_thread
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
 from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
-from .moving_surface import Belt
+from .moving_surface import Belt, Drive
 from .own_effects import ContactEffect
 
 # How an impact's restitution and friction go together (`Impact`).
@@ -264,7 +264,7 @@ class Impact:
 
 
 SuiteEffect = (
-    Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance | Unilateral | Flight | Impact | Belt
+    Gravity | Load | CoulombFriction | PerfectlyRough | RollingResistance | Unilateral | Flight | Impact | Belt | Drive
 )
 Effect = SuiteEffect | ContactEffect
 

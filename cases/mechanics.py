@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from .case import Case
-from .contact import belt_speed
-from .effects import Gravity
+from .contact import belt_speed, track_place
+from .effects import Drive, Gravity
 from .own_effects import ContactEffect, own_effects
 
 
@@ -36,14 +36,23 @@ def energy(case: Case, motion):
 
 
 def contact_power(case: Case, t, motion):
-    """The power of the contact's forces on a plate with `slip` and `friction_force`, W: friction by the velocity of the
-    plate's point along the track, which is slip plus speed of a belt. 0 in flight; without the couple of a rolling
-    resistance."""
+    """The power of the contact's forces on a plate, W: friction by the velocity of the plate's point along the track,
+    which is slip plus speed of a belt, and both forces by the velocity of a driven track's point. 0 in flight; without
+    the couple of a rolling resistance."""
     slip, friction = np.asarray(motion.slip), np.asarray(motion.friction_force)
     power = friction * (slip + belt_speed(case, t))
     for effect in own_effects(case.effects):
         along, _, couple = own_forces(effect, t, motion)
         power = power + along * (slip + belt_speed(case, t)) + couple * np.asarray(motion.omega)
+    if case.effect(Drive) is not None:
+        place, xi1 = track_place(case, t), np.asarray(motion.xi1)
+        c, s = np.cos(place.angle), np.sin(place.angle)
+        (tx, ty), (X, Y) = case.track.tangent(xi1), case.track.point(xi1)
+        normal = np.asarray(motion.normal_force)
+        fx, fy = friction * tx - normal * ty, friction * ty + normal * tx
+        # In the axes of the track's frame: the velocity of its point is Qᵀ ċ + α̇ U Γ.
+        ux, uy = c * place.vx + s * place.vy - place.spin * Y, c * place.vy - s * place.vx + place.spin * X
+        power = power + fx * ux + fy * uy
     return np.where(np.isnan(slip), 0.0, power)
 
 

@@ -1,4 +1,4 @@
-"""Effects that move the track's surface: a belt that runs along the track. Formulas of time.
+"""Effects that move the track: a belt's surface along it, and a drive of the track itself. Formulas of time.
 
 SI units. What they mean in the equations is written once in each solver.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
+from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -116,3 +117,86 @@ class Belt:
 def _restore_belt(tree) -> Belt:
     """The belt that a process sent."""
     return Belt(expressions.from_tree(tree))
+
+
+class TrackPlace(NamedTuple):
+    """Place and angle of a driven track's frame in the fixed frame, with first and second rates (SI units, rad)."""
+
+    x: float
+    y: float
+    angle: float
+    vx: float
+    vy: float
+    spin: float
+    ax: float
+    ay: float
+    swing: float
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The track itself moves: its origin is at (`x`, `y`) (m), and it is turned by `angle` (rad) about its origin.
+
+    Numbers or formulas in t, as text such as "0.05*sin(20*t)" or expressions in `cases.moving_surface.TIME`. Motions
+    are in the fixed frame; slip velocities, and those of Start, are relative to the track. `omega` of Start is in the
+    fixed frame. Raises BadValue for anything else.
+    """
+
+    x: sp.Expr | str | float = 0.0
+    y: sp.Expr | str | float = 0.0
+    angle: sp.Expr | str | float = 0.0
+
+    @in_one_thread
+    def __post_init__(self):
+        for name in ("x", "y", "angle"):
+            object.__setattr__(self, name, formula_of_time(f"{name} of Drive", getattr(self, name)))
+        if not any(part.has(TIME) for part in self.expression):
+            raise BadValue("no component of Drive depends on t; leave Drive out, or move the track's curve")
+
+    def __reduce__(self):
+        """A drive travels to another process as its formulas; what is compiled from them stays."""
+        return _restore_drive, tuple(map(expressions.as_tree, self.expression))
+
+    @property
+    def expression(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+        """(x, y, angle) as expressions in `TIME`."""
+        return self.x, self.y, self.angle
+
+    @property
+    def is_turning(self) -> bool:
+        """Whether the track's angle changes, or is not 0."""
+        return not self.expression[2].is_zero
+
+    @property
+    def rates(self) -> tuple[sp.Expr, ...]:
+        """`TrackPlace` as expressions in `TIME`."""
+        first = [sp.diff(part, TIME) for part in self.expression]
+        return *self.expression, *first, *(sp.diff(part, TIME) for part in first)
+
+    @derived
+    def _values(self) -> Values:
+        return values_of_time(self.rates)
+
+    def at(self, t: float) -> TrackPlace:
+        """The track's place at a time; NaN where there is no value."""
+        return TrackPlace(*self._values(t))
+
+    @derived
+    def _of_arrays(self) -> Callable[..., list]:
+        return function_of((TIME,), self.rates, ON_ARRAYS)
+
+    def at_times(self, t: np.ndarray) -> TrackPlace:
+        """The track's places at times (n,), each component of shape (n,)."""
+        rows = (np.broadcast_to(row, np.shape(t)).astype(float) for row in self._of_arrays(np.asarray(t, dtype=float)))
+        return TrackPlace(*rows)  # type: ignore[arg-type]
+
+    @derived
+    def features(self) -> features.Features | None:
+        """Where the track's acceleration changes, and how finely; None if it is constant."""
+        return features_of_time(self.rates)
+
+
+@in_one_thread
+def _restore_drive(*trees) -> Drive:
+    """The drive that a process sent."""
+    return Drive(*map(expressions.from_tree, trees))

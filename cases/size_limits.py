@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import hypot, isfinite
 
 from .curves import Curve
-from .effects import Belt, CoulombFriction, Effect, Gravity, Load, RollingResistance, one
+from .effects import Belt, CoulombFriction, Drive, Effect, Gravity, Load, RollingResistance, one
 from .errors import BadValue
 from .plate import Plate
 from .start import Start
@@ -75,6 +75,12 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
             f"{RATIO:g} times"
         )
     _check_load(track, plate, one(effects, Load), start)
+    drive = one(effects, Drive)
+    if drive and not all(isfinite(value) and abs(value) <= ENORMOUS for value in drive.at(0.0)):
+        raise BadValue(
+            f"Drive or its rates have no value up to {ENORMOUS:g} where the motion begins; give formulas that have "
+            "values at t = 0"
+        )
     belt = one(effects, Belt)
     speeds = belt.at(0.0) if belt else []
     if not all(isfinite(value) and abs(value) <= ENORMOUS for value in speeds):

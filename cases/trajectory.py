@@ -362,17 +362,30 @@ class Trajectory:
         """
         from .pictures.plots import PLATE, plot
 
-        scene = self.case.scene if self.case else None
+        # A picture of the scene has one place of the track.
+        scene = self.case.scene if self.case and not self._is_driven else None
         return plot(self, scene, quantities or ("slip", "normal_force", "x", "y"), colour or PLATE)
 
     def animate(self, factor: float | None = None, quantity: str = "slip") -> Animation:
         """The motion as a film, which shows itself in a notebook and whose `save` writes GIF or MP4.
 
         `factor`: seconds of the motion in a second of film (None: a round number for a film of a few seconds);
-        `quantity`: the column of State drawn next to it. Raises BadValue if the case is not known.
+        `quantity`: the column of State drawn next to it. Raises BadValue if the case is not
+        known, or its track moves.
         """
         from .pictures.animation import Animation
 
         if self.case is None:
             raise BadValue("the motion has no case; give it one: dataclasses.replace(…, case=case)")
+        if self._is_driven:
+            raise BadValue(
+                "a film has one place of the track; give cases.moving_frame.in_track_frame(motion).animate()"
+            )
         return Animation(self, self.case.scene, self.case.weight, factor, quantity)
+
+    @property
+    def _is_driven(self) -> bool:
+        """Whether the motion's track moves."""
+        from .moving_surface import Drive
+
+        return self.case is not None and self.case.effect(Drive) is not None

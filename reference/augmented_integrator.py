@@ -14,6 +14,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Belt, Case, CoulombFriction, RollingResistance
+from cases.contact import track_place
 from cases.own_effects import own_effects
 
 from .minimal import modes
@@ -58,8 +59,8 @@ class LiteralSystem:
 
     record = ContactQuantities  # the columns that `outputs_of_arrays` returns
 
-    def __init__(self, case: Case, phase: Phase):
-        self.case, self.phase, self.regime = case, phase, phase.regime
+    def __init__(self, case: Case, phase: Phase, original: Case | None = None):
+        self.case, self.phase, self.regime, self.original = case, phase, phase.regime, original
         self.variables, self.positions = phase.system.variables, phase.system.positions
         self.guards = dict.fromkeys(phase.system.guards)  # their names
         self.check_layout = phase.system.check_layout
@@ -67,7 +68,12 @@ class LiteralSystem:
     def system_at(self, t: float, y: Sequence[float]) -> AugmentedSystem:
         """Assemble (27) at a state of the mode."""
         mode, side, turn = self.regime
-        return fill(self.case, mode, full_state(self.case, self.phase, t, y), side, turn, t)
+        state = full_state(self.case, self.phase, t, y)
+        if self.original is None:
+            return fill(self.case, mode, state, side, turn, t)
+        # The state has θ relative to the track; the matrix is that of R(ξ₁, t) in the fixed frame.
+        angle = [value + track_place(self.original, t).angle for value in state[4:]]
+        return fill(self.original, mode, (*state[:4], *angle), side, turn, t)
 
     def rates_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
         """Rates of the mode's variables; NaN, which no step accepts, where the matrix is singular."""
@@ -81,7 +87,7 @@ class LiteralSystem:
         except np.linalg.LinAlgError:
             return [np.nan] * len(y)
         speeds = len(y) - self.positions
-        angle = [equations.k.theta_dot] if self.positions == 3 else []
+        angle = [equations.k.turning] if self.positions == 3 else []
         return [*equations.k.q_dot, *angle, *accelerations[:speeds]]
 
     def guards_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
@@ -127,7 +133,7 @@ class LiteralSystem:
     def _observe(self, t: float, y: Sequence[float]) -> ContactQuantities:
         equations = self.system_at(t, y)
         slip = 0.0 if equations.rolls else slip_velocity(equations.k, belt_of(self.case, t)[0])
-        omega = 0.0 if equations.rotation_fixed else equations.k.theta_dot
+        omega = 0.0 if equations.rotation_fixed else equations.k.turning
         try:
             forces, mass = solution(equations), self.case.plate.mass
         except np.linalg.LinAlgError:
@@ -155,7 +161,7 @@ def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution
     if name == "slip":
         return SLIP_SIGN[regime.mode] * slip_velocity(k, belt_of(case, t)[0])
     if name == "turn":
-        return (regime.turn or 0) * k.theta_dot * size
+        return (regime.turn or 0) * k.turning * size
     if name == "fit":
         return _bend(k.rp, k.rs) - _bend(k.Rp, k.Rs)
     if name == "painleve":
@@ -188,11 +194,12 @@ def prepare(phase: Phase, rtol: float = 1e-10) -> None:
     phase.case.plate.outline.jet(0.0)
 
 
-def integrate(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
-    """Integrate as `dop853.integrate`, with the paper's matrix in place of the phase's own equations."""
+def integrate(phase: Phase, t: float, y, end: float, rtol: float, original: Case | None = None) -> Segment:
+    """Integrate as `dop853.integrate`, with the paper's matrix in place of the phase's own equations: that of
+    `original` in the fixed frame, if the phase is one of `relative_case(original)`."""
     from .minimal.integrators import dop853  # SciPy's integrators take a tenth of a second to import
 
-    return dop853.integrate(_with_matrix(phase), t, y, end, rtol)
+    return dop853.integrate(_with_matrix(phase, original), t, y, end, rtol)
 
 
 class _LiteralPhase(Phase):
@@ -200,13 +207,14 @@ class _LiteralPhase(Phase):
 
     def __reduce__(self):
         """Pickle as the ordinary phase from which it was made."""
-        return _with_matrix, (modes.phase(self.case, self.regime, self.parts),)
+        original = cast(LiteralSystem, self.system).original
+        return _with_matrix, (modes.phase(self.case, self.regime, self.parts), original)
 
 
-def _with_matrix(now: Phase) -> _LiteralPhase:
+def _with_matrix(now: Phase, original: Case | None = None) -> _LiteralPhase:
     """The phase with the paper's matrix in place of its own equations."""
     # LiteralSystem has everything that the loop and the record use; nothing in it is symbolic.
-    return _LiteralPhase(*now._replace(system=cast(System, LiteralSystem(now.case, now))))
+    return _LiteralPhase(*now._replace(system=cast(System, LiteralSystem(now.case, now, original))))
 
 
 def warning(segments: Sequence[Segment]) -> str:

@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
+from cases import BadValue, Case, Chain, Cost, Drive, Load, Mode, NotSupported, Passage, State, Trajectory
 from cases.contact import belt_speed, pose
 from cases.errors import between, unknown_name
+from cases.moving_frame import in_fixed_frame, relative_case
 from cases.piece_case import PieceCase, has_pieces, passages_between
 from cases.trajectory import CONTACT
 
@@ -91,8 +92,19 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
 
 
 def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
-    """Same as `simulate`, for valid arguments."""
+    """Same as `simulate`, for valid arguments; on a driven track in the track's frame."""
     _, integrate = INTEGRATORS[method]
+    if case.effect(Drive) is None:
+        return _simulate_at_rest(case, rtol, integrate)
+    if method == "augmented":
+        integrate = partial(augmented_integrator.integrate, original=case)
+    return in_fixed_frame(case, _simulate_at_rest(relative_case(case), rtol, integrate, case))
+
+
+def _simulate_at_rest(
+    case: Case, rtol: float, integrate: Callable[..., Segment], original: Case | None = None
+) -> Trajectory:
+    """The motion of a case on a track at rest; `original`: the driven case that it is, as its track sees it."""
     began_setup = time.perf_counter()
     start = start_state(case)
     try:
@@ -101,19 +113,19 @@ def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
         return as_trajectory(case, [], [], undecidable(0.0))
     setup = time.perf_counter() - began_setup
     cpu, wall = time.thread_time(), time.perf_counter()
-    segments, transitions, ending = solve_motion(case, regime, start, rtol, integrate)
+    segments, transitions, ending = solve_motion(case, regime, start, rtol, integrate, original)
     elapsed_times = time.thread_time() - cpu, time.perf_counter() - wall
     return as_trajectory(case, segments, transitions, ending, Cost(*elapsed_times, setup_s=setup))
 
 
-def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate):
+def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate, original: Case | None = None):
     """The motion without samples: (segments, transitions, (status, sentence)); from a second contact on by `several`,
-    or cut there if that does not support the case."""
+    or cut there if that does not support the case, or the `original` whose relative case it is."""
     solution, meeting = until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
     segments, transitions, (status, reason) = solution
     if meeting is None:
         return solution
-    unsupported = several.supports(case)
+    unsupported = several.supports(original or case)
     if integrate is augmented_integrator.integrate:
         unsupported = "The method 'augmented' has one contact; leave method out to go on."
     if unsupported:

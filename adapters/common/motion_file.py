@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, Unilateral, user_files
-from cases.contact import Contact, MotionPoint, find, slip_velocity, start_motion
+from cases.contact import Contact, MotionPoint, find, in_track_frame, slip_velocity, start_motion
 from cases.nearest import nearest
 
 if TYPE_CHECKING:
@@ -263,7 +263,8 @@ def follow_contact(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndar
     """
     start, flies, off = start_motion(case), case.effect(Flight) is not None, LOOSE * case.plate.reach
     near, contacts = (start.xi1, start.xi2), np.full((len(columns["t"]), 3), np.nan)
-    for place, pose in enumerate(zip(*(columns[name].tolist() for name in ("x", "y", "theta")), strict=True)):
+    poses = in_track_frame(case, columns["t"], *(columns[name] for name in ("x", "y", "theta")))
+    for place, pose in enumerate(zip(*(column.tolist() for column in poses), strict=True)):
         try:
             contact: Contact | None = find(case, pose[0], pose[1], pose[2], near)
         except DoesNotFit:

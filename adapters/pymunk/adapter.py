@@ -25,7 +25,7 @@ from cases.contact import start_motion
 from ..common import facets, half_steps
 from ..interface import EngineFailure, Setting
 from . import assisted, native
-from .load import Drive
+from .load import LoadInSteps
 
 __all__ = [
     "NAME",
@@ -182,7 +182,7 @@ class PymunkModel:
     body: pymunk.Body
     h: float
     steps: int
-    drive: Drive | None = None
+    drive: LoadInSteps | None = None
     rough: float = 0.0
     guide: assisted.ContactGuide | None = None
     # The engine's own record after every step: six numbers for the plate, then six for the track's body. Reading them
@@ -206,7 +206,7 @@ def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkM
     h = case.duration / steps
     if route == "native":
         space, body = native.build(case, setting)
-        drive = Drive(case, body, h) if with_load else None
+        drive = LoadInSteps(case, body, h) if with_load else None
         rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
         model = PymunkModel(case, space, body, h, steps, drive, rough)
     else:

@@ -22,7 +22,7 @@ from cases.mechanics import gravity
 
 from ..common.flights import BEYOND, Follower
 from ..interface import Setting
-from .load import Drive, Torsor
+from .load import LoadInSteps, Torsor
 from .native import friction_coefficient
 
 # Radius in metres of the overlapping circles: much larger than any track, small enough to lose no digits.
@@ -41,7 +41,7 @@ class ContactGuide:
     callback, which the engine would print and drop.
     """
 
-    def __init__(self, case: Case, body: pymunk.Body, h: float, drive: Drive | None):
+    def __init__(self, case: Case, body: pymunk.Body, h: float, drive: LoadInSteps | None):
         self.contacts: list[Contact] = []
         self.off_track = False
         self.problem: Exception | None = None
@@ -170,10 +170,10 @@ def iterations(case: Case) -> int:
     return 10 if case.plate.radius else 40
 
 
-def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, Drive | None, ContactGuide]:
+def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, pymunk.Body, LoadInSteps | None, ContactGuide]:
     """Build a space with the plate as a body, the drive of its load, and the guide along its track."""
     space, body = overlapping(case, setting)
-    drive = Drive(case, body, h) if case.effect(Load) else None
+    drive = LoadInSteps(case, body, h) if case.effect(Load) else None
     guide = ContactGuide(case, body, h, drive)
     listen(space, guide.pre_solve)
     return space, body, drive, guide

@@ -12,7 +12,7 @@ from cases.contact import start_motion
 Torsor = tuple[float, float, float]
 
 
-class Drive:
+class LoadInSteps:
     """The load of one run; `rows` are (F_x, F_y, M) in N and N m of every step, `problem` an error of its formula.
 
     The engine moves its bodies first, then updates their velocities: at that point the pose belongs to the step's time

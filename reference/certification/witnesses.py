@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Flight, NotSupported, Trajectory, Transition
+from cases.moving_frame import in_fixed_frame, relative_case
 from cases.trajectory import CONTACT
 
 from .. import several, solve
@@ -163,6 +164,7 @@ def _by_delassus(case: Case, name: str, rtol: float, first) -> Witness:
 
 def components(case: Case) -> int:
     """The largest number of state components in any phase of the case."""
+    case = relative_case(case)
     regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
     here, start = start_pieces(case), start_state(case)
     return max(len(phase_at(here, regime, start).system.variables) for regime in regimes)
@@ -177,15 +179,15 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
     def integrate_perturbation(now: Phase, t: float, y, end: float, tolerance: float):
         return integrate(now, t, _shift(now, y, component, roundings), end, tolerance)
 
-    start = start_state(case)
-    regime = solve.first_regime(case, start)
+    relative = relative_case(case)
+    start = start_state(relative)
+    regime = solve.first_regime(relative, start)
     # The search for second contacts takes longer than most motions.
     run = solve.solve_motion if _has_several_contacts(case) else hybrid.simulate_phases
-    segments, transitions, ending = run(case, regime, start, rtol, integrate_perturbation)
-    return _witness(
-        f"component {component} moved by {roundings:g} roundings",
-        solve.as_trajectory(case, segments, transitions, ending),
-    )
+    segments, transitions, ending = run(relative, regime, start, rtol, integrate_perturbation)
+    motion = solve.as_trajectory(relative, segments, transitions, ending)
+    motion = motion if relative is case else in_fixed_frame(case, motion)
+    return _witness(f"component {component} moved by {roundings:g} roundings", motion)
 
 
 @lru_cache(maxsize=64)

@@ -24,6 +24,7 @@ from cases.corner import Corner
 from cases.own_effects import own_effects
 from cases.piece_case import PieceCase
 
+from .drive import DriveLoad
 from .loads import load_scales, slip_scales
 from .steps import StepFailure
 
@@ -114,7 +115,7 @@ def _laws(friction: CoulombFriction | None, arm: float | None) -> ContactLaws:
 class ContactScene:
     """The numbers of a case, extracted once."""
 
-    def __init__(self, case: Case):
+    def __init__(self, case: Case, drive_load: DriveLoad | None = None):
         self.case = case
         self.track, self.outline = case.track, case.plate.outline
         # Formulas of the geometry: within a phase those of one piece of a curve in pieces.
@@ -123,7 +124,8 @@ class ContactScene:
         gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
         self.g = gravity.vector if gravity else (0.0, 0.0)
         load, resistance = case.effect(Load), case.effect(RollingResistance)
-        self.load, self.load_scales = load.at if load else None, load_scales(load)
+        self.load: Callable[..., list[float]] | None = drive_load.at if drive_load else load.at if load else None
+        self.load_scales = drive_load.scales if drive_load else load_scales(load)
         self.slip_scales = slip_scales(friction)
         arm = resistance.arm if resistance else None if case.plate.turns else inf
         if case.effect(PerfectlyRough):
@@ -135,6 +137,7 @@ class ContactScene:
         self.unilateral = case.effect(Unilateral) is not None
         # Features that a step could pass over: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
+        self.in_time += [(None, feature) for feature in drive_load.features] if drive_load else []
         # A phase ends at the knots of a curve in pieces.
         curves = [(row, curve.features) for row, curve in enumerate((self.track, self.outline)) if not curve.knots]
         belt = [(None, self.belt.features if self.belt else None)]

@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Transition
+from cases import Case, Drive, Transition
 
 from .bouncing import Bounce
+from .drive import case_at_rest, load_of_drive
 from .equations import ContactPhase, ContactScene, decide
 from .sampling import Record
 from .steps import WorkBudget
@@ -64,7 +65,11 @@ class MotionState:
     """One motion during its simulation: the transitions and bounces so far, and the time."""
 
     def __init__(self, case: Case, rtol: float, times: np.ndarray, steps_per_turn: int, until: float, overlaps: bool):
-        self.case, self.scene = case, ContactScene(case)
+        drive = case.effect(Drive)
+        self.drive_load = load_of_drive(case)
+        if drive:
+            case = case_at_rest(case, drive)
+        self.case, self.scene = case, ContactScene(case, self.drive_load)
         # An open outline has no inside and is only the contact arc.
         self.overlaps = overlaps and bool(case.plate.outline.period)
         self.rtol, self.steps_per_turn, self.end = max(rtol, 1e-13), steps_per_turn, min(case.duration, until)

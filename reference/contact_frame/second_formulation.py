@@ -25,6 +25,7 @@ from cases.piece_case import PieceCase, corner_on_corner, has_pieces, is_concave
 from . import flight_guards
 from .advancement import TooManyRounds
 from .chain_overlaps import ChainOverlaps
+from .drive import in_fixed_frame
 from .equations import ContactPhase, ContactScene, leaves, lets_go, rates
 from .knots import KnotEnds
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, MotionState
@@ -126,7 +127,12 @@ def _run(course: MotionState) -> SecondMotion:
         raise StepFailure(
             f"the second formulation's motion is not finite before t = {course.t:.9g} s; give smaller numbers"
         )
-    return SecondMotion(tuple(course.transitions), now.status, course.t, course.record.states, course.record.motions)
+    states, motions = course.record.states, course.record.motions
+    if course.drive_load:
+        place = course.drive_load.drive.at_times(course.record.times)
+        states[2] += place.spin
+        motions[:6] = in_fixed_frame(place, motions[:6])
+    return SecondMotion(tuple(course.transitions), now.status, course.t, states, motions)
 
 
 def _at_once(course: MotionState) -> None:
@@ -172,14 +178,14 @@ def _start(course: MotionState) -> ContactState | FlightState | EndState:
 def _start_on_pieces(course: MotionState, z: list[float]) -> list[float]:
     """The state in the parameters of the pieces on which the motion starts; sets the scene to these."""
     pieces = pieces_at(course.case, z[0], z[1])
-    course.scene = ContactScene(pieces)
+    course.scene = ContactScene(pieces, course.drive_load)
     z = [z[0] - pieces.first.shift, z[1] - pieces.second.shift, z[2], z[3]]
     for i in (0, 1):  # an end towards which the contact moves belongs to the next piece
         moves = rates(course.scene, course.t, z, ContactPhase(None, None), 0)[i]
         following = neighbour(pieces, i == 0, 1)
         if following and moves > 0.0 and z[i] >= pieces.pieces[i].span[1]:
             pieces, z[i] = following, following.pieces[i].span[0]
-            course.scene = ContactScene(pieces)
+            course.scene = ContactScene(pieces, course.drive_load)
     return z
 
 
@@ -268,7 +274,7 @@ def _pass_on(
         z[i] = following.pieces[i].span[0 if way > 0 else 1]
         if not clearance(following, z[0], z[1]) > 0.0:
             return EndState(STOPS["elsewhere"])
-        course.scene = ContactScene(following)
+        course.scene = ContactScene(following, course.drive_load)
         after = course.contact_state(z, now.turns) or _without_mode(course, z, now.turns)
     mode = after.phase.mode if isinstance(after, ContactState) else Mode.FLIGHT
     if mode is not now.phase.mode and after != EndState("paradox"):

@@ -176,7 +176,7 @@ def resting(h: Frame, force: Torsor) -> Elimination:
     )
 
 
-def carried_speeds(f: Frame, h: Frame, belt: Surface) -> tuple[Node, Node]:
+def conveyance_speeds(f: Frame, h: Frame, belt: Surface) -> tuple[Node, Node]:
     """ξ̇₁ and ξ̇₂ of a plate that a belt carries without rotation: v = 0 in (12) and ω = 0 in (9)."""
     if f.sign or h.sign:  # there is no belt at a corner
         return ZERO, ZERO
@@ -184,9 +184,9 @@ def carried_speeds(f: Frame, h: Frame, belt: Surface) -> tuple[Node, Node]:
     return belt.speed * h.curvature / (f.P * bend), belt.speed * f.curvature / (h.P * bend)
 
 
-def carried(f: Frame, h: Frame, force: Torsor, belt: Surface) -> Elimination:
+def conveyance(f: Frame, h: Frame, force: Torsor, belt: Surface) -> Elimination:
     """(27) with the rows v̇ = 0 and ω̇ = 0 on a belt."""
-    u1, u2 = carried_speeds(f, h, belt)
+    u1, u2 = conveyance_speeds(f, h, belt)
     along, _, C_n, C_3 = _rates(f, h, u1, u2, ZERO)
     u1_dot, u2_dot = _accelerations(f, h, (u1, u2), C_3, ZERO, belt.rate - along)
     N, friction = C_n - force.n, belt.rate - force.t

@@ -30,7 +30,7 @@ from .modes import (
     Regime,
     able,
     candidates,
-    carried,
+    conveyance,
     full_state,
     in_contact,
     in_flight,
@@ -256,7 +256,7 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
     if guard == "slip":
         y = (*y[:2], *slip_ended(case, t, y), *y[4:])
         if now.regime.turn == 0:
-            u1 = carried(case, t, y[0], y[1])
+            u1 = conveyance(case, t, y[0], y[1])
             y = (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
     if guard == "turn":
         y = without_turning(case, y)

@@ -222,7 +222,7 @@ def full_state(case: Case, phase: Phase, t: float, y: Sequence[float]) -> tuple[
         return tuple(float(v) for v in y)
     values = dict(zip(phase.places, map(float, y), strict=True))
     xi1, xi2 = values[0], values[1]
-    u1 = values[2] if 2 in values else carried(case, t, xi1, xi2)
+    u1 = values[2] if 2 in values else conveyance(case, t, xi1, xi2)
     u2 = values[3] if 3 in values else without_slip(case, t, xi1, xi2, u1)
     return (xi1, xi2, u1, u2, values[4]) if 4 in values else (xi1, xi2, u1, u2)
 
@@ -244,7 +244,7 @@ def slip_ended(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:
     return y[2], without_slip(case, t, y[0], y[1], y[2])
 
 
-def carried(case: Case, t: float, xi1: float, xi2: float) -> float:
+def conveyance(case: Case, t: float, xi1: float, xi2: float) -> float:
     """ξ̇₁ of a plate that neither slips nor turns: 0 but on a belt."""
     if case.effect(Belt) is None:
         return 0.0

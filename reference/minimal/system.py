@@ -44,8 +44,8 @@ from .elimination import (
     Surface,
     T,
     Torsor,
-    carried,
-    carried_speeds,
+    conveyance,
+    conveyance_speeds,
     resting,
     rolling,
     rolling_speeds,
@@ -333,7 +333,7 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     slip = U1 * f.P - U2 * h.P - belt.speed if kind.slips else ZERO
     force = _at_contact(_force(f, law, pose), h, law, slip, pose[_MOTION[6]])
     if kind.holds and not kind.slips:
-        motion = carried(f, h, force, belt) if runs else resting(h, force)
+        motion = conveyance(f, h, force, belt) if runs else resting(h, force)
     elif kind.holds:
         motion = translating(f, h, force, belt, law.friction.ratio)
     elif kind.slips:
@@ -386,7 +386,7 @@ def _speeds(f: Frame, h: Frame, belt: Surface, kind: Kind) -> tuple[Node, Node]:
     """ξ̇₁ and ξ̇₂ in terms of the contact's state."""
     if kind.slips:
         return U1, U2
-    return carried_speeds(f, h, belt) if kind.holds else rolling_speeds(f, h, belt)
+    return conveyance_speeds(f, h, belt) if kind.holds else rolling_speeds(f, h, belt)
 
 
 def _motion(f: Frame, h: Frame, belt: Surface, kind: Kind, speeds: tuple[Node, Node]) -> dict[Node, Node]:

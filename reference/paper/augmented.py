@@ -131,16 +131,20 @@ def constraints(k: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     (_, p_Up, G, p_Ut), (_, E, s_Us, _), (_, t_Up, *_) = (track @ U @ outline).tolist()
     (arm_x, rp_x, rs_x, _), (arm_y, rp_y, rs_y, _) = outline.tolist()
     (Rp_x, Rp_y), (Rs_x, Rs_y), _ = track.tolist()
-    (u1, u2), w = k.q_dot.tolist(), float(k.theta_dot)
+    (u1, u2), w, turning = k.q_dot.tolist(), float(k.theta_dot), float(k.turning)
     B = np.array([[1.0, 0.0, -arm_y], [0.0, 1.0, arm_x], [0.0, 0.0, -S]])
     D = np.array([[-Rp_x, rp_x], [-Rp_y, rp_y], [E, G]])
     # (25), the derivative of each coefficient by the product rule and (7).
-    S_dot = u1 * s_p + w * p_Up + u2 * p_s
-    E_dot = u1 * t_Up - w * s_p + u2 * s_Us
-    G_dot = u1 * s_Us - w * p_s + u2 * p_Ut
+    S_dot = u1 * s_p + turning * p_Up + u2 * p_s
+    E_dot = u1 * t_Up - turning * s_p + u2 * s_Us
+    G_dot = u1 * s_Us - turning * p_s + u2 * p_Ut
     along_x = u1**2 * Rs_x + w**2 * arm_x + 2.0 * w * u2 * rp_y - u2**2 * rs_x
     along_y = u1**2 * Rs_y + w**2 * arm_y - 2.0 * w * u2 * rp_x - u2**2 * rs_y
-    C = np.array([along_x, along_y, w * S_dot - u1 * E_dot - u2 * G_dot])
+    C = np.array([along_x, along_y, turning * S_dot - u1 * E_dot - u2 * G_dot])
+    if k.track is not None:
+        # With R(ξ₁, t): d/dt of ξ̇₁ R_p + W has ∂²R/∂t² and twice ξ̇₁ ∂R_p/∂t = ξ̇₁ α̇ U R_p; (9) has θ̇ − α̇.
+        C[:2] += k.W_dot + 2.0 * u1 * k.track.spin * (U @ k.Rp)
+        C[2] -= S * k.track.swing
     return B, D, C
 
 
@@ -152,7 +156,7 @@ def rolling_row(k: Kinematics, belt: tuple[float, float] = (0.0, 0.0)) -> tuple[
     """
     rp = k.turn @ k.rp
     u1, u2 = k.q_dot
-    S_dot = u1 * (k.Rs @ rp) + k.Rp @ (k.theta_dot * (U @ rp) + u2 * (k.turn @ k.rs))
+    S_dot = u1 * (k.Rs @ rp) + k.Rp @ (k.turning * (U @ rp) + u2 * (k.turn @ k.rs))
     right = u2 * S_dot - 2 * u1**2 * (k.Rp @ k.Rs)
     if belt != (0.0, 0.0):
         P = np.hypot(*k.Rp)
@@ -172,7 +176,8 @@ def fill(
     force (−1 only in a bilateral guide), on whose magnitude friction and rolling resistance depend; `turn` is the sense
     of a rotation with resistance, 0 if it is fixed (None: the sign of θ̇); `time` (s) is for loads.
     """
-    k = kinematics(case, *state[:4])
+    xi1, xi2, xi1_dot, xi2_dot = state[:4]
+    k = kinematics(case, xi1, xi2, xi1_dot, xi2_dot, time)
     return assemble(case, mode, k, (time, *k.R0, _angle(case, state, k), *k.R0_dot, k.theta_dot), side, turn)
 
 
@@ -222,7 +227,7 @@ def _resistance(case: Case, mode: Mode, side: int, turn: int | None, k: Kinemati
     resistance = case.effect(RollingResistance)
     if resistance is None:
         return 0.0, False
-    turn = int(np.sign(k.theta_dot)) if turn is None else turn
+    turn = int(np.sign(k.turning)) if turn is None else turn
     if turn == 0 or mode is Mode.REST:
         return 0.0, True
     return -turn * side * resistance.arm, False
@@ -232,7 +237,8 @@ def _angle(case: Case, state: Sequence[float], k: Kinematics) -> float:
     """θ including whole turns, if a load may depend on them."""
     if len(state) > 4 or case.effect(Load) is None:
         return float(state[4]) if len(state) > 4 else k.theta
-    return float(case.track.tangent_angle(state[0]) - case.plate.outline.tangent_angle(state[1]))
+    angle = float(case.track.tangent_angle(state[0]) - case.plate.outline.tangent_angle(state[1]))
+    return angle + (k.track.angle if k.track else 0.0)
 
 
 def augmented_system(

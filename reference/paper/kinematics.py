@@ -5,12 +5,13 @@ Lengths in metres; a dot is a time derivative. Everything here is literal: a tes
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import atan2, cos, sin
 
 import numpy as np
 
-from cases import Belt, Case
+from cases import Belt, Case, Drive
+from cases.moving_surface import TrackPlace
 
 U = np.array([[0.0, -1.0], [1.0, 0.0]])  # (4)
 I2 = np.eye(2)  # (4)
@@ -21,7 +22,8 @@ class Kinematics:
     """One instant of a plate in contact: (1)–(3) with rates that satisfy (8) and (9).
 
     `q` and `q_dot` are q₂ = (ξ₁, ξ₂) and its rate. Vectors have shape (2,), `turn` (the paper's matrix θ) (2, 2).
-    `theta` is determined up to whole turns, which (6) leaves open.
+    `theta` is determined up to whole turns, which (6) leaves open. On a driven track R(ξ₁, t) = c + Q Γ(ξ₁) with its
+    place c(t) and rotation Q(t), which `track` has with their rates; Ṙ₀ and θ̇ are in the fixed frame.
     """
 
     q: np.ndarray
@@ -39,11 +41,38 @@ class Kinematics:
     R0: np.ndarray
     theta_dot: float
     R0_dot: np.ndarray
+    track: TrackPlace | None = None
+
+    @property
+    def turning(self) -> float:
+        """θ̇ relative to the track, whose tangents turn with it."""
+        return self.theta_dot - (self.track.spin if self.track else 0.0)
+
+    @property
+    def W(self) -> np.ndarray:
+        """∂R/∂t, the velocity of the track's point: ċ + α̇ U (R − c), shape (2,)."""
+        if self.track is None:
+            return np.zeros(2)
+        c, c_dot = np.array([self.track.x, self.track.y]), np.array([self.track.vx, self.track.vy])
+        return c_dot + self.track.spin * (U @ (self.R - c))
+
+    @property
+    def W_dot(self) -> np.ndarray:
+        """∂²R/∂t², the acceleration of the track's point: c̈ + α̈ U (R − c) − α̇² (R − c), shape (2,)."""
+        if self.track is None:
+            return np.zeros(2)
+        c, c_ddot = np.array([self.track.x, self.track.y]), np.array([self.track.ax, self.track.ay])
+        return c_ddot + self.track.swing * (U @ (self.R - c)) - self.track.spin**2 * (self.R - c)
 
 
-def kinematics(case: Case, xi1: float, xi2: float, xi1_dot: float, xi2_dot: float) -> Kinematics:
-    """All of (1)–(9) at one state in independent coordinates."""
+def kinematics(case: Case, xi1: float, xi2: float, xi1_dot: float, xi2_dot: float, time: float = 0.0) -> Kinematics:
+    """All of (1)–(9) at one state in independent coordinates; `time` (s) is for driven tracks."""
     R, Rp, Rs, Rt = np.array(case.track.jet(xi1)).reshape(4, 2)  # (1)
+    drive = case.effect(Drive)
+    track = drive.at(time) if drive else None
+    if track is not None:
+        Q = np.array([[cos(track.angle), -sin(track.angle)], [sin(track.angle), cos(track.angle)]])
+        R, Rp, Rs, Rt = Q @ R + (track.x, track.y), Q @ Rp, Q @ Rs, Q @ Rt
     r, rp, rs, rt = np.array(case.plate.outline.jet(xi2)).reshape(4, 2)  # (2)
     theta = atan2(Rp[1], Rp[0]) - atan2(rp[1], rp[0])  # (6), and of its two solutions the one with parallel tangents
     c, s = cos(theta), sin(theta)
@@ -53,17 +82,23 @@ def kinematics(case: Case, xi1: float, xi2: float, xi1_dot: float, xi2_dot: floa
     theta_dot = (xi1_dot * (Rs @ U @ along) + xi2_dot * (Rp @ U @ bent)) / (Rp @ along)  # (9)
     R0_dot = xi1_dot * Rp - theta_dot * (U @ arm) - xi2_dot * along  # (8)
     q, q_dot = np.array([xi1, xi2]), np.array([xi1_dot, xi2_dot])
-    return Kinematics(q, q_dot, R, Rp, Rs, Rt, r, rp, rs, rt, theta, turn, R0, theta_dot, R0_dot)
+    k = Kinematics(q, q_dot, R, Rp, Rs, Rt, r, rp, rs, rt, theta, turn, R0, theta_dot, R0_dot, track)
+    if track is None:
+        return k
+    # (8) and (9) gain the track's velocity: W on the right-hand side of (8), and θ̇ − α̇ in place of θ̇ in (9).
+    theta_dot += track.spin
+    return replace(k, theta_dot=theta_dot, R0_dot=xi1_dot * Rp + k.W - theta_dot * (U @ arm) - xi2_dot * along)
 
 
 def slip_vector(k: Kinematics) -> np.ndarray:
-    """(12): the velocity of the plate's point at the contact, shape (2,)."""
+    """(12): the velocity of the plate's point at the contact, relative to the track, shape (2,)."""
     return k.q_dot[0] * k.Rp - k.q_dot[1] * (k.turn @ k.rp)
 
 
 def slip_vector_of_plate(k: Kinematics) -> np.ndarray:
-    """(11): the same from the motion of the plate, shape (2,)."""
-    return k.R0_dot + k.theta_dot * (U @ k.turn @ k.r)
+    """(11): the same from the motion of the plate, relative to the track's point, shape (2,)."""
+    velocity = k.R0_dot + k.theta_dot * (U @ k.turn @ k.r)
+    return velocity if k.track is None else velocity - k.W
 
 
 def slip_velocity(k: Kinematics, belt: float = 0.0) -> float:

@@ -13,6 +13,7 @@ from cases import (
     Case,
     CoulombFriction,
     DoesNotFit,
+    Drive,
     Flight,
     Impact,
     Mode,
@@ -110,6 +111,10 @@ def supports(case: Case) -> str:
         return "A belt is not supported with several contacts."
     if own := own_effects(case.effects):
         return f"{type(own[0]).__name__} is not supported with several contacts."
+    if case.effect(Drive) is not None:
+        return "A driven track is not supported with several contacts."
+    if not case.plate.turns:
+        return "A plate of infinite inertia is not supported with several contacts."
     friction = case.effect(CoulombFriction)
     if friction is not None and friction.by_speed:
         return "Friction that depends on the slip speed is not supported with several contacts."

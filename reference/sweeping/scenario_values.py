@@ -17,7 +17,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, CaseError, CoulombFriction, Curve, Gravity, Load, NotSupported, RollingResistance
+from cases import (
+    Belt,
+    Case,
+    CaseError,
+    CoulombFriction,
+    Curve,
+    Drive,
+    Gravity,
+    Load,
+    NotSupported,
+    RollingResistance,
+)
 from cases.contact import start_motion
 from cases.expressions import constants
 from cases.overlap import first_overlap
@@ -100,7 +111,7 @@ def scenes(
 
 def structure(case: Case) -> Structure:
     """The structure of a case: what it must share with other scenarios to be simulated with them; raises NotSupported
-    for friction that depends on the slip velocity."""
+    for friction that depends on the slip velocity, and for driven tracks."""
     if own := own_effects(case.effects):
         raise NotSupported(f"a sweep does not support {type(own[0]).__name__}; simulate such cases one by one")
     friction = case.effect(CoulombFriction)
@@ -108,6 +119,8 @@ def structure(case: Case) -> Structure:
         raise NotSupported(
             "a sweep does not support a mu that depends on the slip velocity; simulate such cases one by one"
         )
+    if case.effect(Drive) is not None:
+        raise NotSupported("a sweep does not support a driven track; simulate such cases one by one")
     track, outline = case.track, case.plate.outline
     ends = tuple((c.domain is None, c.period is None) for c in (track, outline))
     kinds = tuple(type(effect) for effect in case.effects)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, CoulombFriction, Load, RollingResistance, Trajectory, Unilateral
+from cases import Belt, Case, CoulombFriction, Drive, Load, RollingResistance, Trajectory, Unilateral
 from cases.contact import belt_speed
 from cases.mechanics import energy, gravity, kinetic_energy
 
@@ -55,12 +55,17 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
     """The losses of a motion up to the time `end`: the law takes Σ (μ|slip| + arm|ω|) N h.
 
     The normal force N follows from the motion's momentum, m (Δv/h − g) − load, along the track's normal. The work of a
-    load and of a belt counts as energy added. NaN where the case has no Coulomb friction, and where the plate flies,
-    because an impact takes energy in no time.
+    load and of a belt counts as energy added. NaN where the case has no Coulomb friction or a
+    driven track, and where the plate flies, because an impact takes energy in no time.
     """
     friction, resistance = case.effect(CoulombFriction), case.effect(RollingResistance)
     inside = motion.t <= end
-    if friction is None or inside.sum() < 2 or not np.isfinite(motion.xi1[inside]).all():
+    if (
+        friction is None
+        or case.effect(Drive) is not None
+        or inside.sum() < 2
+        or not np.isfinite(motion.xi1[inside]).all()
+    ):
         return Losses(np.nan, np.nan)
     h = np.diff(motion.t[inside])
     vx, vy, omega, slip, xi1 = (getattr(motion, name)[inside] for name in ("vx", "vy", "omega", "slip", "xi1"))

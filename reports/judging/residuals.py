@@ -17,6 +17,7 @@ from cases import (
     Belt,
     Case,
     CoulombFriction,
+    Drive,
     Flight,
     Gravity,
     Impact,
@@ -31,7 +32,7 @@ from cases.own_effects import ContactEffect, own_effects
 from cases.trajectory import State
 
 # Effects included in the balance of energy: a conservative force, friction, and a bound that does no work.
-_ENERGY_EFFECTS = (Gravity, CoulombFriction, Unilateral, Belt, ContactEffect)
+_ENERGY_EFFECTS = (Gravity, CoulombFriction, Unilateral, Belt, Drive, ContactEffect)
 # Number of times at which residuals and condition numbers are computed: gives their maxima to within a few per cent.
 _LOOKS = 200
 # Gauss points between two samples of a dense motion: its steps carry polynomials of up to degree 25, their product with
@@ -80,7 +81,7 @@ def energy_residual(case: Case, motion: Trajectory) -> np.ndarray:
     if any(not isinstance(effect, _ENERGY_EFFECTS) for effect in case.effects):
         return np.full(len(motion.t), nan)
     total = mechanics.energy(case, motion)
-    works = case.effect(CoulombFriction) or own_effects(case.effects)
+    works = case.effect(CoulombFriction) or case.effect(Drive) or own_effects(case.effects)
     off = total - total[0] - (work_of_contact(case, motion) if works else 0.0)
     kinetic = mechanics.kinetic_energy(case, motion)
     scale = float(max(kinetic.max(), np.ptp(total - kinetic)))
@@ -126,6 +127,8 @@ def looks(motion: Trajectory) -> tuple[np.ndarray, State]:
 
 def _gap(case: Case, motion: Trajectory) -> tuple[float, float]:
     """(5): how far the outline's point at ξ₂ lies from the track's at ξ₁, over the plate's size, and its slope."""
+    if case.effect(Drive) is not None:
+        return nan, nan
     times, state = looks(motion)
     if not np.all(np.isfinite(state.xi1)) or not np.all(np.isfinite(state.xi2)):
         return nan, nan
@@ -136,6 +139,8 @@ def _gap(case: Case, motion: Trajectory) -> tuple[float, float]:
 
 
 def _tangency(case: Case, motion: Trajectory) -> float:
+    if case.effect(Drive) is not None:
+        return nan
     _, state = looks(motion)
     if not np.all(np.isfinite(state.xi1)) or not np.all(np.isfinite(state.xi2)):
         return nan
@@ -164,8 +169,8 @@ def broken_laws(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
         violations.append(f"the plate leaves its track by {gap.max():.3g} m and comes back")
     growth, kinetic = energy_growth(case, motion), mechanics.kinetic_energy(case, motion).max()
     rounding = ROUNDING * float(np.abs(mechanics.energy(case, motion)).max())
-    driven = case.effect(Load) or case.effect(Belt)
-    if not driven and growth > ENERGY * max(kinetic, case.plate.mass * _slow(case, motion) ** 2) + rounding:
+    has_power = case.effect(Load) or case.effect(Belt) or case.effect(Drive)
+    if not has_power and growth > ENERGY * max(kinetic, case.plate.mass * _slow(case, motion) ** 2) + rounding:
         violations.append(f"the energy grows by {growth:.3g} J without a load or a belt")
     if np.isfinite(motion.normal_force).all() and np.isfinite(motion.friction_force).all():
         violations += _broken_force_laws(case, motion)
@@ -190,7 +195,9 @@ def _broken_force_laws(case: Case, motion: Trajectory) -> list[str]:
     if power.max() > LOOSE * max(float(np.abs(tangential).max()), scale) * fastest:
         violations.append(f"friction drives the slip with {power.max():.3g} W at t = {t[np.argmax(power)]:.6g} s")
     # No column contains the impulse of an impact.
-    for what, error, tolerance in () if case.effect(Impact) else _momentum(case, motion):
+    # A driven track may turn, with the directions of the forces.
+    unknown = case.effect(Impact) or case.effect(Drive)
+    for what, error, tolerance in () if unknown else _momentum(case, motion):
         if error > tolerance:
             violations.append(f"the forces do not make the motion: {what} is off by {error:.3g} kg m/s")
     return violations

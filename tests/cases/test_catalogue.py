@@ -10,7 +10,7 @@ import pytest
 
 import cases
 import reference
-from cases import Case, Flight, Load, Mode
+from cases import Case, Drive, Flight, Load, Mode
 from cases.contact import overlap, start_motion
 from reference import contact_frame
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
@@ -137,6 +137,8 @@ def check_agreement(case: Case, accuracy) -> None:
 
 def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
     motion = motion_of(any_case)
+    if any_case.effect(Flight) and any_case.effect(Drive):
+        pytest.skip("a track that moves does work in every impact")
     if any_case.effect(Flight):
         assert any_case.effect(Load) is None
         energies = energy(any_case, motion)

@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 
 import reference
-from cases import Belt, Case, CoulombFriction, Curve, Gravity, Load, RollingResistance, Start, Trajectory
+from cases import Belt, Case, CoulombFriction, Curve, Drive, Gravity, Load, RollingResistance, Start, Trajectory
 from cases import curves as c
 from cases.contact import start_motion
 from cases.effects import MOTION
@@ -60,6 +60,12 @@ def _scaled_friction(friction: CoulombFriction, per_speed: float) -> CoulombFric
     return CoulombFriction(friction.mu.subs(SLIP_SPEED, per_speed * SLIP_SPEED), friction.mu_static)
 
 
+def _turned_drive(drive: Drive, length: float, time: float, turn: float) -> Drive:
+    x, y, angle = (part.subs(TIME, TIME / time) for part in drive.expression)
+    a, b = c.cos(turn), c.sin(turn)
+    return Drive(length * (a * x - b * y), length * (b * x + a * y), angle)
+
+
 def _mirrored_curve(curve: Curve) -> Curve:
     x, y = curve.expression
     domain = curve.domain and (-curve.domain[1], -curve.domain[0])
@@ -79,6 +85,7 @@ def mirrored(case: Case) -> Case:
                 Gravity: lambda e: Gravity(e.g, pi - e.direction),
                 Load: _mirrored_load,
                 Belt: lambda e: Belt(-e.expression),
+                Drive: lambda e: Drive(-e.expression[0], e.expression[1], -e.expression[2]),
             },
         ),
         start=Start(-start.xi1, -start.xi2, -start.slip, -start.omega, case.start.gap, case.start.gap_rate),
@@ -109,6 +116,7 @@ def in_other_units(case: Case, length: float, time: float, mass: float, turn: fl
                 Load: lambda e: _turned_load(e, length, time, mass, turn),
                 RollingResistance: lambda e: RollingResistance(e.arm * length),
                 Belt: lambda e: Belt(e.expression.subs(TIME, TIME / time) * length / time),
+                Drive: lambda e: _turned_drive(e, length, time, turn),
             },
         ),
         start=Start(

@@ -20,6 +20,7 @@ from cases import (
     Case,
     CoulombFriction,
     Curve,
+    Drive,
     Effect,
     Flight,
     Gravity,
@@ -125,7 +126,14 @@ SCENES: dict[str, tuple[Callable[[tuple[Effect, ...]], Case], tuple[Effect, ...]
     ),
     "on_belt": (
         _on_belt,
-        (Gravity(9.81), Unilateral(), CoulombFriction(0.15), Belt(0.5), Belt("0.5 + 0.2*sin(3*t)")),
+        (
+            Gravity(9.81),
+            Unilateral(),
+            CoulombFriction(0.15),
+            Belt(0.5),
+            Belt("0.5 + 0.2*sin(3*t)"),
+            Drive(x="0.05*sin(6*t)"),
+        ),
     ),
     "over_crest": (
         _over_crest,

@@ -15,6 +15,7 @@ from cases import (
     Case,
     CoulombFriction,
     Curve,
+    Drive,
     Flight,
     Gravity,
     Impact,
@@ -43,7 +44,7 @@ ODD = (
 CIRCLE, DISC = library.circle(1.0), disc(0.1, 1.0)
 EFFECTS = (
     Gravity(1.0), CoulombFriction(0.1), Unilateral(), Unilateral, Flight(), Impact(0.5), PerfectlyRough(),
-    RollingResistance(0.1), Load(1.0), Belt(0.5),
+    RollingResistance(0.1), Load(1.0), Belt(0.5), Drive("sin(t)"),
 )  # fmt: skip
 
 # Whatever is made by a call, with a right value for each argument.
@@ -53,6 +54,7 @@ MAKERS = {
     "RollingResistance": (RollingResistance, dict(arm=0.01)),
     "Impact": (Impact, dict(restitution=0.5, law="poisson")),
     "Belt": (Belt, dict(speed="1+sin(t)")),
+    "Drive": (Drive, dict(x="sin(t)", y=0.0, angle="t")),
     "Load": (Load, dict(fx="sin(t)", fy=1.0, moment=0.0)),
     "Start": (Start, dict(xi1=0.1, xi2=0.0, slip=0.0, omega=1.0, gap=0.0, gap_rate=0.0)),
     "disc": (disc, dict(radius=0.1, mass=1.0, inertia=0.005)),

@@ -1,0 +1,147 @@
+"""The frame of a driven track: a case and its motions, seen from there and from the fixed frame.
+
+In the track's frame the track rests, and a plate of mass m and inertia J at r moves as under the loads
+
+    −m (Qᵀ c̈ + α̈ U r − α̇² r + 2 α̇ U ṙ)    and    −J α̈,
+
+with the track's place c(t), its rotation Q by the angle α(t), and U, a quarter turn. Contact, slip and the contact's
+forces along tangent and normal are the same in both frames.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from .case import Case
+from .contact import track_place
+from .derivation import in_one_thread
+from .effects import MOTION, Drive, Effect, Gravity, Load
+from .errors import BadValue
+from .trajectory import State, Trajectory
+
+
+@lru_cache(maxsize=256)
+def relative_case(case: Case) -> Case:
+    """The case as its track sees it: without Drive, with the loads of the track's motion."""
+    drive = case.effect(Drive)
+    if drive is None:
+        return case
+    try:
+        load = _load(case, drive)
+    except BadValue as problem:
+        raise BadValue(
+            f"the formulas of Drive and Load are too long together for the load in the track's frame ({problem}); give "
+            "shorter ones, or a track that does not turn"
+        ) from problem
+    others: list[Effect] = [e for e in case.effects if not isinstance(e, Drive | Load)]
+    if drive.is_turning:
+        others = [e for e in others if not isinstance(e, Gravity)]
+    effects = (*others, *([load] if load else []))
+    return replace(case, effects=effects, start=replace(case.start, omega=case.start.omega - drive.at(0.0).spin))
+
+
+@in_one_thread
+def _load(case: Case, drive: Drive) -> Load | None:
+    """All loads in the track's frame; None if there are none. Gravity is one of them if the track turns."""
+    t, x, y, theta, vx, vy, omega = MOTION
+    X, Y, A, X1, Y1, A1, X2, Y2, A2 = drive.rates
+    c, s = (sp.cos(A), sp.sin(A)) if drive.is_turning else (sp.Integer(1), sp.Integer(0))
+    from_track = {
+        x: X + c * x - s * y,
+        y: Y + s * x + c * y,
+        theta: theta + A,
+        vx: X1 + c * vx - s * vy - A1 * (s * x + c * y),
+        vy: Y1 + s * vx + c * vy + A1 * (c * x - s * y),
+        omega: omega + A1,
+    }
+    own, gravity, mass = case.effect(Load), case.effect(Gravity), case.plate.mass
+    fx, fy, moment = (e.subs(from_track, simultaneous=True) for e in own.expression) if own else (sp.Integer(0),) * 3
+    if gravity and drive.is_turning:
+        gx, gy = gravity.vector
+        fx, fy = fx + mass * gx, fy + mass * gy
+    along = c * fx + s * fy - mass * (c * X2 + s * Y2 - A2 * y - A1**2 * x - 2 * A1 * vy)
+    across = c * fy - s * fx - mass * (c * Y2 - s * X2 + A2 * x - A1**2 * y + 2 * A1 * vx)
+    if drive.is_turning:
+        moment = moment - case.plate.inertia * A2
+    parts = [sp.sympify(part) for part in (along, across, moment)]
+    return Load(*parts) if any(not part.is_zero for part in parts) else None
+
+
+def in_track_frame(motion: Trajectory) -> Trajectory:
+    """The motion of a driven case as its track sees it, with that case: for pictures and films of it."""
+    if motion.case is None:
+        raise BadValue("the motion has no case; give it one: dataclasses.replace(…, case=case)")
+    return _seen(motion, relative_case(motion.case), _SeenFromTrack(motion.case, motion))
+
+
+def in_fixed_frame(case: Case, motion: Trajectory) -> Trajectory:
+    """A motion of `relative_case(case)` in the fixed frame."""
+    return _seen(motion, case, _SeenFromOutside(case, motion))
+
+
+def _seen(motion: Trajectory, case: Case, view: _View) -> Trajectory:
+    others: dict[str, Any] = {f.name: getattr(motion, f.name) for f in fields(motion) if f.name not in _SAMPLES}
+    dense = view if motion.dense is not None else None
+    return Trajectory.on_demand(view.samples, **others | dict(case=case, dense=dense))
+
+
+_SAMPLES = ("t", *State._fields)
+
+
+class _View:
+    """A motion from another frame: times (n,) ↦ State."""
+
+    def __init__(self, case: Case, motion: Trajectory):
+        self.case, self.motion = case, motion
+
+    def __call__(self, when: np.ndarray) -> State:
+        return self.move(when, self.motion(when))
+
+    def samples(self) -> tuple[np.ndarray, State]:
+        """Times and states of the motion's own samples."""
+        motion = self.motion
+        return motion.t, self.move(motion.t, State(*(np.asarray(getattr(motion, name)) for name in State._fields)))
+
+    def move(self, when: np.ndarray, state: State) -> State:
+        """The states in the other frame."""
+        raise NotImplementedError
+
+
+class _SeenFromOutside(_View):
+    """From the track's frame to the fixed one."""
+
+    def move(self, when: np.ndarray, state: State) -> State:
+        place = track_place(self.case, when)
+        c, s = np.cos(place.angle), np.sin(place.angle)
+        rx, ry = c * state.x - s * state.y, s * state.x + c * state.y
+        return state._replace(
+            x=place.x + rx,
+            y=place.y + ry,
+            theta=state.theta + place.angle,
+            vx=place.vx + c * state.vx - s * state.vy - place.spin * ry,
+            vy=place.vy + s * state.vx + c * state.vy + place.spin * rx,
+            omega=state.omega + place.spin,
+        )
+
+
+class _SeenFromTrack(_View):
+    """From the fixed frame to the track's."""
+
+    def move(self, when: np.ndarray, state: State) -> State:
+        place = track_place(self.case, when)
+        c, s = np.cos(place.angle), np.sin(place.angle)
+        dx, dy = state.x - place.x, state.y - place.y
+        ux, uy = state.vx - place.vx + place.spin * dy, state.vy - place.vy - place.spin * dx
+        return state._replace(
+            x=c * dx + s * dy,
+            y=c * dy - s * dx,
+            theta=state.theta - place.angle,
+            vx=c * ux + s * uy,
+            vy=c * uy - s * ux,
+            omega=state.omega - place.spin,
+        )

@@ -1,0 +1,265 @@
+"""Driven tracks: exact values, agreement of three derivations, work, frames, and wrong input."""
+
+import random
+from dataclasses import replace
+from math import asin, inf, sin
+
+import numpy as np
+import pytest
+
+import cases
+import reference
+from cases import (
+    BadValue,
+    Belt,
+    Case,
+    CaseError,
+    CoulombFriction,
+    DoesNotFit,
+    Drive,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    Mode,
+    RollingResistance,
+    Start,
+    Unilateral,
+    contact,
+    disc,
+)
+from cases.library import circle, line
+from cases.moving_frame import in_track_frame, relative_case
+from reference.paper.kinematics import kinematics, slip_vector, slip_vector_of_plate
+from tests.reference.test_belts import random_scenes
+from tests.scenes.agreement import check_same_sequence
+from tests.scenes.motions import energy, in_other_units, mirrored, work_done
+
+G, R, M = 9.81, 0.1, 1.0
+METHODS = pytest.mark.parametrize("method", [*reference.METHODS, "augmented"])
+# Tolerance 1e-13 and rounding in a few hundred operations.
+EXACT = 1e-12
+
+
+def level(drive, *more, mu=0.2, duration=2.0, **start):
+    effects = (Gravity(G), CoulombFriction(mu), Unilateral(), drive, *more)
+    return Case(line(), disc(R, M), effects, Start(0.0, **start), duration)
+
+
+@METHODS
+def test_disc_on_a_plate_has_a_third_of_its_acceleration_where_it_rolls(method):
+    """m v̇ = T, J ω̇ = T r and v̇ + r ω̇ = a with J = m r²/2: v̇ = a/3, T = m a/3 ≤ μ m g."""
+    case = cases.load("disc_on_accelerated_plate", jerk=4.0, mu=0.2)
+    motion = reference.simulate(case, rtol=1e-13, method=method)
+    (change,) = motion.transitions
+    assert change.time == pytest.approx(3 * 0.2 * G / 4.0, abs=EXACT)
+    at = motion(1.2)
+    assert at.vx == pytest.approx(4.0 * 1.2**2 / 6, abs=EXACT)
+    assert at.friction_force == pytest.approx(M * 4.0 * 1.2 / 3, abs=10 * EXACT)
+    assert motion(2.5).friction_force == pytest.approx(0.2 * M * G, abs=EXACT)
+
+
+@METHODS
+def test_shaken_table_lets_go_where_a_third_of_its_acceleration_exceeds_friction(method):
+    motion = reference.simulate(cases.load("disc_on_shaken_table"), rtol=1e-13, method=method)
+    assert motion.transitions[0].time == pytest.approx(asin(3 * 0.2 * G / (0.05 * 144)) / 12, abs=EXACT)
+
+
+@METHODS
+def test_plate_lifts_off_a_table_that_falls_faster_than_it(method):
+    """N = m (g + ÿ) vanishes where amplitude rate² sin(rate t) = g."""
+    motion = reference.simulate(cases.load("disc_on_bouncing_table"), rtol=1e-13, method=method)
+    change = motion.transitions[0]
+    assert change.after is Mode.FLIGHT
+    assert change.time == pytest.approx(asin(G / (0.02 * 900)) / 30, abs=EXACT)
+
+
+def test_bowl_that_swings_about_its_centre_is_a_belt():
+    """A circle turned about its centre is the same circle; its surface runs with R α̇."""
+    swung = cases.load("disc_in_swinging_bowl")
+    kept = tuple(e for e in swung.effects if not isinstance(e, Drive))
+    belt = replace(swung, effects=(*kept, Belt("0.4*3.0*cos(3.0*t)")))
+    there, here = reference.simulate(swung, rtol=1e-13), reference.simulate(belt, rtol=1e-13)
+    assert [t.after for t in there.transitions] == [t.after for t in here.transitions]
+    assert [t.time for t in there.transitions] == pytest.approx([t.time for t in here.transitions], abs=1e-11)
+    times = np.linspace(0.0, 3.0, 40)
+    for name in ("x", "y", "vx", "vy", "omega", "slip", "normal_force", "friction_force"):
+        assert getattr(there(times), name) == pytest.approx(getattr(here(times), name), abs=1e-9)
+
+
+def test_shaken_track_is_an_inertial_load():
+    driven = level(Drive(x="0.05*sin(12*t)"))
+    loaded = replace(driven, effects=(*driven.effects[:3], Load(fx="1.0*0.05*144*sin(12*t)")))
+    there, here = (reference.simulate(case, rtol=1e-13) for case in (driven, loaded))
+    assert [t.time for t in there.transitions] == pytest.approx([t.time for t in here.transitions], abs=EXACT)
+    assert there(1.9).x - 0.05 * sin(12 * 1.9) == pytest.approx(here(1.9).x, abs=EXACT)
+
+
+def test_track_that_drops_away_leaves_a_plate_in_free_fall():
+    """A plate without rotation on a track that accelerates upwards and then stops flies as thrown."""
+    case = level(Drive(y="0.5*4*t**2"), Flight(), Impact(0.0), duration=1.0)
+    motion = reference.simulate(case, rtol=1e-13)
+    assert not motion.transitions
+    assert motion(1.0).vy == pytest.approx(4.0, abs=EXACT)
+    assert motion(0.5).normal_force == pytest.approx(M * (G + 4.0), abs=10 * EXACT)
+
+
+def test_ball_on_the_moving_plane_of_siconos():
+    """A ball dropped on a plane that rises with 3 cos(0.9069 t) m/s, restitution 0.9.
+
+    siconos-tutorials, examples/mechanics/BallOnMovingPlane/BallOnMovingPlane.ref (looked up): rows of time, place and
+    velocity of the ball and of the plane, by Moreau's time stepping with h = 5 ms. The plane's velocity there is
+    3 cos(w t), with w from its first rows. An impact may come one step late, which moves what follows by at most
+    h (1 + e) times the closing speed, and a velocity by (g + |plane's acceleration|) h.
+    """
+    h, e, w = 5e-3, 0.9, 0.90690
+    rows = {
+        0.2: (0.8038, -1.962),
+        0.25: (0.7690829907470464, 7.633565432939547),
+        0.295: (1.102660810229326, 7.192115432939546),
+    }
+    assert 3 * np.cos(w * 0.01) == pytest.approx(2.999876632481660, abs=1e-8)
+    case = level(
+        Drive(y=f"{3 / w!r}*sin({w!r}*t)"), Flight(), Impact(e, "newton"), gap=1.0, gap_rate=-3.0, duration=0.4
+    )
+    motion = reference.simulate(case, rtol=1e-12)
+    closing = abs(motion(0.2399).vy) + 3.0
+    for time, (height, velocity) in rows.items():
+        state = motion(time)
+        assert state.y - R == pytest.approx(height, abs=1e-12 if time < 0.24 else h * (1 + e) * closing)
+        assert state.vy == pytest.approx(velocity, abs=1e-12 if time < 0.24 else 2 * e * (G + 3 * w) * h)
+
+
+def test_paper_kinematics_with_a_moving_track():
+    """(11) and (12) are the same velocity, and (8), (9) the rates of (5), (6), with R(ξ₁, t)."""
+    drive = Drive(x="0.1*sin(3*t)", y="0.2*t**2", angle="0.5*t + 0.3*sin(2*t)")
+    case = Case(circle(1.0), disc(R, M), (Gravity(G), CoulombFriction(0.2), drive), Start(-1.0), 2.0)
+    state, t, d = (-1.0, 0.3, 0.7, -2.0), 0.4, 1e-6
+    k = kinematics(case, *state, t)
+    assert slip_vector(k) == pytest.approx(slip_vector_of_plate(k), abs=1e-12)
+    before, after = (
+        kinematics(case, state[0] + s * state[2], state[1] + s * state[3], *state[2:], t + s) for s in (-d, d)
+    )
+    assert (after.R0 - before.R0) / (2 * d) == pytest.approx(k.R0_dot, abs=1e-8)
+    assert (after.theta - before.theta) / (2 * d) == pytest.approx(k.theta_dot, abs=1e-8)
+
+
+def driven_scenes(seed: int, count: int):
+    """Random scenes on tracks that are shaken, accelerated and turned."""
+    chance = random.Random(seed)
+
+    def between(low, high):
+        return chance.uniform(low, high)
+
+    for case in random_scenes(seed, count):
+        turns = chance.random() < 0.8
+        x = chance.choice(
+            [f"{between(-0.1, 0.1):.3f}*sin({between(1, 12):.2f}*t)", f"{between(-0.5, 0.5):.3f}*t**2", "0"]
+        )
+        y = chance.choice([f"{between(-0.05, 0.05):.3f}*cos({between(1, 12):.2f}*t)", "0"])
+        angle = chance.choice(
+            [f"{between(-0.5, 0.5):.3f}*sin({between(1, 6):.2f}*t)", f"{between(-0.3, 0.3):.3f}*t", "0"]
+        )
+        effects = case.effects if chance.random() < 0.4 else tuple(e for e in case.effects if not isinstance(e, Belt))
+        if turns and case.effect(Belt) is None and chance.random() < 0.3:
+            effects = (*effects, RollingResistance(0.005))
+        plate = case.plate if turns else replace(case.plate, inertia=inf)
+        start = case.start if turns else replace(case.start, omega=0.0)
+        try:
+            yield Case(case.track, plate, (*effects, Drive(x, y, angle if turns else "0")), start, case.duration)
+        except CaseError:  # no component depends on time, or the plate does not fit
+            continue
+
+
+def test_formulations_agree_on_random_driven_tracks():
+    for case in driven_scenes(seed=21, count=5):
+        check_same_sequence(case, literal=True)
+
+
+@pytest.mark.slow
+def test_formulations_agree_on_two_thousand_random_driven_tracks():
+    for number, case in enumerate(driven_scenes(seed=22, count=2400)):
+        check_same_sequence(case, literal=number % 20 == 0)
+
+
+def test_work_of_friction_and_drive_is_the_energy_gained():
+    for case in driven_scenes(seed=23, count=10):
+        if case.effect(Flight) is not None or case.effect(RollingResistance) is not None:
+            continue
+        motion = reference.simulate(case, rtol=1e-13)
+        times = np.linspace(motion.t[0], motion.t[-1], 200)
+        gained = energy(case, motion(float(motion.t[-1]))) - energy(case, motion(0.0))
+        scale = np.ptp(energy(case, motion(times))) + np.max(np.hypot(motion.vx, motion.vy)) ** 2 * M
+        assert abs(gained - work_done(case, motion)) <= 1e-10 * scale, case
+
+
+@pytest.mark.parametrize("change", [mirrored, lambda case: in_other_units(case, 2.5, 1.7, 3.1, 0.7)])
+def test_mirror_image_rotation_and_units_change_no_transition_on_driven_tracks(change):
+    compared = 0
+    for case in driven_scenes(seed=24, count=7):
+        try:
+            other = change(case)
+            relative_case(other)
+        except BadValue:  # the formulas of the turned scene are too long
+            continue
+        compared += 1
+        here, there = reference.simulate(case, rtol=1e-13), reference.simulate(other, rtol=1e-13)
+        unit = other.duration / case.duration
+        assert there.status == here.status
+        assert [t.time / unit for t in there.transitions] == pytest.approx(
+            [t.time for t in here.transitions], abs=1e-10
+        )
+    assert compared > 2
+
+
+def test_frames_are_inverse_to_each_other():
+    case = cases.load("disc_in_swinging_bowl")
+    motion = reference.simulate(case)
+    seen = in_track_frame(motion)
+    own = reference.simulate(relative_case(case))
+    times = np.linspace(0.0, 3.0, 20)
+    for name in ("x", "y", "theta", "vx", "vy", "omega", "slip"):
+        assert getattr(seen(times), name) == pytest.approx(getattr(own(times), name), abs=1e-9)
+    begin, first = contact.start_motion(case), motion(0.0)
+    assert (begin.x, begin.y, begin.vx, begin.vy) == pytest.approx((first.x, first.y, first.vx, first.vy), abs=EXACT)
+    state = motion(times)
+    slip = contact.slip_velocity(case, state.x, state.y, state.vx, state.vy, state.omega, state.xi1, times)
+    assert slip == pytest.approx(state.slip, abs=1e-11)
+
+
+def test_motion_file_of_a_driven_track_is_read_back(tmp_path):
+    from adapters.common import motion_file
+
+    case = cases.load("disc_in_swinging_bowl")
+    motion = reference.simulate(case)
+    path = motion.to_csv(tmp_path / "motion.csv", 600)
+    again = motion_file.read(case, motion_file.read_table(path)) if hasattr(motion_file, "read") else None
+    if again is not None:
+        assert again.slip == pytest.approx(motion(again.t).slip, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "error", "sentence"),
+    [
+        (lambda: Drive(), BadValue, "leave Drive out"),
+        (lambda: Drive(x=1.0), BadValue, "leave Drive out"),
+        (lambda: Drive(x="v"), BadValue, "use t"),
+        (lambda: level(Drive(x="1/t")), BadValue, "at t = 0"),
+    ],
+)
+def test_wrong_drives_are_rejected_with_what_to_give(wrong, error, sentence):
+    with pytest.raises(error, match=sentence):
+        wrong()
+
+
+def test_plate_that_does_not_turn_rejects_a_track_that_does():
+    effects = (Gravity(G), CoulombFriction(0.2), Drive(angle="0.1*t"))
+    with pytest.raises(DoesNotFit, match="leave angle of Drive out"):
+        Case(line(), disc(R, M, inf), effects, Start(0.0), 1.0)
+
+
+def test_block_on_a_shaken_table_slips_where_the_acceleration_exceeds_mu_g():
+    effects = (Gravity(G), CoulombFriction(0.3), Unilateral(), Drive(x="0.05*sin(12*t)"))
+    motion = reference.simulate(Case(line(), disc(R, M, inf), effects, Start(0.0), 1.0), rtol=1e-13)
+    assert motion.transitions[0].time == pytest.approx(asin(0.3 * G / (0.05 * 144)) / 12, abs=EXACT)
+    assert motion.transitions[0].before is Mode.REST
