@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Flight, NotSupported, Trajectory, Transition
+from cases.contact import start_motion
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.trajectory import CONTACT
 
@@ -113,8 +114,16 @@ def _witness(name: str, motion: Trajectory) -> Witness:
 
 
 def _by_second(case: Case, name: str, rtol: float) -> Witness:
-    from .. import contact_frame  # SciPy's integrators and trees are slow to import, and stored truth needs no witness
+    from .. import (
+        contact_frame,
+        delassus,
+    )  # SciPy's integrators and trees are slow to import, and stored truth needs no witness
 
+    if _has_several_contacts(case) and delassus.touches_at_start(case):
+        begin = start_motion(case)
+        body = np.array([begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega])
+        mode = delassus.mode_of(case, begin.slip, begin.omega)
+        return _several_witness(case, name, rtol, (), (0.0, body, (begin.xi1, begin.xi2), mode))
     answer = contact_frame.solve(case, rtol=rtol, steps_per_turn=STEPS_PER_TURN, overlaps=True)
     if answer.status == contact_frame.STOPS["elsewhere"] and not several.supports(case):
         return _by_delassus(case, name, rtol, answer)
@@ -134,12 +143,20 @@ def _by_delassus(case: Case, name: str, rtol: float, first) -> Witness:
     """The second formulation with the motion after a second contact."""
     from .. import contact_frame, delassus
 
-    at_start = delassus.touches_at_start(case)
-    end = 0.0 if at_start else first.end
-    last = contact_frame.solve(case, rtol=rtol, times=[end], steps_per_turn=STEPS_PER_TURN, until=first.end)
-    before = () if at_start else tuple(replace(event, contact=CONTACT) for event in first.transitions)
-    mode = before[-1].after if before else delassus.first_mode(case)
-    body, own = last.motions[:6, 0], (float(last.states[0, 0]), float(last.states[1, 0]))
+    end = first.end
+    last = contact_frame.solve(case, rtol=rtol, times=[end], steps_per_turn=STEPS_PER_TURN, until=end)
+    before = tuple(replace(event, contact=CONTACT) for event in first.transitions)
+    slip, omega = float(last.states[3, 0]), float(last.states[2, 0])
+    mode = before[-1].after if before else delassus.mode_of(case, slip, omega)
+    own = float(last.states[0, 0]), float(last.states[1, 0])
+    return _several_witness(case, name, rtol, before, (end, last.motions[:6, 0], own, mode))
+
+
+def _several_witness(case: Case, name: str, rtol: float, before: tuple[Transition, ...], state) -> Witness:
+    """The second formulation from `state` on: time, (x, y, θ, vx, vy, ω), pair of points and mode of the contact."""
+    from .. import contact_frame, delassus
+
+    end, body, own, mode = state
 
     def go_on(times: Sequence[float]) -> delassus.SeveralMotion:
         return delassus.continue_motion(case, end, body, own, mode, rtol, times)
@@ -148,12 +165,12 @@ def _by_delassus(case: Case, name: str, rtol: float, first) -> Witness:
 
     def states(times):
         times = np.asarray(times, dtype=float)
-        motions = go_on(times).motions
-        is_before = times < end
-        early = contact_frame.solve(
-            case, rtol=rtol, times=times[is_before], steps_per_turn=STEPS_PER_TURN, until=end
-        ).motions if is_before.any() else np.empty((7, 0))  # fmt: skip
-        motions[:, is_before] = early
+        motions, is_before = go_on(times).motions, times < end
+        if is_before.any():
+            early = contact_frame.solve(
+                case, rtol=rtol, times=times[is_before], steps_per_turn=STEPS_PER_TURN, until=end
+            )
+            motions[:, is_before] = early.motions
         return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
 
     return Witness(name, (*before, *answer.transitions), answer.status, answer.end, states)

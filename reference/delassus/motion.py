@@ -31,6 +31,8 @@ RISEN = 1e-11
 # A contact touches if its gap is below this part of the plate's size; it closes, slips or accelerates if the speed or
 # acceleration exceeds this part of the motion's.
 TOUCHES, MOVES = 1e-11, 1e-10
+# A slip velocity below this part of the outline's own speed is rounding.
+NO_SLIP = 1e-11
 # Impacts that close with less than this part of the largest closing speed are small: they are listed only if the motion
 # does not come to rest by them (the definition in `cases.Transition`).
 SMALL_IMPACT = 7e-4
@@ -617,12 +619,14 @@ def touches_at_start(case: Case) -> bool:
     return sum(abs(gap) <= 1e-12 * size for gap in gaps) > 1
 
 
-def first_mode(case: Case) -> Mode:
-    """The mode of a start's contact before others are considered: the sign of its slip."""
-    slip, dynamics = case.start.slip, PlateDynamics(case)
+def mode_of(case: Case, slip: float, omega: float) -> Mode:
+    """The mode of a contact with that slip velocity (m/s); a slip of a few roundings of the spin is none."""
+    dynamics = PlateDynamics(case)
     if dynamics.mu == 0.0:
         return Mode.SLIDE
-    return Mode.SLIP_FORWARD if slip > 0.0 else Mode.SLIP_BACKWARD if slip < 0.0 else Mode.ROLL
+    if abs(slip) <= NO_SLIP * (case.plate.reach * abs(omega) + abs(slip)):
+        return Mode.ROLL
+    return Mode.SLIP_FORWARD if slip > 0.0 else Mode.SLIP_BACKWARD
 
 
 def continue_motion(

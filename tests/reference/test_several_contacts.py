@@ -28,6 +28,7 @@ from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
 from reference.delassus import complementarity
 from reference.delassus.contacts import PlateDynamics, pair_at
+from reference.paper.several import solve_several
 from reference.several.decision import DecisionInstant, decide
 from reference.several.geometry import project
 from reference.several.regimes import SeveralRegime, join, several_phase
@@ -222,6 +223,28 @@ def test_decisions_are_those_of_lemkes_method_and_of_projected_gauss_seidel():
 def test_five_thousand_decisions_are_those_of_projected_gauss_seidel():
     counts = _compare_decisions(range(5000))
     assert counts["one"] > 4000 and counts["projected"] > 3500
+
+
+def test_the_papers_matrix_with_a_block_for_each_contact_gives_the_same_accelerations_and_forces():
+    numbers, both = 0, 0
+    for seed in range(120):
+        case, now = _random_state(seed)
+        decision = decide(case, now, 1e-12)
+        if decision.regime is None or decision.regime.rests or not decision.regime.closed:
+            continue
+        regime, closed = decision.regime, decision.regime.closed
+        phase = several_phase(case, regime)
+        rates = phase.system.rates_of_numbers(0.0, now.state, phase.parameters)
+        outputs = phase.system.outputs_of_numbers(0.0, now.state, phase.parameters)
+        states = [(*now.state[3 + 2 * k : 5 + 2 * k], *rates[3 + 2 * k : 5 + 2 * k]) for k in closed]
+        motion = 0.0, *now.state[:3], *now.state[-3:]
+        paper = solve_several(case, [regime.modes[k] for k in closed], states, motion)
+        assert paper.q1_ddot == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
+        for i, k in enumerate(closed):
+            forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
+            assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)
+        numbers, both = numbers + 1, both + (len(closed) == 2)
+    assert numbers > 60 and both > 10
 
 
 # --- two formulations -------------------------------------------------------------------------------------------------
