@@ -41,6 +41,9 @@ SMALL_HOP = 1e-10
 MOST_PHASES, MOST_STEPS = 5_000, 200_000
 # An open contact whose clearance has fallen to this part of its value is not watched any more.
 FORGOTTEN = 0.5
+# The guard of a slip that has just begun is ignored for this part of the motion's time scale: an instant located to
+# rounding may still lie inside the cone, where the slip would first go back by far less than the resolution.
+BLIND = 1e-6
 # Points of an open contact that move this many times as far as their rate between two looks allows have jumped.
 JUMP = 4.0
 # Looks at a load in time while it may end a rest.
@@ -90,10 +93,12 @@ class _Simulation:
         self.touching: set[str] = set()
         self.stuck: set[str] = set()
         self.begins: dict[str, float] = {}
+        self.beginning: set[str] = set()
         self.leaving: set[str] = set()
         self.at_rest = False
         self.struck: set[str] = set()
         self.is_start = t == 0.0
+        self.goes_on = False
 
     # --- phases -------------------------------------------------------------------------------------------------------
 
@@ -101,12 +106,17 @@ class _Simulation:
         try:
             self.settle(may_strike=True)
             for _ in range(MOST_PHASES):
-                self.phase(self.decide())
+                self.phase(self.same_modes() if self.goes_on else self.decide())
         except _MotionEnd as end:
             return str(end)
         except (DoesNotFit, np.linalg.LinAlgError):
             return "breakdown"
         return "unfinished"
+
+    def same_modes(self) -> SeveralContactPhase:
+        """The phase that continues after an open contact is no longer watched."""
+        self.goes_on = False
+        return SeveralContactPhase(self.dynamics, self.contacts)
 
     def pairs(self) -> list[PairState]:
         now = [pair_at(self.case, self.body, contact.pair) for contact in self.contacts]
@@ -140,6 +150,7 @@ class _Simulation:
             self.contacts[k] = contact._replace(mode=mode)
         self.list_changes([] if self.is_start else changes)  # the modes of a start are no changes
         self.is_start = False
+        self.beginning = set(self.begins)
         self.begins, self.leaving, self.struck, self.stuck = {}, set(), set(), set()
         if not modes and self.case.effect(Flight) is None:
             raise _MotionEnd("lift_off")
@@ -214,6 +225,7 @@ class _Simulation:
         values = phase.guards(self.t, self.body)
         positive = {name: value > RISEN * scales[name[0]] for name, value in values.items()}
         pace = self.pace(phase)
+        blind = self.t + (BLIND / pace if pace else 0.0)
         solver = DOP853(
             phase.rates, self.t, self.body, end, rtol=self.rtol, atol=1e-2 * self.rtol,
             max_step=2.0 * pi / (STEPS_PER_TURN * pace) if pace else end, first_step=None,
@@ -239,6 +251,8 @@ class _Simulation:
                     self.t, self.body = before, np.array(dense(before))
                     return [("forget", "")]
                 values = phase.guards(look, dense(look))
+                if look <= blind:
+                    values = {n: v for n, v in values.items() if n[0] != "slip" or n[1] not in self.beginning}
                 zeros = [
                     name for name, value in values.items()
                     if value <= (0.0 if positive[name] else -100.0 * RISEN * scales[name[0]])
@@ -354,12 +368,16 @@ class _Simulation:
     def apply(self, phase: SeveralContactPhase, guards: list[tuple[str, str]]) -> None:
         """The state after an event."""
         new = {c.name for c in self.contacts} - {c.name for c in phase.contacts}
+        # Newton's method begins at the last points of the phase, not at its first ones.
+        near = dict(zip((c.name for c in phase.contacts), phase.near, strict=True))
+        self.contacts = [c._replace(pair=near.get(c.name, c.pair)) for c in self.contacts]
         self.touching = {c.name for c in self.contacts if c.is_closed} | new
         self.stuck = {c.name for c in self.contacts if c.mode is Mode.ROLL}
         kinds = {kind for kind, _ in guards}
         if kinds == {"forget"}:
             self.contacts = [c for c in self.contacts if c.is_closed]
             self.settle()
+            self.goes_on = True
             return
         for kind, name in guards:
             if kind == "gap":

@@ -362,14 +362,14 @@ class SeveralSimulation:
             self.held_out = True
             return None
         kind, _, number = guard.partition(":")
+        stuck = {regime.names[k] for k, mode in enumerate(regime.modes) if mode is Mode.ROLL}
         if kind.startswith("lost"):
             del self.watches[int(number)]
-            self._settle()
+            self._settle(stuck)
             return None
         if kind in ENDS:
             return ENDS[kind]
         name = regime.names[int(number)]
-        stuck = {regime.names[k] for k, mode in enumerate(regime.modes) if mode is Mode.ROLL}
         if kind == "gap":
             self.touching.add(name)
             self._settle(stuck, struck=True)
