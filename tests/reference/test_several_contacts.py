@@ -6,6 +6,7 @@ from math import cos, radians, sin, tan
 import numpy as np
 import pytest
 
+import cases
 import reference
 from cases import (
     Case,
@@ -262,7 +263,7 @@ def _agree(case: Case, within: float) -> int:
 
 
 def test_both_formulations_have_the_same_sequence_and_a_certificate_of_it():
-    case = case_in(groove(radians(20), 0.01), Start(-0.6), CoulombFriction(1.0), duration=2.0)
+    case = cases.load("disc_rocking_in_groove", duration=2.0)
     certificate = reference.certify(case)
     assert "contact frame 1e-13" in certificate.witnesses and len(certificate.transitions) == 4
     assert all(time.bar < 1e-11 for _, _, time, _ in certificate.transitions)
