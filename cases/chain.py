@@ -100,7 +100,7 @@ class Chain(Curve):
     function = property(_no_formula)
     expression = property(_no_formula)
     structure = property(_no_formula)
-    constants = property(_no_formula)
+    constants = ()
     _jet = property(_no_formula)
     _jets = property(_no_formula)
     features = None

@@ -10,6 +10,7 @@ import numpy as np
 from cases import Case, Mode, State, Transition, geometry
 from cases.contact import belt_speed, start_motion
 from cases.mechanics import energy
+from cases.piece_case import PieceCase
 
 from ..minimal.decision import Undecidable
 from ..minimal.hybrid import CAUSES, slip_and_spin, undecidable
@@ -120,6 +121,7 @@ def _motion_in(case: Case, now: Phase, t: float, own) -> geometry.MotionPoint | 
         nan = float("nan")
         nothing = nan, 0.0, 0.0, nan, nan
         return State(*(float(v) for v in own), *nothing)  # type: ignore[call-arg]
+    case = now.case if isinstance(now.case, PieceCase) else case
     y = full_state(case, now, t, own)
     slip, omega = slip_and_spin(case, t, y)
     return geometry.velocity(case.track, case.plate.outline, y[0], y[1], slip + belt_speed(case, t), omega)

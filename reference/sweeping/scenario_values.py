@@ -21,6 +21,7 @@ from cases import (
     Belt,
     Case,
     CaseError,
+    Chain,
     CoulombFriction,
     Curve,
     Drive,
@@ -33,6 +34,7 @@ from cases.contact import start_motion
 from cases.expressions import constants
 from cases.overlap import first_overlap
 from cases.own_effects import own_effects
+from cases.piece_case import has_pieces
 
 from ..minimal.effects import laws
 from .geometry import level_parameters, places
@@ -128,12 +130,14 @@ def structure(case: Case) -> Structure:
     load = case.effect(Load)
     features = (track.features, outline.features, load.features if load else None)
     plain = all(feature is None or feature.plain for feature in features) and not laws(case).checked_quantities
-    plain = plain and case.effect(Belt) is None and case.plate.turns
+    plain = plain and case.effect(Belt) is None and case.plate.turns and not has_pieces(case)
     return Structure(_form(track), _form(outline), laws(case), ends, kinds, case.start.in_contact, level_start, plain)
 
 
 def _form(curve: Curve) -> Any:
-    """What curves of one structure share; of a curve in pieces all of it, as its numbers are no parameters."""
+    """What curves of one structure share; of a chain or a curve in pieces all of it: its numbers are no parameters."""
+    if isinstance(curve, Chain):
+        return curve
     return curve.structure if curve.parts is None else curve.parts.key
 
 

@@ -28,8 +28,10 @@ from cases import (
     arc,
     disc,
     library,
+    load,
 )
 from reference import contact_frame
+from reference.sweeping import sweep
 
 G, R = 9.81, 0.1
 # Both integrators' step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14.
@@ -294,6 +296,14 @@ def test_motion_over_corners_travels_to_other_processes():
     copy = pickle.loads(pickle.dumps(motion))
     assert copy.passages == motion.passages and copy.case == case
     np.testing.assert_array_equal(copy(copy.t).x, motion(motion.t).x)
+
+
+def test_sweep_over_corners_has_the_single_motions():
+    rows = sweep("disc_over_edge", mu=[0.2, 0.5])
+    for row in rows.to_dict("records"):
+        motion = reference.simulate(load("disc_over_edge", mu=row["mu"]))
+        assert row["outcome"] == motion.status == "lift_off"
+        assert row["first_time"] == pytest.approx(motion.transitions[0].time, rel=EXACT)
 
 
 def test_what_corners_do_not_have_is_rejected():
