@@ -15,14 +15,16 @@ import cases
 import reference
 from cases import Case
 from cases.expression_graph import Node, in_order
-from reference.minimal.modes import FLIGHT, candidates, phase
+from cases.moving_frame import relative_case
+from reference.minimal.modes import FLIGHT, candidates, phase_at, start_pieces, start_state
 
 
 def equations(case: Case) -> str:
     """A digest of the operations, parameters and constants of all regimes of a case."""
-    whole = hashlib.sha256()
+    whole, case = hashlib.sha256(), relative_case(case)
+    here, start = start_pieces(case), start_state(case)
     for regime in (*candidates(case), FLIGHT):
-        now = phase(case, regime)
+        now = phase_at(here, regime, start)
         system = now.system
         named = (system.conditions, system.condition_rates, system.guards)
         outputs = [*system.rates, *system.outputs, *(e for some in named for e in some.values())]
