@@ -118,7 +118,7 @@ def test_many_instants_at_once_tell_what_each_tells_alone(case):
         first = np.array(_state(case, mode))
         states = [first + share * np.array([0.1, -0.2, 0.3, 0.5]) for share in (0.0, 0.5, 1.0)]
         if mode is Mode.ROLL:
-            states = [np.array([*y[:3], without_slip(case, *y[:3])]) for y in states]
+            states = [np.array([*y[:3], without_slip(case, 0.0, *y[:3])]) for y in states]
         at_once = contacts(case, mode, [tuple(y.tolist()) for y in states])
         for place, y in enumerate(states):
             alone, k = solve_full_system(case, mode, y), kinematics(case, *y)
