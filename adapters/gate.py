@@ -28,8 +28,9 @@ MOST_WORD, MOST_SENTENCE = 100, 2000
 def motion(raw: Any, case: Case) -> Trajectory:
     """The motion that an adapter returned for a case, as plain arrays, numbers and words.
 
-    Other code judges whether it is a motion of the case. Its `dense` output is left out: nothing calls back into an
-    adapter. Raises EngineFailure in one sentence that names a value of the wrong type or size.
+    Other code judges whether it is a motion of the case. Its `dense` output, the columns of each contact and the
+    passages between pieces are left out: nothing calls back into an adapter. Raises EngineFailure in one sentence that
+    names a value of the wrong type or size.
     """
     if not isinstance(raw, Trajectory):
         raise EngineFailure(f"it returned {_short_text(raw)} in place of a Trajectory")
@@ -111,6 +112,7 @@ def _transition(raw: Any) -> Transition:
         xi1=_number("transition's xi1", raw.xi1, -MOST_KNOB, MOST_KNOB, may_be_nan=True),
         xi2=_number("transition's xi2", raw.xi2, -MOST_KNOB, MOST_KNOB, may_be_nan=True),
         cause=_text("transition's cause", raw.cause, MOST_WORD),
+        contact=_text("transition's contact", raw.contact, MOST_WORD),
     )
 
 

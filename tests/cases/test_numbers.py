@@ -48,8 +48,9 @@ PLACES: dict[str, Callable] = {
     "axis": lambda value: Axis.of("mu", value),
     "axis of some": lambda value: Axis.of("mu", [value, 0.5]),
 }
-# What else is taken there: text is a formula of a load, and the values of an axis; a truth value may be a parameter.
-TAKEN = {"load": str, "axis": (str, bytes, list, np.ndarray), "parameter": bool, "own parameter": bool}
+# What else is taken there: text is a formula of a load or of the slip speed, and the values of an axis; a truth value
+# may be a parameter.
+TAKEN = {"load": str, "effect": str, "axis": (str, bytes, list, np.ndarray), "parameter": bool, "own parameter": bool}
 
 
 def scene(**how) -> Case:
