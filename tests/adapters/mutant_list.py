@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
+from math import isinf, pi
 
 import numpy as np
 
 from cases import (
+    Belt,
     CoulombFriction,
     Flight,
     Gravity,
@@ -397,4 +398,23 @@ COLUMNS = [
     motion_mutant("drift along x", "turn_frame[disc in a circle]", "turned frame", x=lambda m: m.x + 0.05 * m.t),
     motion_mutant("speed limited", "free_fall", "vy", vy=lambda m: np.clip(m.vy, -0.8, 0.8)),
 ]
-MUTANTS: list[Mutant] = [*GRAVITY, *FRICTION, *PLATES, *STARTS, *LOADS, *IMPACTS, *CONTACTS, *COLUMNS]
+SPEED, TURNING = "speed of Belt", "inertia of the plate (infinite)"
+BELTS = [
+    case_mutant("belt runs backwards", "belt", SPEED, effect(Belt, lambda e: Belt(-e.expression))),
+    case_mutant("belt 3 % too fast", "belt", SPEED, effect(Belt, lambda e: Belt(1.03 * e.expression))),
+    case_mutant("belt ignored", "belt", SPEED, effect(Belt, lambda e: None)),
+    case_mutant(
+        "infinite inertia read as a disc's",
+        "fixed_rotation",
+        TURNING,
+        plate(lambda p: replace(p, inertia=0.5 * p.mass * p.inner**2) if isinf(p.inertia) else p),
+    ),
+    case_mutant(
+        "friction 2 % too large on plates that do not turn",
+        "fixed_rotation",
+        MU,
+        where(lambda c: isinf(c.plate.inertia), friction(lambda mu: 1.02 * mu)),
+    ),
+]
+
+MUTANTS: list[Mutant] = [*GRAVITY, *FRICTION, *PLATES, *STARTS, *LOADS, *IMPACTS, *CONTACTS, *BELTS, *COLUMNS]

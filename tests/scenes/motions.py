@@ -16,6 +16,7 @@ from cases.effects import MOTION
 from cases.expressions import PARAMETER
 from cases.mechanics import contact_power
 from cases.moving_surface import TIME
+from cases.pieces import CurvePieces
 from cases.slip_laws import SLIP_SPEED
 
 
@@ -67,9 +68,41 @@ def _turned_drive(drive: Drive, length: float, time: float, turn: float) -> Driv
 
 
 def _mirrored_curve(curve: Curve) -> Curve:
+    if curve.parts:
+        return Curve.in_pieces(_mirrored_pieces(curve.parts), may_cross=curve.may_cross)
     x, y = curve.expression
     domain = curve.domain and (-curve.domain[1], -curve.domain[0])
     return Curve(lambda s: (-x.subs(PARAMETER, -s), y.subs(PARAMETER, -s)), domain)
+
+
+def _mirrored_pieces(pieces: CurvePieces) -> CurvePieces:
+    """The pieces in the other order; a formula of s - q0 is one of q0 - s then."""
+
+    def back(row, numbers):
+        return row.subs({PARAMETER: -PARAMETER, numbers[0]: -numbers[0]}, simultaneous=True)
+
+    return replace(
+        pieces,
+        breaks=tuple(-edge for edge in reversed(pieces.breaks)),
+        forms=tuple(((-back(x, numbers), back(y, numbers)), numbers) for (x, y), numbers in pieces.forms),
+        form_numbers=pieces.form_numbers[::-1],
+        origins=tuple(-origin for origin in reversed(pieces.origins)),
+        sizes=pieces.sizes[::-1],
+        inner_edges=tuple(tuple(-edge for edge in reversed(edges)) for edges in reversed(pieces.inner_edges)),
+    )
+
+
+def _turned_curve(curve: Curve, length: float, angle: float) -> Curve:
+    a, b = c.cos(angle), c.sin(angle)
+
+    def turned(x, y):
+        return length * (a * x - b * y), length * (b * x + a * y)
+
+    if curve.parts:
+        forms = tuple((turned(*rows), numbers) for rows, numbers in curve.parts.forms)
+        return Curve.in_pieces(replace(curve.parts, forms=forms), may_cross=curve.may_cross)
+    x, y = curve.expression
+    return Curve(lambda s: turned(x, y), curve.domain)
 
 
 def mirrored(case: Case) -> Case:
@@ -94,19 +127,16 @@ def mirrored(case: Case) -> Case:
 
 def in_other_units(case: Case, length: float, time: float, mass: float, turn: float) -> Case:
     """Turned by an angle, and with all lengths, times and masses multiplied."""
-
-    def moved(curve: Curve, angle: float) -> Curve:
-        x, y = (length * part for part in curve.expression)
-        a, b = c.cos(angle), c.sin(angle)
-        return Curve(lambda s: (a * x - b * y, b * x + a * y), curve.domain)
-
     start = start_motion(case)
     plate = case.plate
     return replace(
         case,
-        track=moved(case.track, turn),
+        track=_turned_curve(case.track, length, turn),
         plate=replace(
-            plate, outline=moved(plate.outline, 0), mass=mass * plate.mass, inertia=mass * length**2 * plate.inertia
+            plate,
+            outline=_turned_curve(plate.outline, length, 0),
+            mass=mass * plate.mass,
+            inertia=mass * length**2 * plate.inertia,
         ),
         effects=_effects(
             case,
