@@ -130,9 +130,10 @@ def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: typ
         elif type(node) in _SPECIAL and len(node.args) < 3 and PARAMETER in variables:
             foreign, nesting = True, nesting + 2
         elif isinstance(node, sp.Integral) and all(v.name[0] in "su" for v in variables):
-            (bound, lower, upper), *others = node.limits
-            if others or lower.free_symbols or len(node.limits[0]) != 3:
+            first, *others = node.limits
+            if others or len(first) != 3 or first[1].free_symbols:
                 raise error(f"{what} has an integral without two limits of which the lower is a number; give both")
+            bound, lower, upper = first
             foreign = _check(node.function, (bound,), what, error) or foreign
             todo += [(upper, depth + 1, nesting + 1), (lower, depth + 1, nesting)]
             continue

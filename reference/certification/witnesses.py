@@ -210,7 +210,11 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
 @lru_cache(maxsize=64)
 def _has_several_contacts(case: Case) -> bool:
     """Whether a motion goes on after a second contact."""
-    return len(solve.simulate(case).contact_names) > 1
+    try:
+        motion = solve.simulate(case)
+    except NotSupported:  # by the default method of this machine
+        motion = solve.simulate(case, method="dop853")
+    return len(motion.contact_names) > 1
 
 
 def _shift(now: Phase, y: Sequence[float], component: int, roundings: float) -> tuple[float, ...]:

@@ -145,6 +145,7 @@ def test_another_scene_is_rejected():
         check(claim)
 
 
+@pytest.mark.slow
 def test_rest_that_resistance_does_not_hold_is_rejected():
     """With less rolling resistance the disc rolls on where the record says that it rests."""
     claim = record_of("disc_in_sticky_valley")

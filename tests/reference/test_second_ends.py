@@ -48,7 +48,7 @@ SCENES = {
 @pytest.mark.parametrize("name", SCENES)
 def test_work_is_bounded_and_what_was_done_is_the_motions_beginning(name, monkeypatch):
     case = SCENES[name]
-    monkeypatch.setattr(steps, "MOST_WORK", 120)
+    monkeypatch.setattr(steps, "MOST_WORK", 20)
     short = contact_frame.solve(case)
     assert short.status == "unfinished" and 0.0 < short.end < case.duration
     times = short.end * np.array([0.0, 0.51, 0.996, 1.01])

@@ -262,6 +262,7 @@ def _agree(case: Case, within: float) -> int:
     return len(changes)
 
 
+@pytest.mark.slow
 def test_both_formulations_have_the_same_sequence_and_a_certificate_of_it():
     case = cases.load("disc_rocking_in_groove", duration=2.0)
     certificate = reference.certify(case)

@@ -196,7 +196,8 @@ class Ends:
     def __del__(self):
         signal.raise_signal(signal.SIGINT)
 Ends()  # Python ignores an exception of __del__, and of callbacks in the middle of an import
-time.sleep(20)
+for _ in range(400):
+    time.sleep(0.05)
 print("went on")
 """
 

@@ -209,6 +209,7 @@ WALK = {
             Left("python -m reports.build", WHOLE),
         )
     ),
+    "own_effects.md": Page((Left("python -m adapters.laws", "the form of the command on the page of engines"),)),
     "page.md": Page(
         (
             Left("python -m reports.page.vendor", OF_A_RELEASE),
