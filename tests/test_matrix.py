@@ -62,7 +62,7 @@ def test_the_published_report_was_made_with_the_current_versions():
 
     place = publish.releases()[-1]
     text = (place / publish.CONSTRAINTS).read_text(encoding="utf-8")
-    python = re.search(r"by Python (3\.\d+)", text)[1]
+    python = re.search(r"with Python (3\.\d+)", text)[1]
     published = dict(line.split("==") for line in text.splitlines() if "==" in line)
     current = pins("current", python)
     assert {name: current[name] for name in published} == published

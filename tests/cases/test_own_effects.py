@@ -28,6 +28,7 @@ from cases import (
     Start,
     Unilateral,
     disc,
+    registry,
 )
 from cases.library import circle, line
 from reference import contact_frame
@@ -42,9 +43,13 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "magnetic_wheel"
 
 @pytest.fixture(scope="module", autouse=True)
 def example_on_path():
+    """The example can be imported in this file's tests alone: its case would be one of the catalogue's in others."""
+    known = dict(registry._entries)
     sys.path.insert(0, str(EXAMPLE))
     yield
     sys.path.remove(str(EXAMPLE))
+    registry._entries.clear()
+    registry._entries.update(known)
 
 
 def magnet(*values, **named):
