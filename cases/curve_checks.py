@@ -15,7 +15,7 @@ from .curve_tables import SAMPLES, corners, total_turning
 from .errors import BadCurve
 
 # Distance from a special point of the formula, in spans: a jump shows as a step there, a smooth curve has none.
-BESIDE = 1e-9
+SIDE_DISTANCE = 1e-9
 # A chord that exceeds the length by the speeds at both ends by this factor is checked closely: smooth curves stay below
 # two.
 LONG_CHORD = 10.0
@@ -71,7 +71,7 @@ def check_regular(curve: CurveToCheck) -> None:
 def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
     """Even samples, and the special points of the formula with both sides of each."""
     centres = np.array(curve.centres)
-    shift = BESIDE * (high - low)
+    shift = SIDE_DISTANCE * (high - low)
     centres = np.concatenate([centres - shift, centres, centres + shift])
     return features.union(np.linspace(low, high, SAMPLES), centres[(centres > low) & (centres < high)])
 

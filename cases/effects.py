@@ -7,16 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import cos, inf, isfinite, nan, pi, sin
+from math import cos, inf, pi, sin
 from typing import Any, TypeVar, get_args
 
-import numpy as np
 import sympy as sp
 
-from . import expressions, features, formulas, slip_laws
+from . import expressions, features, slip_laws
 from .derivation import derived, in_one_thread
+from .effect_formulas import features_in_time, formula_in, values_of
 from .errors import BadValue, DoesNotFit, finite, not_negative, positive
-from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
 from .moving_surface import Belt, Drive
 from .own_effects import ContactEffect
 
@@ -72,7 +71,7 @@ class Load:
     @in_one_thread
     def __post_init__(self):
         for name in ("fx", "fy", "moment"):
-            object.__setattr__(self, name, _formula(f"{name} of Load", getattr(self, name)))
+            object.__setattr__(self, name, formula_in(MOTION, f"{name} of Load", getattr(self, name)))
         if not any(self.expression):
             raise BadValue("every component of Load is 0; leave Load out for a scene without one")
 
@@ -88,17 +87,7 @@ class Load:
     @derived
     def at(self) -> Callable[..., list[float]]:
         """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats; NaN where there is no value."""
-        function = function_of(MOTION, self.expression, ON_FLOATS)
-
-        def values(*motion: float) -> list[float]:
-            try:
-                components = function(*motion)
-                isfinite(sum(components))  # Python's root of less than 0 is a complex number, which this refuses
-                return components
-            except (ArithmeticError, ValueError, TypeError):
-                return [nan, nan, nan]
-
-        return values
+        return values_of(MOTION, self.expression)
 
     @derived
     def features(self) -> features.Features | None:
@@ -106,18 +95,7 @@ class Load:
 
         Resolved on windows of absolute time, so that they are the same whatever a motion's duration.
         """
-        parts = features.alone(self.expression, MOTION[0])
-        if not parts:
-            return None
-        function = function_of([MOTION[0]], parts, ON_ARRAYS)
-
-        def values(t):
-            rows = np.array([np.broadcast_to(row, t.shape) for row in function(t)], dtype=float)
-            return rows, rows
-
-        centres = features.centres(parts, MOTION[0])
-        to_come = [centre for centre in centres if centre >= 0.0]
-        return features.Features(values, centres, sizes=features.largest(values, 0.0, features.WINDOW, to_come))
+        return features_in_time(MOTION[0], self.expression)
 
 
 def checked_quantities(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol] = MOTION) -> tuple[sp.Expr, ...]:
@@ -137,12 +115,6 @@ def checked_quantities(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]
 def _restore(*trees) -> Load:
     """The load that a process sent."""
     return Load(*map(expressions.from_tree, trees))
-
-
-def _formula(what: str, value) -> sp.Expr:
-    if isinstance(value, str):
-        return formulas.parse(value, {s.name: s for s in MOTION}, what, BadValue)
-    return expressions.admissible(value, MOTION, what, BadValue)
 
 
 @dataclass(frozen=True)

@@ -5,63 +5,22 @@ SI units. What they mean in the equations is written once in each solver.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
 
-from . import expressions, features, formulas
+from . import expressions, features
 from .derivation import derived, in_one_thread
+from .effect_formulas import features_in_time, formula_in, values_of
 from .errors import BadValue
-from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
+from .expression_graph import ON_ARRAYS, function_of
 
 TIME = sp.symbols("t", real=True)
 
 Values = Callable[[float], list[float]]
-
-
-def formula_of_time(what: str, value: sp.Expr | str | float) -> sp.Expr:
-    """A number, a text or an expression as an expression in `TIME`; raises BadValue, which calls the value `what`."""
-    if isinstance(value, str):
-        return formulas.parse(value, {TIME.name: TIME}, what, BadValue)
-    return expressions.admissible(value, (TIME,), what, BadValue)
-
-
-def values_of_time(expressions_: Sequence[sp.Expr]) -> Values:
-    """A function t -> values of expressions in `TIME`, on floats; NaN where there is no value."""
-    function = function_of((TIME,), expressions_, ON_FLOATS)
-
-    def values(t: float) -> list[float]:
-        try:
-            results = function(t)
-            isfinite(sum(results))  # Python's root of less than 0 is a complex number, for which this raises TypeError
-            return results
-        except (ArithmeticError, ValueError, TypeError):
-            return [nan] * len(expressions_)
-
-    return values
-
-
-def features_of_time(expressions_: Sequence[sp.Expr]) -> features.Features | None:
-    """Where expressions in `TIME` change, and how finely; None if all of them are constant.
-
-    Resolved on windows of absolute time, so that they are the same whatever a motion's duration.
-    """
-    parts = features.alone(expressions_, TIME)
-    if not parts:
-        return None
-    function = function_of((TIME,), parts, ON_ARRAYS)
-
-    def values(t):
-        rows = np.array([np.broadcast_to(row, t.shape) for row in function(t)], dtype=float)
-        return rows, rows
-
-    centres = features.centres(parts, TIME)
-    to_come = [centre for centre in centres if centre >= 0.0]
-    return features.Features(values, centres, sizes=features.largest(values, 0.0, features.WINDOW, to_come))
 
 
 @dataclass(frozen=True)
@@ -77,7 +36,7 @@ class Belt:
 
     @in_one_thread
     def __post_init__(self):
-        object.__setattr__(self, "speed", formula_of_time("speed of Belt", self.speed))
+        object.__setattr__(self, "speed", formula_in((TIME,), "speed of Belt", self.speed))
         if self.expression.is_zero:
             raise BadValue("speed of Belt is 0; leave Belt out for a track at rest")
 
@@ -99,7 +58,7 @@ class Belt:
     @derived
     def at(self) -> Values:
         """A function t -> [speed, its rate] (m/s, m/s²), on floats; NaN where there is no value."""
-        return values_of_time((self.expression, sp.diff(self.expression, TIME)))
+        return values_of((TIME,), (self.expression, sp.diff(self.expression, TIME)))
 
     @derived
     def at_arrays(self) -> Callable[[np.ndarray], np.ndarray]:
@@ -110,7 +69,7 @@ class Belt:
     @derived
     def features(self) -> features.Features | None:
         """Where speed and acceleration change, and how finely; None for a constant speed."""
-        return features_of_time((self.expression, sp.diff(self.expression, TIME)))
+        return features_in_time(TIME, (self.expression, sp.diff(self.expression, TIME)))
 
 
 @in_one_thread
@@ -149,7 +108,7 @@ class Drive:
     @in_one_thread
     def __post_init__(self):
         for name in ("x", "y", "angle"):
-            object.__setattr__(self, name, formula_of_time(f"{name} of Drive", getattr(self, name)))
+            object.__setattr__(self, name, formula_in((TIME,), f"{name} of Drive", getattr(self, name)))
         if not any(part.has(TIME) for part in self.expression):
             raise BadValue("no component of Drive depends on t; leave Drive out, or move the track's curve")
 
@@ -175,7 +134,7 @@ class Drive:
 
     @derived
     def _values(self) -> Values:
-        return values_of_time(self.rates)
+        return values_of((TIME,), self.rates)
 
     def at(self, t: float) -> TrackPlace:
         """The track's place at a time; NaN where there is no value."""
@@ -193,7 +152,7 @@ class Drive:
     @derived
     def features(self) -> features.Features | None:
         """Where the track's acceleration changes, and how finely; None if it is constant."""
-        return features_of_time(self.rates)
+        return features_in_time(TIME, self.rates)
 
 
 @in_one_thread

@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
 from importlib.metadata import entry_points
-from math import isfinite, nan
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 import sympy as sp
 
-from . import expressions, features, formulas
-from .derivation import derived, in_one_thread
+from . import features
+from .derivation import derived
+from .effect_formulas import formula_in, values_of
 from .errors import BadValue, describe
-from .expression_graph import ON_FLOATS, function_of
 
 # What a force at the contact may depend on: time (s), slip velocity (m/s) and spin (rad/s).
 CONTACT = sp.symbols("t slip omega", real=True)
@@ -73,22 +72,12 @@ class ContactEffect:
         components = zip(ContactForce._fields, ContactForce(*self.force()), strict=True)
         conditions = [(end.status, end.positive) for end in self.ends()]
         with_names = [*((f"{part} of {name}", value) for part, value in components), *conditions]
-        return tuple(_formula(what, value) for what, value in with_names)
+        return tuple(formula_in(CONTACT, what, value) for what, value in with_names)
 
     @derived
     def at(self) -> Callable[..., list[float]]:
         """A function (t, slip, omega) -> values of `formulas`, on floats; NaN where there is no value."""
-        function, count = function_of(CONTACT, self.formulas, ON_FLOATS), len(self.formulas)
-
-        def values(t: float, slip: float, omega: float) -> list[float]:
-            try:
-                numbers = function(t, slip, omega)
-                isfinite(sum(numbers))  # a complex number raises TypeError
-                return numbers
-            except (ArithmeticError, ValueError, TypeError):
-                return [nan] * count
-
-        return values
+        return values_of(CONTACT, self.formulas)
 
     def check(self) -> None:
         """Raise BadValue, with one sentence, if the effect cannot be used."""
@@ -113,13 +102,6 @@ class ContactEffect:
 
 # Steps are not checked for features of these formulas, which a polynomial of this degree does not have.
 MOST_DEGREE = 2
-
-
-@in_one_thread
-def _formula(what: str, value: Any) -> sp.Expr:
-    if isinstance(value, str):
-        return formulas.parse(value, {s.name: s for s in CONTACT}, what, BadValue)
-    return expressions.admissible(value, CONTACT, what, BadValue)
 
 
 def own_effects(effects: Sequence[Any]) -> tuple[ContactEffect, ...]:
