@@ -77,10 +77,12 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "grade": ("the score in words: excellent, very good, good, rough, poor, unusable; empty: no answer", ""),
     "sequence": ("how the sequence of modes agrees with the truth's", ""),
     "friction_sensitivity": ("off that 1 % more or less friction makes, the larger one", "1"),
-    # the verdict: of each route, over the cases where 1 % of friction makes an off of 1e-5 at least
+    "friction_share": ("pose error of the nearest null motion over the path of the truth", "1"),
+    "not_ranked": ("why the case does not rank engines; empty: it does", ""),
+    # the verdict: of each route, over the cases that measure friction
     "digits_rank": ("1 + the routes with more digits by more than a tie; empty: partly this project's, or no case", ""),
     "our_part": ("what of the route is this project's code; empty: the engine by itself", ""),
-    "friction_cases": ("number of cases that depend on friction: 1 % of it makes an off of 1e-5 at least", ""),
+    "friction_cases": ("number of cases that measure friction: those whose not_ranked is empty", ""),
     "answered": ("number of them in which the route gave a motion", ""),
     "unsupported": ("number of them that the route does not support", ""),
     "crashed": ("number of them in which it crashed", ""),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from reference.certification import WITNESSED
 
+from ..judging.friction_sensitivity import not_ranked
 from ..judging.grades import Grade, grade
 from ..running.records import Experiment, Run, default, defaults, finest, first_error, is_truth, routes
 from ..running.solvers import NOT_INSTALLED
@@ -47,7 +48,11 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
             "first_mode": truth.first_mode,
             "status": truth.status,
         }
-        common |= {"friction_sensitivity": truth.friction_sensitivity}
+        common |= {
+            "friction_sensitivity": truth.friction_sensitivity,
+            "friction_share": truth.scale.share if truth.scale else nan,
+            "not_ranked": not_ranked(truth.friction_sensitivity, truth.scale),
+        }
         notes = truth.failure or f"witnesses: {', '.join(truth.witnesses)}"
         kinds = truth.kinds or (WITNESSED,) * len(truth.transitions)
         certified = zip(truth.transitions, truth.error_bars, kinds, strict=True)

@@ -14,7 +14,7 @@ from statistics import median
 from textwrap import wrap
 from typing import Any
 
-from ..judging.friction_sensitivity import LEAST
+from ..judging.friction_sensitivity import LEAST, LEAST_SHARE, not_ranked
 from ..judging.grades import LIMITS, Grade, grade, percent
 from ..judging.ranking import TIE, Standing, ranking
 from ..judging.score import Score
@@ -38,9 +38,16 @@ _WITHOUT_MOTION = ("unsupported", "crashed", "timed_out")
 _COUNT_LEVELS = {"good": LIMITS[Grade.GOOD], "excellent": LIMITS[Grade.EXCELLENT]}
 
 
+def unranked(experiment: Experiment) -> dict[str, str]:
+    """The cases that do not rank engines, with the reason."""
+    reasons = {label: not_ranked(t.friction_sensitivity, t.scale) for label, t in experiment.truths.items()}
+    return {label: reason for label, reason in reasons.items() if reason}
+
+
 def friction_cases(experiment: Experiment) -> list[str]:
-    """The cases that depend on friction's law: 1 % of friction moves off by 1e-5 at least."""
-    return [label for label, truth in experiment.truths.items() if truth.friction_sensitivity >= LEAST]
+    """The cases that rank engines: those that depend on friction's law, by more than an engine's step."""
+    others = unranked(experiment)
+    return [label for label in experiment.truths if label not in others]
 
 
 def rows(experiment: Experiment, times: Sequence[Mapping[str, Any]] = ()) -> list[dict[str, Any]]:
@@ -300,7 +307,8 @@ def notes(table: Sequence[Mapping[str, Any]]) -> list[str]:
     parts = {f"{row['solver']} {row['route']}": row["our_part"] for row in table if row["our_part"]}
     return filled(
         "worst, grade: the largest error and the grade of the median error, at the finest setting run.",
-        f"Cases: those where 1 % of friction changes the error by {LEAST:g} or more. ≤ 1 %, ≤ 0.01 %: number of cases "
+        f"Cases: those where 1 % of friction changes the error by {LEAST:g} or more, and ignoring friction changes the "
+        f"path by {100 * LEAST_SHARE:g} % or more. ≤ 1 %, ≤ 0.01 %: number of cases "
         "in which the error and its doubt stay within that from a setting on.",
         "digits: mean of -log10(error) over all cases, between -1 and 4, and its doubt; 0 if not answered.",
         *(f"Not ranked: {name} ({words})." for name, words in parts.items()),

@@ -40,7 +40,7 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     """Solver minus truth within the common time span, arrays of one length: at the solver's own times, or at evenly
     spaced times if its motion is dense (its steps are few, and doubled where the forces jump).
 
-    Keys: t, x, y (m), centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (the paper's multiplier),
+    Keys: t, x, y (m), centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (`multiplier`),
     and pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
     root-mean-square distance of the plate's points;
     force_share: the difference of the normal force relative to the mean true force at these times (not to m g, so that
@@ -63,7 +63,7 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
         result[key] = getattr(state, name) - np.asarray(getattr(exact, name))
     turns = np.round(result["angle"][:1] / (2 * np.pi))
     result["angle"] = result["angle"] - 2 * np.pi * (turns[0] if len(turns) else 0.0)
-    result["lambda"] = result["normal_force"] / case.track.speed(np.asarray(exact.xi1))
+    result["lambda"] = multiplier(case, result["normal_force"], exact.xi1)
     result["pose"] = np.hypot(result["centre"], case.plate.gyration * result["angle"])
     force = np.abs(np.asarray(exact.normal_force))
     press = float(force.mean()) if len(force) else nan
@@ -72,6 +72,16 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     off = energy(case, state) - energy(case, exact)
     result["energy_share"] = off / (fastest if fastest > 0.0 else nan)
     return result
+
+
+def multiplier(case: Case, normal_force, xi1) -> np.ndarray:
+    """The paper's multiplier λ = N/‖R_p‖ of normal forces at the track's parameters `xi1`.
+
+    NaN at a corner of the track, where R_p vanishes: a force there has no λ. NaN in flight.
+    """
+    with np.errstate(invalid="ignore"):  # in flight the parameter is NaN
+        speed = np.asarray(case.track.speed(np.asarray(xi1)), dtype=float)
+    return np.asarray(normal_force) / np.where(speed > 0.0, speed, nan)
 
 
 def _states(trajectory: Trajectory, truth: Trajectory) -> tuple[np.ndarray, State]:

@@ -1,4 +1,5 @@
-"""How much a case depends on friction's law: by how much the score moves with the coefficient of friction."""
+"""How much a case depends on friction's law: by how much the score moves with the coefficient of friction, and whether
+the case measures friction at all."""
 
 from __future__ import annotations
 
@@ -12,6 +13,10 @@ from .score import Scale, score
 CHANGE = 0.01
 # A case depends on friction's law if 1 % more or less friction moves the score by this much.
 LEAST = 1e-5
+# A case measures friction if ignoring friction's law moves the plate by this share of its path at least. Below that,
+# the error of an engine's step is as large: semi-implicit Euler with 60 steps per second puts a plate that accelerates
+# evenly for 2 s off by h/(√3 T) = 0.5 % of its path (root mean square), without any friction.
+LEAST_SHARE = 0.005
 
 
 def friction_sensitivity(case: Case, truth: Trajectory, scale: Scale) -> float:
@@ -23,3 +28,19 @@ def friction_sensitivity(case: Case, truth: Trajectory, scale: Scale) -> float:
         return 0.0
     others = (with_friction(case, mu=part * friction.mu) for part in (1.0 + CHANGE, 1.0 - CHANGE))
     return max(score(case, reference.simulate(other, rtol=1e-12), truth, scale).off for other in others)
+
+
+def not_ranked(sensitivity: float, scale: Scale | None) -> str:
+    """Why a case does not rank engines, in a phrase; "" for a case that does. `sensitivity`: `friction_sensitivity`."""
+    if scale is None:
+        return "there is no truth"
+    if not sensitivity >= LEAST:
+        return "does not depend on friction's law"
+    return small_share(scale)
+
+
+def small_share(scale: Scale) -> str:
+    """A phrase if ignoring friction's law moves the plate by less than `LEAST_SHARE` of its path; else ""."""
+    if scale.share >= LEAST_SHARE:
+        return ""
+    return f"ignoring friction's law moves the plate by {100.0 * scale.share:.1g} % of its path only"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 from math import isfinite
 
+from .friction_sensitivity import small_share
 from .score import Scale, Score
 
 
@@ -67,6 +68,8 @@ def reason(score: Score, scale: Scale, friction: float) -> str:
         phrases.append(note)
     if isfinite(friction) and not USUAL_FRICTION[0] <= friction <= USUAL_FRICTION[1]:
         phrases.append(f"friction and other losses are {_short(friction)} times those of the law")
+    if small_share(scale):
+        phrases.append(f"not ranked: {small_share(scale)}")
     if grade(score.off + score.doubt) is not grade(score.off):
         phrases.append(f"its samples leave {percent(score.doubt)} in doubt")
     return "; ".join(phrases)

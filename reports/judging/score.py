@@ -2,9 +2,9 @@
 
     off = max(pose score, mode score, slip score)
 
-Each score is an error divided by the smallest error of the case's null motions (`null_motions`), so that it has no unit
-and means the same in every case: 0 is the truth, 1 is no better than ignoring friction's law, and 0.01 is about what a
-coefficient of friction wrong by 1 % makes. Pure functions; SI units.
+Each score is an error divided by that of the nearest of the case's null motions (`null_motions`), so that it has no
+unit and means the same in every case: 0 is the truth, 1 is no better than ignoring friction's law, and 0.01 is about
+what a coefficient of friction wrong by 1 % makes. Pure functions; SI units.
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ _RESTS = 1e-12
 # The time in a wrong mode is measured against this part of the motion at least: else the score of a case that changes
 # its mode for an instant would depend on that instant alone.
 _LEAST_TIME = 0.25
-# Slip below this part of the truth's fastest may count as none, whatever the engine's creep is.
+# Slip below this part of the fastest of the truth and of its nearest null motion may count as none, whatever the
+# engine's creep is: as an error of slip it makes no more than about this part of a score.
 _MOST_CREEP = 0.01
 # Creep is this quantile of the slip in the middle half of the truth's rolls: at their ends slip ends and begins.
 _CREEP_QUANTILE, _END_OF_ROLL, _FEWEST = 0.95, 0.25, 3
@@ -56,14 +57,15 @@ _EVEN = 1001
 
 @dataclass(frozen=True)
 class Scale:
-    """What the errors of a case are measured by: `pose` (m) and `slip` (m/s), the smallest error of a null motion, and
-    `time` (s) for the time in a wrong mode.
+    """What the errors of a case are measured by: `pose` (m) and `slip` (m/s), the errors of the nearest null motion,
+    and `time` (s) for the time in a wrong mode.
 
     `end` (s) and `phases` are the truth's, `slips` (m/s) the largest slip in each. `either` has the time spans (s) in
     which slip is too slow to be distinguished from a roll; they are rolls in `phases`. `fastest_slip` (m/s) is the
     largest of `slips`, or the fastest speed where nothing slips; `losses` are those of `friction_factor`. `null_motion`
     names the null motion with the smallest pose error, "" where none differs from the truth: `pose` is then the plate's
-    reach.
+    reach. `share` is `pose` as a share of the truth's path, infinite for a plate that stays where it is;
+    `most_creep` (m/s): slip below it may count as none.
     """
 
     pose: float
@@ -76,6 +78,8 @@ class Scale:
     fastest_slip: float
     losses: Losses
     null_motion: str
+    share: float
+    most_creep: float
 
 
 class Score(NamedTuple):
@@ -120,9 +124,10 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
     real = {name: pair for name, pair in errors.items() if pair[0] > _SAME * (path if moves else case.plate.reach)}
     nearest = min(real, key=lambda name: real[name][0], default="")
     others = end - max(time_by_mode(phases).values(), default=end)
+    pose = real[nearest][0] if nearest else case.plate.reach
     return Scale(
-        pose=real[nearest][0] if nearest else case.plate.reach,
-        slip=min((slip for _, slip in real.values() if slip > _SAME * fastest_slip), default=fastest_slip),
+        pose=pose,
+        slip=_slip_scale(real, nearest, _SAME * fastest_slip) or fastest_slip,
         time=(max(others, _LEAST_TIME * end) if others > 0.0 else end) or case.duration,
         end=end,
         phases=phases,
@@ -131,7 +136,26 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
         fastest_slip=fastest_slip,
         losses=losses_of_truth(case, truth),
         null_motion=nearest,
+        share=pose / path if moves else np.inf,
+        most_creep=_MOST_CREEP * max(fastest_slip, _fastest_slip(nulls[nearest]) if nearest else 0.0),
     )
+
+
+def _slip_scale(errors: Mapping[str, tuple[float, float]], nearest: str, least: float) -> float:
+    """The mean slip error of the null motion that is nearest in pose, m/s; where that is below `least`, the smallest
+    one of another null motion, 0 if there is none.
+
+    Not simply the smallest one: a plate that never moves never slips, and so has the slip of a plate that rolls all the
+    way, however far away it is.
+    """
+    large = {name: slip for name, (_, slip) in errors.items() if slip > least}
+    return large.get(nearest, min(large.values(), default=0.0))
+
+
+def _fastest_slip(motion: Trajectory) -> float:
+    """The largest slip of a motion, m/s."""
+    slip = np.abs(np.asarray(motion.slip))
+    return float(np.max(slip, initial=0.0, where=np.isfinite(slip)))
 
 
 _SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
@@ -214,7 +238,7 @@ def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float) -> Ite
         own = tuple(motion.transitions)
         yield Reading(motion.first_mode, own, (float("nan"),) * len(own))
         return
-    cap = _MOST_CREEP * scale.fastest_slip
+    cap = scale.most_creep
     creep_limit = min(motion.slip_resolution, cap)
     yield transitions.read_motion(case, replace(motion, slip_resolution=creep_limit))
     # Where the truth's rolls are too short for the creep to be known, slip within its noise may be none.

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import cases as catalogue
 from cases import Case
 
+from ..analysis import verdict
 from ..drawing.figure_files import FigureEntry, short_digest
 from ..judging.grades import Grade
 from ..running.records import REFERENCE, Experiment, finest, routes
@@ -87,6 +88,7 @@ def headline(
 ) -> dict[str, Any]:
     """All cases against all engines: off with default settings and at the finest setting run, and what 1 % of friction
     makes."""
+    unranked = verdict.unranked(experiment)
     sensitivity = {label: truth.friction_sensitivity for label, truth in experiment.truths.items()}
     rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
     solver_routes = [key for key in dict.fromkeys(key[1:] for key in rows) if key[1] and key[0] != REFERENCE]
@@ -97,6 +99,7 @@ def headline(
             {
                 "case": case,
                 "anchor": anchor(case),
+                "unranked": unranked.get(case, ""),
                 "sensitivity": short_percent(sensitivity[case]) if isfinite(sensitivity[case]) else "",
                 "order": repr(sensitivity[case]) if isfinite(sensitivity[case]) else "1e308",
                 "cells": [

@@ -18,13 +18,11 @@ _DENSE = 9
 _SAME_SEQUENCE = "same sequence"
 
 
-def engine_map(
-    experiment: Experiment, order: Iterable[tuple[str, str]], friction_cases: Sequence[str]
-) -> dict[str, Any]:
-    """Data of the map for its template: the cases that depend on friction's law first, and two rows of cells for each
-    route in `order`."""
+def engine_map(experiment: Experiment, order: Iterable[tuple[str, str]], unranked: Mapping[str, str]) -> dict[str, Any]:
+    """Data of the map for its template: the cases that rank engines first, and two rows of cells for each route in
+    `order`. `unranked`: why the other cases do not rank them."""
     labels = [case.label for case in experiment.cases]
-    labels.sort(key=lambda label: label not in friction_cases)
+    labels.sort(key=lambda label: label in unranked)
     groups = routes(experiment.runs)
     entries = [
         {
@@ -36,7 +34,7 @@ def engine_map(
         for solver, route in order
     ]
     cases = [
-        {"label": label, "anchor": anchor(label), "depends": label in friction_cases, "first": _is_first(labels, i)}
+        {"label": label, "anchor": anchor(label), "unranked": unranked.get(label, ""), "first": _is_first(labels, i)}
         for i, label in enumerate(labels)
     ]
     return {"cases": cases, "routes": entries, "is_dense": len(labels) >= _DENSE, "grades": _legend()}

@@ -256,8 +256,7 @@ def _drawn_samples(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
     thinned."""
     names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force")
     shown = {name: _thin(getattr(trajectory, name)) for name in names}
-    with np.errstate(invalid="ignore"):
-        shown["lambda"] = shown["normal_force"] / case.track.speed(shown["xi1"])
+    shown["lambda"] = distances.multiplier(case, shown["normal_force"], shown["xi1"])
     return shown
 
 

@@ -25,6 +25,18 @@ def test_distance_from_itself_is_zero(exact):
     assert max(far) == 0.0
 
 
+def test_a_force_at_a_corner_of_the_track_has_no_multiplier():
+    """R_p vanishes there: lambda is not infinite, and no warning is raised."""
+    case = cases.load("disc_over_edge")
+    truth = reference.simulate(case, rtol=1e-10)
+    times = np.linspace(0.0, truth.t[-1], 301)
+    state = truth(times)
+    off = distances.differences(sampled(truth, 301), truth, case)["lambda"]
+    at_corner = case.track.speed(state.xi1) == 0.0
+    assert at_corner.any() and np.isnan(off[at_corner]).all()
+    assert np.isfinite(off[~at_corner & np.isfinite(state.slip)]).all()
+
+
 def test_distance_measures_a_known_displacement(exact):
     t = np.linspace(0.0, 3.0, 301)  # longer than the truth: only the common span counts
     inside = t <= exact.t[-1]

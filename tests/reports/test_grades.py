@@ -11,7 +11,7 @@ from reports.judging.grades import LIMITS, Grade, duration, grade, percent, reas
 from reports.judging.ranking import digits, first_within, ranking
 from reports.judging.score import Scale, Score
 
-SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction")
+SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction", 1.0, 0.01)
 
 
 def score(off, doubt=0.0, sequence=0.0, missing=False, resolution=1e-3) -> Score:

@@ -13,7 +13,7 @@ from reports.judging.grades import LEVELS
 from reports.judging.score import Scale, Score
 from reports.running.records import Experiment, Run, Truth
 
-SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction")
+SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction", 1.0, 0.01)
 DEFAULTS = Setting.of(rung="defaults")
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import cases
 from cases import Mode, State, Transition
-from reports.judging import friction_sensitivity
+from reports.judging import friction_sensitivity, grades
 from reports.judging.grades import Grade, grade, sequence_note
 from tests.scenes import planted_engines as planted
 from tests.scenes.motions import sampled
@@ -78,6 +78,40 @@ def test_engines_with_a_planted_error_get_what_a_physicist_would_say(case):
     elif truth.sensitivity < friction_sensitivity.LEAST and "friction × 60" in off:
         # It rolls, or slides without a force: friction may be anything that is enough.
         assert off["friction × 60"] <= 1e-3, off
+
+
+def test_the_scale_of_slip_is_that_of_the_nearest_null_motion():
+    """A Reuleaux triangle at rest never slips, and the true one nearly never: a thousandth of a metre per second would
+    count as much as ignoring friction."""
+    truth = planted.judged(cases.load("reuleaux_on_slope"))
+    slips = {name: float(np.mean(np.abs(motion.slip))) for name, motion in truth.nulls.items()}
+    assert truth.scale.null_motion == "no friction"
+    assert slips["never moves"] == 0.0 and truth.scale.slip == pytest.approx(slips["no friction"], rel=0.2)
+    rough = replace(truth.truth, dense=None, first_mode=None)
+    chatter = 0.001 * np.resize([1.0, -1.0], len(rough.t))
+    assert truth.score(replace(rough, slip=rough.slip + chatter)).off < 0.25
+
+
+def test_a_case_that_an_engine_s_step_decides_is_not_ranked():
+    """Rolling all the way over the edge is less than 0.1 mm away; friction measured by that says nothing."""
+    truth = planted.judged(cases.load("disc_over_edge"))
+    assert truth.scale.null_motion == "rolls from the start" and truth.scale.pose < 1e-4
+    assert truth.sensitivity > friction_sensitivity.LEAST
+    reason = friction_sensitivity.not_ranked(truth.sensitivity, truth.scale)
+    assert reason == "ignoring friction's law moves the plate by 0.04 % of its path only"
+    assert f"not ranked: {reason}" in grades.reason(truth.score(truth.truth), truth.scale, 1.0)
+    paper = planted.judged(PAPER)
+    assert friction_sensitivity.not_ranked(paper.sensitivity, paper.scale) == ""
+
+
+def test_the_least_share_is_the_error_of_a_usual_step_without_friction():
+    """Semi-implicit Euler from rest under g: x_n = g h² n (n + 1)/2, so x - x(t) = g h t/2."""
+    h, end, g = 1 / 60, 2.0, 9.81
+    n = np.arange(round(end / h) + 1)
+    off = g * h**2 * n * (n + 1) / 2 - g * (n * h) ** 2 / 2
+    share = np.sqrt(np.mean(off**2)) / (g * end**2 / 2)
+    assert share == pytest.approx(h / (np.sqrt(3) * end), rel=0.01)
+    assert share == pytest.approx(friction_sensitivity.LEAST_SHARE, rel=0.05)
 
 
 def test_extrapolations_are_within_their_doubt():

@@ -15,7 +15,7 @@ from reports.running.experiment import _our_parts
 from reports.running.records import Experiment, Offer, Run, Truth
 
 DEFAULTS, FINE = Setting.of(rung="defaults"), Setting.of(h=1e-4)
-SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction")
+SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction", 1.0, 0.01)
 TRUTHS = {"a": Truth(friction_sensitivity=0.01, scale=SCALE), "b": Truth(friction_sensitivity=0.02, scale=SCALE)}
 # At the edge of the limit, below it, and without a truth.
 OTHERS = {

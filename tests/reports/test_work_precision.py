@@ -38,7 +38,7 @@ from reports.running.timing.cold_start import ColdStart
 from reports.running.timing.time_breakdown import TimeBreakdown
 
 BAR = 1e-14
-SCALE = Scale(1.0, 1.0, 1.0, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction")
+SCALE = Scale(1.0, 1.0, 1.0, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction", 1.0, 0.01)
 
 
 def timing(cpu: float, disturbed=False) -> Timing:
