@@ -42,7 +42,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _work(words: list[str]) -> int:
     parser = options.parser(
         COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
-        "case", "case_file", "solver", "engine", "trajectory", "submissions",
+        "case", "case_file", "solver", "engine", "points", "trajectory", "submissions",
         "quick", "full", "jobs", "dask", "store", "fresh", "paper", "verbose", "list",
         out="report",
         example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',

@@ -1,4 +1,4 @@
-"""`python -m cases export NAME [mu=0.3 …] [--out DIR]`: write a case as data for other tools.
+"""`python -m cases export NAME [mu=0.3 …] [--out DIR] [--points N]`: write a case as data for other tools.
 
 Writes scene.json (`adapters.by_process.scene_file`, the input of executables, with the true transitions and their error
 bars), track.csv and outline.csv (parameter, point, left normal, curvature), and the true motion, motion.csv.
@@ -24,23 +24,26 @@ FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv")
 
 def run(words: Sequence[str]) -> None:
     """Write the files; raises CaseError for invalid arguments."""
-    case, out, force = case_of("cases export", words, "Write a case as data for other tools.")
+    case, out, force, points = case_of("cases export", words, "Write a case as data for other tools.", "points")
     folder = out or Path(case.name)
     for name in FILES:
         check_free(folder / name, force)
-    paths = export(case, folder, force)
+    paths = export(case, folder, force, points)
     print("\n".join(f"written: {path}" for path in paths))
 
 
-def export(case: Case, folder: Path, replace: bool = True) -> list[Path]:
-    """Write a case into a folder; returns the files. Without `replace`, raises FileExistsError if one exists."""
+def export(case: Case, folder: Path, replace: bool = True, points: int | None = None) -> list[Path]:
+    """Write a case into a folder, its curves with that many points (default 1001); returns the files. Without
+    `replace`, raises FileExistsError if one exists."""
+    from adapters.by_process.scene_file import SAMPLES as DEFAULT
     from adapters.by_process.scene_file import as_json, curve_samples, scene
 
-    data = {**scene(case), **truth(case)}
+    samples = DEFAULT if points is None else points
+    data = {**scene(case, samples), **truth(case)}
     folder.mkdir(parents=True, exist_ok=True)
     paths = [folder / name for name in FILES]
     write(paths[0], as_json(data, indent=1) + "\n", replace)
-    for path, rows in zip(paths[1:3], curve_samples(case).values(), strict=True):
+    for path, rows in zip(paths[1:3], curve_samples(case, samples).values(), strict=True):
         _write_csv(path, rows, "s,x,y,normal_x,normal_y,curvature", replace)
     names, rows = motion(case)
     _write_csv(paths[3], rows, ",".join(names), replace, fmt="%.16g")

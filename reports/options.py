@@ -6,6 +6,7 @@ All functions here are fast; slow modules are imported when they are needed.
 from __future__ import annotations
 
 import argparse
+import re
 import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 STORE = ".slip-to-roll"
 # Largest number of jobs; each is a process that imports every engine, about 200 MB.
 MOST_JOBS = 256
+# Range of --points: a line has two, and the text of a scene with the most has 25 MB.
+FEWEST_POINTS, MOST_POINTS = 2, 100_000
 # Help for an argument that is one case.
 A_CASE = 'a case: name, "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION'
 
@@ -62,6 +65,9 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         action="extend",
         default=[],
         help="executables to run as engines (docs/process_protocol.md), in addition to the solvers",
+    ),
+    "points": dict(
+        metavar="N", help="points of track and outline in the scene that executables read and export writes (1001)"
     ),
     "trajectory": dict(
         metavar="NAME[@CASE]=FILE",
@@ -171,6 +177,8 @@ class BuildPlan:
     paper: bool = False  # whether figures are also written as PDF and tables as LaTeX
     dask: str | None = None  # scheduler of the cluster for untimed runs
     verbose: bool = False  # whether the terminal shows details
+    points: int | None = None  # points of each curve in the scenes of `own_engines`
+    own_engines: tuple[str, ...] = ()  # the executables of --engine
 
     @property
     def limit(self) -> float:
@@ -179,7 +187,10 @@ class BuildPlan:
 
     def select_rungs(self, case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
         """The settings to run (`ladder_selection.select_rungs`)."""
-        return ladder_selection.select_rungs(self.effort, self.is_selection, case, solver, route, settings)
+        chosen = ladder_selection.select_rungs(self.effort, self.is_selection, case, solver, route, settings)
+        if self.points is None or solver not in self.own_engines:
+            return chosen
+        return tuple(setting.but(points=self.points) for setting in chosen)
 
     def ladders(self) -> str:
         """Which settings are run, as a sentence; "" if all are."""
@@ -208,12 +219,15 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
     )
     external = _trajectories(options.trajectory, case_list) + _submissions(options.submissions, case_list)
     is_selection = bool(names)
+    points = points_of(options.points)
+    if points is not None and not own_engines:
+        raise BadValue("--points is for executables; give it with --engine FILE")
     if options.dask is not None and own_engines:
         raise BadValue("--engine files exist on this machine only, and --dask runs on others; give one of the two")
     files = tuple(dict.fromkeys((*files, *more)))
     return BuildPlan(
         out, case_list, files, solver_names, effort, jobs, tuple(argv), is_selection, store, options.fresh, external,
-        options.paper, options.dask, options.verbose,
+        options.paper, options.dask, options.verbose, points, own_engines,
     )  # fmt: skip
 
 
@@ -282,6 +296,18 @@ def creep_of(text: str) -> float:
     if not 0.0 <= creep < inf:
         raise BadValue(f"--creep is {text!r}; give a speed in m/s, for example 5e-3")
     return creep
+
+
+def points_of(text: str | None) -> int | None:
+    """Parse --points; raises BadValue unless it is a whole number from FEWEST_POINTS to MOST_POINTS."""
+    if text is None:
+        return None
+    count = int(text) if re.fullmatch(r"\d{1,9}", text, re.ASCII) else 0
+    if not FEWEST_POINTS <= count <= MOST_POINTS:
+        raise BadValue(
+            f"--points is {text[:40]!r}; give a whole number from {FEWEST_POINTS} to {MOST_POINTS}, for example 5001"
+        )
+    return count
 
 
 def _submissions(folder: str | None, case_list: Sequence[Case]) -> tuple[External, ...]:

@@ -30,11 +30,12 @@ class ShowRequest(NamedTuple):
     case: Case
     out: Path | None
     force: bool
+    points: int | None
 
 
 def run(words: Sequence[str]) -> None:
     """Draw and print; raises CaseError for invalid arguments."""
-    case, out, force = case_of(
+    case, out, force, _ = case_of(
         "cases show", words, "Draw a case and its motion; print its facts and the solvers that can run it."
     )
     picture = out or Path(f"{case.name}.png")
@@ -52,16 +53,17 @@ def run(words: Sequence[str]) -> None:
     print(f"picture: {picture}")
 
 
-def case_of(command: str, words: Sequence[str], says: str) -> ShowRequest:
-    """Parse the command line: the case, the output path, and whether existing files may be replaced."""
+def case_of(command: str, words: Sequence[str], says: str, *more: str) -> ShowRequest:
+    """Parse the command line, with more options of the command: the case, the output path, whether existing files may
+    be replaced, and the points of a curve if the command has --points."""
     positional = {"CASE": options.A_CASE, "parameter=value*": _CHANGES}
-    parser = options.parser(command, says, "case_file", "out", "force", words=positional)
+    parser = options.parser(command, says, "case_file", "out", "force", *more, words=positional)
     arguments = parser.parse_args(list(words))
     out = arguments.out and place("folder or file of --out", arguments.out)
+    points = options.points_of(getattr(arguments, "points", None))
     options.load_files(arguments.case_file)
-    return ShowRequest(
-        lookup.case_name(arguments.CASE).one(getattr(arguments, "parameter=value")), out, arguments.force
-    )
+    case = lookup.case_name(arguments.CASE).one(getattr(arguments, "parameter=value"))
+    return ShowRequest(case, out, arguments.force, points)
 
 
 def check_free(path: Path, force: bool) -> None:

@@ -31,8 +31,10 @@ SAMPLES = 1001
 UNITS = "SI, radians; the plate lies on the left of the track; components along its tangent and left normal"
 
 
-def scene(case: Case) -> dict[str, Any]:
-    """All data that is needed to build the case, in SI units; null for values that a start in flight does not have."""
+def scene(case: Case, samples: int = SAMPLES) -> dict[str, Any]:
+    """All data that is needed to build the case, in SI units; null for values that a start in flight does not have.
+
+    `samples`: number of points of each curve."""
     return finite(
         {
             "schema": SCHEMA,
@@ -46,7 +48,7 @@ def scene(case: Case) -> dict[str, Any]:
             "start": start_motion(case)._asdict(),
             "duration": case.duration,
             "closed": {"track": bool(case.track.period), "outline": bool(case.plate.outline.period)},
-            "points": {name: points(rows) for name, rows in curve_samples(case).items()},
+            "points": {name: points(rows) for name, rows in curve_samples(case, samples).items()},
             "mjcf": engine_geometry.mjcf(case),
             "sdf": engine_geometry.sdf(case),
         }
@@ -74,18 +76,21 @@ def points(rows: np.ndarray) -> dict[str, list[float]]:
     return {name: column.tolist() for name, column in zip(names, rows.T, strict=True)}
 
 
-def curve_samples(case: Case) -> dict[str, np.ndarray]:
+def curve_samples(case: Case, samples: int = SAMPLES) -> dict[str, np.ndarray]:
     """Samples of `track` and `outline`, evenly in the parameter.
 
     For a track without ends they cover the part that the plate may reach.
     """
     track, outline = case.track, case.plate.outline
-    return {"track": _curve_rows(track, *visible_span(case)), "outline": _curve_rows(outline, *outline.span)}
+    return {
+        "track": _curve_rows(track, *visible_span(case), samples),
+        "outline": _curve_rows(outline, *outline.span, samples),
+    }
 
 
-def _curve_rows(curve: Curve, low: float, high: float) -> np.ndarray:
-    """Rows of parameter, point (m), left unit normal, curvature (1/m); shape (SAMPLES, 6), and more at corners."""
-    s = np.linspace(low, high, SAMPLES)
+def _curve_rows(curve: Curve, low: float, high: float, samples: int) -> np.ndarray:
+    """Rows of parameter, point (m), left unit normal, curvature (1/m); shape (samples, 6), and more at corners."""
+    s = np.linspace(low, high, samples)
     if isinstance(curve, Chain):
         s = np.union1d(s, curve.vertices(2 * np.pi))
     return np.column_stack([s, *curve.point(s), *curve.normal(s), curve.curvature(s)])

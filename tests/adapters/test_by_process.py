@@ -134,6 +134,48 @@ def test_export_writes_the_same_scene_and_a_true_motion_that_is_judged_right(tmp
     assert np.abs(motion.x - exact.x).max() < 1e-12
 
 
+def chord_error(points: dict[str, list[float]]) -> float:
+    """The largest distance of a circle of radius 1 m from the chords of its points, in m."""
+    x, y = (np.array(points[name]) for name in "xy")
+    return float(1.0 - np.hypot(x[1:] + x[:-1], y[1:] + y[:-1]).min() / 2)
+
+
+def test_points_sets_the_number_of_points_of_exported_curves(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    errors = {}
+    for count in (251, 1001):
+        export.run(["disc_in_circle", "--points", str(count), "--out", str(count)])
+        scene = strict(Path(f"{count}/scene.json").read_text(encoding="utf-8"))
+        assert len(scene["points"]["track"]["s"]) == count == len(scene["points"]["outline"]["s"])
+        assert len(np.loadtxt(f"{count}/track.csv", delimiter=",", skiprows=1)) == count
+        errors[count] = chord_error(scene["points"]["track"])
+    assert errors[251] / errors[1001] == pytest.approx(16.0, rel=1e-3)  # the square of the number of chords
+
+
+def test_points_gives_an_executable_that_many_points(registered):
+    name, case = registered("counts", example()), cases.load(LINE)
+    plan = options.BuildPlan(Path("x"), (), (), (), "full", 1, (), True, points=37, own_engines=(name,))
+    for solver, expected in ((name, 37), ("pymunk", None)):
+        rungs = plan.select_rungs(case.label, solver, "process", lookup.engine(name).ladder(case, "process"))
+        assert {setting.get("points") for setting in rungs} == {expected}
+    setting = plan.select_rungs(case.label, name, "process", lookup.engine(name).ladder(case, "process"))[0]
+    scene = strict(lookup.engine(name).build(case, "process", setting).scene_text)
+    assert (
+        scene["setting"]["points"] == 37 == len(scene["points"]["track"]["x"]) == len(scene["points"]["outline"]["x"])
+    )
+
+
+@pytest.mark.parametrize("text", ["1", "0", "-5", "1e3", "100001", "many", "9" * 400])
+def test_a_number_of_points_out_of_range_is_one_sentence(text):
+    with pytest.raises(BadValue, match="give a whole number from 2 to 100000, for example 5001"):
+        options.points_of(text)
+
+
+def test_points_without_an_executable_is_one_sentence(capsys):
+    assert build.main(["--quick", "--points", "50"]) == 2
+    assert capsys.readouterr().err == "reports.build: --points is for executables; give it with --engine FILE\n"
+
+
 def test_the_true_motion_of_a_bounce_can_be_read_back(tmp_path):
     case = cases.load("bouncing_disc")
     names, rows = export.motion(case)

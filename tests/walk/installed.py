@@ -26,7 +26,7 @@ def wheel() -> Path:
     source, out = Path(mkdtemp(prefix="slip-to-roll-source-")), Path(mkdtemp(prefix="slip-to-roll-wheel-"))
     for room in ROOMS:
         shutil.copytree(ROOT / room, source / room, ignore=shutil.ignore_patterns("__pycache__"))
-    for file in ("pyproject.toml", "README.md", "LICENSE"):
+    for file in ("pyproject.toml", "README.md", "LICENSE", "pytest_slip_to_roll.py"):
         shutil.copy(ROOT / file, source)
     build = f"from setuptools import build_meta; print(build_meta.build_wheel({str(out)!r}))"
     subprocess.run([sys.executable, "-c", build], cwd=source, check=True, capture_output=True)
