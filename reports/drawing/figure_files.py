@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..running.per_solver import LeftOut
+from .print_layout import fit_to_print
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,7 +64,7 @@ def short_digest(label: str) -> str:
 
 @contextmanager
 def for_print(also_pdf: bool = True) -> Iterator[None]:
-    """A context in which figures are also written as PDF, if `enabled`."""
+    """A context in which figures are also written as PDF, if `also_pdf`."""
     before = _WRITES_PDF.set(also_pdf)
     try:
         yield
@@ -113,7 +114,8 @@ def picture(figure: Figure, name: str, case: str, title: str, caption: str, png:
     if png:
         figure.savefig(dots, format="png", dpi=160, bbox_inches=box)
     if writes_pdf():
-        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches=box)
+        page = fit_to_print(figure)
+        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches=page)
     plt.close(figure)
     entry = FigureEntry(name, case, title, caption)
     return FigureContent(entry, minify(text.getvalue()), _bytes(dots.getvalue()), _bytes(sheet.getvalue()))
