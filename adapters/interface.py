@@ -71,11 +71,10 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from cases import Case, CoulombFriction
-from cases.own_effects import own_effects
-from cases.piece_case import has_pieces
+if TYPE_CHECKING:
+    from cases import Case
 
 # Names that every adapter must define.
 PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version")
@@ -107,6 +106,11 @@ def our_part(adapter: Any, route: str) -> str:
 def refusal(adapter: Any, case: Case, route: str) -> str | None:
     """Why a route does not support a case, in one sentence, or None: by what the adapter has to declare, then by its
     own `refuses`."""
+    # These import SymPy, which a command's help does not need.
+    from cases import CoulombFriction
+    from cases.own_effects import own_effects
+    from cases.piece_case import has_pieces
+
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
             return f"The {route} route does not support {type(effect).__name__}, an effect of a package of its own."

@@ -1,32 +1,41 @@
-"""The question and the form of the answer: scenes of a plate on a track, and trajectories."""
+"""The question and the form of the answer: scenes of a plate on a track, and trajectories.
+
+Its classes are imported when they are first used: SymPy takes most of a command's start, and help and lists need none.
+"""
 
 from . import keyboard_interrupt  # the first of all: what follows takes a second  # noqa: F401
 
 # isort: split
-from .case import Case
-from .chain import Chain
-from .curves import Curve
-from .effects import (
-    Belt,
-    CoulombFriction,
-    Drive,
-    Effect,
-    Flight,
-    Gravity,
-    Impact,
-    Load,
-    PerfectlyRough,
-    RollingResistance,
-    Unilateral,
-)
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
 from .errors import BadCurve, BadValue, CaseError, DoesNotFit, NotSupported, UnknownName
-from .outline import Outline, arc
-from .own_effects import ContactEffect, ContactForce, EndCondition
-from .plate import Plate, disc
 from .registry import case, entry, load, load_file, names, select
-from .start import Start
-from .trajectory import Cost, Mode, Passage, State, Trajectory, Transition
 from .version import __version__
+
+if TYPE_CHECKING:
+    from .case_class import Case
+    from .chain import Chain
+    from .curves import Curve
+    from .effects import (
+        Belt,
+        CoulombFriction,
+        Drive,
+        Effect,
+        Flight,
+        Gravity,
+        Impact,
+        Load,
+        PerfectlyRough,
+        RollingResistance,
+        Unilateral,
+    )
+    from .outline import Outline, arc
+    from .own_effects import ContactEffect, ContactForce, EndCondition
+    from .plate import Plate, disc
+    from .start import Start
+    from .trajectory import Cost, Mode, Passage, State, Trajectory, Transition
 
 __all__ = [
     "BadCurve",
@@ -71,3 +80,28 @@ __all__ = [
     "names",
     "select",
 ]
+
+# The modules of the names that are imported at their first use.
+_MODULES = {
+    "case_class": ("Case",), "chain": ("Chain",), "curves": ("Curve",),
+    "effects": ("Belt", "CoulombFriction", "Drive", "Effect", "Flight", "Gravity", "Impact", "Load", "PerfectlyRough",
+                "RollingResistance", "Unilateral"),
+    "outline": ("Outline", "arc"), "own_effects": ("ContactEffect", "ContactForce", "EndCondition"),
+    "plate": ("Plate", "disc"), "start": ("Start",),
+    "trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
+}  # fmt: skip
+_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULE_OF:
+        value = getattr(import_module(f".{_MODULE_OF[name]}", __name__), name)
+        globals()[name] = value
+        return value
+    if not name.startswith("_") and find_spec(f"{__name__}.{name}"):
+        return import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -120,13 +120,12 @@ def _of_others(command: str) -> Callable | None:
 def listing(width: int | None = None) -> str:
     """Every case with its summary, in lines of at most `width` characters (default: the terminal's width); a star marks
     the hard ones."""
-    names = registry.names()
-    indent = max(map(len, names)) + 3
+    cases = registry.summaries()
+    indent = max(len(case.name) for case in cases) + 3
     width = max(width or get_terminal_size().columns, indent + _NARROWEST)
-    entries = [(name, registry.entry(name)) for name in names]
     lines = []
-    for name, case in entries:
-        first = f"{name:{indent - 3}} {'*' if case.hard else ' '} "
+    for case in cases:
+        first = f"{case.name:{indent - 3}} {'*' if case.is_hard else ' '} "
         lines.append(fill(case.summary, width, initial_indent=first, subsequent_indent=" " * indent))
     return "\n".join(lines)
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import geometry, piece_contact
-from .case import Case
+from .case_class import Case
 from .effects import Belt, Drive
 from .errors import BadValue
 from .geometry import Contact, MotionPoint

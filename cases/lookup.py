@@ -14,12 +14,14 @@ import traceback
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from . import registry, user_files
-from .case import Case
 from .errors import BadValue, CaseError, UnknownName, describe, unknown_name
 from .trial import trial
+
+if TYPE_CHECKING:
+    from .case_class import Case
 
 T = TypeVar("T")
 

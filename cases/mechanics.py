@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .case import Case
+from .case_class import Case
 from .contact import belt_speed, track_place
 from .effects import Drive, Gravity
 from .own_effects import ContactEffect, own_effects

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from .case import Case
+from .case_class import Case
 from .contact import track_place
 from .derivation import in_one_thread
 from .effects import MOTION, Drive, Effect, Gravity, Load

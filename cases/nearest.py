@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .case import Case
+from .case_class import Case
 from .contact import Contact, find
 from .curves import Curve
 from .errors import DoesNotFit

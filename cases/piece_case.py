@@ -11,7 +11,7 @@ from functools import lru_cache
 from math import pi
 from typing import cast
 
-from .case import Case
+from .case_class import Case
 from .chain import Chain, Element
 from .corner import Corner, Piece
 from .curves import Curve

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.machinery
 import importlib.util
 import inspect
 import pkgutil
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import user_files
-from .case import Case
 from .derivation import LOCK, in_one_thread
 from .errors import BadValue, CaseError, describe, parameter, unknown_name
-from .point_sources import paths_count_from
+
+if TYPE_CHECKING:
+    from .case_class import Case
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,14 @@ class CatalogueEntry:
     def summary(self) -> str:
         """The first line of the function's docstring."""
         return (inspect.getdoc(self.function) or "").partition("\n")[0]
+
+
+class CaseSummary(NamedTuple):
+    """A line of a list of cases: name, first line of the docstring, and whether it is in the atlas of hard scenes."""
+
+    name: str
+    summary: str
+    is_hard: bool
 
 
 _entries: dict[str, CatalogueEntry] = {}
@@ -114,6 +124,31 @@ def names(hard: bool | None = None) -> list[str]:
     return sorted(name for name, item in list(_entries.items()) if hard is None or bool(item.hard) == hard)
 
 
+def summaries() -> list[CaseSummary]:
+    """A line for every case, in alphabetical order, without SymPy: those of the catalogue are read from its source."""
+    _import_packages()
+    lines = {line.name: line for file in _catalogue_files() for line in _summaries_in(file)}
+    lines |= {name: CaseSummary(name, item.summary, bool(item.hard)) for name, item in list(_entries.items())}
+    return [lines[name] for name in sorted(lines)]
+
+
+def _catalogue_files() -> list[Path]:
+    from . import catalogue
+
+    return sorted(Path(folder) / f"{module.name}.py" for folder in catalogue.__path__
+                  for module in pkgutil.iter_modules([folder]))  # fmt: skip
+
+
+def _summaries_in(file: Path) -> Iterator[CaseSummary]:
+    """The functions marked `@case` in a file of the catalogue."""
+    for node in ast.parse(file.read_bytes()).body:
+        for mark in getattr(node, "decorator_list", ()):
+            call = mark if isinstance(mark, ast.Call) else None
+            if isinstance(node, ast.FunctionDef) and ast.unparse(call.func if call else mark) == "case":
+                is_hard = call is not None and any(keyword.arg == "hard" for keyword in call.keywords)
+                yield CaseSummary(node.name, (ast.get_docstring(node) or "").partition("\n")[0], is_hard)
+
+
 def load(name: str, **parameters) -> Case:
     """The case `name` with some parameters changed; `name` may carry them: "disc_in_circle[mu=0.2]".
 
@@ -127,6 +162,10 @@ def load(name: str, **parameters) -> Case:
         if key not in item.parameters:
             raise unknown_name(f"parameter of {bare}", key, item.parameters)
         parameters[key] = parameter(f"{key} of {bare}", value)
+    # These import NumPy and SymPy, which lists and help do not need.
+    from .case_class import Case
+    from .point_sources import paths_count_from
+
     try:
         with LOCK, paths_count_from(item.folder):
             scene = item.function(**parameters)
@@ -170,6 +209,8 @@ def load_file(path: str | Path) -> list[str]:
     before = dict(_entries)
     if path.suffix != ".py":
         raise BadValue(f"{path} is not a Python file; a case file ends in .py")
+    from .point_sources import paths_count_from
+
     name, place = f"case_file_{path.stem}", path.resolve()  # workers use it from other folders
     spec = importlib.util.spec_from_loader(name, _UncachedLoader(name, str(place)))
     assert spec is not None and spec.loader is not None

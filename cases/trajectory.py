@@ -16,7 +16,7 @@ from .owned_folder import atomic_path
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .case import Case
+    from .case_class import Case
     from .pictures.animation import Animation
     from .pictures.plots import Picture
 

@@ -8,12 +8,15 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from cases import Case
 from cases.command_line import status
 
 from .drawing.figure_files import file_name
 from .show import case_of, check_free
+
+if TYPE_CHECKING:
+    from cases import Case
 
 COMMAND = "reports.animate"
 

@@ -15,13 +15,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import cases
-from cases import Case, CaseError, lookup
+from cases import CaseError, lookup
 from cases.command_line import status
 
 from . import options
 from .options import BuildPlan
 
 if TYPE_CHECKING:
+    from cases import Case
+
     from .analysis.work_precision import CostMeasurements
     from .running.calls import Calls
     from .running.per_solver import LeftOut

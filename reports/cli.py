@@ -14,6 +14,7 @@ from importlib import import_module
 from io import StringIO
 
 import cases
+from cases import registry
 from cases.command_line import PROGRAMS
 
 NAME = "slip-to-roll"
@@ -117,7 +118,7 @@ def following(words: Sequence[str]) -> list[str]:
     if words == ["cases"]:
         return ["new", "check", "show", "export"]
     if words[-1] in ("--case", "compare", "show", "export", "check", "sweep", "animate", "prove"):
-        return cases.names()
+        return [case.name for case in registry.summaries()]
     if words[-1] == "--solver":
         from .options import solvers
 

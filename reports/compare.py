@@ -12,14 +12,14 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cases import Case, DoesNotFit, lookup
+from cases import DoesNotFit, lookup
 from cases.command_line import status
 from cases.user_files import existing
 
 from . import options
 
 if TYPE_CHECKING:
-    from cases import Trajectory
+    from cases import Case, Trajectory
 
     from .judging.diagnosis import Columns
     from .running.records import Run

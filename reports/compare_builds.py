@@ -19,7 +19,7 @@ from cases.command_line import status
 from cases.user_files import place, text
 
 from . import options
-from .running.records import legible
+from .running.names import legible
 
 if TYPE_CHECKING:
     import pandas as pd

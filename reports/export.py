@@ -9,13 +9,16 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cases import Case
 from cases.owned_folder import atomic_path, write
 
 from .show import MADE_BY, case_of, check_free, main
+
+if TYPE_CHECKING:
+    from cases import Case
 
 # Samples of the true motion, at equal times.
 SAMPLES = 2001

@@ -23,7 +23,7 @@ from cases.command_line import status
 from cases.user_files import place, text
 
 from . import options
-from .running.records import legible
+from .running.names import legible
 
 COMMAND = "reports.gate"
 FORMATS = ("text", "json", "junit")

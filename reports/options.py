@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import adapters
 import cases
-from cases import BadValue, Case, lookup
+from cases import BadValue, lookup
 from cases.command_line import Parser, program
 from cases.errors import unknown_name
 from cases.owned_folder import OwnedFolder, TemporaryFolder
@@ -24,11 +24,12 @@ from cases.user_files import place
 
 from .page import report_folder
 from .running import ladder_selection
-from .running.records import REFERENCE
+from .running.names import REFERENCE
 from .running.time_limits import RUN_SECONDS
 
 if TYPE_CHECKING:
     from adapters import Setting
+    from cases import Case
 
     from .running.external_motions import External
 
@@ -241,6 +242,8 @@ def plan_by_hand(
     fresh: bool,
 ) -> BuildPlan:
     """The plan of a report on cases made in Python, with the same checks; raises CaseError."""
+    from cases import Case  # imports SymPy, which a command's help does not need
+
     case_list = tuple(own_cases)
     for case in case_list:
         if not isinstance(case, Case):

@@ -29,9 +29,7 @@ from cases.errors import finite
 from cases.owned_folder import digest, write
 
 from . import options
-from .judging.grades import percent
 from .page import report_folder
-from .page.manifest import FORMAT
 
 COMMAND = "reports.publish"
 ROOT = Path(__file__).resolve().parents[1]
@@ -135,6 +133,8 @@ def _text(file: Path) -> str:
 
 def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> None:
     """Raises BadValue unless it is a complete default report of a commit of this version, without interrupted calls."""
+    from .page.manifest import FORMAT
+
     absent = [name for name in (report_folder.PAGE, PACKAGE, *_FIGURES) if name not in names]
     lacking = sorted(
         {case.label for name in cases.names(hard=False) for case in cases.select(name)} - set(manifest["cases"])
@@ -248,6 +248,8 @@ def _default_words(place: Path, solver: str, words: tuple[str, str]) -> str:
     columns = ("default_off", "default_off_best", "default_off_worst", "default_settings")
     keys = {"case": CASE, "solver": solver, "route": "native"}
     median, low, high, count = (_number(place, "headline", column, **keys) for column in columns)
+    from .judging.grades import percent
+
     bounds = f"{percent(low).removesuffix(' %')} to {percent(high)}"
     name, parameters = words
     return f"{name} is {percent(median)} off (median; {bounds} over {count:.0f} usual combinations of {parameters})"

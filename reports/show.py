@@ -9,16 +9,19 @@ import inspect
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import cases
-from cases import BadValue, Case, Trajectory, lookup
+from cases import BadValue, lookup
 from cases.command_line import status
 from cases.owned_folder import atomic_path, check_new
 from cases.pictures import MADE_BY
 from cases.user_files import place
 
 from . import options
+
+if TYPE_CHECKING:
+    from cases import Case, Trajectory
 
 _CHANGES = "parameters that differ from the defaults"
 KINDS = (".png", ".svg", ".pdf")

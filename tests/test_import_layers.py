@@ -77,7 +77,8 @@ def test_room_has_no_circle(room):
 @pytest.mark.parametrize("module", ["cases.geometry", "cases.curves", "cases.expressions", "cases.effects"])
 def test_geometry_and_formulas_know_no_case(module):
     known = reached(module, arrows("cases"))
-    assert not known & {"cases", "cases.case", "cases.start", "cases.contact", "cases.registry", "cases.trajectory"}
+    names = ("case_class", "start", "contact", "registry", "trajectory")
+    assert not known & {"cases", *(f"cases.{name}" for name in names)}
 
 
 def floor(module: str) -> str:
@@ -115,15 +116,15 @@ def test_what_is_no_adapter_is_listed_and_every_adapter_is_there():
 
 
 def test_the_checks_see_an_arrow_upwards(tmp_path):
-    known = {"cases.case": Path(), "cases.geometry": Path()}
+    known = {"cases.case_class": Path(), "cases.geometry": Path()}
     wrong = tmp_path / "geometry.py"
     for text in (
-        "from .case import Case",
-        "from cases.case import Case",
-        "import cases.case",
-        "from . import case",
-        "importlib.import_module('cases.case')",
-        "import_module('.case', __name__)",
+        "from .case_class import Case",
+        "from cases.case_class import Case",
+        "import cases.case_class",
+        "from . import case_class",
+        "importlib.import_module('cases.case_class')",
+        "import_module('.case_class', __name__)",
     ):
         wrong.write_text(f"def late():\n    {text}\n")
-        assert imports("cases.geometry", wrong, known) == {"cases.case"}, text
+        assert imports("cases.geometry", wrong, known) == {"cases.case_class"}, text

@@ -7,19 +7,14 @@ report a quantity that the law needs. `judge` checks them all. For tests of othe
 scales of an error.
 """
 
-from __future__ import annotations
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-import pkgutil
-from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple
-
-from cases import NotSupported
-from cases.own_effects import registered
-
-from . import effects, mechanics
-from .mechanics import Law, mirror
-from .runs import LawRun, MissingQuantity, Route, hold
-from .scenes import MORE_SCENES, SCENES, scene, turn_gravity
+if TYPE_CHECKING:
+    from .law_list import LAWS, Verdict, judge
+    from .mechanics import Law, mirror
+    from .runs import LawRun, MissingQuantity, Route, hold
+    from .scenes import MORE_SCENES, SCENES, scene, turn_gravity
 
 __all__ = [
     "LAWS",
@@ -37,50 +32,16 @@ __all__ = [
     "turn_gravity",
 ]
 
-
-def _own_laws() -> dict[str, Law]:
-    """The laws of effects of installed packages, by the name of their function."""
-    texts = [text for effect in registered().values() for text in effect.laws]
-    laws = [pkgutil.resolve_name(text) for text in texts]
-    return {law.__name__: law for law in laws}
-
-
-LAWS: dict[str, Law] = {**mechanics.LAWS, **effects.LAWS, **_own_laws()}
+# The modules of these names, which are imported at their first use: help needs none.
+_MODULES = {
+    "law_list": ("LAWS", "Verdict", "judge"), "mechanics": ("Law", "mirror"),
+    "runs": ("LawRun", "MissingQuantity", "Route", "hold"),
+    "scenes": ("MORE_SCENES", "SCENES", "scene", "turn_gravity"),
+}  # fmt: skip
+_MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
 
-class Verdict(NamedTuple):
-    """The outcome of one law on one route: "kept", "broken", "refused", "not reported" or "failed", and the reason."""
-
-    route: str
-    law: str
-    outcome: str
-    reason: str = ""
-
-
-def judge(
-    adapter: Any, laws: Iterable[str] = tuple(LAWS), routes: Iterable[str] | None = None, seed: int = 0
-) -> Iterator[Verdict]:
-    """The verdicts of these laws on the routes (default: all of the adapter), one after another.
-
-    `seed` selects the values that the scenes draw at random.
-    `adapter` is a module, or any object with an adapter's functions. An exception is a verdict too; an adapter that
-    ends the process ends this one.
-    """
-    laws = tuple(laws)
-    for route in adapter.routes if routes is None else routes:
-        for law in laws:
-            yield Verdict(route, law, *_try(law, Route(adapter, route, seed)))
-
-
-def _try(law: str, route: Route) -> tuple[str, str]:
-    try:
-        LAWS[law](route)
-    except NotSupported as refusal:
-        return "refused", str(refusal)
-    except MissingQuantity as silence:
-        return "not reported", str(silence)
-    except AssertionError as violation:
-        return "broken", str(violation)
-    except Exception as problem:
-        return "failed", f"{type(problem).__name__}: {problem}"
-    return "kept", ""
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_MODULE_OF[name]}", __name__), name)

@@ -11,7 +11,7 @@ from statistics import median
 from typing import Any, NamedTuple
 
 from ..judging.grades import LIMITS, Grade, percent
-from ..running.records import REFERENCE
+from ..running.names import REFERENCE
 from .number_format import number, seconds, times
 from .time_to_accuracy import DISTURBED, WITH_TIMES
 from .which_engine import RUNS, TIE

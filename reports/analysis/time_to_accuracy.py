@@ -7,7 +7,8 @@ from math import floor, isfinite, nan
 from typing import Any
 
 from ..judging.grades import LEVELS
-from ..running.records import REFERENCE, Experiment
+from ..running.names import REFERENCE
+from ..running.records import Experiment
 from .levels import ONE_SETTING, WITHIN, LevelResult, level_results
 from .work_precision import CostMeasurements, times_of
 

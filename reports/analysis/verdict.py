@@ -19,7 +19,8 @@ from ..judging.grades import LIMITS, Grade, grade, percent
 from ..judging.ranking import TIE, Standing, ranking
 from ..judging.score import Score
 from ..running import external_motions, submissions
-from ..running.records import REFERENCE, Experiment, Run, defaults, routes
+from ..running.names import REFERENCE
+from ..running.records import Experiment, Run, defaults, routes
 from .levels import ONE_SETTING, level_results
 from .number_format import seconds
 from .time_to_accuracy import WITH_TIMES, cost

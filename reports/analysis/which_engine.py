@@ -7,7 +7,7 @@ from math import isfinite, nan
 from typing import Any
 
 from ..judging.grades import LEVELS, LIMITS, Grade
-from ..running.records import REFERENCE
+from ..running.names import REFERENCE
 from .levels import BEYOND
 from .time_to_accuracy import WITH_TIMES, break_even, cost
 from .work_precision import groups

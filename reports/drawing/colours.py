@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from itertools import cycle
 from typing import NamedTuple
 
-from ..running.records import REFERENCE
+from ..running.names import REFERENCE
 
 
 class Colour(NamedTuple):

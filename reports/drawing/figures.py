@@ -21,8 +21,8 @@ from cases.pictures import drawn_scene, plots
 from cases.pictures.layout import Instant, instants
 
 from ..running import per_solver
+from ..running.names import REFERENCE
 from ..running.records import (
-    REFERENCE,
     Experiment,
     Run,
     Truth,

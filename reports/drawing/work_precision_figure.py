@@ -16,7 +16,8 @@ from ..analysis import time_to_accuracy, work_precision
 from ..analysis.quantities import UNITS
 from ..analysis.work_precision import CostMeasurements
 from ..judging.grades import LEVELS, percent
-from ..running.records import REFERENCE, Experiment
+from ..running.names import REFERENCE
+from ..running.records import Experiment
 from .figure_files import FigureEntry, file_name, save
 from .style import STYLE, LineStyles, logarithmic, looks_of
 

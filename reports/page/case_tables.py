@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any
 
-from ..running.records import REFERENCE
+from ..running.names import REFERENCE
 from .fragments import switch, verbatim
 
 # Transitions that the page shows of a case; the table `transitions` has all.

@@ -13,7 +13,8 @@ from cases import Case
 from ..analysis import verdict
 from ..drawing.figure_files import FigureEntry, short_digest
 from ..judging.grades import Grade
-from ..running.records import REFERENCE, Experiment, finest, routes
+from ..running.names import REFERENCE
+from ..running.records import Experiment, finest, routes
 from ..running.solvers import NOT_INSTALLED
 from . import case_tables, motions
 from .fragments import command_of, picture, records, short_percent, switch, table

@@ -14,7 +14,7 @@ from ..analysis.time_to_accuracy import WITH_TIMES, cost
 from ..analysis.work_precision import CostMeasurements, groups
 from ..drawing.figure_files import FigureEntry
 from ..judging.grades import LEVELS, percent
-from ..running.records import REFERENCE
+from ..running.names import REFERENCE
 from .fragments import picture, records, switch, table
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from ..analysis.columns import unit_of
 from ..drawing.figure_files import FigureEntry
 from ..judging.grades import Grade
 from ..running import per_solver
-from ..running.records import REFERENCE
+from ..running.names import REFERENCE
 from .text import shorten
 
 if TYPE_CHECKING:

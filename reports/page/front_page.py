@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..analysis import verdict
 from ..running.ladder_selection import ladder_case
-from ..running.records import REFERENCE, Experiment, routes
+from ..running.names import REFERENCE
+from ..running.records import Experiment, routes
 from ..running.solvers import missing_words
 from .chapters import anchor, case_summary
 from .fragments import records

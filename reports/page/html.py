@@ -15,7 +15,8 @@ from ..analysis.work_precision import CostMeasurements
 from ..drawing.colours import GRADES, colours
 from ..drawing.figure_files import FigureEntry
 from ..judging.grades import LIMITS, percent
-from ..running.records import REFERENCE, TRUTH_RTOL, Experiment
+from ..running.names import REFERENCE
+from ..running.records import TRUTH_RTOL, Experiment
 from . import chapters, cost, evidence, front_page, vendor
 from .fragments import command_of as command_of
 from .fragments import environment, table

@@ -23,8 +23,9 @@ from cases.pictures.layout import visible
 
 from ..judging.grades import percent
 from ..running import per_solver
+from ..running.names import REFERENCE
 from ..running.per_solver import LeftOut
-from ..running.records import REFERENCE, Experiment, Run, Truth, routes
+from ..running.records import Experiment, Run, Truth, routes
 
 # Samples of a motion, including its transitions: a player 800 pixels wide cannot show more.
 SAMPLES = 401

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..analysis.number_format import number, seconds
 from ..judging.grades import LIMITS, percent
-from ..running.records import REFERENCE
+from ..running.names import REFERENCE
 from .fragments import switch
 from .solver_ids import identifier
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from adapters import Setting
-from cases import Case
+from .names import REFERENCE
 
-from .records import REFERENCE
+if TYPE_CHECKING:
+    from adapters import Setting
+    from cases import Case
 
 # The case families of a quick report, which every solver can run.
 QUICK_CASES = ("disc_in_circle", "disc_on_incline", "disc_on_line")

@@ -16,13 +16,11 @@ from ..judging.distances import Distance
 from ..judging.grades import Grade, grade
 from ..judging.ledger import LedgerRow
 from ..judging.score import Scale, Score
+from .names import REFERENCE
 
-REFERENCE = "reference"
 # Runs are compared with the motion of the reference's best method at this tolerance; the times of its transitions and
 # their error bars are the certified ones.
 TRUTH_RTOL = 1e-13
-# Size limit of a text in characters: the last error message of an engine fits.
-_LONGEST_TEXT = 2000
 
 # A row of a table, as it is sent and stored.
 Row = dict[str, str | float | int | bool | None]
@@ -182,11 +180,3 @@ def first_error(run: Run | None) -> float:
 def now() -> str:
     """The time, UTC, to the second."""
     return datetime.now(UTC).isoformat(timespec="seconds")
-
-
-def legible(text: object, most: int = _LONGEST_TEXT) -> str:
-    """A solver's text for files and terminals: at most `most` characters, with characters that cannot be printed (a
-    lone surrogate, NUL, an escape) spelled out."""
-    whole = str(text)
-    shown = whole if len(whole) <= most else f"{whole[: most - 1]}…"
-    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in shown)

@@ -15,8 +15,8 @@ import adapters
 from adapters.interface import ReturnsOnce, returns_once
 
 from . import versions
+from .names import REFERENCE, legible
 from .processes import worker_process
-from .records import REFERENCE, legible
 from .storage import source_code
 
 _LONGEST_VERSION = 100

@@ -27,8 +27,9 @@ from ..judging.null_motions import null_motions
 from ..judging.score import scale_of, score_and_reading
 from ..judging.slip_phases import Reading
 from . import reference_adapter
+from .names import legible
 from .processes.worker_process import reap, settle
-from .records import TRUTH_RTOL, Offer, Run, Truth, legible, now
+from .records import TRUTH_RTOL, Offer, Run, Truth, now
 from .solvers import NOT_INSTALLED, solver
 from .third_party import third_party
 

@@ -26,7 +26,7 @@ from cases import BadValue, owned_folder
 from cases.errors import UnknownName
 
 from . import cache_folder
-from .records import REFERENCE, legible
+from .names import REFERENCE, legible
 from .storage import source_code
 
 MARK = "@"

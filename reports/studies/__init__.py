@@ -23,15 +23,16 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import cases
-from cases import Case
 from cases.errors import unknown_name
 
 from ..running import per_solver
+from ..running.names import REFERENCE
 from ..running.per_solver import LeftOut
-from ..running.records import REFERENCE
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from cases import Case
 
     from ..analysis.columns import Table
     from ..drawing.figure_files import FigureEntry

@@ -16,7 +16,7 @@ from reference.sweeping import Plan, plan
 from ..analysis.columns import Table
 from ..drawing.figure_files import FigureEntry, save
 from ..running.calls import Calls, StorePolicy
-from ..running.records import REFERENCE
+from ..running.names import REFERENCE
 from ..running.solvers import routes
 from ..sweeping import map_figures, parts
 from ..sweeping.computation import ROWS, scene

@@ -12,8 +12,8 @@ from typing import Any
 from ..analysis.columns import Table
 from ..drawing.figure_files import FigureEntry
 from ..running.calls import Calls
+from ..running.names import REFERENCE
 from ..running.processes.worker_process import CallResult
-from ..running.records import REFERENCE
 from ..running.solvers import names as all_solvers
 from ..running.solvers import solver
 from ..running.time_limits import ASKING_SECONDS

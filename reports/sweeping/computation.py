@@ -11,9 +11,9 @@ from typing import Any
 from cases import BadValue
 from reference.sweeping import CHUNK, Plan
 
+from ..running.names import REFERENCE
 from ..running.processes import cluster, cluster_worker
 from ..running.processes.workers import WorkerPool
-from ..running.records import REFERENCE
 from ..running.solvers import routes, version
 from ..running.storage import fingerprint
 from . import local, parts

@@ -24,7 +24,7 @@ from ..judging.friction_factor import friction_factor
 from ..judging.null_motions import null_motions
 from ..judging.score import scale_of, score_and_reading
 from ..running import tasks
-from ..running.records import REFERENCE
+from ..running.names import REFERENCE
 from ..running.solvers import solver
 from ..running.storage import fingerprint
 

@@ -18,7 +18,7 @@ from reports import options, publish
 from reports.analysis import levels, time_to_accuracy
 from reports.analysis.columns import COLUMNS
 from reports.judging.grades import LIMITS
-from reports.running.records import REFERENCE
+from reports.running.names import REFERENCE
 
 ROOT = Path(__file__).parent.parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

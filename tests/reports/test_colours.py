@@ -7,7 +7,7 @@ import pytest
 
 from adapters import engines
 from reports.drawing.colours import FIXED_COLOURS, GROUND, OTHERS, Colour, colours
-from reports.running.records import REFERENCE
+from reports.running.names import REFERENCE
 
 # Dichromats as Machado, Oliveira and Fernandes simulate them (2009; their matrices for severity 1, looked up in
 # copies): linear RGB in, linear RGB out.

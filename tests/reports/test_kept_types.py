@@ -72,7 +72,7 @@ def motions(draw) -> Trajectory:
     columns = {name: draw(of_numpy.arrays(np.float64, (length,), fill=st.nothing())) for name in ("t", *State._fields)}
     rest = {
         f.name: draw(st.from_type(hints[f.name]))
-        for hints in [get_type_hints(Trajectory, vars(cases.trajectory), vars(cases))]
+        for hints in [get_type_hints(Trajectory, vars(cases.trajectory), vars(cases) | {"Case": cases.Case})]
         for f in dataclasses.fields(Trajectory)
         if f.name not in (*columns, "dense", "case", "contact_columns")
     }

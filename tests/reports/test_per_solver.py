@@ -23,8 +23,9 @@ from reports.judging.distances import Distance
 from reports.page import pictures
 from reports.running import experiment, per_solver, tasks
 from reports.running.calls import Calls
+from reports.running.names import REFERENCE
 from reports.running.per_solver import LeftOut
-from reports.running.records import REFERENCE, Experiment, Run
+from reports.running.records import Experiment, Run
 from reports.running.timing import clock, timings
 from reports.studies import Request
 

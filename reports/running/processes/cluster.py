@@ -17,7 +17,7 @@ from typing import Any
 
 from cases import BadValue
 
-from ..records import legible
+from ..names import legible
 from ..solvers import groups_of
 from . import cluster_probe, cluster_worker
 from .cluster_worker import Identity

@@ -28,7 +28,7 @@ import numpy as np
 
 from adapters.common import supervision
 
-from ..records import legible
+from ..names import legible
 from ..third_party import LIMITS
 
 # Size limit of a file that an engine writes, in bytes; the largest normal log of one run has a few megabytes.

@@ -27,7 +27,7 @@ from adapters.common.supervision import TOO_MUCH_MEMORY
 from cases import owned_folder
 
 from .. import versions
-from ..records import legible
+from ..names import legible
 from ..solvers import groups_of
 from ..storage.source_code import is_adapters
 from .worker_process import MEMORY_BYTES, START_MESSAGE, CallResult, serve

@@ -26,7 +26,7 @@ from cases import Case, Chain, ContactEffect, Curve
 from reference import certification
 
 from .. import reference_adapter, versions
-from ..records import REFERENCE
+from ..names import REFERENCE
 from . import source_code
 
 Key = dict[str, Any]

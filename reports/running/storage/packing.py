@@ -112,10 +112,13 @@ def _is_record(kind: Any) -> bool:
     return dataclasses.is_dataclass(kind) or (isinstance(kind, type) and hasattr(kind, "_fields"))
 
 
+_PUBLIC = {name: getattr(cases, name) for name in cases.__all__}
+
+
 @cache
 def _hints(kind: Any) -> dict[str, Any]:
     """The names and types of a record's fields."""
     # Names that a module imports only for type checkers are names of `cases`.
-    hints = get_type_hints(kind, {**vars(cases), **vars(sys.modules[kind.__module__])})
+    hints = get_type_hints(kind, {**_PUBLIC, **vars(sys.modules[kind.__module__])})
     names = [f.name for f in dataclasses.fields(kind)] if dataclasses.is_dataclass(kind) else kind._fields
     return {name: hints[name] for name in names}

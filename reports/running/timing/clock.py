@@ -25,8 +25,8 @@ from typing import Any, NamedTuple
 from adapters import Setting
 from cases import Case
 
+from ..names import legible
 from ..processes.worker_process import reap
-from ..records import legible
 from ..solvers import solver
 from ..third_party import third_party
 

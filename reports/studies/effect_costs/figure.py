@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from ...drawing.figure_files import FigureEntry, save
 from ...drawing.style import FAINT, STYLE, LineStyles, logarithmic
-from ...running.records import REFERENCE
+from ...running.names import REFERENCE
 from .measure import SCENES, stages
 
 # Part of an effect's column that the solvers' points fill.

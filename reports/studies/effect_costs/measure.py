@@ -37,7 +37,8 @@ from cases.library import circle
 
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import offers
-from ...running.records import REFERENCE, one_default
+from ...running.names import REFERENCE
+from ...running.records import one_default
 from ...running.solvers import solver
 from ...running.tasks import run_on_clock
 from ...running.timing.clock import NO_TIMING, Contestant, Timing

@@ -16,7 +16,7 @@ from adapters import Setting
 
 from ...analysis.columns import Table
 from ...running.calls import CallResult, Calls
-from ...running.records import REFERENCE
+from ...running.names import REFERENCE
 from ...running.timing.clock import NO_TIMING, ClockEntry, Contestant, Timing, take_turns, timing
 from .. import Request
 from . import growth, process_start

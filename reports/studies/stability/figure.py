@@ -15,7 +15,7 @@ from matplotlib.patches import Patch, Rectangle
 from ...drawing.colours import GRADES
 from ...drawing.figure_files import FigureEntry, save
 from ...drawing.style import STYLE, LineStyles, logarithmic
-from ...running.records import REFERENCE
+from ...running.names import REFERENCE
 from . import measure
 from .measure import Stability
 

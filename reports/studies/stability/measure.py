@@ -26,8 +26,9 @@ from ...judging.residuals import Residuals
 from ...judging.score import scale_of
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import hopeless, offers
+from ...running.names import REFERENCE
 from ...running.processes.worker_process import CallResult
-from ...running.records import REFERENCE, TRUTH_RTOL, Offer, Run, Truth, first_error, one_default
+from ...running.records import TRUTH_RTOL, Offer, Run, Truth, first_error, one_default
 from ...running.tasks import attempt, find_truth, in_catalogue, judge, true_motion
 from . import sensitivity, step_limit
 from .sensitivity import Conditioning, Sensitivity

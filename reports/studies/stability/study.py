@@ -11,7 +11,8 @@ from adapters import Setting
 from ...analysis.columns import Table
 from ...judging.grades import Grade
 from ...running.calls import Calls
-from ...running.records import REFERENCE, TRUTH_RTOL
+from ...running.names import REFERENCE
+from ...running.records import TRUTH_RTOL
 from .. import Request
 from . import measure
 from .figure import draw as draw

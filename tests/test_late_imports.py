@@ -1,0 +1,50 @@
+"""Packages whose names are imported at their first use: nothing is missing, and lists of cases need no SymPy."""
+
+import ast
+import importlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import cases
+from cases import commands, registry
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.mark.parametrize("package", ["cases", "adapters.laws"])
+def test_every_public_name_is_what_type_checkers_read(package):
+    module = importlib.import_module(package)
+    tree = ast.parse(Path(module.__file__).read_bytes())
+    (block,) = [node for node in tree.body if isinstance(node, ast.If)]
+    typed = {name.name: line.module for line in block.body for name in line.names}
+    assert typed == module._MODULE_OF
+    for name in module.__all__:
+        assert getattr(module, name) is not None
+    for name, place in typed.items():
+        assert getattr(module, name) is getattr(importlib.import_module(f"{package}.{place}"), name)
+
+
+def test_an_unknown_name_is_an_attribute_error_and_a_module_is_found():
+    with pytest.raises(AttributeError, match="no_such_name"):
+        cases.no_such_name  # noqa: B018
+    code = "import cases; print(cases.contact.__name__, cases.case.__name__, cases.Case.__name__, cases.case.__name__)"
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert answer.stdout.split() == ["cases.contact", "case", "Case", "case"]
+
+
+def test_the_list_read_from_source_is_the_catalogue():
+    entries = {name: cases.entry(name) for name in cases.names() if cases.entry(name).is_own}
+    lines = [line for file in registry._catalogue_files() for line in registry._summaries_in(file)]
+    assert len(lines) == len(entries) > 50
+    for line in lines:
+        assert (line.summary, line.is_hard) == (entries[line.name].summary, bool(entries[line.name].hard))
+    shown = commands.listing(200)
+    assert all(line.name in shown for line in lines)
+
+
+def test_the_list_of_cases_is_printed_without_numpy_or_sympy():
+    code = "import sys, cases.commands as c; c.main([]); sys.exit(bool({'numpy', 'sympy'} & sys.modules.keys()))"
+    subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, cwd=ROOT)
