@@ -8,7 +8,7 @@ with q₁ = (X₀, Y₀, θ) and q₂ = (ξ₁, ξ₂). A contact that slips has
 adds columns and rows of the same kind:
 
     rolling                  the tangential multiplier, and R_pᵀ v = 0 differentiated (7×7)
-    a fixed rotation         a couple as multiplier, and θ̈ = 0 (7×7 with slip, 8×8 at rest)
+    a fixed rotation         a couple as multiplier, and θ̈ = α̈ of the track (7×7 with slip, 8×8 at rest)
     an infinite inertia      without θ̈ and its row: 5×5 with slip, 6×6 at rest; the row then gives the couple
     rolling resistance       a couple arm·|N| against the rotation: proportional to λ, so it is in λ's column
     free flight              no multiplier: (16) and (19) alone (3×3)
@@ -202,6 +202,7 @@ def assemble(
         matrix[6, 3:5], right[6] = rolling_row(k, belt)
     if rotation_fixed:
         matrix[2, -1], matrix[-1, 2] = -1.0, 1.0
+        right[-1] = k.track.swing if k.track is not None else 0.0
     if case.plate.turns:
         return AugmentedSystem(matrix, right, k, ratio, arm, rolls, rotation_fixed)
     moments = np.delete(matrix[THETA_ROW], THETA_ROW), float(right[THETA_ROW])

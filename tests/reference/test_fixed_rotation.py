@@ -1,6 +1,5 @@
 """Plates of infinite inertia: exact values, agreement of the formulations, and wrong input."""
 
-import random
 from dataclasses import replace
 from math import atan2, cos, exp, inf, pi, sin, sqrt
 
@@ -11,9 +10,7 @@ import cases
 import reference
 from cases import (
     BadValue,
-    Belt,
     Case,
-    CaseError,
     CoulombFriction,
     DoesNotFit,
     Flight,
@@ -29,14 +26,7 @@ from cases import (
 )
 from cases.library import circle, cosine, ellipse, hill, line
 from reference.paper.augmented import fill
-from tests.reference.test_belts import random_scenes
-from tests.scenes.agreement import check_same_sequence
-from tests.scenes.motions import energy, in_other_units, mirrored, work_done
-
-G = 9.81
-METHODS = pytest.mark.parametrize("method", [*reference.METHODS, "augmented"])
-# Tolerance 1e-13 and rounding in a few hundred operations.
-EXACT = 1e-12
+from tests.scenes.moving import EXACT, METHODS, G
 
 
 def block(track, *effects, duration=2.0, plate=None, **start):
@@ -128,44 +118,6 @@ def test_matrix_loses_the_row_and_column_of_the_rotation():
     state = (-1.0, -1.0, 1.0 / 0.9, 1.0 / 0.9 * 1.0)
     assert fill(case, Mode.SLIP_FORWARD, state).matrix.shape == (5, 5)
     assert fill(case, Mode.REST, state).matrix.shape == (6, 6)
-
-
-def fixed_scenes(seed: int, count: int):
-    """Scenes on belts and on tracks at rest with plates that do not turn."""
-    chance = random.Random(seed)
-    for case in random_scenes(seed, count):
-        effects = case.effects if chance.random() < 0.5 else tuple(e for e in case.effects if not isinstance(e, Belt))
-        try:
-            start, plate = replace(case.start, omega=0.0), replace(case.plate, inertia=inf)
-            yield Case(case.track, plate, effects, start, case.duration)
-        except CaseError:  # the plate does not fit there
-            continue
-
-
-def test_formulations_agree_on_random_plates_that_do_not_turn():
-    for case in fixed_scenes(seed=2, count=3):
-        check_same_sequence(case, literal=True)
-
-
-@pytest.mark.slow
-def test_formulations_agree_on_two_thousand_random_plates_that_do_not_turn():
-    for number, case in enumerate(fixed_scenes(seed=3, count=2000)):
-        check_same_sequence(case, literal=number % 20 == 0)
-
-
-def test_work_mirror_image_rotation_and_units():
-    for case in fixed_scenes(seed=4, count=8):
-        if case.effect(Flight) is not None:
-            continue
-        motion = reference.simulate(case, rtol=1e-13)
-        gained = energy(case, motion(float(motion.t[-1]))) - energy(case, motion(0.0))
-        scale = np.ptp(energy(case, motion)) + np.max(np.hypot(motion.vx, motion.vy)) ** 2
-        assert abs(gained - work_done(case, motion)) <= 1e-10 * scale
-        for other in (mirrored(case), in_other_units(case, 2.5, 1.7, 3.1, 0.7)):
-            there, unit = reference.simulate(other, rtol=1e-13), other.duration / case.duration
-            assert there.status == motion.status
-            times = [t.time / unit for t in there.transitions]
-            assert times == pytest.approx([t.time for t in motion.transitions], abs=1e-10)
 
 
 def test_wrong_plates_are_rejected_with_what_to_give():

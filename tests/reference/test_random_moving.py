@@ -1,0 +1,37 @@
+"""Random scenes with belts, driven tracks, plates that do not turn, friction by slip speed, effects of a user's own."""
+
+import pytest
+
+from cases import Flight, RollingResistance
+from tests.scenes.agreement import check_same_sequence
+from tests.scenes.moving import FAMILIES, check_invariance, check_work, random_scenes
+
+EACH = pytest.mark.parametrize("family", FAMILIES)
+
+
+@EACH
+def test_formulations_agree_on_random_scenes(family):
+    for case in random_scenes(family, seed=11, number=2):
+        check_same_sequence(case, literal=True)
+
+
+@pytest.mark.slow
+@EACH
+def test_formulations_agree_on_two_thousand_random_scenes(family):
+    for number, case in enumerate(random_scenes(family, seed=1, number=2000)):
+        check_same_sequence(case, literal=number % 20 == 0)
+
+
+@EACH
+def test_work_of_friction_belt_and_drive_is_the_energy_gained(family):
+    checked = 0
+    for case in random_scenes(family, seed=5, number=6):
+        if case.effect(Flight) is None and case.effect(RollingResistance) is None:
+            check_work(case)
+            checked += 1
+    assert checked > 0
+
+
+@EACH
+def test_mirror_image_rotation_and_units_change_no_transition(family):
+    assert sum(check_invariance(case) for case in random_scenes(family, seed=7, number=3)) > 0
