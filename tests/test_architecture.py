@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -36,11 +37,18 @@ FLOORS = (
 NEIGHBOURS = {("export", "show"), ("animate", "show")}
 
 
+@cache
+def nodes(source: str) -> list[ast.AST]:
+    """All nodes of a source text; a text is parsed once for all tests."""
+    return [*ast.walk(ast.parse(source))]
+
+
+@cache
 def imported(file: Path) -> set[str]:
     """The modules a file may import, by their full names, wherever in it the import stands."""
     package = file.parent.relative_to(ROOT).parts
     found = set()
-    for node in ast.walk(ast.parse(file.read_text())):
+    for node in nodes(file.read_text()):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -178,7 +186,7 @@ REMOVALS = {
 def removals(source: str) -> set[str]:
     """Names of the functions in a module's source that delete, rename or replace files and folders."""
     found = set()
-    for node in ast.walk(ast.parse(source)):
+    for node in nodes(source):
         if not isinstance(node, ast.Attribute | ast.Name):
             continue
         name = node.attr if isinstance(node, ast.Attribute) else node.id
@@ -187,7 +195,7 @@ def removals(source: str) -> set[str]:
             found.add(name)
         elif owner in ("os", "shutil") and name in ("remove", "replace", "move"):
             found.add(name)
-    for node in ast.walk(ast.parse(source)):  # Path.replace takes one argument, str.replace two
+    for node in nodes(source):  # Path.replace takes one argument, str.replace two
         if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "replace":
             found |= {"replace"} if len(node.args) == 1 and not node.keywords else set()
     return found

@@ -297,7 +297,9 @@ def test_a_hole_in_what_is_told_is_no_way_round_a_law():
 
 
 def test_a_solver_that_bends_its_tracks_to_circles_is_caught_where_the_curvature_changes():
-    broken = [v.law for v in judge(of_another(osculating), routes=["assisted"]) if v.outcome == "broken"]
+    drawn = ("on_its_track", "momentum_balance", "rates_of_pose", "cone")
+    laws = [law for law in LAWS if law.partition("[")[0] in drawn]
+    broken = [v.law for v in judge(of_another(osculating), laws, ["assisted"]) if v.outcome == "broken"]
     assert "on_its_track[disc in a valley]" in broken and "momentum_balance[disc in a valley]" in broken
     # Where tracks are circles there is nothing to find.
     assert not any("circle" in law or "hill" in law or "[" not in law for law in broken)

@@ -98,8 +98,9 @@ def test_a_film_shows_the_plate_where_it_is(tmp_path, monkeypatch):
         assert pictures.n_frames == int(film.seconds * 2)
 
 
-@pytest.mark.parametrize("before", [None, "old"])
-@pytest.mark.parametrize("name", ["film.gif", "motion.csv", "motion.png", "motion.svg"])
+@pytest.mark.parametrize(
+    ("name", "before"), [("film.gif", None), ("motion.csv", "old"), ("motion.png", "old"), ("motion.svg", None)]
+)
 def test_on_a_full_disk_there_is_the_old_file_or_none(name, before, tmp_path, monkeypatch):
     monkeypatch.setattr(animation, "FRAMES_A_SECOND", 1)
     write = {

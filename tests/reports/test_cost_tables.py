@@ -49,7 +49,7 @@ def report(tmp_path_factory, without_figures):
         patch.setattr(timings, "time_together", undisturbed)
         patch.setattr(timings, "contestants", fast)
         patch.setattr(options.BuildPlan, "select_rungs", coarse)
-        for name, seconds in (("BUDGET", 6.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
+        for name, seconds in (("BUDGET", 3.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
             patch.setattr(timings, name, seconds)
         patch.setattr(which_engine, "MEASURED", (cost_conclusions.LEVEL,))
         with redirect_stdout(io.StringIO()) as told, without_figures():

@@ -85,13 +85,18 @@ def test_the_cases_of_a_file_replace_the_phenomena(project):
     assert status == 0 and "PASSED ::my_engine-my_valley" in out and "1 passed" in out, out
 
 
+def slowly(*values):
+    """A parameter of the slow tests: each starts a process."""
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
         (("--slip-to-roll-engine", "./none"), "none is no executable file"),
-        ((*OURS, "--slip-to-roll-step", "fast"), "--slip-to-roll-step is 'fast'; give a step in s, for example 1e-3"),
-        ((*OURS, "--slip-to-roll-grade", "goood"), "there is no grade 'goood'; choose from excellent, good"),
-        ((*OURS, "--case-file=none.py"), "none.py"),
+        slowly((*OURS, "--slip-to-roll-step", "fast"), "--slip-to-roll-step is 'fast'; give a step in s, for example"),
+        slowly((*OURS, "--slip-to-roll-grade", "goood"), "there is no grade 'goood'; choose from excellent, good"),
+        slowly((*OURS, "--case-file=none.py"), "none.py"),
     ],
 )
 def test_wrong_options_give_one_line(words, says, project):
