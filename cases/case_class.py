@@ -14,7 +14,7 @@ import numpy as np
 from . import effects
 from .chain import Chain
 from .curves import Curve
-from .effects import Belt, E, Effect, Flight, Gravity, Impact
+from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, parameter, positive, real
 from .own_effects import own_effects
 from .plate import Plate
@@ -134,14 +134,6 @@ def _check_corners(track: Curve, outline: Curve, acting: tuple[Effect, ...]) -> 
         return
     if effects.one(acting, effects.Drive):
         raise BadValue("a Drive of a track with corners is not supported; leave Drive out, or give smooth curves")
-    if effects.one(acting, Belt):
-        raise BadValue("a Belt over corners is not supported; leave Belt out, or give smooth curves")
-    for kind in (Flight, Impact):
-        if effects.one(acting, kind):
-            raise BadValue(
-                f"{kind.__name__} with corners is not supported: a motion on curves with corners ends where the plate "
-                f"leaves its track; leave {kind.__name__} out, or give smooth curves"
-            )
 
 
 def _check_rotation(case: Case) -> None:

@@ -274,7 +274,7 @@ def slip_velocity(track: Curve, x, y, vx, vy, omega, xi1):
     return (vx - omega * (contact[1] - y)) * tangent[0] + (vy + omega * (contact[0] - x)) * tangent[1]
 
 
-def clearance(track: Curve, outline: Curve, xi1, xi2):
+def clearance(track: Piece, outline: Piece, xi1, xi2):
     """Outline's curvature minus track's, 1/m: positive where the plate fits (admissible contact); NaN where a corner
     touches a corner."""
     return outline.curvature(xi2) - track.curvature(xi1)

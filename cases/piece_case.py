@@ -15,6 +15,7 @@ from .case_class import Case
 from .chain import Chain, Element
 from .corner import Corner, Piece
 from .curves import Curve
+from .geometry import clearance
 from .plate import Plate
 from .start import Start
 from .trajectory import Passage
@@ -87,6 +88,47 @@ def is_concave(case: PieceCase) -> bool:
 def corner_on_corner(case: PieceCase) -> bool:
     """Whether both pieces are corners."""
     return all(isinstance(piece, Corner) for piece in case.pieces)
+
+
+# A plate lies flat where an edge of it and one of the track differ by less than this direction (rad), and touches a
+# corner within this distance (m): the rounding of an angle after some turns, and of a place some metres away.
+LEVEL = 1e-11
+
+
+def lies_flat(case: PieceCase, xi1: float, xi2: float) -> bool:
+    """Whether a plate that touches at these parameters of its pieces lies along its track: on a piece that does not
+    bend more than the track, or at a corner with the direction of such a piece that ends there."""
+    if not any(isinstance(piece, Corner) for piece in case.pieces):
+        return not clearance(*case.pieces, xi1, xi2) > 0.0
+    for i, (piece, s) in enumerate(zip(case.pieces, (xi1, xi2), strict=True)):
+        other = case.pieces[1 - i]
+        if not isinstance(piece, Corner) or isinstance(other, Corner):
+            continue
+        low, high = piece.span
+        for step, distance in ((-1, s - low), (1, high - s)):
+            following = neighbour(case, i == 0, step)
+            if abs(distance) <= LEVEL and following is not None:
+                ends = [xi1, xi2]
+                ends[i] = following.pieces[i].span[0 if step > 0 else 1]
+                if not clearance(*following.pieces, *ends) > 0.0:
+                    return True
+    return False
+
+
+def corners_meet(case: PieceCase, xi1: float, xi2: float) -> bool:
+    """Whether a corner touches a corner at these parameters: also one that touches the end of a piece next to it."""
+    if corner_on_corner(case):
+        return True
+    for i, (piece, s) in enumerate(zip(case.pieces, (xi1, xi2), strict=True)):
+        if isinstance(piece, Corner) or not isinstance(case.pieces[1 - i], Corner):
+            continue
+        low, high = piece.span
+        for step, distance in ((-1, s - low), (1, high - s)):
+            following = neighbour(case, i == 0, step)
+            is_near = abs(distance) * float(piece.speed(s)) <= LEVEL
+            if is_near and following is not None and corner_on_corner(following):
+                return True
+    return False
 
 
 def passages_between(before: PieceCase, after: PieceCase, t: float, xi1: float, xi2: float) -> list[Passage]:

@@ -74,15 +74,18 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
     """
     if not isinstance(track, Chain) and not isinstance(outline, Chain):
         return geometry.find(track, outline, x, y, theta, near)
-    first, second = (_at(curve, s) for curve, s in zip((track, outline), near, strict=True))
-    entry = Entry(first, second, *near)
+    return find_from(track, outline, x, y, theta, Entry(_at(track, near[0]), _at(outline, near[1]), *near))
+
+
+def find_from(track: Curve, outline: Curve, x: float, y: float, theta: float, entry: Entry) -> geometry.Contact:
+    """The same, starting from a pair of elements."""
     for _ in range(MOST_ELEMENTS):
         contact = piece_gap(entry, x, y, theta)
         xi1, xi2 = contact.xi1, contact.xi2
         if isinstance(entry.first.piece, Corner):
-            xi1 = _on_corner(entry.first, entry.first.piece, theta + _angle(entry.second, xi2))
+            xi1 = on_corner(entry.first, entry.first.piece, theta + _angle(entry.second, xi2))
         if isinstance(entry.second.piece, Corner):
-            xi2 = _on_corner(entry.second, entry.second.piece, _angle(entry.first, xi1) - theta)
+            xi2 = on_corner(entry.second, entry.second.piece, _angle(entry.first, xi1) - theta)
         first, second = _beyond(track, entry.first, xi1), _beyond(outline, entry.second, xi2)
         if first == entry.first and second == entry.second:
             return geometry.Contact(xi1, xi2, contact.gap)
@@ -90,7 +93,7 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
             entry = Entry(first, entry.second, _inside(first, xi1), xi2)
         else:
             entry = Entry(entry.first, second, xi1, _inside(second, xi2))
-    raise DoesNotFit(f"no contact point near xi1 = {near[0]:.6g}, xi2 = {near[1]:.6g}")
+    raise DoesNotFit(f"no contact point near xi1 = {entry.s1:.6g}, xi2 = {entry.s2:.6g}")
 
 
 def _at(curve: Curve, s: float) -> Element:
@@ -101,8 +104,8 @@ def _angle(element: Element, s: float) -> float:
     return float(element.piece.tangent_angle(s - element.shift))
 
 
-def _on_corner(element: Element, corner: Corner, angle: float) -> float:
-    """The parameter of a corner at which its tangent has a direction, within half a turn of its middle."""
+def on_corner(element: Element, corner: Corner, angle: float) -> float:
+    """The parameter of a corner at which its tangent has a direction (rad), within half a turn of its middle."""
     middle = corner.start + 0.5 * corner.turn
     off = (angle - middle + pi) % (2 * pi) - pi
     return element.shift + 0.5 * abs(corner.turn) + corner.sign * off
@@ -148,15 +151,22 @@ class Chains:
         lengths = np.hypot(*np.diff(self.points1, axis=1))
         # An arc that turns by φ over a chord ℓ rises above it by ℓ φ/8.
         self.rises = lengths * np.abs(np.diff(track.tangent_angle(self.s1))) / 4
+        # A vertex inside a straight piece is no place where the track could enter a plate first.
+        self.bent1 = np.zeros(len(self.s1), dtype=bool)
+        self.bent1[1:-1] = (
+            np.abs(np.diff(np.diff(track.tangent_angle(self.s1)))) + self.rises[1:] + self.rises[:-1] > 0.0
+        )
         self.points2 = outline.point(self.s2)
         self.size = float(np.ptp(self.points2, axis=1).max())
         self.reach = float(np.hypot(*self.points2).max())
+        self.longest = float(lengths.max())  # side of the track's polygon, m
 
-    def entry(self, x: float, y: float, theta: float, xi1: float) -> Entry | None:
-        """A place where the plate that touches at `xi1` is inside its track, the contact itself apart; or None."""
+    def entry(self, x: float, y: float, theta: float, xi1: float | None = None) -> Entry | None:
+        """A place where the plate is inside its track, or None; `xi1`: where it touches, which does not count."""
         c, s = np.cos(theta), np.sin(theta)
         ends = np.array([x + c * self.points2[0] - s * self.points2[1], y + s * self.points2[0] + c * self.points2[1]])
-        contact, deep = self.track.point(xi1), DEPTH * self.size
+        deep = DEPTH * self.size
+        contact = self.track.point(xi1) if xi1 is not None else np.array([np.inf, np.inf])
         centre = np.array([[x], [y]])
         return self._corner_in_track(ends, centre, contact, deep) or self._corner_in_plate(ends, centre, contact, deep)
 
@@ -174,7 +184,11 @@ class Chains:
         inside &= (np.hypot(*(ends - contact[:, None])) > deep)[None]
         if not inside.any():
             return None
-        side, vertex = np.unravel_index(int(np.argmax(np.where(inside, depth, -np.inf))), inside.shape)
+        # At a convex corner of the track a vertex lies below both sides: the nearer one is what it went through.
+        below = np.where(inside, depth, np.inf)
+        least = below.min(axis=0)
+        vertex = int(np.argmax(np.where(np.isfinite(least), least, -np.inf)))
+        side = int(np.argmin(below[:, vertex]))
         start = self.s1[sides[side]]
         s1 = start + along[side, vertex] * (self.s1[sides[side] + 1] - start)
         return Entry(_element(self.track, s1), _element(self.outline, self.s2[vertex]), float(s1), self.s2[vertex])
@@ -183,13 +197,13 @@ class Chains:
         """A vertex of the track inside the outline."""
         starts, points = ends, np.roll(ends, -1, axis=1)
         near = np.hypot(*(self.points1 - centre)) <= self.reach
-        places = np.flatnonzero(near & (np.hypot(*(self.points1 - contact[:, None])) > deep))
+        places = np.flatnonzero(near & self.bent1 & (np.hypot(*(self.points1 - contact[:, None])) > deep))
         if not places.size:
             return None
         # Positive outside: to the right of a side of the outline.
         depth, along = _below(starts, points, self.points1[:, places])
         length = np.hypot(*(points - starts))
-        real = length > 0.0
+        real = length > deep  # at a corner two vertices coincide, to rounding
         winding = np.where(real[:, None], -depth, np.inf)
         inside = winding.min(axis=0) > deep  # of a convex outline; others are seen by their vertices
         if not inside.any():
@@ -239,11 +253,11 @@ def _element(curve: Curve, s: float) -> Element:
     return element
 
 
-def entry_time(pose: Pose, entry: Entry, before: float, inside: float) -> float:
+def entry_time(pose: Pose, entry: Entry, before: float, inside: float, earliest: float) -> float:
     """The instant at which a gap closed, between a time without an entry and one at which it was seen, s.
 
-    At the first time the plate may already be inside by less than DEPTH, so that it goes back further from there.
-    Raises DoesNotFit if the gap does not close.
+    At the first time the plate may already be inside by less than DEPTH, so that it goes back from there, at most to
+    the time `earliest`. Raises DoesNotFit if the gap does not close.
     """
 
     def gap(t: float) -> float:
@@ -253,7 +267,9 @@ def entry_time(pose: Pose, entry: Entry, before: float, inside: float) -> float:
     for _ in range(MOST_STEPS):
         if gap(before) > 0.0:
             return _zero(gap, before, inside)
-        before, step = before - step, 2.0 * step
+        if before <= earliest:
+            break
+        before, step = max(before - step, earliest), 2.0 * step
     raise DoesNotFit("the gap does not close")
 
 

@@ -215,10 +215,12 @@ def prepare(case: Case, regime: Regime, method: str, rtol: float) -> None:
 
 def passages(segments: list[Segment]) -> tuple[Passage, ...]:
     """Where the contact passes from one piece of a chain to the next."""
-    places = [(s, s.phase.case) for s in segments if isinstance(s.phase.case, PieceCase)]
     result: list[Passage] = []
-    for (_, before), (segment, after) in zip(places, places[1:], strict=False):
-        if before != after:
+    for last, segment in zip(segments, segments[1:], strict=False):
+        before, after = last.phase.case, segment.phase.case
+        if not isinstance(before, PieceCase) or not isinstance(after, PieceCase):
+            continue
+        if before != after and FLIGHT not in (last.phase.regime, segment.phase.regime):
             xi1, xi2 = after.to_whole(*segment.states(np.array([segment.start]))[:2, 0].tolist())
             result += passages_between(before, after, segment.start, xi1, xi2)
     return tuple(result)

@@ -27,6 +27,7 @@ class ChainOverlaps:
         self.chains = Chains(case.track, case.plate.outline, low, high)
         self.skip = excludes_second(case.track, case.plate.outline)
         self.time: float | None = None
+        self.start: float | None = None
         self.step = 0.0
 
     def before(self, t: float, z) -> float:
@@ -39,6 +40,7 @@ class ChainOverlaps:
         if self.skip or self.time is not None:
             return
         self.step = start
+        self.start = start if self.start is None else self.start
 
         def pose(t: float) -> tuple[float, float, float]:
             x, y, theta = bodies_in_contact(self.pieces, np.array([t]), z_at(np.array([t])), 0)[:3, 0].tolist()
@@ -54,7 +56,7 @@ class ChainOverlaps:
             entry = self.chains.entry(*pose(t), place)
             if entry:
                 try:
-                    self.time = entry_time(pose, entry, before, t)
+                    self.time = entry_time(pose, entry, before, t, self.start)
                 except DoesNotFit:
                     self.time = t
                 return

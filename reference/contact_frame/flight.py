@@ -40,13 +40,12 @@ class FreeFlight(NamedTuple):
     touch: Touch | None
 
 
-class _FlightCourse:
+class FlightCourse:
     """A flight that is integrated step by step on demand and can be evaluated at any time so far."""
 
     def __init__(
         self,
         scene: ContactScene,
-        around: Surroundings,
         t: float,
         body,
         end: float,
@@ -54,7 +53,7 @@ class _FlightCourse:
         steps_per_turn: int,
         work: WorkBudget,
     ):
-        self.scene, self.around = scene, around
+        self.scene = scene
         self.rtol = max(rtol, 1e-13)
         # Without a load a flight is a parabola, for which no step is too long.
         pace = scene.flight_pace if scene.load else lambda t, body: 0.0
@@ -120,7 +119,7 @@ def fly(
     `steps_per_turn`: least number of steps per turn under a load; `place`: the contact's parameters, if the flight
     begins on the track; `hop`: its rough duration until it lands there again, s (inf: unknown).
     """
-    course = _FlightCourse(scene, around, t, body, end, rtol, steps_per_turn, work)
+    course = FlightCourse(scene, t, body, end, rtol, steps_per_turn, work)
     before, opening, own = t, t, None
     try:
         if place is not None:
@@ -145,7 +144,7 @@ def fly(
 
 def _between(
     around: Surroundings,
-    course: _FlightCourse,
+    course: FlightCourse,
     before: float,
     after: float,
     opening: float,
@@ -170,7 +169,7 @@ def _between(
 
 def _opening(
     scene: ContactScene,
-    course: _FlightCourse,
+    course: FlightCourse,
     around: Surroundings,
     t: float,
     end: float,

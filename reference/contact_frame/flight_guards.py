@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from math import hypot, inf, pi, sqrt
+from math import hypot, inf, sqrt
 
 import numpy as np
 
 from cases import Impact, Mode, Transition
-from cases.contact import pose
+from cases.piece_case import corners_meet, has_pieces, lies_flat
 
-from . import bouncing, flight, impact, short_flights
+from . import bouncing, chain_flights, flight, impact, short_flights
 from .bouncing import Bounce
 from .equations import ContactPhase, leaves
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, LiftOff, MotionState
-from .pairs import Touch, frame
+from .pairs import frame
 from .plate_motion import Motion, limits
 
 # An impact after which the plate flies is listed if it closes with at least this part of the greatest closing speed
@@ -58,6 +58,8 @@ def _short(course: MotionState, leap: LiftOff) -> LandingState | None:
 
 def _elsewhere(course: MotionState, hop: short_flights.Hop, leap: LiftOff) -> bool:
     """Whether the plate meets the track in another place during a hop."""
+    if course.pieces:
+        return chain_flights.leaves_pieces(course, course.pieces, hop)
     around, ends = course.surroundings(), np.array([0.0, hop.duration])
     motion = Motion(hop.bodies, ends)
     x, y, *_ = hop.bodies(ends)[:, 0].tolist()
@@ -70,6 +72,8 @@ def _elsewhere(course: MotionState, hop: short_flights.Hop, leap: LiftOff) -> bo
 
 def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
     """Simulate a flight until the outline meets the track anywhere."""
+    if has_pieces(course.case):
+        return chain_flights.fly(course, now.body)
     lasts = now.leap.lasts if now.leap else inf
     path = flight.fly(
         course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.steps_per_turn, lasts,
@@ -80,7 +84,7 @@ def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
         course.record.flight(start, until, interpolant)
     if path.touch is None:
         return EndState("completed" if course.t >= course.end else IN_PROGRESS)
-    xi1, xi2, turns = _unwind(course, path.touch)
+    xi1, xi2, turns = course.unwind(path.touch.body[2], path.touch.xi1, path.touch.xi2)
     contact = frame(course.scene, path.touch.body, xi1, xi2)
     slip = contact.slip - course.scene.surface(course.t)[0]
     return LandingState([xi1, xi2, path.touch.body[5], slip], turns, contact.lift)
@@ -90,6 +94,11 @@ def land(course: MotionState, landing: LandingState, from_flight: bool = True) -
     """The state after the outline meets the track; `from_flight`: whether a flight led there."""
     scene, effect = course.scene, course.case.effect(Impact)
     (xi1, xi2, spin, slip), turns = landing.z, landing.turns
+    pieces = course.pieces
+    if pieces and lies_flat(pieces, xi1, xi2):
+        return EndState("second_contact")
+    if pieces and corners_meet(pieces, xi1, xi2):
+        return EndState("landing")
     q = scene.place(xi1, xi2)
     if q.bend_outline <= q.bend_track:
         return EndState("no_fit")
@@ -102,7 +111,8 @@ def land(course: MotionState, landing: LandingState, from_flight: bool = True) -
     if effect.law == "newton" and impact.creates_energy(result):
         return EndState("energy_gain")
     z = [xi1, xi2, result.spin, result.slip]
-    course.last_xi1 = xi1
+    place = course.on_curves(z)
+    course.last_xi1 = place[0]
     course.fastest = max(course.fastest, -landing.lift if from_flight else 0.0)
     is_listed = from_flight and -landing.lift >= LISTING_PART * course.fastest
     if result.lift == 0.0:
@@ -116,7 +126,7 @@ def land(course: MotionState, landing: LandingState, from_flight: bool = True) -
             return _settle(course, limit.z, turns)
         after = leap(course, z, turns, result.lift)
     if is_listed and isinstance(after, FlightState):
-        course.transitions.append(Transition(course.t, Mode.FLIGHT, Mode.FLIGHT, xi1, xi2))
+        course.transitions.append(Transition(course.t, Mode.FLIGHT, Mode.FLIGHT, *place))
     return after
 
 
@@ -155,7 +165,7 @@ def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | 
             else EndState("paradox")
         )
     course.fastest = 0.0
-    course.transitions.append(Transition(course.t, Mode.FLIGHT, after.phase.mode, z[0], z[1]))
+    course.transitions.append(Transition(course.t, Mode.FLIGHT, after.phase.mode, *course.on_curves(z)))
     return after
 
 
@@ -176,15 +186,5 @@ def _accumulation(course: MotionState, turns: int) -> bouncing.BounceLimit | Non
         part = (times - last.time) / (limit.time - last.time)
         return np.array(last.z)[:, None] + np.outer(np.subtract(limit.z, last.z), part)
 
-    course.record.contact(course.t, limit.time, settling, turns)
+    course.record.contact(course.t, limit.time, settling, turns, course.pieces)
     return limit
-
-
-def _unwind(course: MotionState, landing: Touch) -> tuple[float, float, int]:
-    """Contact parameters of a landing on closed curves: the track's period nearest to the last contact, the outline's
-    such that (6) gives the plate's angle; and the remaining whole turns if the outline is open."""
-    track, outline, xi1, xi2 = course.scene.track, course.scene.outline, landing.xi1, landing.xi2
-    if track.period:
-        xi1 += track.period * round((course.last_xi1 - xi1) / track.period)
-    turns = round((landing.body[2] - float(pose(course.case, xi1, xi2)[2])) / (2 * pi))
-    return (xi1, xi2 - turns * outline.period, 0) if outline.period else (xi1, xi2, turns)

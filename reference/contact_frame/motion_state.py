@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import NamedTuple
 
 import numpy as np
 
 from cases import Case, Drive, Transition
+from cases.contact import pose
+from cases.piece_case import PieceCase
 
 from .bouncing import Bounce
 from .drive import case_at_rest, load_of_drive
@@ -86,6 +89,26 @@ class MotionState:
         `decide`."""
         phase = decide(self.scene, self.t, z, turns, **options)
         return ContactState(z, turns, phase) if phase else None
+
+    def on_curves(self, z) -> tuple[float, float]:
+        """The contact parameters of a state on the whole curves."""
+        case = self.scene.case
+        return case.to_whole(z[0], z[1]) if isinstance(case, PieceCase) else (z[0], z[1])
+
+    @property
+    def pieces(self) -> PieceCase | None:
+        """The pieces of the contact, if the curves have any."""
+        return self.scene.case if isinstance(self.scene.case, PieceCase) else None
+
+    def unwind(self, theta: float, xi1: float, xi2: float) -> tuple[float, float, int]:
+        """Contact parameters of a landing at the plate's angle `theta` (rad), on closed curves: the track's period
+        nearest to the last contact, the outline's such that (6) gives that angle; and the remaining whole turns if the
+        outline is open."""
+        track, outline = self.case.track, self.case.plate.outline
+        if track.period:
+            xi1 += track.period * round((self.last_xi1 - xi1) / track.period)
+        turns = round((theta - float(pose(self.case, xi1, xi2)[2])) / (2 * pi))
+        return (xi1, xi2 - turns * outline.period, 0) if outline.period else (xi1, xi2, turns)
 
     def surroundings(self) -> Surroundings:
         """The track in stretches, sampled on first use."""

@@ -180,6 +180,8 @@ def _start_on_pieces(course: MotionState, z: list[float]) -> list[float]:
     pieces = pieces_at(course.case, z[0], z[1])
     course.scene = ContactScene(pieces, course.drive_load)
     z = [z[0] - pieces.first.shift, z[1] - pieces.second.shift, z[2], z[3]]
+    if not course.case.start.in_contact:
+        return z
     for i in (0, 1):  # an end towards which the contact moves belongs to the next piece
         moves = rates(course.scene, course.t, z, ContactPhase(None, None), 0)[i]
         following = neighbour(pieces, i == 0, 1)
@@ -197,7 +199,7 @@ def _without_mode(course: MotionState, z, turns: int) -> FlightState | EndState:
 def _off(course: MotionState, z, turns: int) -> FlightState | EndState:
     if course.case.effect(Flight) is None:
         return EndState("lift_off")
-    course.last_xi1 = z[0]
+    course.last_xi1 = course.on_curves(z)[0]
     return FlightState(course.scene.body(course.t, z, turns), (z[0], z[1]))
 
 
@@ -235,7 +237,7 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
         after = _after(course, phase, guard_names, z, turns) or _without_mode(course, z, turns)
     mode = after.phase.mode if isinstance(after, ContactState) else Mode.FLIGHT
     if mode is not phase.mode and after != EndState("paradox"):
-        course.transitions.append(Transition(course.t, phase.mode, mode, *_on_curves(course, z)))
+        course.transitions.append(Transition(course.t, phase.mode, mode, *course.on_curves(z)))
     return after
 
 
@@ -245,14 +247,8 @@ def _overlaps(course: MotionState, now: ContactState) -> Overlaps | ChainOverlap
         return None
     pieces = course.scene.case
     if isinstance(pieces, PieceCase):
-        return ChainOverlaps(course.case, pieces, course.scene.reach, _on_curves(course, now.z)[0])
+        return ChainOverlaps(course.case, pieces, course.scene.reach, course.on_curves(now.z)[0])
     return Overlaps(course.case, course.surroundings(), now.turns)
-
-
-def _on_curves(course: MotionState, z) -> tuple[float, float]:
-    """The contact parameters of a state on the whole curves."""
-    case = course.scene.case
-    return case.to_whole(z[0], z[1]) if isinstance(case, PieceCase) else (z[0], z[1])
 
 
 def _pass_on(
@@ -265,11 +261,11 @@ def _pass_on(
     following = neighbour(case, i == 0, way)
     if following is None:
         return EndState(STOPS[("track", "outline")[i]])
-    place = _on_curves(course, z)
+    place = course.on_curves(z)
     if is_concave(following):
         return EndState(STOPS["elsewhere"])
     if corner_on_corner(following):
-        after: ContactState | FlightState | EndState = EndState("lift_off")
+        after: ContactState | FlightState | EndState = _off(course, z, now.turns)
     else:
         z[i] = following.pieces[i].span[0 if way > 0 else 1]
         if not clearance(following, z[0], z[1]) > 0.0:
@@ -381,8 +377,7 @@ def _integrate(
         usable = True
     if not usable or not np.isfinite(solution.y[:, -1]).all():
         raise StepFailure(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    pieces = scene.case if isinstance(scene.case, PieceCase) else None
-    course.record.contact(start, float(solution.t[-1]), solution.sol, turns, pieces)
+    course.record.contact(start, float(solution.t[-1]), solution.sol, turns, course.pieces)
     return solution
 
 

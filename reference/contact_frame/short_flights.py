@@ -5,20 +5,22 @@ is integrated in (ξ₁, ξ₂, ω, v, u, γ): contact parameters of the closest
 its rate u, which keep their full relative precision. With the outline's point straight above the track's and the
 tangents parallel,
 
-    (1 − κ_track γ) ṡ_track − ṡ_outline = v,     κ_track ṡ_track − κ_outline ṡ_outline = ω,     γ̇ = u,
+    (ρ₁ − k₁ γ) ξ̇₁ − ρ₂ ξ̇₂ = v,     k₁ ξ̇₁ − k₂ ξ̇₂ = ω,     γ̇ = u,
 
-and v̇, u̇ are the components of the acceleration of the outline's point in a frame that turns with the track's tangent.
+with the speeds ρ of both curves and the rates k at which their tangents turn (κ ρ; ±1 at a corner, where ρ = 0), and
+v̇, u̇ are the components of the acceleration of the outline's point in a frame that turns with the track's tangent.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import copysign
 from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from .equations import ContactScene
+from .equations import ContactScene, Place
 
 # A hop is integrated for at most this many times its estimated duration.
 LONGEST = 4.0
@@ -44,21 +46,30 @@ def body(scene: ContactScene, state, turns: int) -> list[float]:
     return [x - gap * q.ty, y + gap * q.tx, theta, vx - lift * q.ty, vy + lift * q.tx, w]
 
 
+def turn_rates(q: Place) -> tuple[float, float]:
+    """The rates at which the tangents of track and outline turn, rad per unit of the parameter."""
+    return (
+        q.bend_track * q.P if q.P else copysign(1.0, q.bend_track),
+        q.bend_outline * q.p if q.p else copysign(1.0, q.bend_outline),
+    )
+
+
 def rates(scene: ContactScene, t: float, state, turns: int) -> list[float]:
     """Time derivatives of (ξ₁, ξ₂, ω, v, u, γ) in free flight."""
     xi1, xi2, w, slip, lift, gap = state
     q = scene.place(xi1, xi2)
     ax, ay, spin_pull = scene.pull(t, body(scene, state, turns) if scene.load else None)
     spin_rate = spin_pull * scene.m / scene.J
-    near = 1.0 - q.bend_track * gap
-    along_track = (w - q.bend_outline * slip) / (q.bend_track - q.bend_outline * near)
-    along_outline = near * along_track - slip
-    turning = q.bend_track * along_track
+    k1, k2 = turn_rates(q)
+    near = q.P - k1 * gap
+    determinant = k1 * q.p - k2 * near
+    first, second = (q.p * w - k2 * slip) / determinant, (near * w - k1 * slip) / determinant
+    along_outline, turning = q.p * second, k1 * first
     # Acceleration of the outline's material point, and of the contact point's motion along the outline.
     forward = ax * q.tx + ay * q.ty - spin_rate * q.arm_n - w * w * q.arm_t
     upward = ay * q.tx - ax * q.ty + spin_rate * q.arm_t - w * w * q.arm_n + w * along_outline
     return [
-        along_track / q.P, along_outline / q.p, spin_rate,
+        first, second, spin_rate,
         forward + turning * lift, upward - turning * slip, lift,
     ]  # fmt: skip
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from cases import Case
 from cases.contact import pose
+from cases.piece_case import PieceCase, has_pieces, pieces_at
 
 from .impact import ContactVelocity
 from .integrators.segment import Event, Segment
@@ -81,6 +82,8 @@ class Bounces:
     def rebound(self, landing: Landing, after: ContactVelocity, pull: float) -> None:
         """Record the velocities after the last impact, with lift > 0, and the acceleration of the plate towards its
         track by gravity and load, m/s² (away from it if not positive)."""
+        if self.last and _pieces(self.case, landing) != _pieces(self.case, self.last.landing):
+            self.no_rebound()  # impacts on several corners in turn have no common limit
         closing = -landing.touch.lift
         ratio = after.lift / closing if closing > 0.0 else inf
         natural = self._natural(landing, after, pull)
@@ -125,7 +128,8 @@ class Bounces:
         limits = [extrapolate(speeds, column) for column in zip(*rows, strict=True)]
         time, xi1, xi2, slip, omega = (value for value, _ in limits)
         # A length that the motion covers in the natural time is as small as that.
-        lengths = [self.size / float(c.speed(s)) for c, s in ((self.case.track, xi1), (self.case.plate.outline, xi2))]
+        speeds = [float(c.speed(s)) for c, s in ((self.case.track, xi1), (self.case.plate.outline, xi2))]
+        lengths = [self.size / speed if speed else 1.0 for speed in speeds]  # a corner's parameter is an angle
         scales = (natural, *lengths, self.size / natural, 1.0 / natural)
         agree = all(
             spread <= max(NEGLIGIBLE * scale, 4.0 * np.spacing(abs(value)))
@@ -147,6 +151,11 @@ class Bounces:
         )
         times, states = np.array([landing.time, limit.time]), _Straight(landing.time, limit.time, first, last)
         return Segment.of(flight, times, states, Event(None, limit.time, last), 0)
+
+
+def _pieces(case: Case, landing: Landing) -> PieceCase | None:
+    """The pieces of a landing, of curves that have any."""
+    return pieces_at(case, landing.xi1, landing.xi2) if has_pieces(case) else None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

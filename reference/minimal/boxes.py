@@ -89,11 +89,21 @@ class _PieceView(NamedTuple):
 class Geometry:
     """The curves of a case in pieces, and the bounds on boxes of them."""
 
-    def __init__(self, case: Case, track: Pieces, outline: Pieces):
-        self.case, self.track, self.outline = case, track, outline
-        self.radius, self.reach = case.plate.radius, case.plate.reach
-        whole = outline.table(outline.roots)
-        self.farthest = float((np.hypot(whole[X], whole[Y]) + whole[REACH]).max())  # point of the outline, m
+    def __init__(self, track: Pieces, outline: Pieces | None, radius: float | None, reach: float):
+        """`outline`: None for a point, a disc of radius 0; `radius`: of a disc, else None; `reach` (m): the largest
+        distance of the plate's points from its centre of mass."""
+        self.track, self.radius, self.reach = track, radius, reach
+        self.outline = outline or track  # of a point: not used
+        self.farthest = float(radius or 0.0)  # point of the outline, m
+        if outline is not None:
+            whole = outline.table(outline.roots)
+            self.farthest = float((np.hypot(whole[X], whole[Y]) + whole[REACH]).max())
+
+    @classmethod
+    def of_case(cls, case: Case) -> Geometry:
+        """That of a track and an outline without corners."""
+        plate = case.plate
+        return cls(Pieces(case.track), Pieces(plate.outline), plate.radius, plate.reach)
 
     def bounds(self, motion: Windows, boxes: Boxes) -> Bounds:
         """Bounds that may exclude a meeting, for each box. An infinite bound excludes nothing."""
@@ -132,10 +142,11 @@ class Geometry:
         """The view of a disc: its point with the track's tangent is one radius from its centre along the normal."""
         dx, dy, r, none = place[0] - t[X], place[1] - t[Y], float(self.radius or 0.0), np.zeros(t.shape[1])
         level, side = r * np.cos(np.minimum(t[TURN], pi)), r * _sine(t[TURN])
+        bend = none + (1.0 / r if r else np.inf)
         return _PieceView(
             dx * t[TX] + dy * t[TY], dy * t[TX] - dx * t[TY],
             rate[0] * t[TX] + rate[1] * t[TY], rate[1] * t[TX] - rate[0] * t[TY],
-            -side, side, none - r, -level, none, none, none + 1.0 / r, none + 1.0 / r, 2.0 * t[TURN], none == 0.0,
+            -side, side, none - r, -level, none, none, bend, bend, 2.0 * t[TURN], none == 0.0,
             np.array([none, r - level, none]),
         )  # fmt: skip
 
@@ -170,9 +181,9 @@ class Geometry:
         """Which boxes lie in their window's core; which overlap it partly; and the contributions of the latter's pieces
         to the uncertainty of the gap next to the contact, m (3, n)."""
         w = boxes.window
-        places = [(self.case.track, self.track.table(boxes.track), cores.track)]
+        places = [(self.track.curve, self.track.table(boxes.track), cores.track)]
         if self.radius is None:
-            places.append((self.case.plate.outline, self.outline.table(boxes.outline), cores.outline))
+            places.append((self.outline.curve, self.outline.table(boxes.outline), cores.outline))
         inside, meets = np.ones(boxes.number, dtype=bool), np.ones(boxes.number, dtype=bool)
         blur = np.zeros((3, boxes.number))
         for i, (curve, table, core) in enumerate(places):

@@ -36,10 +36,20 @@ class Pieces:
         self._table = np.empty((ROWS, 64))
         self._halves = np.full(64, -1)
         self._count = 0
-        low, high = curve.span
+        low, high = self._span()
         # The first pieces; for a curve without ends also those of each doubling of the searched range.
         self._roots = [self._add(*_split(low, high, FIRST))]
         self._ends = [(low, high)]
+
+    def jet(self, s: float) -> tuple[float, ...]:
+        """Place and derivatives of the curve at one parameter."""
+        return self.curve.jet(s)
+
+    def _span(self) -> tuple[float, float]:
+        return self.curve.span
+
+    def _bounds(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        return piece_bounds(self.curve, low, high)
 
     @property
     def roots(self) -> np.ndarray:
@@ -107,9 +117,30 @@ class Pieces:
         while self._count + len(low) > self._table.shape[1]:
             self._table = np.concatenate([self._table, np.empty_like(self._table)], axis=1)
             self._halves = np.concatenate([self._halves, np.full_like(self._halves, -1)])
-        self._table[:, numbers] = piece_bounds(self.curve, low, high)
+        self._table[:, numbers] = self._bounds(low, high)
         self._count += len(low)
         return numbers
+
+
+class ReversedPieces(Pieces):
+    """The same for a curve run through backwards, so that its right side becomes its left: an outline as seen from
+    outside. Its parameter is that of the curve with the opposite sign."""
+
+    def jet(self, s: float) -> tuple[float, ...]:
+        """Place and derivatives by the reversed parameter."""
+        x, y, xp, yp, xs, ys, xt, yt = self.curve.jet(-s)
+        return x, y, -xp, -yp, xs, ys, -xt, -yt
+
+    def _span(self) -> tuple[float, float]:
+        low, high = self.curve.span
+        return -high, -low
+
+    def _bounds(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        table = piece_bounds(self.curve, -high, -low)
+        table[[LOW, HIGH, TX, TY]] = low, high, -table[TX], -table[TY]
+        for one, other in ((BACK, AHEAD), (BELOW, ABOVE), (BEND_LOW, BEND_HIGH)):
+            table[[one, other]] = -table[[other, one]]
+        return table
 
 
 def _split(low: float, high: float, parts: int) -> tuple[np.ndarray, np.ndarray]:

@@ -140,10 +140,10 @@ def _with_normal_force(motion: Elimination, normal: Node) -> Elimination:
 
 def rolling_speeds(f: Frame, h: Frame, belt: Surface) -> tuple[Node, Node]:
     """ξ̇₁ and ξ̇₂ of a plate whose point moves with the surface, in terms of one of them: v = 0 in (12). On a corner of
-    the outline ξ̇₁ = 0, on one of the track ξ̇₂ = 0; there is no belt there."""
+    the outline that leaves ξ̇₂ free, else ξ̇₁."""
     if h.sign:
-        return ZERO, U2
-    return U1, ZERO if f.sign else U1 * (f.P / h.P) - belt.speed / h.P
+        return belt.speed / f.P, U2
+    return U1, U1 * (f.P / h.P) - belt.speed / h.P
 
 
 def rolling(f: Frame, h: Frame, force: Torsor, belt: Surface, resistance) -> Elimination:
@@ -178,7 +178,7 @@ def resting(h: Frame, force: Torsor) -> Elimination:
 
 def conveyance_speeds(f: Frame, h: Frame, belt: Surface) -> tuple[Node, Node]:
     """ξ̇₁ and ξ̇₂ of a plate that a belt carries without rotation: v = 0 in (12) and ω = 0 in (9)."""
-    if f.sign or h.sign:  # there is no belt at a corner
+    if f.sign or h.sign:  # on a belt only a plate of infinite inertia does not turn, and that has no corners
         return ZERO, ZERO
     bend = h.curvature - f.curvature
     return belt.speed * h.curvature / (f.P * bend), belt.speed * f.curvature / (h.P * bend)

@@ -11,7 +11,16 @@ import numpy as np
 from cases import Case, DoesNotFit, Flight, Impact, Mode, PerfectlyRough, Trajectory, Transition, Unilateral
 from cases.contact import belt_speed, clearance, pose, start_motion
 from cases.own_effects import own_effects
-from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
+from cases.piece_case import (
+    PieceCase,
+    corner_on_corner,
+    corners_meet,
+    has_pieces,
+    is_concave,
+    lies_flat,
+    neighbour,
+    pieces_at,
+)
 
 from .bouncing import Bounces
 from .curve_pieces import TooMuch
@@ -43,6 +52,7 @@ from .modes import (
     without_slip,
     without_turning,
 )
+from .piece_landing import PieceLandings
 from .scales import frequency
 from .series import EPS
 
@@ -87,6 +97,11 @@ PIECE_ENDS = {
     "outline_end": (False, 1),
 }
 CONCAVE = ("second_contact", "The contact reached a corner inside which the plate touches its track in a second place.")
+FLAT_LANDING = ("second_contact", "The plate lands on a flat side: it touches its track in two places at once.")
+CORNERS_MEET = (
+    "landing",
+    "A corner of the plate meets a corner of its track: the direction of the impact is not defined there.",
+)
 FLAT = ("second_contact", "The contact reached a piece along which the plate lies on its track: it touches twice.")
 OFF_CORNER = ("lift_off", "The plate's corner passed the track's corner: the plate leaves its track.")
 LIFT_OFF = ("lift_off", "The normal force vanished and would pull: the plate leaves its track.")
@@ -146,7 +161,8 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
     bounces, progress, idle, steps = Bounces(case), _Progress(), 0, 0
-    landings, place, case = None, (initial.xi1, initial.xi2), start_pieces(case)
+    landings, place = None, (initial.xi1, initial.xi2)  # of the whole curves, as all landings are
+    whole, case = case, start_pieces(case)
     for _ in range(MOST_PHASES):
         now = phase_at(case, regime, y)
         y = state_in(now, y)
@@ -154,9 +170,9 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
             return segments, transitions, ACCUMULATION
         try:
             if regime == FLIGHT:
-                landings = landings or Landings(case)
-                fly = _flight if segments or not _closes(case) else _start_flight
-                step = _after_flight(case, *fly(case, now, t, y, place, rtol, integrate, landings), bounces)
+                landings = landings or (PieceLandings(whole) if has_pieces(whole) else Landings(whole))
+                fly = _flight if segments or not _closes(whole) else _start_flight
+                step = _after_flight(whole, *fly(case, now, t, y, place, rtol, integrate, landings), bounces)
             else:
                 step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATION_ERROR))
             idle = idle + 1 if step.time == t else 0
@@ -169,12 +185,13 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
         segments.extend(step.segments)
         steps += sum(segment.steps for segment in step.segments)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending in OFF else regime.mode
+        case = step.pieces or case
+        place = case.to_whole(*step.place) if isinstance(case, PieceCase) else step.place
         if following is not regime.mode or (step.regime == FLIGHT == regime and step.is_listed):
-            xi1, xi2 = case.to_whole(*step.place) if isinstance(case, PieceCase) else step.place
-            transitions.append(Transition(step.time, regime.mode, following, xi1, xi2, CAUSES[step.cause]))
+            transitions.append(Transition(step.time, regime.mode, following, place[0], place[1], CAUSES[step.cause]))
         if step.regime is None:
             return segments, transitions, step.ending
-        t, y, regime, place, case = step.time, step.state, step.regime, step.place, step.pieces or case
+        t, y, regime = step.time, step.state, step.regime
         if steps >= MOST_STEPS:
             return segments, transitions, work_limit_ending(t, steps)
     sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, the limit of a run; end it there."
@@ -293,9 +310,9 @@ def _pass_on(case: PieceCase, segment: Segment, t: float, y: Sequence[float], gu
     place = (y[0], y[1])
     if is_concave(following):
         return Step((segment,), t, place, ending=CONCAVE)
-    if corner_on_corner(following):
-        return Step((segment,), t, place, "normal_force", ending=OFF_CORNER)
     regime = segment.phase.regime
+    if corner_on_corner(following):
+        return _off_corner(case, segment, t, y, place)
     slip, omega = slip_and_spin(case, t, y)
     slip, omega = slip if regime.kind.slips else 0.0, 0.0 if regime.kind.holds else omega
     entry = following.pieces[not of_track].span[0 if way > 0 else 1]
@@ -307,7 +324,15 @@ def _pass_on(case: PieceCase, segment: Segment, t: float, y: Sequence[float], gu
     after = decide(following, t, y, LOCATION_ERROR, able(following, *signs))
     if after is None:
         return _leave(following, (segment,), t, y, "piece")._replace(place=place)
-    return Step((segment,), t, place, "piece", y, after, pieces=following)
+    return Step((segment,), t, (xi1, xi2), "piece", y, after, pieces=following)
+
+
+def _off_corner(case: PieceCase, segment: Segment, t: float, y: Sequence[float], place: tuple[float, float]) -> Step:
+    """The step where the plate's corner passes the track's: flight, or the end of the motion."""
+    if case.effect(Flight) is None:
+        return Step((segment,), t, place, "normal_force", ending=OFF_CORNER)
+    slip, omega = slip_and_spin(case, t, y)
+    return Step((segment,), t, place, "normal_force", in_flight(case, t, y, slip, omega, 0.0), FLIGHT)
 
 
 def _following(
@@ -475,10 +500,31 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
         return Step(
             tuple(segments), last.event.time, ending=_breakdown(last.phase, last) if last.event.guard else COMPLETION
         )
-    path, place = tuple(segments), (landing.xi1, landing.xi2)
+    here, place = _on_pieces(case, (landing.xi1, landing.xi2))
+    step = _after_landing(here, tuple(segments), landing, place, bounces)
+    return step if step.pieces or not isinstance(here, PieceCase) else step._replace(pieces=here)
+
+
+def _on_pieces(case: Case, place: tuple[float, float]) -> tuple[Case, tuple[float, float]]:
+    """The case on the pieces at a place of its whole curves, and the place in their parameters."""
+    if not has_pieces(case):
+        return case, place
+    here = pieces_at(case, *place)
+    return here, (place[0] - here.first.shift, place[1] - here.second.shift)
+
+
+def _after_landing(
+    case: Case, path: tuple[Segment, ...], landing: Landing, place: tuple[float, float], bounces: Bounces
+) -> Step:
+    """The step after a landing at a place, on the pieces there."""
+    if isinstance(case, PieceCase):
+        if corners_meet(case, *place):
+            return Step(path, landing.time, place, "landing", ending=CORNERS_MEET)
+        if lies_flat(case, *place):
+            return Step(path, landing.time, place, "landing", ending=FLAT_LANDING)
     if case.effect(Impact) is None:
         return Step(path, landing.time, place, "landing", ending=LANDING_END)
-    law, since = law_of(case, landing.arm_t, landing.arm_n), segments[0].start
+    law, since = law_of(case, landing.arm_t, landing.arm_n), path[0].start
     # A gap that opens without a flight does not grow: the plate comes down as fast as it rose, and stays.
     none = landing.time == since and landing.touch.lift >= 0.0
     is_listed = not none and bounces.strike(since, landing)
@@ -486,7 +532,7 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     after = collide(law, touch)
     if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
         return Step(path, landing.time, place, "landing", ending=ENERGY)
-    y = in_contact(case, landing.time, landing.xi1, landing.xi2, after.slip, after.omega, landing.theta)
+    y = in_contact(case, landing.time, *place, after.slip, after.omega, landing.theta)
     pull = _free(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
     if none or after.lift <= 0.0:
         bounces.no_rebound()
@@ -497,8 +543,13 @@ def _after_flight(case: Case, segments: list[Segment], landing: Landing | None, 
     # Listed impacts are simulated one by one.
     limit = None if is_listed and not is_unresolved else bounces.limit(is_unresolved)
     if limit and landing.time < limit.time < case.duration:
-        with_rest = (*path, bounces.settling(last.phase, limit))
-        return _rest(case, with_rest, limit.time, (limit.xi1, limit.xi2), limit.theta, limit.touch, "rest", False)
+        with_rest = (*path, bounces.settling(path[-1].phase, limit))
+        whole = case.whole if isinstance(case, PieceCase) else case
+        there, at = _on_pieces(whole, (limit.xi1, limit.xi2))
+        if isinstance(there, PieceCase) and lies_flat(there, *at):
+            return Step(with_rest, limit.time, at, "rest", ending=FLAT_LANDING, pieces=there)
+        step = _rest(there, with_rest, limit.time, at, limit.theta, limit.touch, "rest", False)
+        return step._replace(pieces=there) if isinstance(there, PieceCase) else step
     if is_unresolved:
         return _rest(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), "rest", is_listed)
     aloft = in_flight(case, landing.time, y, after.slip, after.omega, after.lift)
@@ -519,6 +570,11 @@ def _rest(
     y = in_contact(case, t, place[0], place[1], touch.slip, touch.omega, theta)
     moves = senses(case, t, y, touch.slip, touch.omega, LOCATION_ERROR)
     following = decide(case, t, y, LOCATION_ERROR, able(case, *moves))
+    if following is None and cause == "rest":  # velocities at the limit of bouncing have the error of its extrapolation
+        moves = senses(case, t, y, touch.slip, touch.omega, ROUGH)
+        still = touch._replace(slip=touch.slip if moves[0] else 0.0, omega=touch.omega if moves[1] else 0.0)
+        y = in_contact(case, t, place[0], place[1], still.slip, still.omega, theta)
+        following = decide(case, t, y, LOCATION_ERROR, able(case, *moves))
     if following:
         return Step(segments, t, place, cause, y, following)
     return _leave(case, segments, t, y, cause)._replace(is_listed=is_listed)

@@ -19,7 +19,7 @@ from cases import Case, Load
 from cases.contact import Contact, belt_speed, pose
 from cases.overlap import span
 
-from .boxes import Cores
+from .boxes import Cores, Geometry
 from .contact_cores import cores
 from .curvature_proof import Room, room
 from .gap import Look, Looks, facing, state, touch
@@ -65,7 +65,7 @@ class Landings:
     @cached_property
     def search(self) -> MeetingSearch:
         """The search by boxes, with its count of work."""
-        return MeetingSearch(self.case)
+        return MeetingSearch(Geometry.of_case(self.case))
 
     def start_impact(self, segment: Segment) -> Landing:
         """The impact of a start in contact with a closing velocity, also if gravity pulls the plate off its track; its
@@ -98,7 +98,7 @@ class Landings:
             if first is None or not isnan(first.beyond):
                 return self._landing(segment, look, place[0])
             before = first
-        since, motion = start, windows(partial(_poses, segment), segment.times, self.size, self.degree)
+        since, motion = start, windows(partial(poses, segment), segment.times, self.size, self.degree)
         if before is not None:
             landing, since = self._follow(segment, motion, before, place[0])
             if landing or self.pair:
@@ -213,7 +213,7 @@ class Landings:
         """A meeting before a look at another pair than the one at which the flight began; None if there is none."""
         if not look.time > start.time or look.gap < ALONE * self._room(start.contact.xi1).gap:
             return None
-        motion = windows(partial(_poses, segment), np.array([start.time, look.time]), self.size, self.degree)
+        motion = windows(partial(poses, segment), np.array([start.time, look.time]), self.size, self.degree)
         ends = np.sort([start.pair, look.pair], axis=0)
         ends += np.array([[-0.5], [0.5]]) * np.diff(ends, axis=0)  # between the looks it may go a little beyond
         around, _ = cores(self.case, ends[:, :1], ends[:, 1:], np.array([max(look.gap, start.gap, 0.0)]))
@@ -234,10 +234,10 @@ class Landings:
                 distance += speed * (until - time)
                 time = until
                 if distance >= (1.0 - 1e-9) * limit:
-                    yield windows(partial(_poses, segment), np.array(edges), self.size, self.degree)
+                    yield windows(partial(poses, segment), np.array(edges), self.size, self.degree)
                     limit, distance, edges = 2.0 * limit, 0.0, [time]
         if len(edges) > 1:
-            yield windows(partial(_poses, segment), np.array(edges), self.size, self.degree)
+            yield windows(partial(poses, segment), np.array(edges), self.size, self.degree)
 
     # --- the landing itself -------------------------------------------------------------------------------------------
 
@@ -279,7 +279,8 @@ class Landings:
         return Landing(look.time, *_with_turns(self.case, look.contact, now[2], near), now[2], at, arm_t, arm_n)
 
 
-def _poses(segment: Segment, times: np.ndarray) -> np.ndarray:
+def poses(segment: Segment, times: np.ndarray) -> np.ndarray:
+    """(x, y, θ) of the plate in flight, shape (3, n)."""
     return segment.states(times)[:3]
 
 

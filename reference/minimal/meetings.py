@@ -14,10 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case
-
 from .boxes import Bounds, Boxes, Cores, Geometry
-from .curve_pieces import HIGH, LOW, REACH, Pieces, TooMuch, X, Y
+from .curve_pieces import HIGH, LOW, REACH, TooMuch, X, Y
 from .windows import EPS, Windows
 
 # Limit on boxes in one motion: half a minute.
@@ -42,11 +40,10 @@ class Meeting(NamedTuple):
 
 
 class MeetingSearch:
-    """The search for first meetings in the motion of one case; counts its work."""
+    """The search for first meetings of one track and one outline, or point; counts its work."""
 
-    def __init__(self, case: Case):
-        self.case = case
-        self.geometry = Geometry(case, Pieces(case.track), Pieces(case.plate.outline))
+    def __init__(self, geometry: Geometry):
+        self.geometry = geometry
         self.count = 0
 
     def first(self, motion: Windows, cores: Sequence[Cores] = ()) -> Meeting | None:
@@ -171,7 +168,7 @@ class MeetingSearch:
         """Newton's step for the time and the parameters at which the two points coincide with parallel tangents; if
         `still`, for the parameters at which the points are opposite each other at fixed time. None if singular."""
         (x, y, theta), (vx, vy, omega) = motion.one(window, float(at[0]))
-        X0, Y0, Xp, Yp, Xs, Ys, _, _ = self.case.track.jet(float(at[1]))
+        X0, Y0, Xp, Yp, Xs, Ys, _, _ = self.geometry.track.jet(float(at[1]))
         P = hypot(Xp, Yp)
         bend = (Xp * Ys - Yp * Xs) / P**3
         tx, ty = Xp / P, Yp / P
@@ -182,7 +179,7 @@ class MeetingSearch:
                 [[vx * tx + vy * ty, P * (bend * (off[1] + r) - 1.0)], [vy * tx - vx * ty, -P * bend * off[0]]]
             )
         else:
-            a, b, ap, bp, as_, bs, _, _ = self.case.plate.outline.jet(float(at[2]))
+            a, b, ap, bp, as_, bs, _, _ = self.geometry.outline.jet(float(at[2]))
             c, s, p = cos(theta), sin(theta), hypot(ap, bp)
             rx, ry, ox, oy = c * a - s * b, s * a + c * b, c * ap - s * bp, s * ap + c * bp
             dx, dy, ux, uy = x + rx - X0, y + ry - Y0, vx - omega * ry, vy + omega * rx
@@ -206,9 +203,9 @@ class MeetingSearch:
     def _lift(self, motion: Windows, window: int, at: np.ndarray) -> float:
         """The gap's rate, m/s."""
         (_, _, theta), (vx, vy, omega) = motion.one(window, float(at[0]))
-        _, _, Xp, Yp, *_ = self.case.track.jet(float(at[1]))
+        _, _, Xp, Yp, *_ = self.geometry.track.jet(float(at[1]))
         if self.geometry.radius is None:
-            a, b, *_ = self.case.plate.outline.jet(float(at[2]))
+            a, b, *_ = self.geometry.outline.jet(float(at[2]))
             c, s = cos(theta), sin(theta)
             vx, vy = vx - omega * (s * a + c * b), vy + omega * (c * a - s * b)
         return (vy * Xp - vx * Yp) / hypot(Xp, Yp)

@@ -240,7 +240,7 @@ def without_slip(case: Case, t: float, xi1: float, xi2: float, u1: float) -> flo
 def slip_ended(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:
     """ξ̇₁ and ξ̇₂ of a plate whose slip has vanished: on its own corner ξ̇₂ stays as it is, else ξ̇₁."""
     if isinstance(case.plate.outline, Corner):
-        return 0.0, y[3]
+        return belt_speed(case, t) / float(case.track.speed(y[0])), y[3]
     return y[2], without_slip(case, t, y[0], y[1], y[2])
 
 
@@ -278,6 +278,8 @@ def start_pieces(case: Case) -> Case:
         return case
     start = start_motion(case)
     here = pieces_at(case, start.xi1, start.xi2)
+    if not case.start.in_contact:
+        return here
     for of_track in (True, False):
         place = _start_on(here, start)[1 - of_track]
         speed = _start_on(here, start)[3 - of_track]
@@ -292,7 +294,8 @@ def _start_on(here: PieceCase, start: MotionPoint) -> tuple[float, float, float,
     (low1, high1), (low2, high2) = (piece.span for piece in here.pieces)
     xi1 = min(max(start.xi1 - here.first.shift, low1), high1) if has_ends(here.track) else start.xi1
     xi2 = min(max(start.xi2 - here.second.shift, low2), high2) if has_ends(here.plate.outline) else start.xi2
-    motion = velocity_on(here.track, here.plate.outline, xi1, xi2, start.slip, start.omega)
+    slip = start.slip + belt_speed(here, 0.0)
+    motion = velocity_on(here.track, here.plate.outline, xi1, xi2, slip, start.omega)
     return xi1, xi2, motion.xi1_dot, motion.xi2_dot
 
 
@@ -308,6 +311,7 @@ def in_flight(case: Case, t: float, y: Sequence[float], slip: float, omega: floa
     """The full state of flight that begins at a contact's place with its slip, spin and `lift`, Start's gap_rate."""
     slip += belt_speed(case, t)
     x, y0, theta = (float(v) for v in pose(case, y[0], y[1]))
+    theta += case.turn if isinstance(case, PieceCase) else 0.0
     (tx, ty), (X, Y) = case.track.tangent(y[0]), case.track.point(y[0])
     vx = slip * tx - lift * ty + omega * (Y - y0)
     vy = slip * ty + lift * tx - omega * (X - x)

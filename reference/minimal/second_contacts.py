@@ -18,7 +18,7 @@ from cases.overlap import span
 from cases.piece_case import PieceCase, has_pieces
 from cases.piece_contact import Chains, entry_time, excludes_second
 
-from .boxes import Cores
+from .boxes import Cores, Geometry
 from .contact_cores import cores
 from .curvature_proof import fits_everywhere
 from .curve_pieces import TooMuch
@@ -53,7 +53,7 @@ def until_second_contact(case: Case, solution: Solution) -> tuple[Solution, Meet
         return _until_entry(case, solution, touching), None
     if not touching or fits_everywhere(case, touching):
         return solution, None
-    search = MeetingSearch(case)
+    search = MeetingSearch(Geometry.of_case(case))
     for lot, motion, around in _lots(case, touching):
         try:
             meeting = search.first(motion, [around])
@@ -91,7 +91,7 @@ def _until_entry(case: Case, solution: Solution, segments: list[Segment]) -> Sol
                 return x, y, theta
 
             try:
-                t = entry_time(pose_at, entry, before, t) if t > before else t
+                t = entry_time(pose_at, entry, before, t, segment.start) if t > before else t
             except DoesNotFit:
                 pass  # no simple touch: known to the samples only
             t = max(t, segment.start)

@@ -26,6 +26,7 @@ from cases.own_effects import own_effects
 from cases.piece_case import has_pieces
 from cases.trajectory import CONTACT
 
+from ..minimal.boxes import Geometry
 from ..minimal.curve_pieces import TooMuch
 from ..minimal.decision import Undecidable
 from ..minimal.hybrid import (
@@ -146,7 +147,7 @@ class SeveralSimulation:
     held_out: bool = False
 
     def __post_init__(self) -> None:
-        self.search = MeetingSearch(self.case)
+        self.search = MeetingSearch(Geometry.of_case(self.case))
         self.work = 0
 
     # --- one phase ----------------------------------------------------------------------------------------------------

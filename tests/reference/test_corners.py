@@ -9,12 +9,10 @@ from scipy.optimize import brentq
 
 import reference
 from cases import (
-    BadValue,
     Case,
     Chain,
     CoulombFriction,
     Curve,
-    Flight,
     Gravity,
     Load,
     Mode,
@@ -307,8 +305,6 @@ def test_sweep_over_corners_has_the_single_motions():
 
 
 def test_what_corners_do_not_have_is_rejected():
-    with pytest.raises(BadValue, match="Flight with corners is not supported"):
-        on(TABLE, disc(R, 1.0), Flight(), xi1=0.5)
     case = on(TABLE, disc(R, 1.0), CoulombFriction(0.5), xi1=0.5)
     with pytest.raises(NotSupported, match="has no rows for corners"):
         reference.simulate(case, method="augmented")
