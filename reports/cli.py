@@ -33,6 +33,7 @@ COMMANDS = {
     "prove": ("reference.proofs.command", "prove the transitions of a case as theorems"),
     "check-proof": ("reference.proof_checker.__main__", "check proof records with an independent program"),
     "publish": ("reports.publish", "publish a report with its release, in a clone"),
+    "deposit": ("reports.deposit", "pack a published report for a data repository"),
     "cite": ("reports.cite", "print the citation as BibTeX"),
     "completion": ("", "print the completion script for bash, zsh or fish"),
 }

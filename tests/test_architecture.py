@@ -22,7 +22,7 @@ FLOORS = (
     {"cli"},
     {
         "build", "compare", "compare_builds", "comparison", "gate", "publish", "submit",
-        "study", "show", "export", "sweep", "animate", "cite", "engine_tests",
+        "study", "show", "export", "sweep", "animate", "cite", "deposit", "engine_tests",
     },
     {"options"},
     {"page"},

@@ -19,7 +19,7 @@ from cases import commands
 from cases.command_line import status
 from cases.owned_folder import LIST
 from cases.pictures import animation
-from reports import animate, build, export, options, publish, show, study, sweep
+from reports import animate, build, deposit, export, options, publish, show, study, sweep
 from reports.drawing import figures
 from reports.drawing.figure_files import FigureContent, FigureEntry, file_name
 
@@ -27,6 +27,7 @@ from . import test_publish
 
 QUICK = settings.get_current_profile_name() == "same"
 CASE = "disc_on_line[mu=0.1]"
+RELEASE = publish.releases()[-1]
 BUILD = ["--quick", "--case", CASE, "--solver", "reference"]
 SWEEP = ["disc_on_line", "--vary", "v0=1:2:2", "--vary"]
 STUDY = ["settings", "--case", CASE, "--solver", "reference", "--out", "x"]
@@ -67,6 +68,10 @@ COMMANDS = {
     "another sweep": Command(sweep.main, [*SWEEP, "mu=0.1:0.3:2", "--out", "x", "--refine", "0.05"], "sweep"),
     "another sweep fresh": Command(sweep.main, [*SWEEP, "mu=0.1:0.3:2", "--out", "x", "--fresh"], "sweep"),
     "publish": Command(publish.main, ["made", "--out", "."], "release"),
+    "deposit": Command(deposit.main, [str(RELEASE), "--out", "x/results.zip"]),
+    "deposit force": Command(
+        deposit.main, [str(RELEASE), "--out", "x/results.zip", "--force"], forced=("results.zip",)
+    ),
     "show": Command(in_cases(show.run), [CASE, "--out", "x/map.png"]),
     "show force": Command(in_cases(show.run), [CASE, "--out", "x/map.png", "--force"], forced=("map.png",)),
     "show in it": Command(in_cases(show.run), [CASE], inside="x"),
@@ -84,7 +89,7 @@ NAMES = [
     "settings.csv", "sweep.json", "map.svg", "map.png", "rows/part-000000000000.parquet", "rows/mine",
     "boundary.parquet", "film.gif", "scene.json", "motion.csv", "disc_on_line.png", "my_valley.py", "report/notes.txt",
     "report/index.html", ".gitignore", ".slip-to-roll", ".slip-to-roll/notes.txt", "constraints.txt", "thesis.tex",
-    f"run-{64 * '0'}.npz", ".unfinished-a", ".report.mine.partial", f"{file_name(CASE)}.gif", LIST,
+    f"run-{64 * '0'}.npz", "results.zip", ".unfinished-a", ".report.mine.partial", f"{file_name(CASE)}.gif", LIST,
 ]  # fmt: skip
 
 

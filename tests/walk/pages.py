@@ -265,7 +265,16 @@ WALK = {
         )
     ),
     "published.md": Page(
-        (Left("python -m reports.build", WHOLE), Left("python -m reports.publish report", OF_A_RELEASE))
+        (
+            Step(
+                "slip-to-roll deposit docs/results/0.2.0",
+                (r"^slip-to-roll-results-0\.2\.0\.zip, \d+\.\d MB: upload it",),
+                ("slip-to-roll-results-0.2.0.zip",),
+                before=f"ln -s {ROOT / 'docs'} docs",
+            ),
+            Left("python -m reports.build", WHOLE),
+            Left("python -m reports.publish report", OF_A_RELEASE),
+        )
     ),
     "report.md": Page(
         (
