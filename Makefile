@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(CON
 # Where this is set, each of the many processes of a report or a test compiles all its imports again: 9 s of CPU, not 3.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report quick test test-all smoke walk check docs browser matrix clean
+.PHONY: report quick test test-all smoke walk check gallery docs browser matrix clean
 
 # Engines in addition to exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They remain installed.
 EXTRAS ?=
@@ -51,6 +51,10 @@ check: $(VENV)/checkers
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# Runs the gallery and stores its outputs in it, for readers without Jupyter. Run it when a figure changes.
+gallery: $(VENV)/documented
+	$(BIN)/python .ci/gallery.py
 
 # The site: site/index.html. It runs the gallery.
 docs: $(VENV)/documented

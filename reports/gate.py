@@ -176,7 +176,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             COMMAND, "Whether a report is worse than a baseline: exit status 1 if it is.",
             "baseline", "solver", "worse_than", "format",
             words={"REPORT*": "the folder of a report (default: report)"},
-            example=f"python -m {COMMAND} --baseline old --solver exudyn --worse-than 10%% --format junit > gate.xml",
+            example=f"python -m {COMMAND} --baseline old --solver exudyn --worse-than 10% --format junit > gate.xml",
         )  # fmt: skip
         arguments = parser.parse_args(words)
         if not arguments.baseline or len(arguments.REPORT) > 1:

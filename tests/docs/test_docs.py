@@ -124,6 +124,15 @@ def test_the_gallery_runs_and_shows_itself(desk):
     assert {"Case", "Trajectory", "Picture", "Animation", "Comparison", "DataFrame"} <= set(shown)
 
 
+def test_the_gallery_has_the_outputs_of_all_cells_and_is_small():
+    file = ROOT / "docs" / "gallery.ipynb"
+    cells = [cell for cell in json.loads(file.read_text(encoding="utf-8"))["cells"] if cell["cell_type"] == "code"]
+    kinds = {kind for cell in cells for output in cell["outputs"] for kind in output.get("data", {})}
+    assert len(cells) > 25 and all(cell["outputs"] for cell in cells) and {"image/png", "text/html"} <= kinds
+    assert not any(output["output_type"] == "error" for cell in cells for output in cell["outputs"])
+    assert file.stat().st_size < 1_000_000
+
+
 def test_the_film_of_the_first_page_is_small():
     film = ROOT / "docs" / "disc_in_circle.gif"
     assert "(disc_in_circle.gif)" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
