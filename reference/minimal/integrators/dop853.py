@@ -277,8 +277,15 @@ def _guards_at_nodes(phase: Phase, piece) -> np.ndarray:
 
 def _guard(phase: Phase, piece, index: int, x: float) -> float:
     """One guard at the part x of a step."""
-    state = piece.y_old + _weights(x) @ piece.F
-    return phase.system.guards_of_numbers(piece.t_old + piece.h * x, state.tolist(), phase.parameters)[index]
+    state, time = piece.y_old + _weights(x) @ piece.F, piece.t_old + piece.h * x
+    value = phase.system.guards_of_numbers(time, state.tolist(), phase.parameters)[index]
+    if value == value:
+        return value
+    # Numbers have no value where any guard has none: where a divisor vanishes, it is itself a guard that is exactly 0.
+    with np.errstate(all="ignore"):
+        alone = phase.system.guards_of_arrays(np.array([time]), state[:, None], phase.parameters)[index]
+    value = float(np.ravel(alone)[0])
+    return value if value == value else 0.0  # the guard ends where its formula does
 
 
 def _first_zero(phase: Phase, piece, at_nodes: np.ndarray, first: bool) -> tuple[str, float] | None:

@@ -43,9 +43,10 @@ QUADRUPLE_TOLERANCE = 1e-24
 # A step of at most this many units in the last place of time makes no progress: towards a singularity steps shrink
 # without limit.
 SHORTEST = 16
-# Limit on the defect of a step's polynomial, in tolerances: steps that resolved their features stayed below 1.1 (bumps,
-# steps and notches at 1e-4 … 1e-12). Forces have the error ROUNDING, as differences of terms up to 1000 times as large.
-DEFECT, ROUNDING = 10.0, 1e-12
+# Limit on the defect of a step's polynomial, in tolerances: a step's error is about a tenth of its defect, and those of
+# a hundred steps that a motion amplifies tenfold are then the tolerance. (On a sliver, with 1 in place of 0.1, they
+# were ten tolerances.) Forces have the error ROUNDING, as differences of terms up to 1000 times as large.
+DEFECT, ROUNDING = 0.1, 1e-12
 # The compiled loop returns after this many steps, so that it does not run forever towards a singularity.
 CHUNK = 1000
 
