@@ -1,4 +1,4 @@
-"""Equations of the second formulation: forces in the contact's own frame, and the phase that Coulomb's law allows.
+"""Equations of the second formulation: forces in the contact's own frame.
 
 State (ξ₁, ξ₂, ω, v): contact parameters, spin and slip velocity. Only curvatures occur, no third derivatives:
 
@@ -12,7 +12,7 @@ formulas are then slip plus speed of the belt, and their rates.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import copysign, cos, hypot, inf, isfinite, pi, sin, sqrt
 from typing import NamedTuple
 
@@ -27,13 +27,6 @@ from cases.piece_case import PieceCase
 from .drive import DriveLoad
 from .loads import load_scales, slip_scales
 from .steps import StepFailure
-
-# A normal force of a rounding below zero is a release at N = 0, as in the start of `disc_in_circle`.
-RELEASE = 1e-12
-
-# A normal force of zero is evaluated this far ahead, in parts of the motion's time scale, to distinguish a release from
-# a departure. A force that grows with the square of time is then 1e-8 of the scene's forces, far above rounding.
-SOON = 1e-4
 
 # Curvatures are sampled at this many places of a track; a track whose values agree to `EVEN` is a line or a circle.
 TRACK_SAMPLES, EVEN = 721, 1e-9
@@ -386,124 +379,6 @@ def ratios(laws: ContactLaws, phase: ContactPhase, v: float = 0.0) -> tuple[floa
         friction = -phase.side * phase.slip * (laws.by_speed(phase.slip * v) if laws.by_speed else laws.slip)
     couple = -phase.side * phase.turn * laws.arm if phase.turn and laws.arm is not None else 0.0
     return friction, couple
-
-
-class ContactForces(NamedTuple):
-    """Normal force, friction and couple in a phase, as forces or as parts of an impulse."""
-
-    normal: float
-    friction: float
-    couple: float
-
-
-def admissible(
-    laws: ContactLaws,
-    v: float,
-    w: float,
-    forces_of: Callable[[ContactPhase], ContactForces],
-    may_stick: bool = True,
-    may_hold: bool = True,
-) -> Iterator[ContactPhase]:
-    """Phases that Coulomb's inequalities allow at slip v and spin w, the most static ones first.
-
-    A zero slip or spin stays zero while the force needed for that is within its bound; otherwise it begins against that
-    force. `forces_of` gives the forces in a phase; `may_stick`, `may_hold`: false if slip or rotation is known to
-    begin, because the bound has just been reached from inside. The caller checks the sign of N.
-    """
-    slips, turns = _options(laws.slip, v, may_stick), _options(laws.arm, w, may_hold)
-
-    def slip_is_right(slip, turn) -> bool:
-        if v != 0.0 or slip is None:
-            return True
-        forces = forces_of(ContactPhase(0, turn))
-        too_much = not may_stick or abs(forces.friction) > laws.stick * abs(forces.normal)
-        return not too_much if slip == 0 else too_much and slip * forces.friction <= 0.0
-
-    def turn_is_right(slip, turn) -> bool:
-        if w != 0.0 or turn is None:
-            return True
-        forces = forces_of(ContactPhase(slip, 0))
-        too_much = not may_hold or abs(forces.couple) > laws.arm * abs(forces.normal)  # type: ignore[operator]
-        return not too_much if turn == 0 else too_much and turn * forces.couple <= 0.0
-
-    for slip in slips:
-        for turn in turns:
-            if slip_is_right(slip, turn) and turn_is_right(slip, turn):
-                yield ContactPhase(slip, turn)
-
-
-def _options(law: float | None, velocity: float, may_rest: bool) -> tuple[int | None, ...]:
-    if law is None:
-        return (None,)
-    if law == inf:
-        return (0,)
-    if velocity != 0.0:
-        return (1,) if velocity > 0 else (-1,)
-    return (0, 1, -1) if may_rest else (1, -1)
-
-
-def decide(
-    scene: ContactScene, t: float, z, turns: int, may_stick: bool = True, may_hold: bool = True
-) -> ContactPhase | None:
-    """The phase at an instant; None if none is consistent with the sign of its normal force."""
-    tolerance = RELEASE * scene.scale(t, z, turns)
-
-    def forces_of(phase: ContactPhase) -> ContactForces:
-        f = scene.forces(t, z, with_side(phase), turns)
-        # A unilateral contact cannot pull.
-        return ContactForces(max(f.normal, 0.0) if scene.unilateral else f.normal, f.friction, f.couple)
-
-    def with_side(phase: ContactPhase) -> ContactPhase:
-        if scene.unilateral:
-            return phase
-        f = scene.forces(t, z, phase, turns)
-        # If the force is zero to rounding, the side is the one that presses a moment later.
-        toward = f.push if abs(f.normal) > tolerance else _soon(scene, t, z, phase, turns)
-        return phase if toward >= 0.0 else phase._replace(side=-1)
-
-    for phase in map(with_side, admissible(scene.laws, z[3], z[2], forces_of, may_stick, may_hold)):
-        f = scene.forces(t, z, phase, turns)
-        if f.inverse_mass > 0.0 and (abs(f.normal) > tolerance or _soon(scene, t, z, phase, turns) >= -tolerance):
-            if phase.side * f.normal >= -tolerance:
-                return phase
-    return None
-
-
-def _soon(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> float:
-    """The normal force on its side a moment after an instant at which it is zero (N), by a midpoint step."""
-    pace = scene.pace(t, z, turns)
-    if pace == 0.0:
-        return phase.side * scene.forces(t, z, phase, turns).normal  # nothing changes
-    moment = SOON / pace
-    middle = np.array(z) + 0.5 * moment * rates(scene, t, z, phase, turns)
-    after = np.array(z) + moment * rates(scene, t + 0.5 * moment, middle.tolist(), phase, turns)
-    return phase.side * scene.forces(t + moment, after.tolist(), phase, turns).normal
-
-
-def leaves(scene: ContactScene, t: float, z, turns: int) -> bool:
-    """Whether the plate without contact forces would leave its track (and not move into it)."""
-    free = ContactPhase(None, None)
-    return scene.forces(t, z, free, turns).push <= RELEASE * scene.scale(t, z, turns) / scene.m
-
-
-def lets_go(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> bool:
-    """Whether a plate leaves a perfectly rough contact whose normal force has just vanished.
-
-    Friction T may act there, since nothing bounds it. With a, b the arm along tangent and normal, per mass (J = ρ² m):
-
-        v̇ = … + (1 + b²/ρ²) T − (a b/ρ²) N,      γ̈ = … + (1 + a²/ρ²) N − (a b/ρ²) T,
-
-    and while the contact lasted, both were zero. Without it N = T = 0 and γ̈ = (a b/ρ²) T: if that is positive the
-    plate departs. If it is negative the plate would move into its track, and to stay on it would have to be pulled.
-    Coulomb friction, whatever its μ, has an answer there: where N falls to |T|/μ a slip v with v T < 0 begins, whose
-    Painlevé number 1 + a²/ρ² + μ |a b|/ρ² is positive, with N of the order of |T|/μ and T such that γ̈ = 0. Velocities
-    do not jump, so there is no impulse, and the limit μ → ∞ is a slip with friction but without a normal force. A
-    perfectly rough contact excludes every slip: rigid contact has no solution, a paradox, with or without Flight. (If
-    a b T > 0 the same number, 1 + a²/ρ² − μ |a b|/ρ², is negative for large μ: slip is excluded, only departure is
-    possible.)
-    """
-    q, friction = scene.place(z[0], z[1]), scene.forces(t, z, phase, turns).friction
-    return q.arm_t * q.arm_n * scene.m / scene.J * friction >= -RELEASE * scene.scale(t, z, turns)
 
 
 def rates(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> np.ndarray:

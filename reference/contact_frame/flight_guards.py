@@ -11,7 +11,8 @@ from cases.piece_case import corners_meet, has_pieces, lies_flat
 
 from . import bouncing, chain_flights, flight, impact, short_flights
 from .bouncing import Bounce
-from .equations import ContactPhase, leaves
+from .coulomb_law import leaves
+from .equations import ContactPhase
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, LiftOff, MotionState
 from .pairs import frame
 from .plate_motion import Motion, limits

@@ -20,7 +20,8 @@ from typing import NamedTuple
 
 from cases import Impact, PerfectlyRough
 
-from .equations import ContactForces, ContactPhase, ContactScene, Place, admissible, ratios
+from .coulomb_law import ContactForces, admissible
+from .equations import ContactPhase, ContactScene, Place, ratios
 
 # Far more pieces than Coulomb's law allows: slip and rotation stop, reverse or stay, each at most once in compression
 # and once in restitution.

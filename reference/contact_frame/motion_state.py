@@ -12,8 +12,9 @@ from cases.contact import pose
 from cases.piece_case import PieceCase
 
 from .bouncing import Bounce
+from .coulomb_law import decide
 from .drive import case_at_rest, load_of_drive
-from .equations import ContactPhase, ContactScene, decide
+from .equations import ContactPhase, ContactScene
 from .sampling import Record
 from .steps import WorkBudget
 from .surroundings import Surroundings

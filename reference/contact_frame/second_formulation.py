@@ -25,8 +25,9 @@ from cases.piece_case import PieceCase, corner_on_corner, has_pieces, is_concave
 from . import flight_guards
 from .advancement import TooManyRounds
 from .chain_overlaps import ChainOverlaps
+from .coulomb_law import AT_BOUND, leaves, lets_go
 from .drive import in_fixed_frame
-from .equations import ContactPhase, ContactScene, leaves, lets_go, rates
+from .equations import ContactPhase, ContactScene, Forces, rates
 from .knots import KnotEnds
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, MotionState
 from .second_contacts import Overlaps
@@ -205,7 +206,7 @@ def _off(course: MotionState, z, turns: int) -> FlightState | EndState:
 
 def _contact(course: MotionState, now: ContactState) -> ContactState | FlightState | EndState:
     phase, turns = now.phase, now.turns
-    guards, knots = _guards(course, phase, turns), KnotEnds(course.scene, now.z)
+    guards, knots = _guards(course, now), KnotEnds(course.scene, now.z)
     if knots.any:
         guards["knot"] = knots.inside
     overlaps = _overlaps(course, now)
@@ -308,21 +309,20 @@ def _after(course: MotionState, phase: ContactPhase, guard_names: list[str], z, 
     return course.contact_state(z, turns, may_stick=not cone, may_hold=not couple)
 
 
-def _guards(course: MotionState, phase: ContactPhase, turns: int) -> dict[str, Callable]:
+def _guards(course: MotionState, now: ContactState) -> dict[str, Callable]:
     """Functions of (t, z) that are positive while the phase lasts."""
-    scene, laws = course.scene, course.scene.laws
+    scene, laws, phase, turns = course.scene, course.scene.laws, now.phase, now.turns
 
     def forces(t, z):
         return scene.forces(t, z, phase, turns)
 
     guards: dict[str, Callable] = {}
     if phase.slip == 0 and laws.stick < inf:
-        guards["cone+"] = lambda t, z: laws.stick * phase.side * (f := forces(t, z)).normal + f.friction
-        guards["cone-"] = lambda t, z: laws.stick * phase.side * (f := forces(t, z)).normal - f.friction
+        cone = _within(course, now, laws.stick, lambda f: f.friction)
+        guards["cone+"], guards["cone-"] = partial(cone, 1.0), partial(cone, -1.0)
     if phase.turn == 0 and laws.arm is not None and laws.arm < inf:
-        arm = laws.arm
-        guards["couple+"] = lambda t, z: arm * phase.side * (f := forces(t, z)).normal + f.couple
-        guards["couple-"] = lambda t, z: arm * phase.side * (f := forces(t, z)).normal - f.couple
+        couple = _within(course, now, laws.arm, lambda f: f.couple)
+        guards["couple+"], guards["couple-"] = partial(couple, 1.0), partial(couple, -1.0)
     if phase.slip:
         guards["slip"] = lambda t, z: phase.slip * z[3]
     if phase.turn:
@@ -343,6 +343,27 @@ def _guards(course: MotionState, phase: ContactPhase, turns: int) -> dict[str, C
         if curve.domain and not curve.period:
             guards[name] = _inside(i, *curve.domain)
     return guards
+
+
+def _within(
+    course: MotionState, now: ContactState, coefficient: float, part: Callable[[Forces], float]
+) -> Callable[[float, float, list[float]], float]:
+    """A function of (sign, t, z): how far a static force or couple is within its bound of that sign.
+
+    If a phase begins at the bound and stays there, rounding would end it: the bound is then wider by that.
+    """
+    scene, phase, turns = course.scene, now.phase, now.turns
+
+    def inside(sign: float, t: float, z) -> float:
+        forces = scene.forces(t, z, phase, turns)
+        return coefficient * phase.side * forces.normal + sign * part(forces)
+
+    def slack(t: float, z) -> float:
+        return 2.0 * AT_BOUND * coefficient * scene.scale(t, z, turns)
+
+    if min(inside(sign, course.t, now.z) for sign in (1.0, -1.0)) > slack(course.t, now.z):
+        return inside
+    return lambda sign, t, z: inside(sign, t, z) + slack(t, z)
 
 
 def _integrate(

@@ -21,6 +21,11 @@ from .system import QUICK
 # the normal force; a start at rest on a symmetric place needs the fourth. QUICK of them decide most cases.
 ORDER = 8
 
+# A force that is at most this part of the largest condition away from its bound is at it: a coefficient, an angle and
+# the constants made of them are rounded, and a series has only the rounding that follows. (On an incline with
+# tan(slope) = mu a plate would neither stick nor slip.)
+AT_BOUND = 32 * series.EPS
+
 
 class Undecidable(ArithmeticError):
     """The numbers of a state or of its series in time are too large, too small or not finite."""
@@ -97,8 +102,16 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
     positions = candidate.system.positions
     fastest = max((abs(v) for v in y[positions:]), default=0.0)
     bounds = [error * abs(v) for v in y[:positions]] + [error * fastest for _ in y[positions:]]
-    values = _values(candidate, t, y, bounds, order)
-    return {name: series.sign(value) for name, value in zip(candidate.system.conditions, values, strict=True)}
+    values = dict(zip(candidate.system.conditions, _values(candidate, t, y, bounds, order), strict=True))
+    velocities = candidate.system.condition_rates
+    forces = {name: value for name, value in values.items() if name not in velocities}
+    rounding = AT_BOUND * max((abs(_value(force)) for force in forces.values()), default=0.0)
+    return {name: series.sign(v, rounding if name in forces else 0.0) for name, v in values.items()}
+
+
+def _value(condition: Series | float) -> float:
+    """A condition's present value."""
+    return condition.c[0] if isinstance(condition, Series) else condition
 
 
 def _values(candidate: Phase, t, y, bounds, order: int) -> Sequence[Series | float]:

@@ -132,9 +132,12 @@ class Series:
         return 0, len(self.c)
 
 
-def sign(value: Series | float) -> int:
-    """The sign just after time zero of a series, or of a constant."""
-    return value.leading()[0] if isinstance(value, Series) else (value > 0) - (value < 0)
+def sign(value: Series | float, rounding: float = 0.0) -> int:
+    """The sign just after time zero of a series, or of a constant, whose value at zero has an error of `rounding`."""
+    if isinstance(value, Series):
+        value = Series(value.c, [max(value.e[0], rounding), *value.e[1:]]) if rounding else value
+        return value.leading()[0]
+    return (value > rounding) - (value < -rounding)
 
 
 def _of_number(name: str, x):
