@@ -15,7 +15,7 @@ from .system import SLIPS, Regime, State, System
 MOST_STEPS = 3000
 # Digits beyond those of the record: the sets of states grow along the motion. Where the first are not enough, the check
 # begins again with the next.
-RESERVES = (16, 44)
+RESERVES = (16, 28, 44)
 # Order of a step's series per digit; near the least time in trials.
 ORDER_PER_DIGIT = 1.1
 # Bits beyond those of the digits: fixed-point numbers need them where quantities are small, down to 1e-9 of the others.
