@@ -4,7 +4,7 @@ An adapter imports `cases`, the code that engines share (`common`) and the defin
 no other part of the suite.
 """
 
-from .interface import EngineFailure, Meaning, Setting, other_laws, our_part, refusal, supports_several_contacts
+from .interface import EngineFailure, Meaning, Setting, other_laws, our_part, refusal, refusal_of_several_contacts
 from .lookup import engine, engines
 
 __all__ = [
@@ -16,5 +16,5 @@ __all__ = [
     "other_laws",
     "our_part",
     "refusal",
-    "supports_several_contacts",
+    "refusal_of_several_contacts",
 ]

@@ -6,6 +6,7 @@ process in which the adapter runs; all other code uses the plain values.
 
 from __future__ import annotations
 
+from itertools import islice
 from math import isfinite, isnan
 from typing import Any
 
@@ -13,12 +14,15 @@ import numpy as np
 
 from cases import Case, Cost, Mode, State, Trajectory, Transition
 from cases.errors import describe
+from cases.sampled_contacts import SampledContacts
+from cases.trajectory import ContactColumns
 
 from .interface import EngineFailure, Setting
 
 # A motion of so many samples takes 200 MB; the finest rung of the suite's engines has 60,000.
 MOST_SAMPLES = 2_000_000
 MOST_TRANSITIONS = 100_000
+MOST_CONTACTS = 100
 # Seconds, steps and knobs beyond these are no measurement: 30 years, and the largest exact integers of a float.
 MOST_SECONDS, MOST_STEPS, MOST_KNOB = 1e9, 2**53, 1e100
 # Characters of a word, such as a status, and of a sentence.
@@ -28,9 +32,9 @@ MOST_WORD, MOST_SENTENCE = 100, 2000
 def motion(raw: Any, case: Case) -> Trajectory:
     """The motion that an adapter returned for a case, as plain arrays, numbers and words.
 
-    Other code judges whether it is a motion of the case. Its `dense` output, the columns of each contact and the
-    passages between pieces are left out: nothing calls back into an adapter. Raises EngineFailure in one sentence that
-    names a value of the wrong type or size.
+    Other code judges whether it is a motion of the case. The columns of each contact are read once, at the samples; its
+    `dense` output and the passages between pieces are left out: nothing calls back into an adapter. Raises
+    EngineFailure in one sentence that names a value of the wrong type or size.
     """
     if not isinstance(raw, Trajectory):
         raise EngineFailure(f"it returned {_short_text(raw)} in place of a Trajectory")
@@ -49,11 +53,37 @@ def motion(raw: Any, case: Case) -> Trajectory:
             slip_resolution=_number("slip_resolution", raw.slip_resolution, 0.0, MOST_KNOB),
             first_mode=None if raw.first_mode is None else _mode("first_mode", raw.first_mode),
             case=case,
+            **_contacts(raw, columns["t"]),
         )
     except EngineFailure:
         raise
     except Exception as problem:  # reading the values may run any code
         raise EngineFailure(f"its motion cannot be read: {describe(problem)}") from problem
+
+
+def _contacts(raw: Trajectory, t: np.ndarray) -> dict[str, Any]:
+    """Names and columns of the contacts of a motion that has several."""
+    if raw.contact_columns is None:
+        return {}
+    names = tuple(_text("name of a contact", name, MOST_WORD) for name in islice(raw.contact_names, MOST_CONTACTS + 1))
+    if not 1 <= len(names) <= MOST_CONTACTS or len(set(names)) < len(names):
+        raise EngineFailure(f"it names {len(names)} contacts; give 1 to {MOST_CONTACTS} different names")
+    return {"contact_names": names, "contact_columns": SampledContacts(t, {n: _contact(raw, n, len(t)) for n in names})}
+
+
+def _contact(raw: Trajectory, name: str, length: int) -> ContactColumns:
+    """The columns of one contact as plain arrays."""
+    given = raw.contact_columns(name, None) if raw.contact_columns else None
+    columns = dict[str, np.ndarray]()
+    for field in ContactColumns._fields:
+        value = getattr(given, field)
+        if field.endswith("_range"):
+            columns[field] = np.array([_column(f"{field} of {name}", row) for row in value])
+        else:
+            columns[field] = _column(f"{field} of {name}", value)
+        if columns[field].shape not in ((length,), (2, length)):
+            raise EngineFailure(f"its {field} of {name} has {columns[field].shape[-1]} samples and its t has {length}")
+    return ContactColumns(**columns)
 
 
 def cost(raw: Any) -> Cost:

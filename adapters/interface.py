@@ -54,6 +54,9 @@ Optional:
                                                     `refusal` rejects such a case before `refuses` is called
     SEVERAL_CONTACTS: tuple[str, ...]               the routes that report each contact of a plate that touches its
                                                     track in several places; others are not run on such motions
+    refuses_several_contacts(case, route) -> str | None
+                                                    why such a route does not report the contacts of this case, in one
+                                                    sentence, or None
     OWN_EFFECTS: tuple[type, ...]                   the effects of other packages that it supports (classes derived from
                                                     `cases.ContactEffect`); `refusal` rejects all others
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
@@ -83,7 +86,10 @@ PARTS = ("NAME", "routes", "refuses", "ladder", "build", "run", "read", "version
 DEFAULTS = "defaults"
 
 # The functions of an adapter, with the optional ones.
-FUNCTIONS = {"refuses", "ladder", "default_grid", "grid", "wide_grid", "build", "run", "read", "version", "bare_run"}
+FUNCTIONS = {
+    *("refuses", "refuses_several_contacts", "ladder", "default_grid", "grid", "wide_grid"),
+    *("build", "run", "read", "version", "bare_run"),
+}
 
 
 class EngineFailure(RuntimeError):
@@ -122,10 +128,13 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     return adapter.refuses(case, route)
 
 
-def supports_several_contacts(adapter: Any, route: str) -> bool:
-    """Whether a route follows a plate that touches its track in several places: the adapter lists such routes in
-    `SEVERAL_CONTACTS`."""
-    return route in getattr(adapter, "SEVERAL_CONTACTS", ())
+def refusal_of_several_contacts(adapter: Any, case: Case, route: str) -> str:
+    """Why a route does not report the contacts of a plate that touches its track in several places, in one sentence, or
+    "": by `SEVERAL_CONTACTS`, then by the adapter's own `refuses_several_contacts`."""
+    if route not in getattr(adapter, "SEVERAL_CONTACTS", ()):
+        return f"The plate touches its track in several places, which the {route} route does not support."
+    refuses = getattr(adapter, "refuses_several_contacts", None)
+    return (refuses(case, route) or "") if refuses else ""
 
 
 def _never(case: Case) -> bool:

@@ -1,19 +1,23 @@
 """Box2D's adapter; `adapters.box2d.adapter` describes it."""
 
-from .adapter import NAME, ROUNDING, build, default_grid, grid, ladder, read, refuses, routes, run, version
+from .adapter import (
+    NAME,
+    ROUNDING,
+    SEVERAL_CONTACTS,
+    build,
+    default_grid,
+    grid,
+    ladder,
+    read,
+    refuses,
+    refuses_several_contacts,
+    routes,
+    run,
+    version,
+)
 from .meanings import MEANINGS
 
 __all__ = [
-    "MEANINGS",
-    "NAME",
-    "ROUNDING",
-    "build",
-    "default_grid",
-    "grid",
-    "ladder",
-    "read",
-    "refuses",
-    "routes",
-    "run",
-    "version",
-]
+    "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS", "build", "default_grid", "grid", "ladder", "read", "refuses",
+    "refuses_several_contacts", "routes", "run", "version",
+]  # fmt: skip

@@ -47,13 +47,16 @@ from cases.contact import start_motion
 from cases.errors import unknown_name
 from cases.mechanics import gravity
 
-from ..common import facets, half_steps
+from ..common import facets, half_steps, several_contacts
 from ..interface import Setting
 from . import shapes
 
 NAME = "box2d"
 routes = ("native",)
 KNOWN = "pyb2d3>=0.11.1"
+
+# Routes that report each contact of a plate that touches its track in several places.
+SEVERAL_CONTACTS = ("native",)
 
 # The engine's numbers are of single precision.
 ROUNDING = float(np.finfo(np.float32).eps)
@@ -100,6 +103,11 @@ def refuses(case: Case, route: str) -> str | None:
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles only, and this outline is none."
     return None
+
+
+def refuses_several_contacts(case: Case, route: str) -> str | None:
+    """Why the route does not report several contacts of this case, in one sentence, or None."""
+    return several_contacts.supports(case)
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:

@@ -9,6 +9,7 @@ one, and only its mean is meaningful. Independent of any engine.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 from math import nan
 from typing import NamedTuple
@@ -20,8 +21,9 @@ from cases.contact import Contact, slip_velocity, start_motion
 from cases.mechanics import gravity
 
 from ..interface import EngineFailure
-from .facets import sway, visible_span
+from .facets import sway, track_kind, visible_span
 from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights, lands_for_good
+from .several_contacts import may_touch_twice, with_contacts
 
 
 @dataclass(frozen=True)
@@ -105,13 +107,29 @@ def read(record: StepRecord) -> Trajectory:
     if np.isfinite(ending.time):
         table = _with_end(table, ending.time)
     t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = table.T
-    return Trajectory(
+    motion = Trajectory(
         *(t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2),
         status=ending.status,
         reason=ending.reason,
         cost=Cost(steps=len(record.rows)),
         slip_resolution=creep,
     )
+    return with_contacts(case, motion, partial(_clear, record)) if _may_touch_twice(record) else motion
+
+
+def _may_touch_twice(record: StepRecord) -> bool:
+    """Whether contacts are searched on the whole track: the engine finds them, and the disc may touch in two places."""
+    return record.contacts is None and track_kind(record.case) == "chain" and may_touch_twice(record.case)
+
+
+def _clear(record: StepRecord, xi1: np.ndarray) -> np.ndarray:
+    """The gaps (m) below which contacts at these parameters are closed: hops of one step under gravity, and what the
+    facets leave of the track's bend there (`_hop` has the sizes)."""
+    case, bends = record.case, record.case.track.curvature
+    greatest = float(np.abs(bends(np.linspace(*visible_span(case), 721))).max())
+    share = np.abs(bends(np.nan_to_num(xi1, nan=case.start.xi1))) / greatest if greatest > 0.0 else np.zeros(len(xi1))
+    hop = 2.0 * float(np.hypot(*gravity(case))) * record.h**2
+    return max(1e-6, 1e3 * record.rounding) * case.plate.inner + hop + 4.0 * record.rough * share
 
 
 # --- samples ----------------------------------------------------------------------------------------------------------

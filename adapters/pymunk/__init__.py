@@ -3,6 +3,7 @@
 from .adapter import (
     CORNERS,
     NAME,
+    SEVERAL_CONTACTS,
     SLIP_LAWS,
     bare_run,
     build,
@@ -11,6 +12,7 @@ from .adapter import (
     ladder,
     read,
     refuses,
+    refuses_several_contacts,
     routes,
     run,
     version,
@@ -19,6 +21,6 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
-    "CORNERS", "MEANINGS", "NAME", "SLIP_LAWS", "build", "default_grid", "grid", "ladder", "read", "refuses", "routes",
-    "run", "bare_run", "version", "wide_grid",
+    "CORNERS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SLIP_LAWS", "build", "default_grid", "grid", "ladder", "read",
+    "refuses", "refuses_several_contacts", "routes", "run", "bare_run", "version", "wide_grid",
 ]  # fmt: skip

@@ -22,7 +22,7 @@ from pymunk.batch import BodyFields, Buffer, get_space_bodies
 from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
 
-from ..common import facets, half_steps
+from ..common import facets, half_steps, several_contacts
 from ..interface import EngineFailure, Setting
 from . import assisted, native
 from .load import LoadInSteps
@@ -35,6 +35,7 @@ __all__ = [
     "ladder",
     "read",
     "refuses",
+    "refuses_several_contacts",
     "routes",
     "run",
     "bare_run",
@@ -53,6 +54,8 @@ KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Fli
 SLIP_LAWS = ("assisted",)
 # Routes whose shapes have a curve's corners.
 CORNERS = ("native",)
+# Routes that report each contact of a plate that touches its track in several places.
+SEVERAL_CONTACTS = ("native",)
 
 
 def version() -> str:
@@ -76,6 +79,11 @@ def refuses(case: Case, route: str) -> str | None:
     if impact and impact.restitution > 0.0 and route == "assisted":
         return "A contact set by this route closes without restitution; it supports only Impact(0)."
     return _refuses_natively(case) if route == "native" else None
+
+
+def refuses_several_contacts(case: Case, route: str) -> str | None:
+    """Why the route does not report several contacts of this case, in one sentence, or None."""
+    return several_contacts.supports(case)
 
 
 def _refuses_natively(case: Case) -> str | None:

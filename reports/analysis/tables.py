@@ -58,10 +58,10 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
         certified = zip(truth.transitions, truth.error_bars, kinds, strict=True)
         for event, (transition, bar, kind) in enumerate(certified, start=1):
             event_columns = {"before": transition.before, "after": transition.after, "time": transition.time}
-            event_columns |= {"truth_error_bar": bar, "certificate": kind}
+            event_columns |= {"truth_error_bar": bar, "certificate": kind, "contact": transition.contact}
             rows.append({**common, "event": event, **event_columns, "notes": notes})
         if not truth.transitions:
-            none = {"before": "", "after": "", "time": nan, "truth_error_bar": nan, "certificate": ""}
+            none = {"before": "", "after": "", "time": nan, "truth_error_bar": nan, "certificate": "", "contact": ""}
             rows.append({**common, "event": 0, **none, "notes": notes})
     return rows
 
@@ -87,10 +87,33 @@ def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
                     "error": row.error,
                     "truth_error_bar": nan if row.pairing == "spurious" else bars[row.event - 1],
                     "pairing": row.pairing,
+                    "contact": row.contact,
                     "reading_doubt": doubts.get(place, nan),
                 }
             )
     return rows
+
+
+def impact_rows(experiment: Experiment) -> list[dict[str, Any]]:
+    """One row per impact of a motion with several contacts, next to the truth's, and one with event 0 for the time of
+    rest. There is no error of a plate that ends at rest later than its case."""
+    return [
+        {
+            "case": run.case,
+            "solver": run.solver,
+            "route": run.route,
+            "setting": run.setting,
+            "event": row.event,
+            "contact": row.contact,
+            "time": row.time,
+            "reference_time": row.reference_time,
+            "error": row.time - row.reference_time,
+            "swing": row.swing,
+            "reference_swing": row.reference_swing,
+        }
+        for run in experiment.runs
+        for row in run.impacts
+    ]
 
 
 def _reading_doubts(run: Run) -> dict[int, float]:
@@ -208,15 +231,19 @@ TABLES = {
     "headline": headline_rows,
     "levels": levels.rows,
     "transitions": transition_rows,
+    "impacts": impact_rows,
     "trajectories": trajectory_rows,
     "convergence": convergence_rows,
     "truth": truth_rows,
     "errata": errata_rows,
 }
+# Tables that a report has only if they have rows.
+IF_ANY = ("impacts",)
 HOLDS = {
     "headline": "Grade and errors of each route with default settings and at the finest setting run, case by case",
     "levels": levels.HOLDS,
     "transitions": "Every transition of every run, paired with the truth's",
+    "impacts": "Impacts and the time of rest of motions with several contacts, next to the truth's",
     "trajectories": "Every run: outcome, grade, score and reason, distance from the truth, cost",
     "convergence": "Observed order of every route",
     "truth": "The certified transitions that runs are compared with",

@@ -39,7 +39,7 @@ _WITHOUT_MOTION = ("unsupported", "crashed", "timed_out")
 _COUNT_LEVELS = {"good": LIMITS[Grade.GOOD], "excellent": LIMITS[Grade.EXCELLENT]}
 
 
-def unranked(experiment: Experiment) -> dict[str, str]:
+def exclusions(experiment: Experiment) -> dict[str, str]:
     """The cases that do not rank engines, with the reason."""
     reasons = {label: not_ranked(t.friction_sensitivity, t.scale) for label, t in experiment.truths.items()}
     return {label: reason for label, reason in reasons.items() if reason}
@@ -47,7 +47,7 @@ def unranked(experiment: Experiment) -> dict[str, str]:
 
 def friction_cases(experiment: Experiment) -> list[str]:
     """The cases that rank engines: those that depend on friction's law, by more than an engine's step."""
-    others = unranked(experiment)
+    others = exclusions(experiment)
     return [label for label in experiment.truths if label not in others]
 
 

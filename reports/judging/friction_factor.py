@@ -56,13 +56,15 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
 
     The normal force N follows from the motion's momentum, m (Δv/h − g) − load, along the track's normal. The work of a
     load and of a belt counts as energy added. NaN where the case has no Coulomb friction or a
-    driven track, and where the plate flies, because an impact takes energy in no time.
+    driven track, for several contacts, whose normal forces do not follow from the momentum, and where the plate flies,
+    because an impact takes energy in no time.
     """
     friction, resistance = case.effect(CoulombFriction), case.effect(RollingResistance)
     inside = motion.t <= end
     if (
         friction is None
         or case.effect(Drive) is not None
+        or len(motion.contact_names) > 1
         or inside.sum() < 2
         or not np.isfinite(motion.xi1[inside]).all()
     ):

@@ -3,9 +3,12 @@ the case measures friction at all."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import reference
 from cases import Case, CoulombFriction, Trajectory
 
+from . import several_contacts
 from .null_motions import with_friction
 from .score import Scale, score
 
@@ -19,15 +22,23 @@ LEAST = 1e-5
 LEAST_SHARE = 0.005
 
 
-def friction_sensitivity(case: Case, truth: Trajectory, scale: Scale) -> float:
+def friction_sensitivity(case: Case, truth: Trajectory, scales: Mapping[str, Scale]) -> float:
     """The larger of the scores of the motions with 1 % more and 1 % less friction; 0 without Coulomb friction.
+
+    `scales`: of each contact by name, where the truth has several; else the only scale, by any name.
 
     The two differ where a plate is about to slip."""
     friction = case.effect(CoulombFriction)
     if friction is None:
         return 0.0
     others = (with_friction(case, mu=part * friction.mu) for part in (1.0 + CHANGE, 1.0 - CHANGE))
-    return max(score(case, reference.simulate(other, rtol=1e-12), truth, scale).off for other in others)
+    motions = [reference.simulate(other, rtol=1e-12) for other in others]
+    if len(scales) > 1:
+        return max(
+            several_contacts.judge(case, motion, truth, scales, truth.transitions).score.off for motion in motions
+        )
+    (scale,) = scales.values()
+    return max(score(case, motion, truth, scale).off for motion in motions)
 
 
 def not_ranked(sensitivity: float, scale: Scale | None) -> str:

@@ -19,7 +19,8 @@ from .slip_phases import RESOLVABLE_GAPS
 class LedgerRow:
     """One transition of the truth, of a solver, or of both. `event` counts from 1 in the truth's sequence for paired
     and missed ones, in the solver's own for spurious ones; times in s, NaN where there is none. `pairing`: paired,
-    missed, unresolved or spurious."""
+    missed, unresolved or spurious. `contact`: the truth's name of the contact if
+    it has several, else ""."""
 
     event: int
     before: Mode
@@ -28,6 +29,7 @@ class LedgerRow:
     reference_time: float
     error: float
     pairing: str
+    contact: str = ""
 
 
 def match(truth: Sequence[Transition], read: Sequence[Transition], gap: float = 0.0) -> tuple[LedgerRow, ...]:

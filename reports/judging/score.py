@@ -9,7 +9,7 @@ what a coefficient of friction wrong by 1 % makes. Pure functions; SI units.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -174,10 +174,20 @@ def score(
     return score_and_reading(case, motion, truth, scale, off)[0]
 
 
+# Reads first mode and transitions of a sampled motion.
+Reader = Callable[[Case, Trajectory], Reading]
+
+
 def score_and_reading(
-    case: Case, motion: Trajectory, truth: Trajectory, scale: Scale, off: Mapping[str, np.ndarray] | None = None
+    case: Case,
+    motion: Trajectory,
+    truth: Trajectory,
+    scale: Scale,
+    off: Mapping[str, np.ndarray] | None = None,
+    read: Reader | None = None,
 ) -> tuple[Score, Reading]:
-    """The score of a sound motion, and the reading of its transitions that agrees best with the truth."""
+    """The score of a sound motion, and the reading of its transitions that agrees best with the truth. `read`: how they
+    are read, by default `transitions.read_motion`."""
     errors = _errors(motion, truth, differences(motion, truth, case) if off is None else off, case)
     pose, slip = (
         error / size if size > 0.0 else 0.0 for error, size in zip(errors, (scale.pose, scale.slip), strict=True)
@@ -186,7 +196,7 @@ def score_and_reading(
     is_exact = motion.first_mode is not None
     resolution = 0.0 if is_exact else RESOLVABLE_GAPS * doubts.gap(motion)
     noise = 0.0 if is_exact or scale.slip == 0.0 else doubts.roughness(motion.t, motion.slip) / scale.slip
-    best = _modes(case, motion, scale, creep, resolution, max(pose, slip))
+    best = _modes(case, motion, scale, creep, resolution, max(pose, slip), read or transitions.read_motion)
     worst, doubt = max(pose, best.wrong, slip), max(best.doubt, noise)
     return Score(worst, doubt, pose, best.wrong, slip, creep, best.longest, resolution, best.missing), best.reading
 
@@ -203,13 +213,15 @@ class _Modes(NamedTuple):
     missing: bool
 
 
-def _modes(case: Case, motion: Trajectory, scale: Scale, creep: float, resolution: float, others: float) -> _Modes:
+def _modes(
+    case: Case, motion: Trajectory, scale: Scale, creep: float, resolution: float, others: float, read: Reader
+) -> _Modes:
     """The reading of a motion's modes that agrees best with the truth. `others`: the larger one of the other scores."""
     is_exact = motion.first_mode is not None
     unresolved = 0.0 if is_exact else doubts.unresolved(motion, scale.phases, scale.slips)
     gaps, last = _sample_gaps(motion), _last(motion, scale.end)
     true_flights, best = flights(scale.phases), None
-    for reading in _readings(case, motion, scale, creep):
+    for reading in _readings(case, motion, scale, creep, read):
         phases = rolling_within(phases_of(reading.first_mode, reading.transitions, last), scale.either)
         phases = outside(phases, gaps)
         wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
@@ -228,7 +240,7 @@ def _modes(case: Case, motion: Trajectory, scale: Scale, creep: float, resolutio
     return best
 
 
-def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float) -> Iterator[Reading]:
+def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float, read: Reader) -> Iterator[Reading]:
     """The motion's modes by several thresholds of slip; its own where it locates its transitions itself.
 
     A single threshold fails both ways: one that is too large loses short rolls and slow slips, one that is too small
@@ -240,7 +252,7 @@ def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float) -> Ite
         return
     cap = scale.most_creep
     creep_limit = min(motion.slip_resolution, cap)
-    yield transitions.read_motion(case, replace(motion, slip_resolution=creep_limit))
+    yield read(case, replace(motion, slip_resolution=creep_limit))
     # Where the truth's rolls are too short for the creep to be known, slip within its noise may be none.
     slowest = creep if np.isfinite(creep) else doubts.roughness(motion.t, motion.slip)
     multiples = (2.0 * slowest, slowest, 4.0 * slowest)
@@ -250,7 +262,7 @@ def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float) -> Ite
     better = sorted((part, threshold) for threshold, part in zip(others, wrong[1:], strict=True))
     for part, threshold in better[:_MOST_READINGS]:
         if part < (1.0 - _SMALL_PART) * wrong[0]:
-            yield transitions.read_motion(case, replace(motion, slip_resolution=threshold))
+            yield read(case, replace(motion, slip_resolution=threshold))
 
 
 def _samples_in_another_mode(motion: Trajectory, scale: Scale, thresholds: Sequence[float]) -> list[float]:

@@ -47,7 +47,7 @@ _ROUNDING = 1e-14
 _FEWEST = 4
 
 
-class _Change(NamedTuple):
+class ReadChange(NamedTuple):
     """A change of mode that was read: when, from what to what, how far the time moves, why."""
 
     time: float
@@ -65,7 +65,7 @@ class _Impact(NamedTuple):
     closing: float
 
 
-class _Stretch(NamedTuple):
+class SampleStretch(NamedTuple):
     """Samples [start, stop), all in flight or all in contact."""
 
     aloft: bool
@@ -87,10 +87,10 @@ def read_motion(case: Case, trajectory: Trajectory) -> Reading:
     """
     if len(trajectory.t) == 1 and trajectory.status == "lift_off":  # it leaves at once: no contact comes before
         return Reading(Mode.FLIGHT, (), ())
-    return _Motion(case, trajectory).reading()
+    return MotionReader(case, trajectory).reading()
 
 
-class _Motion:
+class MotionReader:
     """A sampled motion and the facts of its case."""
 
     def __init__(self, case: Case, trajectory: Trajectory):
@@ -105,7 +105,7 @@ class _Motion:
 
     def reading(self) -> Reading:
         stretches = self._stretches()
-        first, changes = Mode.FLIGHT, list[_Change]()
+        first, changes = Mode.FLIGHT, list[ReadChange]()
         for number, stretch in enumerate(stretches):
             if stretch.aloft:
                 if number + 1 == len(stretches):
@@ -118,7 +118,7 @@ class _Motion:
                 landing = self._landing(stretches[number - 1], stretch, inner.first_mode)
                 changes += [*self._rebounds(stretches[number - 1], landing), landing]
             changes += [
-                _Change(e.time, e.before, e.after, spread, e.cause)
+                ReadChange(e.time, e.before, e.after, spread, e.cause)
                 for e, spread in zip(inner.transitions, inner.spreads, strict=True)
             ]
             if number + 1 < len(stretches):
@@ -128,16 +128,16 @@ class _Motion:
 
     # --- stretches ----------------------------------------------------------------------------------------------------
 
-    def _stretches(self) -> list[_Stretch]:
+    def _stretches(self) -> list[SampleStretch]:
         """Flights and contacts in turn; contacts that are only an impact belong to the flight."""
         aloft, t = np.isnan(self.all.xi1), self.all.t
         edges = [0, *(np.flatnonzero(np.diff(aloft.astype(int))) + 1).tolist(), len(t)]
-        stretches: list[_Stretch] = []
+        stretches: list[SampleStretch] = []
         for start, stop in zip(edges[:-1], edges[1:], strict=True):
             up = bool(aloft[start]) or self._is_impact(start, stop)
             if stretches and stretches[-1].aloft and up:
                 start = stretches.pop().start
-            stretches.append(_Stretch(up, start, stop))
+            stretches.append(SampleStretch(up, start, stop))
         # A motion that ends where it lands is in flight to its end.
         if self.all.status in ("landing", "energy_gain") and len(stretches) > 1 and stretches[-2].aloft:
             stretches.pop()
@@ -164,12 +164,12 @@ class _Motion:
 
     # --- contact ------------------------------------------------------------------------------------------------------
 
-    def _contact(self, stretch: _Stretch) -> Reading:
+    def _contact(self, stretch: SampleStretch) -> Reading:
         part = self._part(stretch.start, stretch.stop)
         reading = slip_phases.read_contact(part, self.bound)
         return _with_stick(part, reading, self.case.plate.reach) if self.turns else reading
 
-    def _leaving(self, stretch: _Stretch, before: Mode) -> _Change:
+    def _leaving(self, stretch: SampleStretch, before: Mode) -> ReadChange:
         """The lift-off: the zero of the normal force between the contact's last sample and the first in flight."""
         t, force = self.all.t, self.all.normal_force
         last, next_ = float(t[stretch.stop - 1]), float(t[stretch.stop])
@@ -178,7 +178,7 @@ class _Motion:
         zero = slip_phases.branch_zero(t[samples], np.abs(force[samples]), next_) if len(samples) >= _FEWEST else None
         if zero is None or not last <= zero[0] <= next_:
             zero = 0.5 * (last + next_), 0.5 * (next_ - last)
-        return _Change(zero[0], before, Mode.FLIGHT, zero[1], "the normal force vanishes")
+        return ReadChange(zero[0], before, Mode.FLIGHT, zero[1], "the normal force vanishes")
 
     # --- flight -------------------------------------------------------------------------------------------------------
 
@@ -205,7 +205,7 @@ class _Motion:
     def _rates(self) -> np.ndarray:
         return np.column_stack([self.all.vx, self.all.vy])
 
-    def _rebounds(self, stretch: _Stretch, landing: _Change | None) -> Iterable[_Change]:
+    def _rebounds(self, stretch: SampleStretch, landing: ReadChange | None) -> Iterable[ReadChange]:
         """The impacts of a flight that are fast enough to be listed and followed by a long enough flight."""
         impacts = self._impacts(stretch)
         if not impacts:
@@ -223,9 +223,9 @@ class _Motion:
             goes_on = landing is None and impact is impacts[-1] and end - impact.time > _ROUNDING * end
             whole = end - impact.time >= shortest or goes_on
             if whole and impact.closing >= _LEAST_SHARE * greatest:
-                yield _Change(impact.time, Mode.FLIGHT, Mode.FLIGHT, impact.spread, "impact")
+                yield ReadChange(impact.time, Mode.FLIGHT, Mode.FLIGHT, impact.spread, "impact")
 
-    def _impacts(self, stretch: _Stretch) -> list[_Impact]:
+    def _impacts(self, stretch: SampleStretch) -> list[_Impact]:
         """The impacts of a flight, in order."""
         inside = slice(stretch.start, stretch.stop)
         # Solvers with impacts of finite duration report no force in them: such samples are neither contact nor flight.
@@ -283,7 +283,7 @@ class _Motion:
             return float(t[i]) + float(inside[0]), nan
         return float(t[i]) + 0.5 * h, 0.5 * h
 
-    def _landing(self, flight: _Stretch, contact: _Stretch, after: Mode) -> _Change:
+    def _landing(self, flight: SampleStretch, contact: SampleStretch, after: Mode) -> ReadChange:
         """Where the last flight of a stretch ends in contact."""
         i, j = flight.stop - 1, contact.start
         if self._jumps(i, j):
@@ -293,10 +293,10 @@ class _Motion:
             time, spread = 0.5 * (low + high), 0.5 * (high - low)
         limit = self._rest(flight)
         if limit is not None and self.all.t[i] < limit <= self.all.t[j]:
-            return _Change(limit, Mode.FLIGHT, after, 0.5 * float(self.all.t[j] - self.all.t[i]), "bouncing ends")
-        return _Change(time, Mode.FLIGHT, after, spread, "landing")
+            return ReadChange(limit, Mode.FLIGHT, after, 0.5 * float(self.all.t[j] - self.all.t[i]), "bouncing ends")
+        return ReadChange(time, Mode.FLIGHT, after, spread, "landing")
 
-    def _rest(self, flight: _Stretch) -> float | None:
+    def _rest(self, flight: SampleStretch) -> float | None:
         """The time at which bouncing comes to rest: the limit of its last three resolved impacts, or None."""
         times = np.array([impact.time for impact in self._impacts(flight)])
         gap = float(np.max(np.diff(self.all.t[flight.start : flight.stop]), initial=0.0))
@@ -313,7 +313,7 @@ def _with_stick(part: Trajectory, reading: Reading, reach: float) -> Reading:
     """The reading of a contact with rolling and rest distinguished, by the same rules as slip and rolling."""
     edges = [-inf, *(event.time for event in reading.transitions), inf]
     modes = [reading.first_mode, *(event.after for event in reading.transitions)]
-    first, changes = modes[0], list[_Change]()
+    first, changes = modes[0], list[ReadChange]()
     for number, mode in enumerate(modes):
         inner = Reading(mode, (), ())
         if mode is Mode.ROLL:
@@ -324,9 +324,9 @@ def _with_stick(part: Trajectory, reading: Reading, reach: float) -> Reading:
         else:
             event = reading.transitions[number - 1]
             last = changes[-1].after if changes else first
-            changes.append(_Change(event.time, last, inner.first_mode, reading.spreads[number - 1], event.cause))
+            changes.append(ReadChange(event.time, last, inner.first_mode, reading.spreads[number - 1], event.cause))
         changes += [
-            _Change(e.time, e.before, e.after, spread, e.cause)
+            ReadChange(e.time, e.before, e.after, spread, e.cause)
             for e, spread in zip(inner.transitions, inner.spreads, strict=True)
         ]
     transitions = tuple(Transition(c.time, c.before, c.after, cause=c.cause) for c in changes)

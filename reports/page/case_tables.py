@@ -40,7 +40,7 @@ def transitions(
         "rows": [
             {
                 "event": row["event"],
-                "change": f"{row['before']} → {row['after']}".replace("_", " "),
+                "change": _change(row),
                 "time": f"{row['time']:.9g}",
                 "bar": verbatim(f"{row['truth_error_bar']:.1e}"),
                 "certificate": row["certificate"],
@@ -49,6 +49,48 @@ def transitions(
             for row in events[:_MOST_TRANSITIONS]
         ],
     }
+
+
+def _change(row: Mapping[str, Any]) -> str:
+    """A change of mode in words, with the contact's name where there are several."""
+    which = f"{row['contact']}: " if row.get("contact") else ""
+    return f"{which}{row['before']} → {row['after']}".replace("_", " ")
+
+
+def impacts(rows: Sequence[dict[str, Any]], settings: Mapping[tuple, str]) -> dict[str, Any]:
+    """A row for each impact of the truth, and one for the time of rest: the swing after it, and for each engine at its
+    finest setting run its time and swing minus the truth's. `settings`: that setting by solver and route."""
+    mine = [row for row in rows if settings.get((row["solver"], row["route"])) == str(row["setting"])]
+    keys = list(dict.fromkeys((row["solver"], row["route"]) for row in mine if row["solver"] != REFERENCE))
+    # Each route has its own numbers, as its own impacts count; the truth's times are the same in all.
+    found = {
+        (row["solver"], row["route"], row["reference_time"]): row for row in mine if isfinite(row["reference_time"])
+    }
+    true = sorted(
+        {(not row["event"], row["reference_time"], row["contact"], row["reference_swing"]) for row in by_time.values()}
+        if keys
+        else ()
+    )
+    return {
+        "routes": [{"solver": solver, "route": route, "switch": switch(solver, route)} for solver, route in keys],
+        "rows": [
+            {
+                "what": "at rest" if is_rest else f"impact at {contact}",
+                "time": f"{time:.6g}",
+                "swing": "" if is_rest else f"{swing:.4g}",
+                "cells": [_impact_cell(by_time.get((*key, time))) for key in keys],
+            }
+            for is_rest, time, contact, swing in true
+        ],
+    }
+
+
+def _impact_cell(row: Mapping[str, Any] | None) -> dict[str, str]:
+    """Errors of time and swing of one impact with their signs, or that the run does not have it."""
+    if row is None or not isfinite(row["error"]):
+        return {"time": "–", "swing": ""}
+    off = row["swing"] - row["reference_swing"]
+    return {"time": verbatim(f"{row['error']:+.1e}"), "swing": verbatim(f"{off:+.1e}") if isfinite(off) else ""}
 
 
 def error_text(row: Mapping[str, Any] | None) -> str:

@@ -54,7 +54,8 @@ def cases(
     """The cases, and their index by family."""
     entries: list[dict[str, Any]] = []
     families: dict[str, list[dict[str, Any]]] = {}
-    tables = {name: case_tables.by_case(records(frames[name])) for name in ("transitions", "truth")}
+    names = [name for name in ("transitions", "truth", "impacts") if name in frames]
+    tables = {name: case_tables.by_case(records(frames[name])) for name in names}
     finest_runs = [run for group in routes(experiment.runs).values() if (run := finest(group) or group[-1])]
     for case in experiment.cases:
         label, family = case.label, motions.family(case)
@@ -74,6 +75,7 @@ def cases(
             "moving": is_moving,
             "pictures": [picture(d, figures, inside=not is_moving) for d in case_figures],
             "transitions": case_tables.transitions(rows["truth"], rows["transitions"], settings),
+            "impacts": case_tables.impacts(rows.get("impacts", ()), settings),
         }
         entries.append(entry)
         families.setdefault(family, []).append(entry)
@@ -89,7 +91,7 @@ def headline(
 ) -> dict[str, Any]:
     """All cases against all engines: off with default settings and at the finest setting run, and what 1 % of friction
     makes."""
-    unranked = verdict.unranked(experiment)
+    exclusions = verdict.exclusions(experiment)
     sensitivity = {label: truth.friction_sensitivity for label, truth in experiment.truths.items()}
     rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
     solver_routes = [key for key in dict.fromkeys(key[1:] for key in rows) if key[1] and key[0] != REFERENCE]
@@ -100,7 +102,7 @@ def headline(
             {
                 "case": case,
                 "anchor": anchor(case),
-                "unranked": unranked.get(case, ""),
+                "exclusion": exclusions.get(case, ""),
                 "sensitivity": short_percent(sensitivity[case]) if isfinite(sensitivity[case]) else "",
                 "order": repr(sensitivity[case]) if isfinite(sensitivity[case]) else "1e308",
                 "cells": [

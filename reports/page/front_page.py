@@ -34,7 +34,7 @@ def screen(
     hero = ladder_case(experiment.cases)
     shown = next((m for m in moving if m["label"] == hero), moving[0] if moving else None)
     case = next((c for c in experiment.cases if shown and c.label == shown["label"]), None)
-    unranked = verdict.unranked(experiment)
+    exclusions = verdict.exclusions(experiment)
     timings = records(frames["work_precision"]) if "work_precision" in frames else []
     cost_case = next((row["cost_case"] for row in verdicts if row["cost_case"]), hero)
     return {
@@ -48,10 +48,10 @@ def screen(
         ],
         "engines": [row for row in rows if not row["our_part"]],
         "partly_ours": [row for row in rows if row["our_part"]],
-        "map": engine_map(experiment, [(row["solver"], row["route"]) for row in verdicts], unranked),
+        "map": engine_map(experiment, [(row["solver"], row["route"]) for row in verdicts], exclusions),
         "is_ours": {(row["solver"], row["route"]) for row in verdicts if row["our_part"]},
         "chart": off_chart(cost_case, records(frames["trajectories"]), timings),
-        "friction_cases": len(experiment.truths) - len(unranked),
+        "friction_cases": len(experiment.truths) - len(exclusions),
         "cost_case": next((row["cost_case"] for row in verdicts), ""),
         "hero": shown and {"label": shown["label"], "anchor": anchor(shown["label"]), "said": case_summary(case)},
         "absent": missing_words(experiment.versions),

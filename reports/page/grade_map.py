@@ -18,11 +18,13 @@ _DENSE = 9
 _SAME_SEQUENCE = "same sequence"
 
 
-def engine_map(experiment: Experiment, order: Iterable[tuple[str, str]], unranked: Mapping[str, str]) -> dict[str, Any]:
+def engine_map(
+    experiment: Experiment, order: Iterable[tuple[str, str]], exclusions: Mapping[str, str]
+) -> dict[str, Any]:
     """Data of the map for its template: the cases that rank engines first, and two rows of cells for each route in
-    `order`. `unranked`: why the other cases do not rank them."""
+    `order`. `exclusions`: why the other cases do not rank them."""
     labels = [case.label for case in experiment.cases]
-    labels.sort(key=lambda label: label in unranked)
+    labels.sort(key=lambda label: label in exclusions)
     groups = routes(experiment.runs)
     entries = [
         {
@@ -34,7 +36,7 @@ def engine_map(experiment: Experiment, order: Iterable[tuple[str, str]], unranke
         for solver, route in order
     ]
     cases = [
-        {"label": label, "anchor": anchor(label), "unranked": unranked.get(label, ""), "first": _is_first(labels, i)}
+        {"label": label, "anchor": anchor(label), "exclusion": exclusions.get(label, ""), "first": _is_first(labels, i)}
         for i, label in enumerate(labels)
     ]
     return {"cases": cases, "routes": entries, "is_dense": len(labels) >= _DENSE, "grades": _legend()}

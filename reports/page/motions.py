@@ -12,13 +12,14 @@ import zlib
 from base64 import b64encode
 from collections.abc import Mapping
 from functools import partial
+from itertools import groupby
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
 import cases
-from cases import Case
+from cases import Case, Mode
 from cases.pictures.layout import visible
 
 from ..judging.grades import percent
@@ -32,6 +33,8 @@ SAMPLES = 401
 # The samples include the exact times of at most this many transitions, spread over all of them.
 _EXACT = 120
 TRUE = ("x", "y", "theta", "slip", "xi1", "normal_force", "friction_force")
+# Of each contact, where there are several.
+OF_CONTACT = ("xi1", "normal_force", "friction_force")
 # Solver minus truth, with the names of `distances.differences`.
 OFF = ("x", "y", "angle", "slip")
 # Bits of a mantissa: of the truth, and of differences.
@@ -73,6 +76,10 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         },
         "outline": pack(case.scene.corners()),
         "truth": pack(np.array([_at(times, truth.samples, name) for name in TRUE])),
+        "contacts": [
+            {"name": name, "data": pack(np.array([_at(times, samples, column) for column in OF_CONTACT]))}
+            for name, samples in truth.contact_samples.items()
+        ],
         "runs": [_run(run, times) for run in moving_runs(experiment, case.label)],
     }
 
@@ -124,9 +131,25 @@ def _at(times: np.ndarray, samples: Mapping[str, np.ndarray], name: str) -> np.n
 
 
 def _modes(truth: Truth) -> list[tuple[float, str, str]]:
-    """Start time, name and cause of each mode."""
-    first = (float(truth.samples["t"][0]), str(truth.first_mode), "")
-    return [first, *((event.time, str(event.after), event.cause) for event in truth.transitions)]
+    """Start time, name and cause of each mode; with several contacts the modes of all closed ones."""
+    begin, first = float(truth.samples["t"][0]), truth.first_mode
+    if not truth.has_several_contacts:
+        return [(begin, str(first), ""), *((event.time, str(event.after), event.cause) for event in truth.transitions)]
+    modes = dict.fromkeys(truth.contact_samples, Mode.FLIGHT) | {
+        next(iter(truth.contact_samples)): first or Mode.FLIGHT
+    }
+    result = [(begin, _closed(modes), "")]
+    for time, events in groupby(truth.transitions, key=lambda event: event.time):
+        changes = list(events)
+        modes |= {event.contact: event.after for event in changes}
+        result.append((time, _closed(modes), changes[-1].cause))
+    return result
+
+
+def _closed(modes: Mapping[str, Mode]) -> str:
+    """The modes of the closed contacts in words; "flight" if none is closed."""
+    words = [f"{mode} at {name}" for name, mode in modes.items() if mode is not Mode.FLIGHT]
+    return ", ".join(words) or str(Mode.FLIGHT)
 
 
 def pack(values: np.ndarray, bits: int = _BITS) -> str:

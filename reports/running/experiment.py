@@ -140,8 +140,8 @@ def _excuse(offer: Offer, truth: Truth) -> tuple[str, str] | None:
         return offer.outcome, offer.reason
     if truth.failure:
         return "unsupported", f"there is no truth to judge it by: {truth.failure}"
-    if truth.has_several_contacts and not offer.several_contacts:
-        return "unsupported", "the plate touches its track in several places, which this route does not support"
+    if truth.has_several_contacts and offer.one_contact_only:
+        return "unsupported", offer.one_contact_only
     return None if offer.settings else ("unsupported", "it offers no setting for this case")
 
 

@@ -14,6 +14,7 @@ from cases import Case, Cost, Mode, Transition
 
 from ..judging.distances import Distance
 from ..judging.grades import Grade, grade
+from ..judging.impacts import ImpactRow
 from ..judging.ledger import LedgerRow
 from ..judging.score import Scale, Score
 from .names import REFERENCE
@@ -31,15 +32,15 @@ class Offer:
     """The ladder of settings that one route of a solver offers for a case, or the reason why there is none.
 
     `outcome` is "" for an offer, else "unsupported", "crashed" or "not_installed". `our_part`: what of the route is not
-    the engine's own, "" for an engine by itself; `several_contacts`: whether it supports motions with several
-    contacts."""
+    the engine's own, "" for an engine by itself; `one_contact_only`: why it does not support motions with
+    several contacts, "" if it does."""
 
     route: str
     settings: tuple[Setting, ...] = ()
     outcome: str = ""
     reason: str = ""
     our_part: str = ""
-    several_contacts: bool = False
+    one_contact_only: str = ""
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,9 @@ class Truth:
     samples: dict[str, np.ndarray] = field(default_factory=dict)
     witnesses: tuple[str, ...] = ()
     failure: str = ""
-    scale: Scale | None = None  # errors of motions that ignore friction's law
+    scale: Scale | None = None  # errors of motions that ignore friction's law; of several contacts, the first one's
+    contact_scales: dict[str, Scale] = field(default_factory=dict)  # of each contact, where there are several
+    contact_samples: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)  # for the player, by contact
     friction_sensitivity: float = float("nan")  # the score that 1 % of friction makes
     centre_bar: float = float("nan")  # error bar of the motion's centre, m
     kinds: tuple[str, ...] = ()
@@ -69,7 +72,7 @@ class Truth:
     @property
     def has_several_contacts(self) -> bool:
         """Whether the plate touches its track in several places."""
-        return any(event.contact for event in self.transitions)
+        return bool(self.contact_scales)
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,8 @@ class Run:
     `outcome` is one of answered, unsupported, crashed, timed_out. An answered run has a `score`, a `grade`, its
     friction × (NaN where it is not known), and as `reason` what the grade is due to; any other has as `reason` why
     there is no motion. `samples` and `off` (solver minus truth) are for figures, thinned; `spreads` (s) are the reading
-    doubts of the solver's transitions. `when`: time of the run, since CPU times vary from day to day.
+    doubts of the solver's transitions; `impacts` those of a motion with several contacts. `when`: time of the run,
+    since CPU times vary from day to day.
     """
 
     case: str
@@ -102,6 +106,7 @@ class Run:
     friction_factor: float = float("nan")
     grade: str = ""
     sequence: str = ""
+    impacts: tuple[ImpactRow, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -16,15 +16,15 @@ import numpy as np
 
 import cases
 import reference
-from adapters import EngineFailure, Setting, gate, other_laws, our_part, refusal, supports_several_contacts
-from cases import Case, CaseError, NotSupported, Trajectory
+from adapters import EngineFailure, Setting, gate, other_laws, our_part, refusal, refusal_of_several_contacts
+from cases import Case, CaseError, NotSupported, Trajectory, Transition
 from reference.certification import Certificate, NotCertified, contradiction, stored_or_new
 
-from ..judging import distances, grades, ledger, transitions, validation
+from ..judging import distances, grades, impacts, ledger, several_contacts, transitions, validation
 from ..judging.friction_factor import friction_factor
 from ..judging.friction_sensitivity import friction_sensitivity
 from ..judging.null_motions import null_motions
-from ..judging.score import scale_of, score_and_reading
+from ..judging.score import Scale, scale_of, score_and_reading
 from ..judging.slip_phases import Reading
 from . import reference_adapter
 from .names import legible
@@ -67,8 +67,8 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
             offered = (*first, *offered[1:])
         if len(offered) > _MOST_SETTINGS:
             raise ValueError(f"it has more than {_MOST_SETTINGS} settings")
-        several = supports_several_contacts(module, route)
-        return Offer(route, tuple(map(_plain, offered)), our_part=part, several_contacts=several)
+        one_only = legible(refusal_of_several_contacts(module, case, route))
+        return Offer(route, tuple(map(_plain, offered)), our_part=part, one_contact_only=one_only)
     except (Exception, SystemExit) as problem:
         return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}", part)
 
@@ -104,12 +104,15 @@ def find_truth(case: Case) -> Truth:
         return Truth(failure=f"{case.label}: {contradicted}; neither is used; {again}")
     certified = certificate.transitions
     events = tuple(replace(event, time=row[2].value) for event, row in zip(motion.transitions, certified, strict=True))
-    scale = scale_of(case, motion, events, null_motions(case))
+    contact_scales = _contact_scales(case, motion, events)
+    scale = next(iter(contact_scales.values()), None) or scale_of(case, motion, events, null_motions(case))
     return Truth(
         method=method,
         transitions=events,
         scale=scale,
-        friction_sensitivity=friction_sensitivity(case, motion, scale),
+        contact_scales=contact_scales,
+        contact_samples=_contact_samples(motion) if contact_scales else {},
+        friction_sensitivity=friction_sensitivity(case, motion, contact_scales or {"": scale}),
         error_bars=tuple(row[2].bar for row in certified),
         first_mode=motion.first_mode,
         status=motion.status,
@@ -119,6 +122,25 @@ def find_truth(case: Case) -> Truth:
         centre_bar=_centre_bar(certificate, motion),
         kinds=certificate.kinds if known else (),
     )
+
+
+def _contact_scales(case: Case, motion: Trajectory, events: tuple[Transition, ...]) -> dict[str, Scale]:
+    """The scale of each contact of a motion with several; empty for one contact."""
+    if len(motion.contact_names) < 2:
+        return {}
+    return several_contacts.scales(case, motion, events, null_motions(case))
+
+
+def _contact_samples(motion: Trajectory) -> dict[str, dict[str, np.ndarray]]:
+    """Samples of each contact of a motion with several, for the player; parameters only while it is closed."""
+    events = [event.time for event in motion.transitions]
+    times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SHOWN_SAMPLES - len(events)), events)
+    samples = {}
+    for name in motion.contact_names:
+        state = motion.of(name)(times)._asdict()
+        columns = {field: np.asarray(state[field]) for field in ("xi1", "slip", "normal_force", "friction_force")}
+        samples[name] = {"t": times} | columns | {"xi1": np.where(np.isnan(columns["slip"]), np.nan, columns["xi1"])}
+    return samples
 
 
 def in_catalogue(case: Case) -> bool:
@@ -219,9 +241,16 @@ def judge(
     the effects that the solver models by another law than the case's; the reason names them first."""
     assert truth.scale is not None, "a case with a truth has a scale"
     off = distances.differences(trajectory, motion, case)
-    scored, reading = score_and_reading(case, trajectory, motion, truth.scale, off)
-    friction = friction_factor(case, trajectory, truth.scale.losses, truth.scale.end)
-    gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t), initial=0.0))
+    reading: Reading | several_contacts.SeveralJudgement
+    if truth.contact_scales:
+        reading = several_contacts.judge(case, trajectory, motion, truth.contact_scales, truth.transitions)
+        scored, scale, paired = reading.score, reading.scale, reading.ledger
+        laws = (*laws, f"worst at {reading.worst}")
+    else:
+        scored, reading = score_and_reading(case, trajectory, motion, truth.scale, off)
+        gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t), initial=0.0))
+        scale, paired = truth.scale, ledger.match(truth.transitions, reading.transitions, gap)
+    friction = friction_factor(case, trajectory, scale.losses, scale.end)
     distance = distances.distance(off)
     begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
     remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
@@ -229,14 +258,15 @@ def judge(
     return replace(
         row,
         outcome="answered",
-        reason="; ".join([*laws, grades.reason(scored, truth.scale, friction), *remarks]),
+        reason="; ".join([*laws, grades.reason(scored, scale, friction), *remarks]),
         first_mode=str(reading.first_mode),
-        ledger=ledger.match(truth.transitions, reading.transitions, gap),
+        ledger=paired,
         spreads=reading.spreads,
         score=scored,
         friction_factor=friction,
         grade=str(grades.grade(scored.off)),
-        sequence=grades.sequence_note(scored, truth.scale),
+        sequence=grades.sequence_note(scored, scale),
+        impacts=impacts.rows(case, trajectory, motion, paired) if truth.has_several_contacts else (),
         distance=distance,
         samples=_drawn_samples(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},

@@ -198,7 +198,7 @@ def test_page_terminal_and_manifest_have_the_same_total_time(tmp_path, capsys, i
 def test_tables_have_the_promised_columns(report):
     promised = {
         "transitions": "case,solver,version,route,setting,event,before,after,time,reference_time,error,"
-        "truth_error_bar,pairing,reading_doubt",
+        "truth_error_bar,pairing,contact,reading_doubt",
         "trajectories": "case,solver,version,route,setting,outcome,grade,off,off_doubt,friction_factor,reason,"
         "sequence,pose_score,mode_score,slip_score,creep,status,first_mode,transitions_true,paired,"
         "missed,spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"

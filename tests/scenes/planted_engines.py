@@ -52,7 +52,7 @@ def judged(case: Case) -> Judged:
     truth = reference.simulate(case, rtol=1e-13)
     nulls = null_motions.null_motions(case)
     scale = scale_of(case, truth, truth.transitions, nulls)
-    return Judged(case, truth, nulls, scale, friction_sensitivity.friction_sensitivity(case, truth, scale))
+    return Judged(case, truth, nulls, scale, friction_sensitivity.friction_sensitivity(case, truth, {"": scale}))
 
 
 def _simulated(case: Case) -> Trajectory:

@@ -77,8 +77,14 @@ suite.player = async (place) => {
     return { ladder, group, line, row, run: ladder[0] };
   });
   const arrows = make("g", world, { class: "arrows" });
-  const normal = make("path", arrows, { class: "normal" }), friction = make("path", arrows, { class: "friction" });
-  const touch = make("circle", arrows, { class: "touch", r: 0.07 * reach });
+  // A point and two arrows for each contact.
+  const contacts = (motion.contacts.length ? motion.contacts : [{ name: "", ...truth }]).map((contact) => {
+    const group = make("g", arrows);
+    return {
+      ...contact, group, normalPath: make("path", group, { class: "normal" }), frictionPath: make("path", group, { class: "friction" }),
+      touch: make("circle", group, { class: "touch", r: 0.07 * reach }),
+    };
+  });
 
   const xs = range([...track.x, ...truth.x.map((x) => x - reach), ...truth.x.map((x) => x + reach)]);
   const ys = range([...track.y, ...truth.y.map((y) => y - reach), ...truth.y.map((y) => y + reach)]);
@@ -97,7 +103,7 @@ suite.player = async (place) => {
     const size = Math.hypot(dx, dy) || 1;
     return { x: track.x[i] + (place - i) * dx, y: track.y[i] + (place - i) * dy, tx: dx / size, ty: dy / size };
   };
-  const forces = Array.from(truth.normal).filter(Number.isFinite).map(Math.abs).sort((a, b) => a - b);
+  const forces = contacts.flatMap(({ normal }) => Array.from(normal)).filter(Number.isFinite).map(Math.abs).sort((a, b) => a - b);
   const usual = forces[Math.floor(0.9 * forces.length)] || 1;
   const arrow = (from, dx, dy) => {
     const size = Math.hypot(dx, dy);
@@ -112,6 +118,19 @@ suite.player = async (place) => {
   const modeAt = () => motion.modes.filter(([begins]) => begins <= time + 1e-12 * span).at(-1) ?? motion.modes[0];
   const words = (mode) => mode.replaceAll("_", " ");
 
+  // Draws one contact at the current time; whether it is closed.
+  function drawContact({ xi1, normal, friction, group, normalPath, frictionPath, touch }) {
+    const at = onTrack(now(xi1));
+    group.style.display = at ? "" : "none";
+    if (!at) return false;
+    touch.setAttribute("cx", at.x);
+    touch.setAttribute("cy", at.y);
+    const shown = part(".forces").checked, scale = (1.6 * reach) / usual, n = scale * now(normal), f = scale * now(friction);
+    normalPath.setAttribute("d", shown && Number.isFinite(n) ? arrow(at, -n * at.ty, n * at.tx) : "");
+    frictionPath.setAttribute("d", shown && Number.isFinite(f) ? arrow(at, f * at.tx, f * at.ty) : "");
+    return true;
+  }
+
   function draw() {
     const x = now(truth.x), y = now(truth.y), angle = now(truth.angle), factor = 10 ** +larger.value;
     const put = (group, a, b, c) => group.setAttribute("transform", `translate(${a} ${b}) rotate(${(c * 180) / Math.PI})`);
@@ -122,23 +141,17 @@ suite.player = async (place) => {
       group.style.display = there ? "" : "none";
       if (there) put(group, x + factor * dx, y + factor * dy, angle + factor * turn);
     }
-    const at = onTrack(now(truth.xi1)), shown = part(".forces").checked && at;
-    arrows.style.display = at ? "" : "none";
-    if (at) {
-      touch.setAttribute("cx", at.x);
-      touch.setAttribute("cy", at.y);
-      const scale = (1.6 * reach) / usual, n = scale * now(truth.normal), f = scale * now(truth.friction);
-      normal.setAttribute("d", shown ? arrow(at, -n * at.ty, n * at.tx) : "");
-      friction.setAttribute("d", shown ? arrow(at, f * at.tx, f * at.ty) : "");
-    }
+    const touching = contacts.filter((contact) => drawContact(contact));
     const wide = 12 * reach;
     svg.setAttribute("viewBox", (part(".follow").checked ? [x - wide / 2, up * y - wide / 3, wide, (2 * wide) / 3] : whole).join(" "));
     const mode = modeAt();
     scrub.value = span ? (1000 * (time - motion.start)) / span : 0;
     scrub.setAttribute("aria-valuetext", `${suite.digits(time)} seconds, ${words(mode[1])}`);
     part(".now").textContent = `${suite.digits(time, 5)} s`;
-    const force = now(truth.normal), slip = now(truth.slip);
-    part(".readout").textContent = at ? `${words(mode[1])} · v = ${suite.digits(slip)} m/s · N = ${suite.digits(Math.abs(force) < 1e-9 * usual ? 0 : force)} N` : words(mode[1]);
+    const strength = (force) => (Number.isFinite(force) ? `${suite.digits(Math.abs(force) < 1e-9 * usual ? 0 : force)} N` : "not unique");
+    const pushes = touching.map(({ normal }) => strength(now(normal))).join(", ");
+    const slipping = contacts.length < 2 ? ` · v = ${suite.digits(now(truth.slip))} m/s` : "";
+    part(".readout").textContent = touching.length ? `${words(mode[1])}${slipping} · N = ${pushes}` : words(mode[1]);
     part(".factor").textContent = `× ${factor < 1e4 ? suite.digits(factor, 2) : factor.toExponential(0)}`;
     place.querySelectorAll(".modes button").forEach((one, i) => one.toggleAttribute("data-now", motion.modes[i] === mode));
     place.dataset.time = time;

@@ -85,7 +85,9 @@ const suite = (() => {
       const given = columns(OFF, await numbers(run.data));
       runs.push({ ...run, off: Object.fromEntries(OFF.map((name) => [name, fill(given[name])])) });
     }
-    return { ...data, t, truth, runs, track: { ...data.track, ...track }, outline: columns(["x", "y"], await numbers(data.outline)) };
+    const contacts = [];
+    for (const { name, data: packed } of data.contacts) contacts.push({ name, ...columns(["xi1", "normal", "friction"], await numbers(packed)) });
+    return { ...data, t, truth, runs, contacts, track: { ...data.track, ...track }, outline: columns(["x", "y"], await numbers(data.outline)) };
   }
 
   const motion = (label) => cache.get(label) ?? (cache.set(label, read(label)), cache.get(label));

@@ -1,0 +1,212 @@
+"""Contacts of a disc that touches its track in several places, from the poses of a motion alone.
+
+Engines report a pose and velocities at each step; which places of the track the disc touches follows from the case's
+geometry. A contact is a place where the track's distance from the disc's centre is smallest. It is closed while the gap
+is below what the engine's step and facets leave. Lengths in metres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cases import Case, Chain, Trajectory
+from cases.contact import pose, slip_velocity
+from cases.sampled_contacts import SampledContacts
+from cases.shapes import Circle
+from cases.trajectory import CONTACT, ContactColumns
+
+from .facets import round_plate, visible_span
+
+# Samples of the track within the disc's radius: two places that are closer than two of them are one.
+_PER_RADIUS = 40
+# Most samples of a track, and most distances that are computed at once (80 MB).
+_MOST_SAMPLES, _MOST_DISTANCES = 20_000, 10_000_000
+# Places that are farther from the disc than this part of its radius do not matter.
+_NEAR = 0.2
+# Steps of Newton's method from the nearest sample: it squares an error of 1/40 of the radius in each.
+_NEWTON = 6
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A place of the track over the samples, arrays (n,): its parameter, and the gap; NaN where it is not near."""
+
+    xi1: np.ndarray
+    gap: np.ndarray
+
+
+def supports(case: Case) -> str | None:
+    """Why the contacts of such a case cannot be distinguished here, in one sentence, or None."""
+    if round_plate(case) is None:
+        return "Several contacts are computed for round plates only."
+    if isinstance(case.track, Chain):
+        return "Several contacts are computed on smooth tracks only."
+    return None
+
+
+def may_touch_twice(case: Case) -> bool:
+    """Whether a disc may touch the track in two places at once, as far as this module supports it.
+
+    Between two such places the track bends more than the disc: its arc has the same ends and tangents as the disc's and
+    is outside of it, so its curvature is at least 1/r somewhere.
+    """
+    circle = round_plate(case)
+    if circle is None or supports(case) is not None:
+        return False
+    bend = case.track.curvature(np.linspace(*visible_span(case), 2001))
+    return bool(np.max(bend) * circle.radius >= 1.0)
+
+
+def with_contacts(case: Case, motion: Trajectory, clear: Callable[[np.ndarray], np.ndarray]) -> Trajectory:
+    """The motion with the columns of each contact, if its disc touches the track in more than one place; else the
+    motion as it is.
+
+    `clear`: of contact parameters (n,), the gaps (m) below which such contacts are closed. The trajectory's own slip,
+    forces and parameters are then those of the first closed contact. With one closed contact its forces are the
+    motion's, with more they are unknown (NaN): the momentum gives only their sum. Where none is closed the plate flies.
+    """
+    if supports(case) is not None:
+        return motion
+    places = _places(case, motion, clear)
+    if len(places) < 2:
+        return motion
+    closed = {name: place.gap <= clear(place.xi1) for name, place in places.items()}
+    count = np.sum(list(closed.values()), axis=0)
+    force = _force(case, motion)
+    columns = {name: _columns(case, motion, place, closed[name], count, force) for name, place in places.items()}
+    return replace(
+        motion,
+        **_first_closed(motion, columns, closed),
+        contact_names=tuple(columns),
+        contact_columns=SampledContacts(motion.t, columns),
+    )
+
+
+def _first_closed(
+    motion: Trajectory, columns: dict[str, ContactColumns], closed: dict[str, np.ndarray]
+) -> dict[str, Any]:
+    """Slip, both forces and both parameters of the first closed contact; NaN and forces of 0 in flight."""
+    empty = {name: np.nan for name in ("slip", "xi1", "xi2")} | {"normal_force": 0.0, "friction_force": 0.0}
+    first = {name: np.full(len(motion.t), value) for name, value in empty.items()}
+    for name in reversed(list(columns)):
+        for field, values in first.items():
+            values[closed[name]] = getattr(columns[name], field)[closed[name]]
+    return first
+
+
+def _force(case: Case, motion: Trajectory) -> np.ndarray:
+    """The force of the track on the plate, shape (2, n), N: from the motion's columns, those of its own contact."""
+    xi1 = np.nan_to_num(motion.xi1, nan=case.start.xi1)
+    return motion.normal_force * case.track.normal(xi1) + motion.friction_force * case.track.tangent(xi1)
+
+
+def _columns(
+    case: Case, motion: Trajectory, place: _Place, closed: np.ndarray, count: np.ndarray, force: np.ndarray
+) -> ContactColumns:
+    near = np.isfinite(place.gap)
+    xi1 = np.where(near, place.xi1, case.start.xi1)
+    normal, tangent = case.track.normal(xi1), case.track.tangent(xi1)
+    slip = slip_velocity(case, motion.x, motion.y, motion.vx, motion.vy, motion.omega, xi1, motion.t)
+    alone = np.where(count == 1, 1.0, np.nan)
+    push, hold = (np.where(closed, alone * np.sum(force * axis, axis=0), 0.0) for axis in (normal, tangent))
+    xi2 = _outline_parameter(case, xi1, motion.theta)
+    return ContactColumns(
+        gap=place.gap,
+        slip=np.where(closed, slip, np.nan),
+        normal_force=push,
+        friction_force=hold,
+        xi1=np.where(near, xi1, np.nan),
+        xi2=np.where(near, xi2, np.nan),
+        normal_range=np.array([push, push]),
+        friction_range=np.array([hold, hold]),
+    )
+
+
+def _outline_parameter(case: Case, xi1: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """The outline's parameter by (6) for a plate that touches at `xi1` with the angle `theta`: the angle falls by 2 π
+    over the outline's period."""
+    slope = -2.0 * np.pi / float(case.plate.outline.period or 2.0 * np.pi)
+    xi2 = np.zeros(len(xi1))
+    for _ in range(_NEWTON):
+        xi2 = xi2 + (theta - np.asarray(pose(case, xi1, xi2)[2])) / slope
+    return xi2
+
+
+# --- places of the track ----------------------------------------------------------------------------------------------
+
+
+def _places(case: Case, motion: Trajectory, clear: Callable[[np.ndarray], np.ndarray]) -> dict[str, _Place]:
+    """The places that the disc touches at some time, named in the order in which it first does."""
+    circle = round_plate(case)
+    assert circle is not None, "checked by supports()"
+    sample, xi1, gap = _nearest_places(case, circle, motion)
+    is_closed = gap <= clear(xi1)
+    # Within half the radius a place is the same as in the sample before.
+    reach = 0.5 * circle.radius / float(case.track.speed(case.start.xi1))
+    places = list[_Place]()
+    forward = np.lexsort((np.abs(gap), sample)).tolist()
+    _follow(places, forward, sample, xi1, gap, reach, lambda i: bool(is_closed[i]), len(motion.t))
+    # A place is known from where it is first touched on; the second call finds it before that, while it is near.
+    _follow(places, forward[::-1], sample, xi1, gap, reach, lambda i: False, len(motion.t))
+    names = [CONTACT, *(f"{CONTACT} {number}" for number in range(2, len(places) + 1))]
+    return dict(zip(names, places, strict=False))
+
+
+def _follow(
+    places: list[_Place], order: list[int], sample: np.ndarray, xi1: np.ndarray, gap: np.ndarray, reach: float,
+    is_new: Callable[[int], bool], count: int,
+) -> None:  # fmt: skip
+    """Write each of the places `order` into the nearest one of `places` that has none in its sample, or a new one."""
+    last = [float(place.xi1[np.isfinite(place.xi1)][0]) for place in places]
+    for i in order:
+        at, here = int(sample[i]), float(xi1[i])
+        free = [k for k, place in enumerate(places) if not np.isfinite(place.xi1[at])]
+        nearest = min(free, key=lambda k: abs(last[k] - here), default=None)
+        own = next((k for k, place in enumerate(places) if place.xi1[at] == here), None)
+        if own is not None:
+            last[own] = here
+            continue
+        if nearest is None or abs(last[nearest] - here) > reach:
+            if not is_new(i):
+                continue
+            nearest = len(places)
+            places.append(_Place(np.full(count, np.nan), np.full(count, np.nan)))
+            last.append(here)
+        places[nearest].xi1[at], places[nearest].gap[at] = here, gap[i]
+        last[nearest] = here
+
+
+def _nearest_places(case: Case, circle: Circle, motion: Trajectory) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All places near the disc: the sample that they belong to, the track's parameter and the gap, arrays (m,)."""
+    c, s = np.cos(motion.theta), np.sin(motion.theta)
+    own_x, own_y = float(circle.centre[0]), float(circle.centre[1])
+    centre = np.array([motion.x + c * own_x - s * own_y, motion.y + s * own_x + c * own_y])
+    low, high = visible_span(case)
+    length = float(np.mean(case.track.speed(np.linspace(low, high, 721)))) * (high - low)
+    count = int(min(max(_PER_RADIUS * length / circle.radius, 721), _MOST_SAMPLES))
+    grid = case.track.even(low, high, count)
+    points, width = case.track.point(grid), np.max(np.diff(grid))
+    samples, starts = list[np.ndarray](), list[np.ndarray]()
+    block = max(_MOST_DISTANCES // count, 1)
+    for begin in range(0, len(motion.t), block):
+        part = centre[:, begin : begin + block]
+        square = (points[0] - part[0][:, None]) ** 2 + (points[1] - part[1][:, None]) ** 2
+        inner = square[:, 1:-1]
+        lowest = (inner < square[:, :-2]) & (inner <= square[:, 2:]) & (inner <= ((1.0 + _NEAR) * circle.radius) ** 2)
+        row, column = np.nonzero(lowest)
+        samples.append(begin + row)
+        starts.append(grid[column + 1])
+    sample, start = np.concatenate(samples), np.concatenate(starts)
+    xi1, there = start.copy(), centre[:, sample]
+    for _ in range(_NEWTON):
+        off = case.track.point(xi1) - there
+        along = np.sum(off * case.track.tangent(xi1), axis=0)
+        bend = 1.0 + case.track.curvature(xi1) * np.sum(off * case.track.normal(xi1), axis=0)
+        step = along / np.where(bend > 0.0, bend, 1.0) / case.track.speed(xi1)
+        xi1 = np.clip(xi1 - np.clip(step, -width, width), start - width, start + width)
+    gap = np.sum((there - case.track.point(xi1)) * case.track.normal(xi1), axis=0) - circle.radius
+    return sample, xi1, gap

@@ -1,0 +1,192 @@
+"""A motion with several contacts compared with the truth, contact by contact.
+
+Each contact is read and scored as the only contact of its motion (`Trajectory.of`); a motion is as good as its worst
+contact. Forces are not compared: where they are not unique the law leaves them open. SI units; pure functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Mode, Trajectory, Transition
+from cases.trajectory import CONTACT, ContactColumns
+
+from . import ledger
+from .distances import differences
+from .ledger import LedgerRow
+from .score import Scale, Score, scale_of, score_and_reading
+from .slip_phases import Reading
+from .transitions import ReadChange, MotionReader, SampleStretch
+
+# Samples next to where a contact closes or opens whose velocities may be means of both sides of an impact.
+_EDGE = 2
+
+
+class SeveralJudgement(NamedTuple):
+    """A motion compared with a truth of several contacts. `score`: that of the worst contact, `worst`, with the scale
+    `scale`; `reading`: the transitions of all contacts in their order in time; `ledger`: those paired with the truth's;
+    `spreads` (s) belong to the ledger's own transitions, in their order in time."""
+
+    score: Score
+    worst: str
+    scale: Scale
+    first_mode: Mode
+    ledger: tuple[LedgerRow, ...]
+    spreads: tuple[float, ...]
+
+
+def scales(
+    case: Case, truth: Trajectory, events: Sequence[Transition], nulls: Mapping[str, Trajectory]
+) -> dict[str, Scale]:
+    """The scale of each contact of the truth, by its name; `events`: the truth's transitions."""
+    return {
+        name: scale_of(case, truth.of(name), of_contact(events, name), _matched(truth, nulls, name))
+        for name in truth.contact_names
+    }
+
+
+def of_contact(events: Sequence[Transition], name: str) -> tuple[Transition, ...]:
+    """The transitions of one contact."""
+    return tuple(event for event in events if event.contact == name)
+
+
+def judge(
+    case: Case, motion: Trajectory, truth: Trajectory, scales: Mapping[str, Scale], events: Sequence[Transition]
+) -> SeveralJudgement:
+    """The comparison of a sound motion with a truth of several contacts."""
+    partners = same_contacts(motion, truth)
+    scores, rows, spreads = dict[str, Score](), list[tuple[LedgerRow, ...]](), list[tuple[float, float]]()
+    first = Mode.FLIGHT
+    for name, partner in partners.items():
+        one, exact = only(motion, partner), truth.of(name)
+        reader = _ContactReader(gap_of(motion, partner))
+        score, reading = score_and_reading(case, one, exact, scales[name], differences(one, exact, case), reader)
+        scores[name] = score
+        first = reading.first_mode if name == truth.contact_names[0] else first
+        gap = 0.0 if motion.first_mode is not None else float(np.max(np.diff(motion.t), initial=0.0))
+        pairs = ledger.match(of_contact(events, name), reading.transitions, gap)
+        rows.append(_renumbered(pairs, events, name))
+        spreads += [(event.time, spread) for event, spread in zip(reading.transitions, reading.spreads, strict=True)]
+    worst = max(scores, key=lambda name: scores[name].off)
+    in_time = sorted(
+        (row for part in rows for row in part),
+        key=lambda row: row.reference_time if np.isfinite(row.reference_time) else row.time,
+    )
+    score = scores[worst]._replace(doubt=max(score.doubt for score in scores.values()))
+    return SeveralJudgement(
+        score, worst, scales[worst], first, tuple(in_time), tuple(spread for _, spread in sorted(spreads))
+    )
+
+
+def _renumbered(rows: Sequence[LedgerRow], events: Sequence[Transition], name: str) -> tuple[LedgerRow, ...]:
+    """The rows of a contact with the numbers that its transitions have among those of all contacts."""
+    places = [place for place, event in enumerate(events, start=1) if event.contact == name]
+    return tuple(
+        replace(row, contact=name, event=row.event if row.pairing == "spurious" else places[row.event - 1])
+        for row in rows
+    )
+
+
+# --- one contact of several -------------------------------------------------------------------------------------------
+
+
+def same_contacts(motion: Trajectory, truth: Trajectory) -> dict[str, str]:
+    """For each contact of the truth, the motion's contact that is it, "" for one that the motion does not have.
+
+    By name where a case names its contacts. Else a plate's contacts are numbered in the order in which it touches them,
+    which may differ: a contact is then that whose place on the track is nearest, on average while it is closed.
+    """
+    names = truth.contact_names
+    if not any(name.startswith(CONTACT) for name in names):
+        return {name: name if name in motion.contact_names else "" for name in names}
+    true, own = _places(truth), _places(motion)
+    pairs = sorted((abs(own[b] - true[a]), a, b) for a in true for b in own)
+    partners = dict.fromkeys(names, "")
+    for _, a, b in pairs:
+        if not partners[a] and b not in partners.values():
+            partners[a] = b
+    return partners
+
+
+def _places(motion: Trajectory) -> dict[str, float]:
+    """The mean contact parameter of each contact while it is closed."""
+    places = {}
+    for name, columns in motion.contacts.items():
+        closed = np.isfinite(columns.slip)
+        if closed.any():
+            places[name] = float(np.mean(columns.xi1[closed]))
+    return places
+
+
+def only(motion: Trajectory, name: str) -> Trajectory:
+    """The motion of one contact, with parameters only while it is closed; "": of a contact that is never closed."""
+    if name and motion.first_mode is not None:
+        return motion.of(name)
+    nothing, none = np.zeros(len(motion.t)), np.full(len(motion.t), np.nan)
+    if not name:
+        flies = Mode.FLIGHT if motion.first_mode is not None else None
+        return replace(
+            motion, slip=none, normal_force=nothing, friction_force=nothing, xi1=none, xi2=none, transitions=(),
+            first_mode=flies, dense=None, contact_columns=None, contact_names=(CONTACT,),
+        )  # fmt: skip
+    one = motion.of(name)
+    is_open = np.isnan(one.slip)
+    return replace(one, first_mode=None, xi1=np.where(is_open, np.nan, one.xi1), xi2=np.where(is_open, np.nan, one.xi2))
+
+
+def gap_of(motion: Trajectory, name: str) -> np.ndarray:
+    """The gap of one contact at the samples, m; NaN where it is not known."""
+    columns: ContactColumns | None = motion.contacts[name] if name else None
+    return np.full(len(motion.t), np.nan) if columns is None else columns.gap
+
+
+def _matched(truth: Trajectory, nulls: Mapping[str, Trajectory], name: str) -> dict[str, Trajectory]:
+    """Each null motion as one of that contact."""
+    return {null: only(motion, same_contacts(motion, truth)[name]) for null, motion in nulls.items()}
+
+
+class _ContactReader:
+    """Reads first mode and transitions of one contact of several, with its gaps (m) at the samples.
+
+    While it is open the plate may touch its track elsewhere, so that nothing follows from the laws of free flight: a
+    contact closes where its gap, extrapolated by a line through the last two samples, vanishes. Slip within two samples
+    of where it closes or opens is not read: an impact there has velocities on both sides, of which an engine with a
+    fixed step reports the mean.
+    """
+
+    def __init__(self, gap: np.ndarray):
+        self.gap = gap
+
+    def __call__(self, case: Case, motion: Trajectory) -> Reading:
+        return _OneOfSeveral(case, motion, self.gap).reading()
+
+
+class _OneOfSeveral(MotionReader):
+    def __init__(self, case: Case, motion: Trajectory, gap: np.ndarray):
+        super().__init__(case, motion)
+        self.gap = gap
+
+    def _contact(self, stretch: SampleStretch) -> Reading:
+        first = stretch.start + (_EDGE if stretch.start else 0)
+        last = stretch.stop - (_EDGE if stretch.stop < len(self.all.t) else 0)
+        if first >= last:
+            first = (stretch.start + stretch.stop) // 2
+            last = first + 1
+        return super()._contact(SampleStretch(False, first, last))
+
+    def _rebounds(self, stretch: SampleStretch, landing: ReadChange | None) -> tuple[ReadChange, ...]:
+        return ()
+
+    def _landing(self, flight: SampleStretch, contact: SampleStretch, after: Mode) -> ReadChange:
+        i, j = flight.stop - 1, contact.start
+        low, high = float(self.all.t[i]), float(self.all.t[j])
+        time = 0.5 * (low + high)
+        if i > 0 and self.gap[i] < self.gap[i - 1]:
+            time = low + self.gap[i] * (low - float(self.all.t[i - 1])) / (self.gap[i - 1] - self.gap[i])
+        # A contact counts as closed a little before its gap vanishes, but by no more than one more sample.
+        latest = float(self.all.t[min(j + 1, len(self.all.t) - 1)])
+        return ReadChange(float(np.clip(time, low, latest)), Mode.FLIGHT, after, 0.5 * (high - low), "landing")

@@ -1,0 +1,113 @@
+"""Motions with several contacts compared with the truth contact by contact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cases
+import reference
+from adapters.common import several_contacts as from_poses
+from cases import Mode, Trajectory, Transition
+from cases.sampled_contacts import SampledContacts
+from reports.judging import friction_factor, impacts, several_contacts
+from reports.judging.ledger import LedgerRow
+from reports.judging.null_motions import null_motions
+
+ROCKING = cases.load("disc_rocking_in_groove")
+
+
+@pytest.fixture(scope="module")
+def truth() -> Trajectory:
+    """The reference's motion."""
+    return reference.simulate(ROCKING, rtol=1e-10)
+
+
+@pytest.fixture(scope="module")
+def scales(truth):
+    """The scale of each contact."""
+    return several_contacts.scales(ROCKING, truth, truth.transitions, null_motions(ROCKING))
+
+
+def sampled(truth: Trajectory, count: int = 801, late: float = 0.0) -> Trajectory:
+    """The poses of the truth, `late` seconds later, with contacts computed from them as of an engine."""
+    t = np.linspace(0.0, truth.t[-1], count)
+    motion = Trajectory(t=t, **truth(np.maximum(t - late, 0.0))._asdict(), case=ROCKING)
+    return from_poses.with_contacts(ROCKING, motion, lambda xi1: np.full(len(xi1), 1e-6))
+
+
+def judged(truth, scales, motion):
+    return several_contacts.judge(ROCKING, motion, truth, scales, truth.transitions)
+
+
+def test_the_truth_is_excellent_and_its_transitions_belong_to_contacts(truth, scales):
+    result = judged(truth, scales, truth)
+    assert result.score.off <= 1e-9
+    assert [(row.event, row.contact, row.pairing) for row in result.ledger] == [
+        (place, event.contact, "paired") for place, event in enumerate(truth.transitions, start=1)
+    ]
+
+
+def test_samples_of_the_truth_are_within_their_doubt(truth, scales):
+    result = judged(truth, scales, sampled(truth))
+    assert result.score.off <= result.score.doubt <= 0.02
+    assert {row.pairing for row in result.ledger} == {"paired"}
+    gap = truth.t[-1] / 800
+    assert max(abs(row.error) for row in result.ledger) <= 2.0 * gap
+    # A contact closes where its gap, extrapolated, vanishes: far more accurate than the samples.
+    assert max(abs(row.error) for row in result.ledger if row.before is Mode.FLIGHT) <= 0.1 * gap
+
+
+def test_a_late_motion_is_late_at_each_contact(truth, scales):
+    result = judged(truth, scales, sampled(truth, late=0.05))
+    landings = [row for row in result.ledger if row.before is Mode.FLIGHT]
+    assert len(landings) == 4
+    assert [row.error for row in landings] == pytest.approx([0.05] * 4, abs=1e-3)
+
+
+def test_contacts_are_matched_by_their_places_not_their_numbers(truth, scales):
+    motion = sampled(truth)
+    first, second = motion.contact_names
+    columns = {first: motion.contacts[second], second: motion.contacts[first]}
+    swapped = replace(motion, contact_columns=SampledContacts(motion.t, columns))
+    assert several_contacts.same_contacts(swapped, truth) == {first: second, second: first}
+    assert judged(truth, scales, swapped).score == judged(truth, scales, motion).score
+
+
+def test_a_motion_that_ignores_friction_is_as_bad_as_that(truth, scales):
+    for name, motion in null_motions(ROCKING).items():
+        result = judged(truth, scales, motion)
+        assert result.score.off >= 1.0 - 1e-6, name
+
+
+def test_a_motion_that_never_touches_the_other_flank_misses_its_transitions(truth, scales):
+    t = np.linspace(0.0, 4.0, 401)
+    still = {name: np.full(401, getattr(truth(0.0), name)) for name in truth(0.0)._fields}
+    result = judged(truth, scales, Trajectory(t=t, **still, case=ROCKING))
+    other = [row for row in result.ledger if row.contact == "plate/track 2"]
+    assert len(other) == 4 and all(row.pairing == "missed" for row in other)
+
+
+def test_several_contacts_have_no_friction_factor(truth, scales):
+    """Their normal forces do not follow from the momentum."""
+    (first, *_) = scales.values()
+    assert np.isnan(friction_factor.friction_factor(ROCKING, truth, first.losses, first.end))
+
+
+def test_swings_and_the_time_of_rest_are_those_of_the_motion():
+    """A plate turns as Σ sin²-humps whose size falls by 1/10: it rests after the fourth, with 1e-6 of its energy."""
+    t = np.linspace(0.0, 5.0, 5001)
+    size = 0.5 * 0.1 ** np.floor(t)
+    theta = np.where(t < 5.0, size * np.sin(np.pi * t) ** 2, 0.0)
+    nothing = np.zeros(len(t))
+    state = {name: nothing for name in ("x", "y", "vx", "vy", "slip", "normal_force", "friction_force", "xi1", "xi2")}
+    motion = Trajectory(t=t, theta=theta, omega=np.gradient(theta, t), **state)
+    events = [Transition(float(k), Mode.FLIGHT, Mode.ROLL, contact="a") for k in range(1, 4)]
+    paired = [LedgerRow(k, e.before, e.after, e.time, e.time, 0.0, "paired", "a") for k, e in enumerate(events, 1)]
+    rest, *rows = impacts.rows(ROCKING, motion, motion, paired)
+    assert [row.swing for row in rows] == pytest.approx([0.05, 0.005, 0.0005], rel=1e-3)
+    # The kinetic energy of hump k is 1e-2 of that before: it is below 1e-4 within hump 2, at its top first.
+    assert rest.event == 0 and 2.0 < rest.time <= 3.0 and rest.time == rest.reference_time
+    assert np.isnan(impacts.rest_time(ROCKING, replace(motion, omega=np.ones(len(t)))))
