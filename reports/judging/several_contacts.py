@@ -20,7 +20,7 @@ from .distances import differences
 from .ledger import LedgerRow
 from .score import Scale, Score, scale_of, score_and_reading
 from .slip_phases import Reading
-from .transitions import ReadChange, MotionReader, SampleStretch
+from .transitions import MotionReader, ReadChange, SampleStretch
 
 # Samples next to where a contact closes or opens whose velocities may be means of both sides of an impact.
 _EDGE = 2

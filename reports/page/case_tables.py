@@ -63,7 +63,7 @@ def impacts(rows: Sequence[dict[str, Any]], settings: Mapping[tuple, str]) -> di
     mine = [row for row in rows if settings.get((row["solver"], row["route"])) == str(row["setting"])]
     keys = list(dict.fromkeys((row["solver"], row["route"]) for row in mine if row["solver"] != REFERENCE))
     # Each route has its own numbers, as its own impacts count; the truth's times are the same in all.
-    found = {
+    by_time = {
         (row["solver"], row["route"], row["reference_time"]): row for row in mine if isfinite(row["reference_time"])
     }
     true = sorted(
