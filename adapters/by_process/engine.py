@@ -19,7 +19,7 @@ from pathlib import Path
 
 from cases import BadValue, Case, CaseError, Cost, NotSupported, Trajectory
 
-from ..common import motion_file, supervision
+from ..common import motion_file, several_contacts, supervision
 from ..interface import EngineFailure, Setting
 from .scene_file import SAMPLES, as_json, scene
 
@@ -55,7 +55,9 @@ class Engine:
 
     routes = ("process",)
     TELLS_COST = True
-    SLIP_LAWS = routes  # an executable decides when it sees the scene
+    # An executable decides when it sees the scene.
+    SLIP_LAWS = routes
+    SEVERAL_CONTACTS = routes
 
     def __init__(self, path: Path):
         if not self.runs(path):
@@ -80,6 +82,10 @@ class Engine:
     def refuses(self, case: Case, route: str) -> str | None:
         """Nothing before it was asked: an executable refuses a scene when it sees it."""
         return None
+
+    def refuses_several_contacts(self, case: Case, route: str) -> str | None:
+        """Why the contacts do not follow from the poses that an executable writes, in one sentence, or None."""
+        return several_contacts.supports(case)
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
         """Steps from coarse to fine, none so long that too few samples come of it."""

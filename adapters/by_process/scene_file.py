@@ -18,9 +18,10 @@ from cases import Case, Chain, CoulombFriction, Curve, Effect
 from cases.contact import start_motion
 
 from ..common.facets import visible_span
+from ..common.several_contacts import may_touch_twice
 from . import engine_geometry
 
-SCHEMA, VERSION = "slip-to-roll/scene", 1
+SCHEMA, VERSION = "slip-to-roll/scene", 2
 SCHEMA_FILE = Path(__file__).with_name("scene.schema.json")
 
 # Coulomb friction whose mu is a formula in v, the slip speed.
@@ -47,6 +48,7 @@ def scene(case: Case, samples: int = SAMPLES) -> dict[str, Any]:
             "effects": {_effect_name(e): asdict(e) for e in case.effects},  # type: ignore[arg-type]
             "start": start_motion(case)._asdict(),
             "duration": case.duration,
+            "several_contacts": may_touch_twice(case),
             "closed": {"track": bool(case.track.period), "outline": bool(case.plate.outline.period)},
             "points": {name: points(rows) for name, rows in curve_samples(case, samples).items()},
             "mjcf": engine_geometry.mjcf(case),

@@ -29,7 +29,10 @@ import numpy as np
 
 from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, Unilateral, user_files
 from cases.contact import Contact, MotionPoint, find, in_track_frame, slip_velocity, start_motion
+from cases.mechanics import gravity
 from cases.nearest import nearest
+
+from . import several_contacts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,6 +40,9 @@ if TYPE_CHECKING:
 # Relative to the plate's size: the largest distance from the track that a solver's penalty or facets may leave, and the
 # rounding of a printed start. Beyond, it is another scene.
 LOOSE = 1e-2
+# Relative to the plate's size: the gap below which one of several contacts is closed, besides what gravity closes or
+# opens within two samples. At the speeds of an impact it is a matter of a millisecond.
+CLOSED = 1e-3
 
 REQUIRED_COLUMNS = ("t", "x", "y", "theta")
 OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
@@ -238,9 +244,13 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
             columns[name] = np.where(np.isnan(xi1) & np.isnan(file_values), 0.0, file_values)
     nothing = np.full(len(t), np.nan)
     whole: dict[str, Any] = {name: columns.get(name, nothing)[:count] for name in (*REQUIRED_COLUMNS, *OPTIONAL)}
-    return Trajectory(
+    motion = Trajectory(
         **whole, xi1=xi1[:count], xi2=xi2[:count], status=status, reason=reason, slip_resolution=resolution
     )
+    if not several_contacts.may_touch_twice(case):
+        return motion
+    clear = CLOSED * case.plate.inner + 2.0 * float(np.hypot(*gravity(case))) * float(np.max(np.diff(motion.t))) ** 2
+    return several_contacts.with_contacts(case, motion, lambda xi1: np.full(len(xi1), clear))
 
 
 def slowest(case: Case, seconds: float) -> float:

@@ -57,18 +57,21 @@ def roughness(t: np.ndarray, values: np.ndarray) -> float:
     return float(np.quantile(size, _QUANTILE)) if len(size) else 0.0
 
 
-def time(motion: Trajectory, reading: Reading, reach: float) -> float:
+def time(motion: Trajectory, reading: Reading, reach: float, is_sharp: bool = False) -> float:
     """The sum of the doubts of all transition times of a reading, s.
 
     Where the reading does not extrapolate (a landing, or a motion that its solver ends), an engine with a fixed step
     has the transition at the end of the step that it falls into: the doubt is the time between the samples around it.
+    So it is, at least, where the coefficient of friction changes with the slip speed (`is_sharp`): slip then begins and
+    ends within speeds that no sample shows, and not as a polynomial of the samples next to it.
     """
     signals = {True: reach * motion.omega, False: motion.slip}
     noise = {turns: roughness(motion.t, values) for turns, values in signals.items()}
     total = 0.0
     for event, spread in zip(reading.transitions, reading.spreads, strict=True):
         if event.before is not event.after:
-            total += _SPREADS * spread if np.isfinite(spread) else _gap_at(motion.t, event.time)
+            least = _gap_at(motion.t, event.time) if is_sharp or not np.isfinite(spread) else 0.0
+            total += max(_SPREADS * np.nan_to_num(spread), least)
         if Mode.FLIGHT not in (event.before, event.after):
             turns = Mode.REST in (event.before, event.after)
             begins = event.before in (Mode.ROLL, Mode.REST)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Mode, Trajectory, Transition
+from cases import Case, CoulombFriction, Mode, Trajectory, Transition
 
 from . import doubts, transitions
 from .distances import differences
@@ -174,6 +174,12 @@ def score(
     return score_and_reading(case, motion, truth, scale, off)[0]
 
 
+def _changes_with_slip(case: Case) -> bool:
+    """Whether the coefficient of friction changes with the slip speed: by a formula, or from stick to slip."""
+    friction = case.effect(CoulombFriction)
+    return friction is not None and (bool(friction.by_speed) or friction.stick != friction.mu)
+
+
 # Reads first mode and transitions of a sampled motion.
 Reader = Callable[[Case, Trajectory], Reading]
 
@@ -229,7 +235,7 @@ def _modes(
             wrong = float(reading.first_mode != scale.phases[0].mode)
         if best is None or wrong < best.wrong * (1.0 - _SAME):
             touching = wrong - time_in_another_mode(flights(phases), true_flights, scale.end) / scale.time
-            times = 0.0 if is_exact else doubts.time(motion, reading, case.plate.reach)
+            times = 0.0 if is_exact else doubts.time(motion, reading, case.plate.reach, _changes_with_slip(case))
             doubt = (unresolved + times) / scale.time
             best = _Modes(reading, wrong, touching, doubt, *agreement(phases, scale.phases))
         # A threshold of slip makes no difference to flights, nor one that counts where other scores are larger.

@@ -92,7 +92,7 @@ def test_a_scene_is_of_its_published_form_and_valid_json(name):
     assert (told["schema"], told["version"]) == (by_process.SCHEMA, by_process.VERSION)
     assert told["effects"].keys() == {type(effect).__name__ for effect in case.effects}
     assert "transitions" not in told and "status" not in told  # the truth is not handed to an engine
-    assert broken({**told, "version": 2}, form) and broken({**told, "effects": {"Magnet": {}}}, form)
+    assert broken({**told, "version": 1}, form) and broken({**told, "effects": {"Magnet": {}}}, form)
 
 
 def test_the_start_in_flight_is_null_where_it_has_no_value():

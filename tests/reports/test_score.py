@@ -17,7 +17,10 @@ from tests.scenes.motions import sampled
 PAPER = cases.load("disc_in_circle", mu=0.2)
 # Slip to roll and back; no disc; a landing.
 SAMPLE = (PAPER, cases.load("ellipse_on_line", mu=0.05), cases.load("disc_onto_incline", mu=0.1))
-CATALOGUE = [case for name in cases.names() for case in cases.select(name) if case not in SAMPLE]
+# Motions with several contacts have tests of their own (test_several_contacts).
+SEVERAL = "cases.catalogue.several_contacts"
+NAMES = [name for name in cases.names() if cases.entry(name).function.__module__ != SEVERAL]
+CATALOGUE = [case for name in NAMES for case in cases.select(name) if case not in SAMPLE]
 each_case = pytest.mark.parametrize(
     "case",
     [*SAMPLE, *(pytest.param(case, marks=pytest.mark.slow) for case in CATALOGUE)],
@@ -33,7 +36,7 @@ ROUNDING = 1e-9
 @each_case
 def test_null_motions_are_as_wrong_as_ignoring_friction(case):
     truth = planted.judged(case)
-    assert truth.scale.null_motion or case.label == "balanced_on_its_tip[duration=1]"  # nothing moves there
+    assert truth.scale.null_motion or case.name == "balanced_on_its_tip"  # nothing moves there
     for name, motion in truth.nulls.items():
         score = truth.score(motion)
         is_truth = score.pose <= 1e-6
@@ -70,7 +73,10 @@ def test_engines_with_a_planted_error_get_what_a_physicist_would_say(case):
     if case in SAMPLE:
         assert grade(off["creep"]) is grade(off["6 µs of slip"]) is Grade.EXCELLENT, off
         assert off["half a step late"] <= 0.02 and off["damping"] <= 0.02, off
-    if REGULAR[0] <= truth.sensitivity <= REGULAR[1]:
+    if REGULAR[0] <= truth.sensitivity <= REGULAR[1] and case.plate.radius is None and not _slips_for_long(truth):
+        # Rolling all the way is no null motion of a plate that is no disc, and here it is no bad one.
+        assert 0.1 <= off["friction × 60"] and off["friction - 5 %"] <= 0.15, off
+    elif REGULAR[0] <= truth.sensitivity <= REGULAR[1]:
         # At the edge of slipping less friction matters and more does not.
         if truth.score(planted.with_friction(case, 1.01)).off > friction_sensitivity.LEAST:
             assert grade(off["friction × 60"]) is Grade.UNUSABLE, off
@@ -78,6 +84,12 @@ def test_engines_with_a_planted_error_get_what_a_physicist_would_say(case):
     elif truth.sensitivity < friction_sensitivity.LEAST and "friction × 60" in off:
         # It rolls, or slides without a force: friction may be anything that is enough.
         assert off["friction × 60"] <= 1e-3, off
+
+
+def _slips_for_long(truth: planted.Judged) -> bool:
+    """Whether the truth slips for a quarter of its time at least."""
+    slips = [p.duration for p in truth.scale.phases if p.mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)]
+    return sum(slips) >= 0.25 * truth.scale.end
 
 
 def test_the_scale_of_slip_is_that_of_the_nearest_null_motion():

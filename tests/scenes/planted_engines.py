@@ -100,9 +100,8 @@ def damped(truth: Judged) -> Trajectory:
     _, _, _, _, vx, vy, omega = MOTION
     load = case.effect(Load)
     fx, fy, moment = load.expression if load else (0, 0, 0)
-    damping = Load(
-        fx - DAMPING * plate.mass * vx, fy - DAMPING * plate.mass * vy, moment - DAMPING * plate.inertia * omega
-    )
+    turning = DAMPING * plate.inertia * omega if plate.turns else 0.0
+    damping = Load(fx - DAMPING * plate.mass * vx, fy - DAMPING * plate.mass * vy, moment - turning)
     return _simulated(replace(case, effects=(*(e for e in case.effects if not isinstance(e, Load)), damping)))
 
 
