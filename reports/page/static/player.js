@@ -118,14 +118,22 @@ suite.player = async (place) => {
   const modeAt = () => motion.modes.filter(([begins]) => begins <= time + 1e-12 * span).at(-1) ?? motion.modes[0];
   const words = (mode) => mode.replaceAll("_", " ");
 
+  // Of several contacts, one opens where another closes: between the two samples the nearer one counts.
+  const side = (values) => {
+    const value = now(values);
+    if (Number.isFinite(value) || !motion.contacts.length) return value;
+    const later = t.findIndex((one) => one > time), j = later < 0 ? t.length - 1 : later, i = Math.max(0, j - 1);
+    return values[time - t[i] < t[j] - time ? i : j];
+  };
+
   // Draws one contact at the current time; whether it is closed.
   function drawContact({ xi1, normal, friction, group, normalPath, frictionPath, touch }) {
-    const at = onTrack(now(xi1));
+    const at = onTrack(side(xi1));
     group.style.display = at ? "" : "none";
     if (!at) return false;
     touch.setAttribute("cx", at.x);
     touch.setAttribute("cy", at.y);
-    const shown = part(".forces").checked, scale = (1.6 * reach) / usual, n = scale * now(normal), f = scale * now(friction);
+    const shown = part(".forces").checked, scale = (1.6 * reach) / usual, n = scale * side(normal), f = scale * side(friction);
     normalPath.setAttribute("d", shown && Number.isFinite(n) ? arrow(at, -n * at.ty, n * at.tx) : "");
     frictionPath.setAttribute("d", shown && Number.isFinite(f) ? arrow(at, f * at.tx, f * at.ty) : "");
     return true;
@@ -149,7 +157,7 @@ suite.player = async (place) => {
     scrub.setAttribute("aria-valuetext", `${suite.digits(time)} seconds, ${words(mode[1])}`);
     part(".now").textContent = `${suite.digits(time, 5)} s`;
     const strength = (force) => (Number.isFinite(force) ? `${suite.digits(Math.abs(force) < 1e-9 * usual ? 0 : force)} N` : "not unique");
-    const pushes = touching.map(({ normal }) => strength(now(normal))).join(", ");
+    const pushes = touching.map(({ normal }) => strength(side(normal))).join(", ");
     const slipping = contacts.length < 2 ? ` · v = ${suite.digits(now(truth.slip))} m/s` : "";
     part(".readout").textContent = touching.length ? `${words(mode[1])}${slipping} · N = ${pushes}` : words(mode[1]);
     part(".factor").textContent = `× ${factor < 1e4 ? suite.digits(factor, 2) : factor.toExponential(0)}`;
