@@ -225,6 +225,9 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
             raise DoesNotFit(
                 f"{rate} is not the rate of {name}; give both in metres, radians and seconds, and in one frame"
             )
+    touches_twice = several_contacts.may_touch_twice(case)
+    if touches_twice:  # which contact's slip a file has is not known; that of each contact follows from the poses
+        columns.pop("slip", None)
     xi1, xi2, gap = follow_contact(case, columns)
     count, status, reason = _ending(case, columns, xi1, gap)
     slip, resolution = _slip(case, columns, xi1), _creep(columns, creep)
@@ -247,7 +250,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     motion = Trajectory(
         **whole, xi1=xi1[:count], xi2=xi2[:count], status=status, reason=reason, slip_resolution=resolution
     )
-    if not several_contacts.may_touch_twice(case):
+    if not touches_twice:
         return motion
     clear = CLOSED * case.plate.inner + 2.0 * float(np.hypot(*gravity(case))) * float(np.max(np.diff(motion.t))) ** 2
     return several_contacts.with_contacts(case, motion, lambda xi1: np.full(len(xi1), clear))

@@ -237,8 +237,6 @@ TABLES = {
     "truth": truth_rows,
     "errata": errata_rows,
 }
-# Tables that a report has only if they have rows.
-IF_ANY = ("impacts",)
 HOLDS = {
     "headline": "Grade and errors of each route with default settings and at the finest setting run, case by case",
     "levels": levels.HOLDS,
@@ -251,8 +249,20 @@ HOLDS = {
 }
 
 
+# Columns of a table that may have no rows.
+_IMPACT_COLUMNS = (
+    *("case", "solver", "route", "setting", "event", "contact", "time", "reference_time", "error"),
+    *("swing", "reference_swing"),
+)
+
+
 def frames(experiment: Experiment) -> dict[str, pd.DataFrame]:
     """Every table by name."""
+    return {name: frame(name, experiment) for name in TABLES}
+
+
+def frame(name: str, experiment: Experiment) -> pd.DataFrame:
+    """A table by its name."""
     import pandas as pd
 
-    return {name: pd.DataFrame(make(experiment)) for name, make in TABLES.items()}
+    return pd.DataFrame(TABLES[name](experiment), columns=_IMPACT_COLUMNS if name == "impacts" else None)

@@ -54,8 +54,7 @@ def cases(
     """The cases, and their index by family."""
     entries: list[dict[str, Any]] = []
     families: dict[str, list[dict[str, Any]]] = {}
-    names = [name for name in ("transitions", "truth", "impacts") if name in frames]
-    tables = {name: case_tables.by_case(records(frames[name])) for name in names}
+    tables = {name: case_tables.by_case(records(frames[name])) for name in ("transitions", "truth", "impacts")}
     finest_runs = [run for group in routes(experiment.runs).values() if (run := finest(group) or group[-1])]
     for case in experiment.cases:
         label, family = case.label, motions.family(case)
@@ -75,7 +74,7 @@ def cases(
             "moving": is_moving,
             "pictures": [picture(d, figures, inside=not is_moving) for d in case_figures],
             "transitions": case_tables.transitions(rows["truth"], rows["transitions"], settings),
-            "impacts": case_tables.impacts(rows.get("impacts", ()), settings),
+            "impacts": case_tables.impacts(rows["impacts"], settings),
         }
         entries.append(entry)
         families.setdefault(family, []).append(entry)

@@ -34,7 +34,7 @@ SAMPLES = 401
 _EXACT = 120
 TRUE = ("x", "y", "theta", "slip", "xi1", "normal_force", "friction_force")
 # Of each contact, where there are several.
-OF_CONTACT = ("xi1", "normal_force", "friction_force")
+OF_CONTACT = ("xi1", "normal_force", "friction_force", "normal_low", "normal_high")
 # Solver minus truth, with the names of `distances.differences`.
 OFF = ("x", "y", "angle", "slip")
 # Bits of a mantissa: of the truth, and of differences.

@@ -82,10 +82,8 @@ def write(
     import pandas as pd
 
     output.add(cost_tables.frames, (ran, measurements), cost_tables.HOLDS, "tables of cost")
-    for name, rows in tables.TABLES.items():
-        if name in tables.IF_ANY and not rows(shown):
-            continue
-        make = lambda experiment, name=name, rows=rows: {name: pd.DataFrame(rows(experiment))}  # noqa: E731
+    for name in tables.TABLES:
+        make = lambda experiment, name=name: {name: tables.frame(name, experiment)}  # noqa: E731
         output.add(make, (shown,), tables.HOLDS, f"table {name}")
     for result in results:
         output.left_out += result.left_out

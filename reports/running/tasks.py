@@ -136,10 +136,17 @@ def _contact_samples(motion: Trajectory) -> dict[str, dict[str, np.ndarray]]:
     events = [event.time for event in motion.transitions]
     times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SHOWN_SAMPLES - len(events)), events)
     samples = {}
+    assert motion.contact_columns is not None, "a motion with several contacts has the columns of each"
     for name in motion.contact_names:
-        state = motion.of(name)(times)._asdict()
-        columns = {field: np.asarray(state[field]) for field in ("xi1", "slip", "normal_force", "friction_force")}
-        samples[name] = {"t": times} | columns | {"xi1": np.where(np.isnan(columns["slip"]), np.nan, columns["xi1"])}
+        now = motion.contact_columns(name, times)
+        samples[name] = {
+            "t": times,
+            "xi1": np.where(np.isnan(now.slip), np.nan, now.xi1),
+            "normal_force": now.normal_force,
+            "friction_force": now.friction_force,
+            "normal_low": now.normal_range[0],
+            "normal_high": now.normal_range[1],
+        }
     return samples
 
 

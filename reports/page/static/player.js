@@ -156,8 +156,14 @@ suite.player = async (place) => {
     scrub.value = span ? (1000 * (time - motion.start)) / span : 0;
     scrub.setAttribute("aria-valuetext", `${suite.digits(time)} seconds, ${words(mode[1])}`);
     part(".now").textContent = `${suite.digits(time, 5)} s`;
-    const strength = (force) => (Number.isFinite(force) ? `${suite.digits(Math.abs(force) < 1e-9 * usual ? 0 : force)} N` : "not unique");
-    const pushes = touching.map(({ normal }) => strength(side(normal))).join(", ");
+    const newtons = (force) => suite.digits(Math.abs(force) < 1e-9 * usual ? 0 : force);
+    // A force that Coulomb's law leaves open has a range, which may have no greatest value.
+    const strength = ({ normal, low, high }) => {
+      const force = side(normal);
+      if (Number.isFinite(force) || !low) return `${newtons(force)} N`;
+      return Number.isFinite(side(high)) ? `${newtons(side(low))} to ${newtons(side(high))} N` : `at least ${newtons(side(low))} N`;
+    };
+    const pushes = touching.map(strength).join(", ");
     const slipping = contacts.length < 2 ? ` · v = ${suite.digits(now(truth.slip))} m/s` : "";
     part(".readout").textContent = touching.length ? `${words(mode[1])}${slipping} · N = ${pushes}` : words(mode[1]);
     part(".factor").textContent = `× ${factor < 1e4 ? suite.digits(factor, 2) : factor.toExponential(0)}`;

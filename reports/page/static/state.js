@@ -86,7 +86,7 @@ const suite = (() => {
       runs.push({ ...run, off: Object.fromEntries(OFF.map((name) => [name, fill(given[name])])) });
     }
     const contacts = [];
-    for (const { name, data: packed } of data.contacts) contacts.push({ name, ...columns(["xi1", "normal", "friction"], await numbers(packed)) });
+    for (const { name, data: packed } of data.contacts) contacts.push({ name, ...columns(["xi1", "normal", "friction", "low", "high"], await numbers(packed)) });
     return { ...data, t, truth, runs, contacts, track: { ...data.track, ...track }, outline: columns(["x", "y"], await numbers(data.outline)) };
   }
 
