@@ -243,6 +243,17 @@ WALK = {
                 ("disc_on_line/scene.json", "disc_on_line/motion.csv"),
             ),
             Left("python -m reports.build --quick --engine ./my_engine", "README has it"),
+            Step(
+                "python -m reports.build --quick --engine ./my_engine --points 5001",
+                (r"^ *(\d\. )?my_engine process +1 of 3 ", r"/report/index\.html$"),
+                REPORT,
+                needs="node",
+            ),
+            Step(
+                "python -m cases export disc_in_circle --points 5001",
+                (r"^written: disc_in_circle/scene\.json$",),
+                ("disc_in_circle/scene.json", "disc_in_circle/track.csv"),
+            ),
         ),
         MY_ENGINE,
     ),
