@@ -28,6 +28,9 @@ DEPTH, FINE = 1e-9, 0.01
 # Rounding of a computed curvature of a flat side, 1/m.
 FLAT = 1e-9
 
+# How far back a zero of a gap is searched, in times between two samples.
+GOES_BACK = 4.0
+
 Pose = Callable[[float], tuple[float, float, float]]
 
 
@@ -256,9 +259,11 @@ def _element(curve: Curve, s: float) -> Element:
 def entry_time(pose: Pose, entry: Entry, before: float, inside: float, earliest: float) -> float:
     """The instant at which a gap closed, between a time without an entry and one at which it was seen, s.
 
-    At the first time the plate may already be inside by less than DEPTH, so that it goes back from there, at most to
-    the time `earliest`. Raises DoesNotFit if the gap does not close.
+    At the first time the plate may already be inside by less than DEPTH, so that it goes back from there, by some times
+    the time between both, at most to the time `earliest`: farther away the pieces, which go on beyond their ends, may
+    have other zeros. Raises DoesNotFit if the gap does not close.
     """
+    earliest = max(earliest, before - GOES_BACK * (inside - before))
 
     def gap(t: float) -> float:
         return piece_gap(entry, *pose(t)).gap

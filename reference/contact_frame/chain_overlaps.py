@@ -52,6 +52,8 @@ class ChainOverlaps:
         before = start
         for t in np.linspace(start, end, 1 + min(MOST, ceil(way / (STEP * self.chains.size)) + 1))[1:].tolist():
             z = z_at(np.array([t]))[:, 0]
+            if not self._on_pieces(z):
+                return  # the step goes on beyond the phase's end
             place = self.pieces.to_whole(z[0], z[1])[0]
             entry = self.chains.entry(*pose(t), place)
             if entry:
@@ -61,3 +63,10 @@ class ChainOverlaps:
                     self.time = t
                 return
             before = t
+
+    def _on_pieces(self, z: np.ndarray) -> bool:
+        """Whether the contact is on its pieces."""
+        for piece, s in zip(self.pieces.pieces, z[:2].tolist(), strict=True):
+            if piece.domain is not None and not piece.period and not piece.domain[0] <= s <= piece.domain[1]:
+                return False
+        return True

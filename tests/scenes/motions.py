@@ -9,7 +9,20 @@ from math import pi
 import numpy as np
 
 import reference
-from cases import Belt, Case, CoulombFriction, Curve, Drive, Gravity, Load, RollingResistance, Start, Trajectory
+from cases import (
+    Belt,
+    Case,
+    Chain,
+    CoulombFriction,
+    Curve,
+    Drive,
+    Gravity,
+    Load,
+    Outline,
+    RollingResistance,
+    Start,
+    Trajectory,
+)
 from cases import curves as c
 from cases.contact import start_motion
 from cases.effects import MOTION
@@ -67,7 +80,28 @@ def _turned_drive(drive: Drive, length: float, time: float, turn: float) -> Driv
     return Drive(length * (a * x - b * y), length * (b * x + a * y), angle)
 
 
+def _chain(curve: Chain, pieces: list[Curve], start: float) -> Chain:
+    """A chain of the same kind from pieces in another order or place, whose parameter begins at `start`."""
+    first = pieces[0]
+    shift = start - first.span[0]
+    pieces[0] = Curve(lambda s: first.at(s - shift), tuple(end + shift for end in first.span))
+    return type(curve)(pieces) if isinstance(curve, Outline) else Chain(pieces, curve.is_closed)
+
+
+def _mirrored_chain(curve: Chain) -> Chain:
+    """Its pieces in the other order; the parameter has the other sign, also at corners."""
+    ends = [e.start + e.piece.span[1] - e.low for e in curve.elements if isinstance(e.piece, Curve)]
+    return _chain(curve, [_mirrored_curve(piece) for piece in reversed(curve.pieces)], -ends[-1])
+
+
+def _turned_chain(curve: Chain, length: float, angle: float) -> Chain:
+    """Its pieces, turned; a piece's parameter is what it was, so that a corner's and the others' stay in step."""
+    return _chain(curve, [_turned_curve(piece, length, angle) for piece in curve.pieces], curve.span[0])
+
+
 def _mirrored_curve(curve: Curve) -> Curve:
+    if isinstance(curve, Chain):
+        return _mirrored_chain(curve)
     if curve.parts:
         return Curve.in_pieces(_mirrored_pieces(curve.parts), may_cross=curve.may_cross)
     x, y = curve.expression
@@ -93,6 +127,8 @@ def _mirrored_pieces(pieces: CurvePieces) -> CurvePieces:
 
 
 def _turned_curve(curve: Curve, length: float, angle: float) -> Curve:
+    if isinstance(curve, Chain):
+        return _turned_chain(curve, length, angle)
     a, b = c.cos(angle), c.sin(angle)
 
     def turned(x, y):
