@@ -1,15 +1,18 @@
-"""Tables of a curve: lengths along it, its sizes, the direction of its tangent.
+"""Tables of a curve: lengths along it, its sizes, the direction of its tangent, its period and its features.
 
 They are refined where even samples of the parameter would be too far apart.
 """
 
 from __future__ import annotations
 
-from typing import Protocol
+from functools import lru_cache
+from typing import Any, Protocol
 
 import numpy as np
 
-from .features import Features, union
+from . import parametrisation
+from .features import WINDOW, Features, largest, union
+from .parametrisation import MOST_ROUNDS
 
 # Samples that are enough for any curve a person would draw, unless features require more.
 SAMPLES = 720
@@ -21,6 +24,14 @@ ANGLES, TURN, MOST_ANGLES, HALVINGS = 32, 1.0, 200_000, 40
 class CurveFormula(Protocol):
     """The interface of `cases.curves.Curve` that these tables use."""
 
+    @property
+    def domain(self) -> tuple[float, float] | None: ...
+    @property
+    def expression(self) -> tuple[Any, Any]: ...
+    @property
+    def period(self) -> float | None: ...
+    @property
+    def centres(self) -> tuple[float, ...]: ...
     @property
     def span(self) -> tuple[float, float]: ...
     @property
@@ -102,3 +113,51 @@ def _turning(curve: CurveFormula, s: np.ndarray) -> tuple[np.ndarray, np.ndarray
     with np.errstate(all="ignore"):
         rate = np.abs(xp * ys - yp * xs) / (xp * xp + yp * yp)
     return np.unwrap(np.arctan2(yp, xp)), np.where(np.isfinite(rate), rate, 0.0)
+
+
+def period(curve: CurveFormula) -> float | None:
+    """The parameter's period of a closed curve with one formula, else None; see `Curve.period`."""
+    if curve.domain is not None:
+        start, length = curve.domain[0], curve.domain[1] - curve.domain[0]
+        probes = np.array([start])
+    else:
+        common = parametrisation.period(curve.expression)
+        if common is None:
+            return None
+        length, probes = common, common / (2 * np.pi) * np.array([0.1, 1.3, 2.9])
+
+    def jets(s: np.ndarray) -> np.ndarray:
+        return parametrisation.scale(curve.jets(s), length / (2 * np.pi))
+
+    with np.errstate(all="ignore"):
+        here, there = jets(probes), jets(probes + length)
+    # A closed curve's ends agree to the rounding of its own sizes; 1e-9 of them is far above that and far below
+    # any gap a person would author.
+    near = 1e-9 * np.max(np.abs(here))
+    if not np.all(np.abs(here - there) <= near):
+        return None
+    if curve.domain is None:  # (cos 3s, sin 3s) is a circle, and not one run round three times
+        parts = length / np.arange(MOST_ROUNDS, 1, -1)
+        again = jets((probes[:, None] + parts).ravel()).reshape(8, len(probes), len(parts))
+        repeats = np.all(np.abs(again - here[:, :, None]) <= near, axis=(0, 1))
+        if repeats.any():
+            return float(parts[np.argmax(repeats)])
+    return float(length)
+
+
+@lru_cache(maxsize=256)
+def features_of(curve: CurveFormula) -> Features:
+    """Where the curvature and speed of a curve with one formula change; kept for equal curves: a scene is often made
+    again with another friction."""
+
+    def bend_and_speed(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        _, _, xp, yp, xs, ys, _, _ = curve.jets(s)
+        speed = np.hypot(xp, yp)
+        return np.array([(xp * ys - yp * xs) / speed**3, speed]), np.array([np.hypot(xs, ys) / speed**2, speed])
+
+    ends = curve.span if curve.domain is not None or curve.period else None
+    centres = curve.centres
+    # Bends are known to rounding of the sharpest one; a speed, which may grow without bound, of its own.
+    sizes = largest(bend_and_speed, *curve.span, centres) * [1.0, 0.0] if ends is None else 0.0
+    window = WINDOW * curve.unit
+    return Features(bend_and_speed, centres, ends, bool(curve.period), sizes, window)

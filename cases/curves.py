@@ -7,7 +7,6 @@ bends to its left: a plate can touch where its outline's curvature exceeds the t
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -17,15 +16,14 @@ from typing import Any, TypeVar
 import numpy as np
 import sympy as sp
 
+from . import curve_formula, expressions, features, parametrisation, point_sources
 from . import curve_tables as tables
-from . import expressions, features, formulas, parametrisation, point_sources
 from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
-from .errors import BadCurve, BadValue, NotSupported, finite, not_negative, positive
+from .errors import BadCurve, BadValue, NotSupported, not_negative, positive
 from .expression_graph import derivatives, from_sympy
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, integral, log, pi, sin, sinh, sqrt, tan, tanh
 from .jets import S, jet_function
-from .parametrisation import MOST_ROUNDS
 from .pieces import CurvePart, CurvePieces
 from .spline import spline
 
@@ -53,9 +51,6 @@ T = TypeVar("T")
 # either way would already overflow a cosh; ten are what a drawing shows.
 UNBOUNDED_SPAN = (-10.0, 10.0)
 
-# Letters of a formula that a curve shows of itself.
-_LONGEST_FORMULA = 80
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Curve:
@@ -81,8 +76,8 @@ class Curve:
 
     @in_one_thread
     def __post_init__(self):
-        object.__setattr__(self, "domain", _check_domain(self.domain))
-        object.__setattr__(self, "_expression", _the_one(_expression(self.function)))
+        object.__setattr__(self, "domain", curve_formula.check_domain(self.domain))
+        object.__setattr__(self, "_expression", _the_one(curve_formula.as_expression(self.function)))
         self._check()
 
     def _check(self) -> None:
@@ -112,7 +107,7 @@ class Curve:
         where = "" if self.domain is None else f", {self.domain[0]:g} <= s <= {self.domain[1]:g}"
         if self.parts is not None:
             return f"Curve({self.parts.count} pieces{where})"
-        parts = [_shorten(str(part)) for part in self.expression]
+        parts = [curve_formula.shorten(str(part)) for part in self.expression]
         return f"Curve({', '.join(parts)}{where})"
 
     def __eq__(self, other) -> bool:
@@ -290,32 +285,7 @@ class Curve:
         """
         if self.parts is not None:
             return self.parts.period
-        if self.domain is not None:
-            start, length = self.domain[0], self.domain[1] - self.domain[0]
-            probes = np.array([start])
-        else:
-            common = parametrisation.period(self.expression)
-            if common is None:
-                return None
-            length, probes = common, common / (2 * np.pi) * np.array([0.1, 1.3, 2.9])
-
-        def jets(s: np.ndarray) -> np.ndarray:
-            return parametrisation.scale(self.jets(s), length / (2 * np.pi))
-
-        with np.errstate(all="ignore"):
-            here, there = jets(probes), jets(probes + length)
-        # A closed curve's ends agree to the rounding of its own sizes; 1e-9 of them is far above that and far below
-        # any gap a person would author.
-        near = 1e-9 * np.max(np.abs(here))
-        if not np.all(np.abs(here - there) <= near):
-            return None
-        if self.domain is None:  # (cos 3s, sin 3s) is a circle, and not one run round three times
-            parts = length / np.arange(MOST_ROUNDS, 1, -1)
-            again = jets((probes[:, None] + parts).ravel()).reshape(8, len(probes), len(parts))
-            repeats = np.all(np.abs(again - here[:, :, None]) <= near, axis=(0, 1))
-            if repeats.any():
-                return float(parts[np.argmax(repeats)])
-        return float(length)
+        return tables.period(self)
 
     @derived
     def unit(self) -> float:
@@ -353,7 +323,7 @@ class Curve:
         rows = [from_sympy(part) for part in self.expression]
         if not any(slope.symbols for slope in derivatives(rows, S)):
             return None
-        return _features(self)
+        return tables.features_of(self)
 
     def tangent_angle(self, s):
         """Direction of the tangent in radians, continuous along the curve (it gains 2π in each turn of a closed one).
@@ -411,59 +381,6 @@ def _is_number(s) -> bool:
     return isinstance(s, float) or np.ndim(s) == 0
 
 
-def _shorten(text: str) -> str:
-    """A formula that fits into a line; of one through measured points the beginning."""
-    text = re.sub(r"\d+\.\d{7,}", lambda number: f"{float(number[0]):.6g}", text)
-    return text if len(text) <= _LONGEST_FORMULA else f"{text[:_LONGEST_FORMULA]} …"
-
-
-def _check_domain(domain) -> tuple[float, float] | None:
-    if domain is None:
-        return None
-    try:
-        low, high = domain
-    except (TypeError, ValueError):
-        raise BadValue(f"domain is {domain!r}; give a pair (a, b) of numbers, or None") from None
-    low, high = finite("start of the domain", low), finite("end of the domain", high)
-    if not low < high:
-        raise BadValue(f"domain is ({low:g}, {high:g}); give the smaller number first")
-    return (low, high)
-
-
-def _from_strings(texts: tuple[str, str]) -> tuple[sp.Expr, sp.Expr]:
-    """A pair of strings as expressions in s."""
-    x, y = (formulas.parse(text, {"s": PARAMETER}, "the curve's coordinate", BadCurve) for text in texts)
-    return x, y
-
-
-def _expression(function) -> tuple[sp.Expr, sp.Expr]:
-    if isinstance(function, tuple) and len(function) == 2 and all(isinstance(part, str) for part in function):
-        texts = function
-        function = lambda s: _from_strings(texts)  # noqa: E731 - one way on for both ways to write
-    if not callable(function):
-        what = repr(function) if isinstance(function, int | float | str) else type(function).__name__
-        raise BadCurve(
-            f"a curve is a function of its parameter, not {what}; give lambda s: (X, Y), or Curve.spline(points)"
-        )
-    try:
-        pair = tuple(function(PARAMETER))
-        x, y = pair
-    except BadCurve:
-        raise
-    except Exception as problem:
-        raise BadCurve(
-            f"the curve's function fails ({problem}); return a pair (X, Y) made with the functions of cases.curves"
-        ) from problem
-    x, y = (expressions.admissible(part, (PARAMETER,), "the curve's coordinate", BadCurve) for part in (x, y))
-    parts = sum(expressions.parts_of_derivatives(part)[3] for part in (x, y))
-    if parts > expressions.MAX_DERIVATIVE_SIZE:
-        raise BadCurve(
-            f"the curve's third derivatives would have some {parts} parts; give a formula with fewer than "
-            f"{expressions.MAX_DERIVATIVE_SIZE}: fewer factors, or fewer functions inside each other"
-        )
-    return x, y
-
-
 @in_one_thread
 def restore(trees, domain, residual, may_cross) -> Curve:
     """The curve that a process sent. It was checked there, so it is not checked again."""
@@ -500,20 +417,3 @@ def _first(curve: Curve) -> Curve:
     check_regular(curve)
     check_simple(curve)
     return curve
-
-
-@lru_cache(maxsize=256)
-def _features(curve: Curve) -> features.Features:
-    """Kept for equal curves: a scene is often made again with another friction."""
-
-    def bend_and_speed(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        _, _, xp, yp, xs, ys, _, _ = curve.jets(s)
-        speed = np.hypot(xp, yp)
-        return np.array([(xp * ys - yp * xs) / speed**3, speed]), np.array([np.hypot(xs, ys) / speed**2, speed])
-
-    ends = curve.span if curve.domain is not None or curve.period else None
-    centres = curve.centres
-    # Bends are known to rounding of the sharpest one; a speed, which may grow without bound, of its own.
-    sizes = features.largest(bend_and_speed, *curve.span, centres) * [1.0, 0.0] if ends is None else 0.0
-    window = features.WINDOW * curve.unit
-    return features.Features(bend_and_speed, centres, ends, bool(curve.period), sizes, window)

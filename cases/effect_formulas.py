@@ -11,7 +11,7 @@ import sympy as sp
 from . import expressions, features, formulas
 from .derivation import in_one_thread
 from .errors import BadValue
-from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
+from .expression_code import ON_ARRAYS, ON_FLOATS, function_of
 
 
 @in_one_thread

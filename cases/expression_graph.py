@@ -1,4 +1,4 @@
-"""Expressions recorded by plain arithmetic, their derivatives, and Python functions written from them.
+"""Expressions recorded by plain arithmetic, and their derivatives; `expression_code` writes functions from them.
 
 Authors write curves and loads in SymPy; equations are derived on `Node`s. Equal expressions are one object, so that a
 common part is computed once; sums with 0, products with 0 and 1 and double signs vanish as they are recorded, and
@@ -7,32 +7,18 @@ nothing else is changed: the operations of the written code are those of the der
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping
 from fractions import Fraction
-from functools import lru_cache
 from typing import Any, NamedTuple
 from weakref import WeakValueDictionary
 
-import numpy as np
 import sympy as sp
 
 from .derivation import in_one_thread
-from .quadrature import integral_function
 
-_ARITHMETIC = ("+", "-", "*", "/", "**")
+ARITHMETIC = ("+", "-", "*", "/", "**")
 _EXACT = int | Fraction
-_HALF = Fraction(1, 2)
-
-# Python's parser reads at most two hundred nested brackets.
-DEEPEST = 40
-
-# Functions that written code may call, for floats and for arrays.
-_NAMES = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh")
-ON_FLOATS = {name: getattr(math, name) for name in (*_NAMES, "asin", "acos", "atan")}
-ON_ARRAYS = {name: getattr(np, name) for name in _NAMES} | {
-    name: getattr(np, f"arc{name[1:]}") for name in ("asin", "acos", "atan")
-}
+HALF = Fraction(1, 2)
 
 
 def _operator(op: str, swap: bool = False) -> Callable[[Node, Node | float | Fraction], Node]:
@@ -61,7 +47,7 @@ class Node:
     __pow__ = _operator("**")
 
     def __neg__(self) -> Node:
-        return _make("*", _MINUS, self)
+        return _make("*", MINUS, self)
 
     def __abs__(self) -> Node:
         return call("abs", self)
@@ -109,26 +95,26 @@ def call(function: str, *arguments: Node) -> Node:
     return _record(function, *arguments)
 
 
-_MINUS, ZERO, ONE = node(-1), node(0), node(1)
+MINUS, ZERO, ONE = node(-1), node(0), node(1)
 
 
 def sqrt(value: Node) -> Node:
     """The square root of a node."""
-    return value**_HALF
+    return value**HALF
 
 
-def _is_exact(value: Node) -> bool:
+def is_exact(value: Node) -> bool:
     return value.op == "number" and isinstance(value.args[0], _EXACT)
 
 
 def _opposite(value: Node) -> Node | None:
     """x if the node is −x."""
-    return value.args[1] if value.op == "*" and value.args[0] is _MINUS else None
+    return value.args[1] if value.op == "*" and value.args[0] is MINUS else None
 
 
 def _make(op: str, x: Node, y: Node) -> Node:
     """The node of x op y, without what changes no value."""
-    if _is_exact(x) and _is_exact(y):
+    if is_exact(x) and is_exact(y):
         a, b = x.args[0], y.args[0]
         if op in "+-*":
             return node(a + b if op == "+" else a - b if op == "-" else a * b)
@@ -164,13 +150,13 @@ def _product(x: Node, y: Node) -> Node | None:
     if (opposite := _opposite(x)) is not None:
         return -(opposite * y)
     if (opposite := _opposite(y)) is not None:
-        return opposite if x is _MINUS else -(x * opposite)
-    if y is _MINUS:
+        return opposite if x is MINUS else -(x * opposite)
+    if y is MINUS:
         return -x
     for part, other in ((x, y), (y, x)):
         if part.op == "/" and part.args[1] is other:
             return part.args[0]
-    return x.args[0] if x is y and x.op == "**" and x.args[1] is node(_HALF) else None
+    return x.args[0] if x is y and x.op == "**" and x.args[1] is node(HALF) else None
 
 
 def _quotient(x: Node, y: Node) -> Node | None:
@@ -191,7 +177,7 @@ def _quotient(x: Node, y: Node) -> Node | None:
 
 def _base_and_power(value: Node) -> tuple[Node, Any]:
     """(a, p) of a**p with a number p."""
-    return (value.args[0], value.args[1].args[0]) if value.op == "**" and _is_exact(value.args[1]) else (value, 1)
+    return (value.args[0], value.args[1].args[0]) if value.op == "**" and is_exact(value.args[1]) else (value, 1)
 
 
 def _power(x: Node, y: Node) -> Node | None:
@@ -199,7 +185,7 @@ def _power(x: Node, y: Node) -> Node | None:
         return x
     if y is ZERO:
         return ONE
-    if not (_is_exact(y) and isinstance(y.args[0], int)):
+    if not (is_exact(y) and isinstance(y.args[0], int)):
         return None
     if (opposite := _opposite(x)) is not None:
         return -(opposite**y) if y.args[0] % 2 else opposite**y
@@ -260,8 +246,8 @@ class _Integrand(NamedTuple):
 
 
 # By the names of the nodes' operations.
-_INTEGRANDS: dict[str, _Integrand] = {}
-_INTEGRAL = "integral"
+INTEGRANDS: dict[str, _Integrand] = {}
+INTEGRAL = "integral"
 
 
 def _integral(expression: sp.Integral, nodes: dict[sp.Basic, Node]) -> Node:
@@ -270,37 +256,16 @@ def _integral(expression: sp.Integral, nodes: dict[sp.Basic, Node]) -> Node:
     formula, bound = _from_sympy(expression.function, nodes), symbol(variable.name)
     constants = tuple(sorted(formula.symbols - {bound}, key=lambda constant: constant.name))
     integrand = _Integrand(bound, formula, constants)
-    name = next((name for name, known in _INTEGRANDS.items() if known == integrand), f"{_INTEGRAL}{len(_INTEGRANDS)}")
-    _INTEGRANDS[name] = integrand
+    name = next((name for name, known in INTEGRANDS.items() if known == integrand), f"{INTEGRAL}{len(INTEGRANDS)}")
+    INTEGRANDS[name] = integrand
     return call(name, _from_sympy(upper, nodes), _from_sympy(lower, nodes), *constants)
 
 
 def _integrand_at(current: Node) -> Node:
     """The integrand at the upper limit of an integral: its derivative by that."""
-    variable, formula, constants = _INTEGRANDS[current.op]
+    variable, formula, constants = INTEGRANDS[current.op]
     upper, _, *values = current.args
     return substitute([formula], {variable: upper, **dict(zip(constants, values, strict=True))})[0]
-
-
-@lru_cache(maxsize=256)
-def _integral_value(name: str) -> Callable:
-    """The function that evaluates an integral's node, on floats and arrays."""
-    variable, formula, constants = _INTEGRANDS[name]
-    function = python_function([variable, *constants], [formula], ON_ARRAYS)
-    return integral_function(lambda *values: function(*values)[0])
-
-
-def _integral_functions(order: Iterable[Node], functions: Mapping[str, Callable]) -> dict[str, Callable]:
-    """The functions of the integrals among some nodes. `functions` may have a wrapper, called "integral", for arguments
-    of its own kind: it is given the value and the integrand, both functions of the same arguments."""
-    result = {}
-    for name in {n.op for n in order if n.op.startswith(_INTEGRAL)}:
-        result[name] = _integral_value(name)
-        if _INTEGRAL in functions:
-            variable, formula, constants = _INTEGRANDS[name]
-            slope = python_function([variable, *constants], [formula], functions)
-            result[name] = functions[_INTEGRAL](result[name], slope)
-    return result
 
 
 def _raise(base, power, nodes: dict[sp.Basic, Node]) -> Node:
@@ -338,7 +303,7 @@ def _with_parts(current: Node, results: Mapping[Node, Node]) -> Node:
     if current.op in ("number", "symbol"):
         return current
     parts = [results[part] for part in current.args]
-    return _make(current.op, *parts) if current.op in _ARITHMETIC else call(current.op, *parts)
+    return _make(current.op, *parts) if current.op in ARITHMETIC else call(current.op, *parts)
 
 
 _SLOPES: dict[str, Callable[[Node], Node]] = {
@@ -369,9 +334,9 @@ def _slope(current: Node, slopes: Mapping[Node, Node], by: Node) -> Node:
     if current is by:
         return ONE
     x, dx = current.args[0], slopes[current.args[0]]
-    if current.op.startswith(_INTEGRAL):
+    if current.op.startswith(INTEGRAL):
         return _integrand_at(current) * dx
-    if current.op not in _ARITHMETIC:
+    if current.op not in ARITHMETIC:
         return _SLOPES[current.op](x) * dx
     y, dy = current.args[1], slopes[current.args[1]]
     if current.op == "+":
@@ -381,86 +346,3 @@ def _slope(current: Node, slopes: Mapping[Node, Node], by: Node) -> Node:
     if current.op == "*":
         return dx * y + x * dy
     return (dx - current * dy) / y if current.op == "/" else y * x ** (y - 1) * dx
-
-
-# --- Python code ------------------------------------------------------------------------------------------------------
-
-
-def python_function(
-    arguments: Sequence[Node | Sequence[Node]], outputs: Iterable[Node], functions: Mapping[str, Callable]
-) -> Callable[..., list]:
-    """A function that returns the list of the outputs. Each argument is a node or a sequence of nodes; a node that is
-    an argument is not computed. `functions` evaluates the elementary functions, by name: they decide whether arguments
-    are floats, arrays or anything else."""
-    outputs = list(outputs)
-    texts: dict[Node, str] = {}
-    names = []
-    for i, argument in enumerate(arguments):
-        names.append(f"a{i}")
-        if isinstance(argument, Node):
-            texts[argument] = names[-1]
-        else:
-            texts.update({part: f"a{i}_{k}" for k, part in enumerate(argument)})
-    order = in_order(outputs, texts)
-    lines = [
-        f"    {', '.join(texts[part] if part in order else '_' for part in argument)}, = {name}"
-        for name, argument in zip(names, arguments, strict=True)
-        if not isinstance(argument, Node) and any(part in order for part in argument)
-    ]
-    uses: dict[Node, int] = dict.fromkeys(order, 0)
-    for current in [
-        *(part for n in order if n not in texts and n.op not in ("number", "symbol") for part in n.args),
-        *outputs,
-    ]:
-        uses[current] += 1
-    depths: dict[Node, int] = dict.fromkeys(texts, 0)
-    for current in order:
-        if current in texts:
-            continue
-        text, depths[current] = _text(current, texts), 0
-        if current.op != "number":
-            depths[current] = 1 + max(depths[part] for part in current.args)
-            if uses[current] > 1 or depths[current] > DEEPEST:
-                lines.append(f"    v{len(lines)} = {text}")
-                text, depths[current] = f"v{len(lines) - 1}", 0
-        texts[current] = text
-    lines.append(f"    return [{', '.join(texts[output] for output in outputs)}]")
-    scope = dict(functions) | _integral_functions(order, functions)
-    exec("\n".join([f"def evaluate({', '.join(names)}):", *lines]), scope)
-    return scope["evaluate"]
-
-
-def _text(current: Node, texts: Mapping[Node, str]) -> str:
-    if current.op == "number":
-        return _number_text(current.args[0])
-    if current.op == "symbol":
-        raise KeyError(f"{current.name} is no argument of the function")
-    x = texts[current.args[0]]
-    if current.op.startswith(_INTEGRAL):
-        return f"{current.op}({', '.join(texts[argument] for argument in current.args)})"
-    if current.op not in _ARITHMETIC:
-        return f"{current.op}({x})"
-    if current.op == "**":
-        power = current.args[1].args[0] if _is_exact(current.args[1]) else None
-        if power in (_HALF, -_HALF):
-            return f"sqrt({x})" if power == _HALF else f"(1/sqrt({x}))"
-        if power == -1:
-            return f"(1/{x})"
-    if current.op == "*" and current.args[0] is _MINUS:
-        return f"(-{texts[current.args[1]]})"
-    return f"({x}{current.op}{texts[current.args[1]]})"
-
-
-def _number_text(value) -> str:
-    if isinstance(value, Fraction):
-        return f"({value.numerator}/{value.denominator})"
-    return f"({value})" if isinstance(value, int) else f"({float(value)!r})"
-
-
-@in_one_thread
-def function_of(
-    symbols: Sequence[sp.Symbol | Sequence[sp.Symbol]], formulas: Iterable[sp.Expr], functions: Mapping[str, Callable]
-) -> Callable[..., list]:
-    """A function of SymPy symbols that returns the list of some formulas' values, as `python_function` does."""
-    arguments = [symbol(s.name) if isinstance(s, sp.Symbol) else [symbol(part.name) for part in s] for s in symbols]
-    return python_function(arguments, map(from_sympy, formulas), functions)

@@ -8,7 +8,8 @@ from functools import lru_cache
 import sympy as sp
 
 from .derivation import in_one_thread
-from .expression_graph import ON_ARRAYS, ON_FLOATS, derivatives, from_sympy, python_function, symbol
+from .expression_code import ON_ARRAYS, ON_FLOATS, python_function
+from .expression_graph import derivatives, from_sympy, symbol
 from .expressions import PARAMETER
 
 # A curve's expressions with symbols for its sizes, and these symbols.

@@ -17,7 +17,7 @@ import sympy as sp
 from .curves import Curve
 from .derivation import in_one_thread
 from .errors import BadCurve, BadValue, finite, positive, whole
-from .expression_graph import ON_FLOATS, function_of
+from .expression_code import ON_FLOATS, function_of
 from .expressions import PARAMETER, admissible, cos, cosh, exp, sin
 
 Maker = Callable[..., Curve]

@@ -16,7 +16,7 @@ from . import expressions, features
 from .derivation import derived, in_one_thread
 from .effect_formulas import features_in_time, formula_in, values_of
 from .errors import BadValue
-from .expression_graph import ON_ARRAYS, function_of
+from .expression_code import ON_ARRAYS, function_of
 
 TIME = sp.symbols("t", real=True)
 

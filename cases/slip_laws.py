@@ -13,7 +13,7 @@ import sympy as sp
 
 from . import expressions, features, formulas
 from .errors import BadValue, not_negative, real
-from .expression_graph import ON_ARRAYS, ON_FLOATS, function_of
+from .expression_code import ON_ARRAYS, ON_FLOATS, function_of
 
 # The slip speed, m/s.
 SLIP_SPEED = sp.Symbol("v", real=True)

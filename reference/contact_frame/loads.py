@@ -18,7 +18,7 @@ import sympy as sp
 from cases import CoulombFriction, Load
 from cases.derivation import in_one_thread
 from cases.effects import MOTION, checked_quantities
-from cases.expression_graph import ON_ARRAYS, function_of
+from cases.expression_code import ON_ARRAYS, function_of
 from cases.slip_laws import SLIP_SPEED
 
 # A step changes an argument by at most this part of the function's length: events are detected only at steps' ends.

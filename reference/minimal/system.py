@@ -18,18 +18,8 @@ from cases import Case, Curve, Plate
 from cases.corner import Corner
 from cases.derivation import derived, in_one_thread
 from cases.effects import MOTION
-from cases.expression_graph import (
-    ON_ARRAYS,
-    ON_FLOATS,
-    ZERO,
-    Node,
-    in_order,
-    node,
-    python_function,
-    sqrt,
-    substitute,
-    symbol,
-)
+from cases.expression_code import ON_ARRAYS, ON_FLOATS, python_function
+from cases.expression_graph import ZERO, Node, in_order, node, sqrt, substitute, symbol
 from cases.pieces import CurvePart
 
 from . import series

@@ -9,9 +9,8 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cases.expression_code import ON_ARRAYS, ON_FLOATS, python_function
 from cases.expression_graph import (
-    ON_ARRAYS,
-    ON_FLOATS,
     ONE,
     ZERO,
     call,
@@ -19,7 +18,6 @@ from cases.expression_graph import (
     from_sympy,
     in_order,
     node,
-    python_function,
     sqrt,
     substitute,
     symbol,

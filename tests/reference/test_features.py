@@ -12,7 +12,8 @@ import cases
 import reference
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Load, Start, Unilateral, disc
 from cases.contact import start_motion
-from cases.curves import _features, cos, exp, sin, tanh
+from cases.curve_tables import features_of
+from cases.curves import cos, exp, sin, tanh
 from cases.library import line
 from reference import contact_frame, solve
 from reference.certification.truth_file import stored_or_new
@@ -252,7 +253,7 @@ def test_features_do_not_depend_on_who_asks_first():
     one, other = (Curve(lambda s: (s, 0.01 * tanh(30 * (s - 700)) + 0.1 * cos(s))) for _ in range(2))
     questions = [(-500.0, -400.0), (699.0, 702.0), (0.0, 3.0), (30.0, 0.0)]
     first = [one.features.clear(*q) for q in questions]
-    _features.cache_clear()
+    features_of.cache_clear()
     assert [other.features.clear(*q) for q in reversed(questions)] == first[::-1]
 
 

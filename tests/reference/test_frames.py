@@ -6,7 +6,8 @@ import pytest
 import cases
 from cases import Chain, Curve
 from cases import curves as c
-from cases.expression_graph import ON_FLOATS, python_function, symbol
+from cases.expression_code import ON_FLOATS, python_function
+from cases.expression_graph import symbol
 from cases.expressions import PARAMETER
 from cases.library import circle, ellipse, line
 from reference.minimal.frames import Frame, frame

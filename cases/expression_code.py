@@ -1,0 +1,137 @@
+"""Python functions written from recorded expressions: on floats, on arrays, or by any functions that are given."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from fractions import Fraction
+from functools import lru_cache
+
+import numpy as np
+import sympy as sp
+
+from .derivation import in_one_thread
+from .expression_graph import (
+    ARITHMETIC,
+    HALF,
+    INTEGRAL,
+    INTEGRANDS,
+    MINUS,
+    Node,
+    from_sympy,
+    in_order,
+    is_exact,
+    symbol,
+)
+from .quadrature import integral_function
+
+# Python's parser reads at most two hundred nested brackets.
+DEEPEST = 40
+
+# Functions that written code may call, for floats and for arrays.
+_NAMES = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh")
+ON_FLOATS = {name: getattr(math, name) for name in (*_NAMES, "asin", "acos", "atan")}
+ON_ARRAYS = {name: getattr(np, name) for name in _NAMES} | {
+    name: getattr(np, f"arc{name[1:]}") for name in ("asin", "acos", "atan")
+}
+
+
+def python_function(
+    arguments: Sequence[Node | Sequence[Node]], outputs: Iterable[Node], functions: Mapping[str, Callable]
+) -> Callable[..., list]:
+    """A function that returns the list of the outputs. Each argument is a node or a sequence of nodes; a node that is
+    an argument is not computed. `functions` evaluates the elementary functions, by name: they decide whether arguments
+    are floats, arrays or anything else."""
+    outputs = list(outputs)
+    texts: dict[Node, str] = {}
+    names = []
+    for i, argument in enumerate(arguments):
+        names.append(f"a{i}")
+        if isinstance(argument, Node):
+            texts[argument] = names[-1]
+        else:
+            texts.update({part: f"a{i}_{k}" for k, part in enumerate(argument)})
+    order = in_order(outputs, texts)
+    lines = [
+        f"    {', '.join(texts[part] if part in order else '_' for part in argument)}, = {name}"
+        for name, argument in zip(names, arguments, strict=True)
+        if not isinstance(argument, Node) and any(part in order for part in argument)
+    ]
+    uses: dict[Node, int] = dict.fromkeys(order, 0)
+    for current in [
+        *(part for n in order if n not in texts and n.op not in ("number", "symbol") for part in n.args),
+        *outputs,
+    ]:
+        uses[current] += 1
+    depths: dict[Node, int] = dict.fromkeys(texts, 0)
+    for current in order:
+        if current in texts:
+            continue
+        text, depths[current] = _text(current, texts), 0
+        if current.op != "number":
+            depths[current] = 1 + max(depths[part] for part in current.args)
+            if uses[current] > 1 or depths[current] > DEEPEST:
+                lines.append(f"    v{len(lines)} = {text}")
+                text, depths[current] = f"v{len(lines) - 1}", 0
+        texts[current] = text
+    lines.append(f"    return [{', '.join(texts[output] for output in outputs)}]")
+    scope = dict(functions) | _integral_functions(order, functions)
+    exec("\n".join([f"def evaluate({', '.join(names)}):", *lines]), scope)
+    return scope["evaluate"]
+
+
+def _text(current: Node, texts: Mapping[Node, str]) -> str:
+    if current.op == "number":
+        return _number_text(current.args[0])
+    if current.op == "symbol":
+        raise KeyError(f"{current.name} is no argument of the function")
+    x = texts[current.args[0]]
+    if current.op.startswith(INTEGRAL):
+        return f"{current.op}({', '.join(texts[argument] for argument in current.args)})"
+    if current.op not in ARITHMETIC:
+        return f"{current.op}({x})"
+    if current.op == "**":
+        power = current.args[1].args[0] if is_exact(current.args[1]) else None
+        if power in (HALF, -HALF):
+            return f"sqrt({x})" if power == HALF else f"(1/sqrt({x}))"
+        if power == -1:
+            return f"(1/{x})"
+    if current.op == "*" and current.args[0] is MINUS:
+        return f"(-{texts[current.args[1]]})"
+    return f"({x}{current.op}{texts[current.args[1]]})"
+
+
+def _number_text(value) -> str:
+    if isinstance(value, Fraction):
+        return f"({value.numerator}/{value.denominator})"
+    return f"({value})" if isinstance(value, int) else f"({float(value)!r})"
+
+
+@lru_cache(maxsize=256)
+def _integral_value(name: str) -> Callable:
+    """The function that evaluates an integral's node, on floats and arrays."""
+    variable, formula, constants = INTEGRANDS[name]
+    function = python_function([variable, *constants], [formula], ON_ARRAYS)
+    return integral_function(lambda *values: function(*values)[0])
+
+
+def _integral_functions(order: Iterable[Node], functions: Mapping[str, Callable]) -> dict[str, Callable]:
+    """The functions of the integrals among some nodes. `functions` may have a wrapper, called "integral", for arguments
+    of its own kind: it is given the value and the integrand, both functions of the same arguments."""
+    result = {}
+    for name in {n.op for n in order if n.op.startswith(INTEGRAL)}:
+        result[name] = _integral_value(name)
+        if INTEGRAL in functions:
+            variable, formula, constants = INTEGRANDS[name]
+            slope = python_function([variable, *constants], [formula], functions)
+            result[name] = functions[INTEGRAL](result[name], slope)
+    return result
+
+
+@in_one_thread
+def function_of(
+    symbols: Sequence[sp.Symbol | Sequence[sp.Symbol]], formulas: Iterable[sp.Expr], functions: Mapping[str, Callable]
+) -> Callable[..., list]:
+    """A function of SymPy symbols that returns the list of some formulas' values, as `python_function` does."""
+    arguments = [symbol(s.name) if isinstance(s, sp.Symbol) else [symbol(part.name) for part in s] for s in symbols]
+    return python_function(arguments, map(from_sympy, formulas), functions)
