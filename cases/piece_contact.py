@@ -183,7 +183,10 @@ class Chains:
         if not sides.size:
             return None
         depth, along = _below(self.points1[:, sides], self.points1[:, sides + 1], ends)
-        inside = (along > 0.0) & (along < 1.0) & (depth > deep + self.rises[sides, None]) & (depth < 0.25 * self.size)
+        # A vertex that has just gone through a side is also on the inner side of its neighbour, at that one's very end.
+        length = np.hypot(*(self.points1[:, sides + 1] - self.points1[:, sides]))[:, None]
+        inside = (along * length > 2.0 * deep) & ((1.0 - along) * length > 2.0 * deep)
+        inside &= (depth > deep + self.rises[sides, None]) & (depth < 0.25 * self.size)
         inside &= (np.hypot(*(ends - contact[:, None])) > deep)[None]
         if not inside.any():
             return None
