@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -104,12 +104,16 @@ class FigureContent:
         return self.entry
 
 
-def picture(figure: Figure, name: str, case: str, title: str, caption: str, png: bool = False) -> FigureContent:
-    """Convert the figure to SVG (and PNG; inside `for_print` also PDF) and close it."""
+def picture(
+    figure: Figure, name: str, case: str, title: str, caption: str, png: bool = False, has_margins: bool = False
+) -> FigureContent:
+    """Convert the figure to SVG (and PNG; inside `for_print` also PDF) and close it.
+
+    `has_margins`: its margins have room for all labels, so that no bounding box is computed."""
     from matplotlib import pyplot as plt
 
     text, dots, sheet = StringIO(), BytesIO(), BytesIO()
-    box = _laid_out(figure)
+    box = figure.bbox_inches if has_margins else _laid_out(figure)
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches=box)
     if png:
         figure.savefig(dots, format="png", dpi=160, bbox_inches=box)
@@ -162,11 +166,12 @@ def embed_command(folder: Path, entry: FigureEntry, command: str) -> None:
 def minify(svg: str) -> str:
     """Shorten an SVG without visible change.
 
-    Coordinates are rounded to a hundredth of a point (in curves to a tenth), shared styles become classes, and
-    metadata is removed.
+    Coordinates are rounded to a tenth of a point, points that a curve's shape does not need are left out, shared styles
+    become classes, lines of a grid and marks of an axis become one path each, and metadata is removed.
     """
     svg = re.sub(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    svg = re.sub(r' d="([^"]*)"', lambda m: f' d="{_path(m[1])}"', svg)
+    # Marks are small: a hundredth of a point shows in their shape.
+    svg = re.sub(r'( id="[^"]*")? d="([^"]*)"', lambda m: f'{m[1] or ""} d="{_path(m[2], 2 if m[1] else 1)}"', svg)
     # Matplotlib before 3.9 lists the place of every letter of some texts.
     svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{" ".join(_short(float(n)) for n in m[2].split())}"', svg)
     svg = re.sub(r"\s*\n\s*", "\n", svg)
@@ -174,32 +179,45 @@ def minify(svg: str) -> str:
     for place, name in enumerate(dict.fromkeys(re.findall(r' id="([^"]*)"', svg))):
         svg = svg.replace(f'"{name}"', f'"i{place}"')
         svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may be the prefix of another
+    svg = re.sub(
+        r"(rotate\([-\d.]+) ([-\d.]+) ([-\d.]+)\)",
+        lambda m: f"{m[1]} {_short(float(m[2]))} {_short(float(m[3]))})",
+        svg,
+    )
     svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
-    svg = _bare_groups(_unique_ids(_styles_once(svg)))
+    svg = _join_segments(_bare_groups(_unique_ids(_styles_once(svg))))
     return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
 
 
-# A path with at least this many points is a curve: its points are close to each other.
-_CURVE = 30
+# A path with at least this many points is a curve: its points are close to each other. Those this near (points, 1/72
+# inch) to the line between their neighbours are left out: lines are five times as wide.
+_CURVE, _NEAR = 30, 0.2
 
 
-def _short(value: float, digits: int = 2) -> str:
+def _short(value: float, digits: int = 1) -> str:
     text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
-def _path(text: str) -> str:
-    """A path through the same points, rounded and with relative coordinates, which take half the characters.
-
-    Curves are rounded to a tenth of a point (a line is ten times as wide), other paths to a hundredth.
-    """
+def _path(text: str, digits: int = 1) -> str:
+    """A path rounded to so many digits, with relative coordinates, which take half the characters; of a curve only the
+    points that its shape needs."""
     words = re.findall(r"[A-Za-z]|-?[0-9.]+(?:e[-+]?[0-9]+)?", text)
     if not set(filter(str.isalpha, words)) <= set("MLz"):
         return re.sub(
-            r" (?=[A-Za-z-])|(?<=[A-Za-z]) ", "", " ".join(w if w.isalpha() else _short(float(w)) for w in words)
+            r" (?=[A-Za-z-])|(?<=[A-Za-z]) ",
+            "",
+            " ".join(w if w.isalpha() else _short(float(w), digits) for w in words),
         )
+    if len(words) < 3 * _CURVE:
+        return _relative(words, digits)
+    starts = [place for place, word in enumerate(words) if word == "M"]
+    parts = [words[begin:end] for begin, end in zip(starts, [*starts[1:], len(words)], strict=True)]
+    return "".join(_relative(_simplify(part), digits) for part in parts)
+
+
+def _relative(words: Sequence[str], digits: int) -> str:
     words_out, before, here = [], "", (0.0, 0.0)
-    digits = 2 if len(words) < 3 * _CURVE else 1
     for command, x, y in re.findall(r"(z|[ML])(?: ([^\sA-Za-z]\S*) (\S+))?", " ".join(words)):
         if command == "z":
             words_out.append("z")
@@ -213,6 +231,68 @@ def _path(text: str) -> str:
             here = there
         before = command
     return "".join(words_out)
+
+
+def _simplify(words: Sequence[str]) -> list[str]:
+    """The words of a part of a path without the points near the line between their neighbours (Ramer, Douglas and
+    Peucker's method)."""
+    end = list(words[-1:]) if words[-1] == "z" else []
+    points = np.array([float(word) for word in words if not word.isalpha()]).reshape(-1, 2)
+    corners, spans = {0, len(points) - 1}, [(0, len(points) - 1)]
+    while spans:
+        first, last = spans.pop()
+        if last - first < 2:
+            continue
+        chord, others = points[last] - points[first], points[first + 1 : last] - points[first]
+        along = np.clip(others @ chord / max(float(chord @ chord), 1e-12), 0.0, 1.0)
+        distance = np.hypot(*(others - along[:, None] * chord).T)
+        if distance.max() > _NEAR:
+            middle = first + 1 + int(distance.argmax())
+            corners.add(middle)
+            spans += [(first, middle), (middle, last)]
+    path = [word for i in sorted(corners) for word in ("L" if i else "M", *map(str, points[i]))]
+    return [*path, *end]
+
+
+# A segment: a path of two points, as a line of a grid; and a mark that repeats a segment, as the ticks of an axis do.
+_SEGMENT = re.compile(r'<path d="(M[-\d. ]+)l(-?[\d.]+) ?(-?[\d.]+)"([^>]*)/>')
+_MARK = re.compile(r'<use xlink:href="#([^"]*)" x="([^"]*)" y="([^"]*)"/>')
+_MARKER = re.compile(r'<path id="([^"]*)" d="M0 0(l[-\d. ]+)" (class="[^"]*")/>')
+# What Matplotlib writes between the lines and marks of an axis, over which none of them is drawn.
+_OF_AXIS = re.compile(r"<text\b[^>]*>[^<]*</text>|<defs>(?:<path[^>]*/>)*</defs>")
+_ELEMENT = re.compile(rf"{_OF_AXIS.pattern}|<[^>]*>|[^<]+")
+
+
+def _join_segments(svg: str) -> str:
+    """Join segments with the same attributes that only texts and other segments separate into one path."""
+    markers = {name: (shift, look) for name, shift, look in _MARKER.findall(svg)}
+
+    def as_segment(use: re.Match) -> str:
+        if use[1] not in markers:
+            return use[0]
+        shift, look = markers[use[1]]
+        return f'<path d="M{use[2]} {use[3]}{shift}" {look}/>'
+
+    parts: list[str] = []
+    paths: dict[str, int] = {}  # attributes of the segments since the last other element, and their path's place
+    for element in _ELEMENT.findall(_MARK.sub(as_segment, svg)):
+        segment = _SEGMENT.fullmatch(element)
+        if segment is None:
+            paths = paths if _OF_AXIS.fullmatch(element) else {}
+            parts.append(element)
+            continue
+        begin, x, y, look = segment.groups()
+        line = begin + (f"v{y}" if x == "0" else f"h{x}" if y == "0" else f"l{x} {y}".replace(" -", "-"))
+        if look in paths:
+            parts[paths[look]] += line
+        else:
+            paths[look] = len(parts) + 1
+            parts += ['<path d="', line, f'"{look}/>']
+    svg = "".join(parts)
+    unused = [name for name in markers if f'"#{name}"' not in svg]
+    for name in unused:
+        svg = re.sub(rf'<path id="{name}"[^>]*/>', "", svg)
+    return svg.replace("<defs></defs>", "")
 
 
 def _unique_ids(svg: str) -> str:

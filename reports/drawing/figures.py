@@ -86,7 +86,9 @@ def draw_case(case: Case, part: Experiment, looks: LineStyles, main: bool) -> li
                 try:
                     title, caption = words
                     drawn = figure(part)
-                    return drawn and picture(drawn, file, case.label, title, caption, png=file == "headline")
+                    return drawn and picture(
+                        drawn, file, case.label, title, caption, file == "headline", has_margins=words is _MOTION_WORDS
+                    )
                 finally:
                     plt.close("all")  # also after a failure
 
@@ -262,7 +264,7 @@ def _curves(ax: Axes, truth: Truth, runs: list[Run], name: str, looks: LineStyle
             continue
         if not np.any(np.isfinite(values)):
             continue
-        every = max(1, len(values) // POINTS)
+        every = max(1, len(values) // (2 * POINTS))
         exact = np.interp(run.samples["t"], truth.samples["t"], truth.samples[name])
         noisy = np.nanquantile(np.abs(values - exact), 0.9) > room
         look = looks.line(run.solver, run.route) | ({"linewidth": 0.4, "alpha": 0.5, "zorder": 1.5} if noisy else {})
@@ -287,10 +289,10 @@ def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     """The paper's diagrams with every route, each with the difference from the truth."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
     quantities = _quantities(case)
-    # Fixed margins with room for all labels except the outer left ones, for which the file's bounding box has room.
-    # Automatic layout would take a third of the figure's time.
-    places = {"left": 0.08, "right": 0.99, "bottom": 0.04, "top": 0.93, "wspace": 0.27, "hspace": 0.12}
-    figure, axes = plt.subplots(len(quantities), 2, figsize=(9.2, 13.6), sharex=True, gridspec_kw=places)
+    # Fixed margins with room for all labels: automatic layout, or a search for the bounding box, would take a third of
+    # the figure's time.
+    places = {"left": 0.1, "right": 0.99, "bottom": 0.04, "top": 0.93, "wspace": 0.29, "hspace": 0.12}
+    figure, axes = plt.subplots(len(quantities), 2, figsize=(9.5, 13.6), sharex=True, gridspec_kw=places)
     for place, (quantity, unit, name, off) in enumerate(quantities):
         row = axes[place]
         _curves(row[0], truth, runs, name, looks)
@@ -300,11 +302,18 @@ def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
         for side, ax in enumerate(row):
             _mark_transitions(ax, truth, width=270.0 if place == side == 0 else 0.0)
             ax.margins(x=0)
-    for ax in axes[-1]:
-        ax.set_xlabel("time / s")
+    for column in axes.T:
+        column[-1].set_xlabel("time / s")
+        times, (begin, end) = column[-1].get_xticks(), column[-1].get_xlim()
+        for ax in column[:-1]:  # lines without the objects of an axis, which take a third of the figure's time
+            ax.xaxis.set_visible(False)
+            ax.vlines(
+                [time for time in times if begin <= time <= end], 0.0, 1.0, transform=ax.get_xaxis_transform(),
+                colors=STYLE["grid.color"], linewidth=STYLE["grid.linewidth"], zorder=0.5,
+            )  # fmt: skip
     handles, names = axes[0][0].get_legend_handles_labels()
     figure.legend(
-        handles, names, loc="lower center", bbox_to_anchor=(0.535, 0.945), ncols=3, title=case.label,
+        handles, names, loc="lower center", bbox_to_anchor=(0.545, 0.945), ncols=3, title=case.label,
         title_fontproperties={"weight": "bold"},
     )  # fmt: skip
     return figure
@@ -327,7 +336,7 @@ def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure | No
     points_by_route = _error_points(experiment, case.label)
     if not any(point.error > bar for points in points_by_route.values() for point in points):
         return None
-    figure, ax = plt.subplots(figsize=(7.2, 4.3), layout="constrained")
+    figure, ax = plt.subplots(figsize=(7.2, 4.3))
     for (solver, route), points in points_by_route.items():
         ladder = [p for p in points if not is_default(p.run)]
         look, marker = looks.line(solver, route), looks.marker(solver, route)
@@ -369,7 +378,7 @@ def scene(experiment: Experiment, case: Case) -> Figure:
     truth = experiment.truths[case.label]
     samples = truth.samples
     x, y, theta, xi1 = (samples[name] for name in ("x", "y", "theta", "xi1"))
-    figure, ax = plt.subplots(figsize=(4.6, 3.8), layout="constrained")
+    figure, ax = plt.subplots(figsize=(4.6, 3.8))
     shades = instants(samples["t"], [t.time for t in truth.transitions])
     poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in shades]
     drawn_scene.draw(ax, case.scene, np.array([x, y]), xi1, poses)

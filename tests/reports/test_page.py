@@ -24,8 +24,13 @@ ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, M
 
 
 def unpacked(text: str) -> np.ndarray:
-    data = np.frombuffer(zlib.decompress(b64decode(text)), np.uint8)
-    return np.ascontiguousarray(data.reshape(4, -1).T).view("<f4").ravel()
+    """The numbers of a packed text, as `numbers` of state.js reads them."""
+    rest, *planes = zlib.decompress(b64decode(text))
+    zigzag = np.ascontiguousarray(np.array(planes, np.uint8).reshape(4, -1).T).view("<u4").ravel().astype(np.int64)
+    changes = (zigzag >> 1) ^ -(zigzag & 1)
+    codes = np.cumsum(np.cumsum(changes)).astype("<i4").astype(np.int64)
+    words = (abs(codes) << rest) | np.where(codes < 0, 0x80000000, 0)
+    return words.astype("<u4").view("<f4")
 
 
 def test_numbers_travel_with_five_digits_times_with_seven_and_differences_with_three():

@@ -30,13 +30,17 @@ const suite = (() => {
     return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer());
   }
 
-  // Decode numbers from motions.py: grouped by byte position.
+  // Decode numbers from motions.py: second differences of ordered floats, grouped by byte position.
   async function numbers(text) {
-    const planes = await inflate(text);
-    const count = planes.length / 4, whole = new Uint8Array(planes.length);
-    for (let byte = 0; byte < 4; byte++)
-      for (let i = 0; i < count; i++) whole[4 * i + byte] = planes[byte * count + i];
-    return new Float32Array(whole.buffer);
+    const bytes = await inflate(text), [rest] = bytes, planes = bytes.subarray(1);
+    const count = planes.length / 4, words = new Uint32Array(count);
+    for (let i = 0, slope = 0, ordered = 0; i < count; i++) {
+      const folded = planes[i] | planes[count + i] << 8 | planes[2 * count + i] << 16 | planes[3 * count + i] << 24;
+      slope = slope + ((folded >>> 1) ^ -(folded & 1)) | 0;
+      ordered = ordered + slope | 0;
+      words[i] = ordered < 0 ? (-ordered << rest | 0x80000000) : ordered << rest;
+    }
+    return new Float32Array(words.buffer);
   }
 
   // The text of a table's file, which is inside the page; null if it is not.
