@@ -17,7 +17,7 @@ from math import atan2, cos, sin
 import numpy as np
 import pybullet
 
-from cases import Belt, Case, CoulombFriction, Gravity, Impact, RollingResistance, Trajectory, Unilateral
+from cases import Belt, Case, CoulombFriction, Drive, Gravity, Impact, RollingResistance, Trajectory, Unilateral
 from cases.contact import Contact, find, start_motion
 from cases.errors import DoesNotFit, unknown_name
 from cases.mechanics import gravity
@@ -40,6 +40,7 @@ MEANINGS = (
     ),
     Meaning(Impact, "restitution; this adapter does not set it", "not supported"),
     Meaning(Belt, "none", "not supported"),
+    Meaning(Drive, "none", "not supported"),
     Meaning(RollingResistance, "rollingFriction; this adapter does not set it", "not supported"),
 )
 

@@ -35,6 +35,7 @@ from cases import (
     Belt,
     Case,
     CoulombFriction,
+    Drive,
     Flight,
     Gravity,
     Impact,
@@ -47,7 +48,7 @@ from cases.contact import start_motion
 from cases.errors import unknown_name
 from cases.mechanics import gravity
 
-from ..common import facets, half_steps, several_contacts
+from ..common import driven_tracks, facets, half_steps, several_contacts
 from ..interface import Setting
 from . import shapes
 
@@ -61,7 +62,7 @@ SEVERAL_CONTACTS = ("native",)
 # The engine's numbers are of single precision.
 ROUNDING = float(np.finfo(np.float32).eps)
 # The effects that this adapter implements; all others are reported as unsupported, by name.
-KNOWN_EFFECTS = (Gravity, CoulombFriction, PerfectlyRough, RollingResistance, Unilateral, Flight, Impact, Belt)
+KNOWN_EFFECTS = (Gravity, CoulombFriction, PerfectlyRough, RollingResistance, Unilateral, Flight, Impact, Belt, Drive)
 
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
 STEPS, USUAL_DURATION = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
@@ -102,7 +103,7 @@ def refuses(case: Case, route: str) -> str | None:
         return "box2d's shapes have a constant tangent speed, and this belt's speed changes with time."
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles only, and this outline is none."
-    return None
+    return driven_tracks.refuses(case)
 
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
@@ -146,6 +147,7 @@ class Box2dModel:
     steps: int
     world: pyb2d3.World
     plate: pyb2d3.Body
+    track: pyb2d3.Body
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
 
@@ -164,7 +166,8 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
         world.restitution_threshold = float(np.hypot(*pull)) * h
     material = shapes.material(case)
     belt = shapes.belt_material(case, scale)
-    shapes.add_track(case, world.create_static_body(), belt, scale, knobs.get("facets", 1))
+    track = shapes.track_body(case, world, scale)
+    shapes.add_track(case, track, belt, scale, knobs.get("facets", 1))
     place = scale * start.x, scale * start.y
     plate = world.create_dynamic_body(position=place, rotation=shapes.rotation(start.theta))
     shapes.add_plate(case, plate, material, scale, knobs.get("vertices", 1))
@@ -174,15 +177,17 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
         mass.rotational_inertia = case.plate.inertia * scale**2
     plate.mass_data = mass
     plate.linear_velocity, plate.angular_velocity = (scale * start.vx, scale * start.vy), start.omega
-    return Box2dModel(case, knobs, h, steps, world, plate)
+    return Box2dModel(case, knobs, h, steps, world, plate, track)
 
 
 def run(model: Box2dModel) -> None:
     """Step through the duration and record poses and the velocities after the next step, in the engine's units."""
     h, step, plate, note, substeps = model.h, model.world.step, model.plate, model.rows.append, model.knobs["substeps"]
     rest = half_steps.rest(substeps) * h
+    follow = shapes.track_follower(model.case, model.track, h, model.knobs["scale"])
     for k in range(model.steps + 1):
         (x, y), angle = plate.position, shapes.angle(plate)
+        follow(k)
         step(h if k else h - rest, substeps)
         (vx, vy), omega = plate.linear_velocity, plate.angular_velocity
         note((x, y, angle, vx, vy, omega))

@@ -1,6 +1,6 @@
 """The laws of friction, restitution and rolling that Box2D's parameters stand for, as measured in `tests/adapters`."""
 
-from cases import Belt, Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, Case, CoulombFriction, Drive, Impact, PerfectlyRough, RollingResistance
 
 from ..common.impacts import has_friction, not_moreaus
 from ..interface import Meaning
@@ -31,4 +31,9 @@ MEANINGS = (
         "a couple of at most this lever arm times the normal impulse; circles only",
     ),
     Meaning(Belt, "tangent_speed of the track's shapes", "Coulomb's law for the slip on that surface; constant speeds"),
+    Meaning(
+        Drive,
+        "a kinematic body, its place and velocities set in each step",
+        "the track is where it is at the beginning of each step",
+    ),
 )

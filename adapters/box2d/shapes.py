@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from math import atan2, cos, sin
 
 import numpy as np
 import pyb2d3
 
-from cases import Belt, Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, Case, CoulombFriction, Drive, Impact, PerfectlyRough, RollingResistance
 from cases.shapes import as_circle, as_line
 
 from ..common import facets
+from ..common.driven_tracks import PrescribedSteps
 
 # Facets of a curve that a person would type in.
 MODEST = 64
@@ -75,6 +77,33 @@ def angle(body: pyb2d3.Body) -> float:
     """A body's angle; the engine's own function is fast but has an error of up to 2.7e-5 rad."""
     rot = body.rotation
     return atan2(rot.s, rot.c)
+
+
+def track_body(case: Case, world: pyb2d3.World, scale: float) -> pyb2d3.Body:
+    """The track's body: static, or for a driven track kinematic, at its place at t = 0."""
+    drive = case.effect(Drive)
+    if drive is None:
+        return world.create_static_body()
+    at = drive.at(0.0)
+    return world.create_kinematic_body(position=(scale * at.x, scale * at.y), rotation=rotation(at.angle))
+
+
+def track_follower(case: Case, body: pyb2d3.Body, h: float, scale: float) -> Callable[[int], None]:
+    """A function that puts a driven track where it is at the beginning of a step of h (s), with the velocities that
+    move it to its place at the next one; for a track at rest it does nothing."""
+    drive = case.effect(Drive)
+    if drive is None:
+        return lambda step: None
+    motion = PrescribedSteps(drive, h)
+
+    def follow(step: int) -> None:
+        x, y, turn = motion.place(step)
+        vx, vy, spin = motion.velocities(step)
+        # The first step is shorter than h, and the engine's numbers are rounded: the place would drift.
+        body.set_transform((scale * x, scale * y), rotation(turn))
+        body.linear_velocity, body.angular_velocity = (scale * vx, scale * vy), spin
+
+    return follow
 
 
 def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:

@@ -11,9 +11,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, Chain, Curve, Flight, Load
+from cases import Belt, Case, Chain, Curve, Drive, Flight, Load
 from cases.contact import pose, start_motion
 from cases.mechanics import gravity, kinetic_energy
+from cases.moving_frame import relative_case
 from cases.shapes import Circle, as_circle, as_line
 
 
@@ -59,9 +60,12 @@ def sway(outline: Curve) -> float:
 def stretch(case: Case) -> Stretch:
     """The part of the track that the plate can reach, by its energy and within the case's duration.
 
-    Only a Load or a Belt adds energy, so the plate stays where its potential is below its initial energy; and its speed
-    cannot grow faster than g. A margin of the plate's size is added at both ends.
+    Only a Load, a Belt or a Drive adds energy, so the plate stays where its potential is below its initial energy; and
+    its speed cannot grow faster than g. A margin of the plate's size is added at both ends.
     """
+    if case.effect(Drive):  # in the frame of the track, where gravity may be a load
+        relative = _everywhere(relative_case(case))
+        return relative._replace(top_speed=relative.top_speed + float(np.hypot(*gravity(case))) * case.duration)
     start, plate, pull = start_motion(case), case.plate, gravity(case)
     if case.effect(Load) or case.effect(Belt) or isinstance(case.track, Chain):
         return _everywhere(case)

@@ -16,11 +16,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Cost, CoulombFriction, Flight, Trajectory
+from cases import Case, Cost, CoulombFriction, Drive, Flight, Load, Trajectory
 from cases.contact import Contact, slip_velocity, start_motion
 from cases.mechanics import gravity
+from cases.moving_frame import relative_case
 
 from ..interface import EngineFailure
+from .driven_tracks import rows_from_track, to_fixed_frame
 from .facets import sway, track_kind, visible_span
 from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights, lands_for_good
 from .several_contacts import may_touch_twice, with_contacts
@@ -33,7 +35,8 @@ class StepRecord:
     `contacts`: the rows' contacts if the adapter set them, else they are computed. `load`: the case's Load in each
     step, (F_x, F_y, M) in N and N m, shape (n, 3). `rough`: distance (m) of the engine's shapes from the curves.
     `lever`: the fraction of the gap between the plate and the point where the engine's friction acts. `rounding`: the
-    relative rounding of its numbers. `rest`: the part of h by which the first step was shorter.
+    relative rounding of its numbers. `rest`: the part of h by which the first step was shorter. `pull`: acceleration of
+    a free plate (m/s²), by default gravity's.
     """
 
     case: Case
@@ -46,6 +49,7 @@ class StepRecord:
     lever: float = 0.0
     rounding: float = float(np.finfo(float).eps)
     rest: float = 0.5
+    pull: float | None = None
 
 
 def rest(substeps: int) -> float:
@@ -92,8 +96,29 @@ class _SampleEnd(NamedTuple):
 def read(record: StepRecord) -> Trajectory:
     """The motion at the poses' times, cut where the plate leaves its track. Raises EngineFailure if it is no motion.
 
-    With Flight leaving the track does not end the motion.
+    With Flight leaving the track does not end the motion. The rows of a driven track are read in the track's frame.
     """
+    return to_fixed_frame(record.case, _read(_from_track(record) if record.case.effect(Drive) else record))
+
+
+def _from_track(record: StepRecord) -> StepRecord:
+    """The record as a driven track sees it, where the loads of the track's motion act."""
+    case, rows = record.case, record.rows
+    if len(rows) < 3 or not np.isfinite(rows).all():
+        return record
+    relative, times = relative_case(case), record.h * np.arange(len(rows))
+    rows = rows_from_track(case, rows, times, times + record.h * (1.0 - record.rest))
+    load, forces = relative.effect(Load), np.zeros((len(rows), 3))
+    if load:
+        start = start_motion(relative)
+        before = np.vstack([[start.vx, start.vy, start.omega], rows[:-1, 3:]])
+        rates = rates_at_poses(before, rows[:, 3:], case.plate.reach, record.rest)
+        forces = np.array([load.at(*row) for row in np.column_stack([times, rows[:, :3], rates]).tolist()])
+    pull = float(np.hypot(*forces[:, :2].T).max()) / case.plate.mass + float(np.hypot(*gravity(relative)))
+    return replace(record, case=relative, rows=rows, load=forces, pull=pull)
+
+
+def _read(record: StepRecord) -> Trajectory:
     case, samples = record.case, _samples(record)
     hop = _hop(record, samples)
     stretches = flights(samples.gap, samples.pushing, hop)
@@ -323,7 +348,7 @@ def _hop(record: StepRecord, samples: _MotionSamples) -> float:
         push = bend * float(speed) ** 2 + sway(plate.outline) * float(spin) ** 2
     else:
         push = float(np.hypot(*samples.force.T).max()) / plate.mass
-    strongest = float(np.hypot(*gravity(case))) + push
+    strongest = (float(np.hypot(*gravity(case))) if record.pull is None else record.pull) + push
     return max(1e-6, 1e3 * record.rounding) * plate.inner + 2.0 * strongest * record.h**2 + 4.0 * record.rough
 
 

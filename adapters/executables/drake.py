@@ -41,7 +41,11 @@ APPROXIMATIONS = {
     "lagged": drake.DiscreteContactApproximation.kLagged,
 }
 
-scene = plane.read_scene("Drake", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"))
+scene = plane.read_scene(
+    "Drake",
+    ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"),
+    {"Belt": "Drake's contacts have no surface velocity: a belt would have to be a body that moves."},
+)
 radius, mass, start = scene["plate"]["radius"], scene["plate"]["mass"], scene["start"]
 if radius is None:
     plane.refuse(

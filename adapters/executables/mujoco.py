@@ -5,6 +5,9 @@ The scene's own MJCF with contact parameters. MuJoCo's contacts are soft by desi
 sliding contact lifts off a little (its manual, "Computation", contact), and friction creeps. Its default step is
 semi-implicit Euler; the ladder has its Runge-Kutta method of fourth order, which converges in a circle where Euler does
 not. Poses and velocities are at the same times, as after `mj_step`.
+
+A belt of constant speed is `surfacevel` of the track's geoms (from 3.11 on): a velocity along a plane or a box, in the
+geom's frame, and a rotation of a sphere's surface.
 """
 
 from __future__ import annotations
@@ -26,7 +29,12 @@ plane.print_version("mujoco")
 # Chords of a curved track; a friction coefficient that no force exceeds.
 CHORDS, ROUGH = 800, 1e3
 
-scene = plane.read_scene("MuJoCo", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"))
+scene = plane.read_scene("MuJoCo", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Belt"))
+belt = plane.belt_speed(scene)
+if belt is None:
+    plane.refuse("MuJoCo's geoms are given a constant surface velocity, and this belt's speed changes with time.")
+if belt and not hasattr(mujoco.MjModel, "geom_surfacevel"):
+    plane.refuse("MuJoCo has surface velocities from version 3.11 on, and an older one is installed.")
 count, h = plane.steps(scene)
 effects, start, is_tuned = scene["effects"], scene["start"], scene["setting"].get("rung") != "defaults"
 mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
@@ -54,7 +62,7 @@ track = plane.shape(scene)
 if track.kind == "line":
     ElementTree.SubElement(
         world, "geom", type="plane", size="0 0 1", pos=f"{track.x} {track.y} 0",
-        zaxis=f"{-plane.sin(track.angle)} {plane.cos(track.angle)} 0",
+        xyaxes=f"{plane.cos(track.angle)} {plane.sin(track.angle)} 0 0 0 -1",
     )  # fmt: skip
 elif track.kind == "hill":
     ElementTree.SubElement(world, "geom", type="sphere", size=repr(track.radius), pos=f"{track.x} {track.y} 0")
@@ -65,6 +73,10 @@ else:
         ElementTree.SubElement(
             world, "geom", type="box", size=f"{box.half} {thick} 1", pos=f"{x} {y} 0", euler=f"0 0 {box.angle}"
         )
+for geom in world.findall("geom"):
+    # A hill is touched from outside, so its direction is clockwise.
+    turns = f"0 0 0 0 0 {-belt / track.radius!r}" if track.kind == "hill" else f"{belt!r} 0 0 0 0 0"
+    geom.attrib.update({"surfacevel": turns} if belt else {})
 plate = part(body, "geom")
 if plate.get("type") == "cylinder":
     plate.attrib.update(type="sphere", size=repr(scene["plate"]["radius"]))
@@ -112,7 +124,7 @@ def creep() -> float:
     return fastest
 
 
-motion, fastest = plane.MotionRows(scene), 0.0
+motion, fastest = plane.MotionRows(scene, belt), 0.0
 for k in range(count + 1):
     pose, velocities = data.qpos + (start["x"], start["y"], start["theta"]), data.qvel.tolist()
     mujoco.mj_step(model, data)

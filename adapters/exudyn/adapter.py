@@ -31,11 +31,13 @@ from math import ceil, hypot, sqrt
 import exudyn as exu
 import numpy as np
 
-from cases import Belt, Case, Cost, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
+from cases import Belt, Case, Cost, CoulombFriction, Drive, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
 from cases.contact import start_motion
 from cases.errors import unknown_name
+from cases.moving_frame import relative_case
 from cases.shapes import as_line
 
+from ..common import driven_tracks
 from ..interface import Setting
 from . import constraints, integrator, native
 from .reader import ExudynModel, read
@@ -60,7 +62,7 @@ routes = ("native", "integrator")
 KNOWN = "exudyn>=1.13"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
-KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt)
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt, Drive)
 # Routes whose contact law is the suite's, with a coefficient that may depend on the slip velocity.
 SLIP_LAWS = ("integrator",)
 
@@ -141,8 +143,9 @@ def refuses(case: Case, route: str) -> str | None:
         return "Exudyn's contact objects have no surface that runs along a track at rest."
     if belt and belt.constant is None:
         return "This route's contact law knows belts of constant speed only."
-    if route == "native":
-        return native.refuses(case)
+    problem = driven_tracks.refuses(case) or (native.refuses(case) if route == "native" else None)
+    if problem or route == "native":
+        return problem
     if case.effect(Impact):
         return (
             "The contact law given to Exudyn has a damper and no restitution, and its steps are longer than an impact: "
@@ -156,6 +159,7 @@ def refuses(case: Case, route: str) -> str | None:
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
     """Settings from coarse to fine; the first has the engine's defaults."""
+    case = relative_case(case)
     length, acceleration = scales(case)
     stiffness, step = case.plate.mass * acceleration / length, case.duration / DEFAULT_STEPS
     defaults = Setting.of(rung="defaults", solver="GeneralizedAlpha", newton="modified", h=step)
@@ -241,11 +245,12 @@ def _round(value: float) -> float:
 
 
 def build(case: Case, route: str, setting: Setting) -> ExudynModel:
-    """The engine's system for a case that the route supports."""
+    """The engine's system for a case that the route supports; a driven track's in the frame of the track."""
+    outside, case = case, relative_case(case)
     if _uses_constraint(case, route):
-        return ExudynModel(case, route, setting, constraints.build(case, setting))
+        return ExudynModel(case, route, setting, constraints.build(case, setting), outside)
     maker = native if route == "native" else integrator
-    return ExudynModel(case, route, setting, maker.build(case, setting))
+    return ExudynModel(case, route, setting, maker.build(case, setting), outside)
 
 
 def run(model: ExudynModel) -> None:

@@ -4,7 +4,7 @@ Parameter names are those of its manual's items ObjectContactSphereSphere and Ob
 as measured in `tests/adapters`.
 """
 
-from cases import Belt, CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, CoulombFriction, Drive, Impact, PerfectlyRough, RollingResistance
 
 from ..interface import Meaning
 
@@ -34,4 +34,9 @@ MEANINGS = (
     Meaning(RollingResistance, "none", "not supported"),
     Meaning(Belt, "none", "not supported", routes=("native",)),
     Meaning(Belt, "none: this suite supplies the contact law", "its slip is that on the belt", routes=("integrator",)),
+    Meaning(
+        Drive,
+        "none: the engine computes in the frame of the track",
+        "the loads of the track's motion on the plate",
+    ),
 )

@@ -12,6 +12,7 @@ import numpy as np
 from cases import Case, Cost, Curve, Flight, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
 
+from ..common.driven_tracks import to_fixed_frame
 from ..common.flights import LANDING_REASON, LIFT_OFF_REASON, flights, lands_for_good
 from ..interface import EngineFailure, Setting
 from .system import ExudynContact, ExudynSystem, SensorData, rough_friction, scales
@@ -22,12 +23,14 @@ _FORCES, _TOUCH = slice(8, 10), slice(7, 12)
 
 @dataclass
 class ExudynModel:
-    """A case in the engine; after the run also its cost and, if the engine gave up, the engine's message."""
+    """A case in the engine, for a driven track in the track's frame; after the run also its cost and, if the engine
+    gave up, the engine's message. `outside` is the case in the fixed frame."""
 
     case: Case
     route: str
     setting: Setting
     system: ExudynSystem
+    outside: Case
     cost: Cost = Cost()
     failure: str | None = None
 
@@ -52,13 +55,14 @@ def read(model: ExudynModel) -> Trajectory:
     if end is not None:
         rows = _until(rows, end)
     t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2 = rows.T
-    return Trajectory(
+    motion = Trajectory(
         *(t, x, y, theta, vx, vy, omega, slip, normal_force, friction_force, xi1, xi2),
         status=Trajectory.status if end is None else end.status,
         reason=Trajectory.reason if end is None else end.reason,
         cost=model.cost,
         slip_resolution=_creep(model.case, model.setting, friction_force),
     )
+    return to_fixed_frame(model.outside, motion)
 
 
 def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import copysign, isnan, sqrt
+from math import copysign, hypot, isnan, sqrt
 from typing import Any, NamedTuple
 
 import exudyn as exu
@@ -264,9 +264,11 @@ def scales(case: Case) -> tuple[float, float]:
     start = start_motion(case)
     length = float(np.hypot(*case.plate.outline.point(start.xi2)))
     gravity = case.effect(Gravity)
-    speed = max(abs(start.slip), abs(start.omega) * length)
-    # Without gravity the motion sets the scale; a plate at rest stays at rest at any scale.
-    acceleration = gravity.g if gravity and gravity.g > 0.0 else speed**2 / length
+    speed, load = max(abs(start.slip), abs(start.omega) * length), case.effect(Load)
+    # Without gravity the load at the start (on a track that turns gravity is one) and the motion set the scale; a plate
+    # at rest without either stays at rest at any scale.
+    pull = hypot(*load.at(0.0, *start[:6])[:2]) / case.plate.mass if load else 0.0
+    acceleration = gravity.g if gravity and gravity.g > 0.0 else max(speed**2 / length, pull)
     return length, acceleration or 1.0
 
 

@@ -1,4 +1,4 @@
-"""Laws of further effects: load, impact, rough contact, bilateral guide, rolling resistance, belt.
+"""Laws of further effects: load, impact, rough contact, bilateral guide, rolling resistance, belt, driven track.
 
 Each follows from Newton's laws in a line or two, given in its docstring, for values that are drawn from the route's
 seed. `OF_EFFECT` lists the laws that check each effect, so that no adapter claims an effect without a check. Tolerances
@@ -18,6 +18,7 @@ from cases import (
     Belt,
     Case,
     CoulombFriction,
+    Drive,
     Flight,
     Gravity,
     Impact,
@@ -247,6 +248,26 @@ def belt(route: Route) -> None:
     hold("belt", "the slip", motion.slip - slip, tolerance * grip, "speed of Belt: the slip is relative to the belt")
 
 
+def driven_track(route: Route) -> None:
+    """A disc on a table at x = j t³/6 rolls: J ω̇ = T r, m v̇ = T and v̇ + r ω̇ = j t give v̇ = j t/(1 + m r²/J)."""
+    d = route.draw("driven track")
+    plate, radius, g, time = _disc(d)
+    mu, grip, duration = d.mu(0.2, 0.5), 1 + plate.mass * radius**2 / plate.inertia, 8 * time
+    # Friction stays below nine tenths of its bound.
+    jerk = d.signed(0.7, 0.9) * mu * g * grip / duration
+    effects = (Gravity(g), CoulombFriction(mu), Drive(x=f"{jerk / 6!r}*t**3"), Unilateral())
+    run = route.simulate(Case(LEVEL, plate, effects, Start(0.0), duration))
+    motion = run.motion
+    table = 0.5 * jerk * motion.t**2
+    # The table is up to a step early or late, and a disc that sticks may creep.
+    tolerance = 2 * abs(jerk) * duration * run.step + 2 * motion.slip_resolution + 1e-9
+    tolerance += 10 * run.rounding * run.speed * len(motion.t) ** 0.5
+    suspect = "x of Drive: its second rate drives the plate by friction; inertia of the plate"
+    hold("driven track", "vx", motion.vx - table / grip, tolerance, suspect)
+    hold("driven track", "the spin", radius * motion.omega - table * (1 - 1 / grip), tolerance, suspect)
+    hold("driven track", "the slip", motion.slip, tolerance * grip, "x of Drive: the slip is relative to the track")
+
+
 def fixed_rotation(route: Route) -> None:
     """A plate of infinite inertia slides on a level line: v̇ = −μ g until it rests, at v₀²/(2 μ g), without a turn."""
     d = route.draw("fixed rotation")
@@ -278,6 +299,7 @@ LAWS: dict[str, Law] = {
         guide,
         rolling_resistance,
         belt,
+        driven_track,
         fixed_rotation,
     )
 }
@@ -289,6 +311,7 @@ OF_EFFECT: dict[type, tuple[str, ...]] = {
     PerfectlyRough: ("perfectly_rough", "equations_of_motion"),
     RollingResistance: ("rolling_resistance", "equations_of_motion"),
     Belt: ("belt",),
+    Drive: ("driven_track",),
     Flight: ("free_fall", "landing"),
     Unilateral: ("lift_off", "guide"),
     CoulombFriction: ("friction_torque", "sticking_threshold", "equations_of_motion", "friction_by_speed"),

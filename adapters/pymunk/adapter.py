@@ -19,10 +19,23 @@ import pymunk
 from pymunk._chipmunk_cffi import lib
 from pymunk.batch import BodyFields, Buffer, get_space_bodies
 
-from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Load, PerfectlyRough, Trajectory, Unilateral
+from cases import (
+    Belt,
+    Case,
+    CoulombFriction,
+    Drive,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    Trajectory,
+    Unilateral,
+)
 from cases.contact import start_motion
+from cases.moving_frame import relative_case
 
-from ..common import facets, half_steps, several_contacts
+from ..common import driven_tracks, facets, half_steps, several_contacts
 from ..interface import EngineFailure, Setting
 from . import assisted, native
 from .load import LoadInSteps
@@ -49,7 +62,7 @@ routes = ("native", "assisted")
 KNOWN = "pymunk>=6.11"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
-KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt)
+KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt, Drive)
 # Routes that set the coefficient in each step, by the slip velocity.
 SLIP_LAWS = ("assisted",)
 # Routes whose shapes have a curve's corners.
@@ -78,7 +91,7 @@ def refuses(case: Case, route: str) -> str | None:
     impact = case.effect(Impact)
     if impact and impact.restitution > 0.0 and route == "assisted":
         return "A contact set by this route closes without restitution; it supports only Impact(0)."
-    return _refuses_natively(case) if route == "native" else None
+    return driven_tracks.refuses(case) or (_refuses_natively(case) if route == "native" else None)
 
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
@@ -94,14 +107,19 @@ def _refuses_natively(case: Case) -> str | None:
         return "pymunk's shapes have a constant surface velocity, and this belt's speed changes with time."
     if belt and facets.track_kind(case) == "hill":
         return "A pymunk shape has one surface velocity for all of its directions; it cannot run around a circle."
+    drive = case.effect(Drive)
+    if belt and drive and drive.is_turning:
+        return "A pymunk shape's surface velocity does not turn with its body, and this belt's track turns."
     endless = not case.track.period and not case.track.domain
     if belt and endless and facets.track_kind(case) == "chain":
         return (
             "pymunk's chain of segments must have ends, and a belt may carry the plate anywhere on this endless track."
         )
-    if case.effect(Load) and endless and facets.track_kind(case) == "chain":
+    mover = "Load" if case.effect(Load) else "Drive" if drive else ""
+    if mover and endless and facets.track_kind(case) == "chain":
         return (
-            "pymunk's chain of segments must have ends, and a Load may move the plate anywhere on this endless track."
+            f"pymunk's chain of segments must have ends, and a {mover} may move the plate anywhere on this endless "
+            "track."
         )
     return None
 
@@ -172,7 +190,7 @@ def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
 # --- build, run, read -------------------------------------------------------------------------------------------------
 
 
-# The plate comes first; the space's static body is one, too.
+# The plate comes first; the track's body, static or kinematic, is one, too.
 _BODIES = 2
 _RECORD_FIELDS = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
 
@@ -181,11 +199,13 @@ _RECORD_FIELDS = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | 
 class PymunkModel:
     """One run: the space, its moving body, the step (s), the number of steps, the recorded rows.
 
+    `engine_case` is the case that the engine has: on the assisted route, a driven track's as the track sees it.
     `drive`: its load; `rough`: sagitta (m) of the facets that approximate the curves; `guide`: the source of the
     assisted route's contacts.
     """
 
     case: Case
+    engine_case: Case
     space: pymunk.Space
     body: pymunk.Body
     h: float
@@ -211,16 +231,17 @@ def build(case: Case, route: str, setting: Setting) -> PymunkModel:
 
 def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkModel:
     steps = max(2, round(case.duration / setting["h"]))
-    h = case.duration / steps
+    h, engine_case = case.duration / steps, case if route == "native" else relative_case(case)
     if route == "native":
         space, body = native.build(case, setting)
+        native.drive_track(case, space, h)
         drive = LoadInSteps(case, body, h) if with_load else None
         rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
-        model = PymunkModel(case, space, body, h, steps, drive, rough)
+        model = PymunkModel(case, engine_case, space, body, h, steps, drive, rough)
     else:
-        space, body, drive, guide = assisted.build(case, setting, h)
-        model = PymunkModel(case, space, body, h, steps, drive, guide=guide)
-    start = start_motion(case)
+        space, body, drive, guide = assisted.build(engine_case, setting, h)
+        model = PymunkModel(case, engine_case, space, body, h, steps, drive, guide=guide)
+    start = start_motion(engine_case)
     body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
     body.angle = start.theta - 0.5 * h * start.omega
     body.velocity, body.angular_velocity = (start.vx, start.vy), start.omega
@@ -277,6 +298,7 @@ def read(model: PymunkModel) -> Trajectory:
     if guide and guide.problem:
         raise EngineFailure(f"The contact for pymunk could not be computed: {guide.problem}") from guide.problem
     contacts, load = guide.contacts if guide else None, np.array(drive.rows) if drive else None
-    return half_steps.read(
-        half_steps.StepRecord(model.case, model.h, model.steps, rows, contacts, load=load, rough=model.rough)
+    motion = half_steps.read(
+        half_steps.StepRecord(model.engine_case, model.h, model.steps, rows, contacts, load=load, rough=model.rough)
     )
+    return motion if model.engine_case is model.case else driven_tracks.to_fixed_frame(model.case, motion)

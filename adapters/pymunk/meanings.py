@@ -4,7 +4,7 @@
 `tests/adapters/test_impact_laws.py`.
 """
 
-from cases import Belt, CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, CoulombFriction, Drive, Impact, PerfectlyRough, RollingResistance
 
 from ..common.impacts import MOREAU, not_moreaus
 from ..interface import Meaning
@@ -32,6 +32,18 @@ MEANINGS = (
         Belt,
         "surface_velocity of the contact",
         "Coulomb's law for the slip on that surface, its speed at each step's pose",
+        routes=("assisted",),
+    ),
+    Meaning(
+        Drive,
+        "a kinematic body, its velocities set in each step by velocity_func",
+        "the track is where it is at the beginning of each step",
+        routes=("native",),
+    ),
+    Meaning(
+        Drive,
+        "none: the engine computes in the frame of the track",
+        "the loads of the track's motion on the plate",
         routes=("assisted",),
     ),
 )

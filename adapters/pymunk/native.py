@@ -19,15 +19,16 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from itertools import pairwise, product
+from itertools import count, pairwise, product
 
 import numpy as np
 import pymunk
 
-from cases import Belt, Case, Chain, CoulombFriction, Curve, Impact, NotSupported, PerfectlyRough
+from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, NotSupported, PerfectlyRough
 from cases.mechanics import gravity
 from cases.shapes import Circle, Line, as_circle, as_line
 
+from ..common.driven_tracks import PrescribedSteps
 from ..common.facets import chain, is_convex, polygon, rim, round_plate, stretch, track_kind
 from ..interface import Setting
 
@@ -137,7 +138,8 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
             setattr(space, knob, setting[knob])
     body = pymunk.Body(case.plate.mass, case.plate.inertia)
     plate = _plate_shapes(case, body, setting)
-    shapes = _track_shapes(case, space, setting)
+    track = pymunk.Body(body_type=pymunk.Body.KINEMATIC) if case.effect(Drive) else space.static_body
+    shapes = _track_shapes(case, space, track, setting)
     impact = case.effect(Impact)
     for shape in plate:
         shape.friction = friction_coefficient(case)
@@ -150,8 +152,27 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
         _run_surface(shapes, belt.constant or 0.0)
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(shapes)
-    space.add(body, *plate, *shapes)
+    space.add(body, *plate, *([track] if case.effect(Drive) else []), *shapes)
     return space, body
+
+
+def drive_track(case: Case, space: pymunk.Space, h: float) -> None:
+    """Let the track's body follow its driven motion in steps of h (s), the first of which is a half one."""
+    drive = case.effect(Drive)
+    if drive is None:
+        return
+    (body,) = (each for each in space.bodies if each.body_type == pymunk.Body.KINEMATIC)
+    motion, step = PrescribedSteps(drive, h), count()
+
+    def follow(body: pymunk.Body, gravity: tuple[float, float], damping: float, dt: float) -> None:
+        # The engine moves its bodies first: here they are at the beginning of the next step.
+        vx, vy, spin = motion.velocities(next(step))
+        body.velocity, body.angular_velocity = (vx, vy), spin
+
+    (x, y, angle), (vx, vy, spin) = motion.start
+    body.position, body.angle = (x - 0.5 * h * vx, y - 0.5 * h * vy), angle - 0.5 * h * spin
+    body.velocity, body.angular_velocity = (vx, vy), spin
+    body.velocity_func = follow
 
 
 def _run_surface(shapes: Sequence[pymunk.Shape], speed: float) -> None:
@@ -180,21 +201,21 @@ def _rim_thickness(outline: Curve, width: float) -> float:
     return min(0.02 * width, 0.5 / sharpest) if sharpest > 0.0 else 0.02 * width
 
 
-def _track_shapes(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
+def _track_shapes(case: Case, space: pymunk.Space, body: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
     kind, line, circle = track_kind(case), as_line(case.track), as_circle(case.track)
     if kind == "hill" and circle:
-        return [_static_circle(space, circle)]
+        return [_track_circle(body, circle)]
     if line:
-        return [_line_segment(case, space, line, setting["thickness"])]
-    return _chain(case, space, setting)
+        return [_line_segment(case, space, body, line, setting["thickness"])]
+    return _chain(case, body, setting)
 
 
-def _static_circle(space: pymunk.Space, circle: Circle) -> pymunk.Shape:
+def _track_circle(body: pymunk.Body, circle: Circle) -> pymunk.Shape:
     x, y = circle.centre
-    return pymunk.Circle(space.static_body, circle.radius, (float(x), float(y)))
+    return pymunk.Circle(body, circle.radius, (float(x), float(y)))
 
 
-def _line_segment(case: Case, space: pymunk.Space, line: Line, thickness: float) -> pymunk.Shape:
+def _line_segment(case: Case, space: pymunk.Space, body: pymunk.Body, line: Line, thickness: float) -> pymunk.Shape:
     """One segment along the stretch, its surface above the line by half the slop that the engine allows.
 
     The engine detects a contact only where shapes overlap: without that overlap the plate would fall for one step.
@@ -203,18 +224,18 @@ def _line_segment(case: Case, space: pymunk.Space, line: Line, thickness: float)
     normal = np.array([-line.direction[1], line.direction[0]])
     lift = normal * (0.5 * min(space.collision_slop, 1e-6 * case.plate.inner) - thickness)
     (ax, ay), (bx, by) = (case.track.point(s) + lift for s in (part.low, part.high))
-    return pymunk.Segment(space.static_body, (float(ax), float(ay)), (float(bx), float(by)), thickness)
+    return pymunk.Segment(body, (float(ax), float(ay)), (float(bx), float(by)), thickness)
 
 
-def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
+def _chain(case: Case, body: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
     """Segments of equal length along the stretch, behind the track by their radius."""
-    count, thickness = setting["facets"], setting["thickness"]
-    if count > _MOST_FACETS:
+    facets, thickness = setting["facets"], setting["thickness"]
+    if facets > _MOST_FACETS:
         raise NotSupported(
-            f"At this step the track needs {count:,} facets, and a million take more than a gigabyte of memory; "
+            f"At this step the track needs {facets:,} facets, and a million take more than a gigabyte of memory; "
             "give a coarser setting."
         )
-    points = [(float(x), float(y)) for x, y in chain(case, count, behind=thickness).T]
+    points = [(float(x), float(y)) for x, y in chain(case, facets, behind=thickness).T]
     if stretch(case).closed:
         points[-1] = points[0]
         before, after = points[-2], points[1]
@@ -223,7 +244,7 @@ def _chain(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Sha
     with_neighbours = [before, *points, after]
     segments: list[pymunk.Shape] = []
     for i in range(len(points) - 1):
-        segment = pymunk.Segment(space.static_body, points[i], points[i + 1], thickness)
+        segment = pymunk.Segment(body, points[i], points[i + 1], thickness)
         if setting["neighbors"]:
             segment.set_neighbors(with_neighbours[i], with_neighbours[i + 3])
         segments.append(segment)

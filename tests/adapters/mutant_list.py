@@ -10,6 +10,7 @@ import numpy as np
 from cases import (
     Belt,
     CoulombFriction,
+    Drive,
     Flight,
     Gravity,
     Impact,
@@ -398,11 +399,14 @@ COLUMNS = [
     motion_mutant("drift along x", "turn_frame[disc in a circle]", "turned frame", x=lambda m: m.x + 0.05 * m.t),
     motion_mutant("speed limited", "free_fall", "vy", vy=lambda m: np.clip(m.vy, -0.8, 0.8)),
 ]
-SPEED, TURNING = "speed of Belt", "inertia of the plate (infinite)"
+SPEED, DRIVEN, TURNING = "speed of Belt", "x of Drive", "inertia of the plate (infinite)"
 BELTS = [
     case_mutant("belt runs backwards", "belt", SPEED, effect(Belt, lambda e: Belt(-e.expression))),
     case_mutant("belt 3 % too fast", "belt", SPEED, effect(Belt, lambda e: Belt(1.03 * e.expression))),
     case_mutant("belt ignored", "belt", SPEED, effect(Belt, lambda e: None)),
+    case_mutant("drive ignored", "driven_track", DRIVEN, effect(Drive, lambda e: None)),
+    case_mutant("drive 3 % too far", "driven_track", DRIVEN, effect(Drive, lambda e: Drive(1.03 * e.x, e.y, e.angle))),
+    case_mutant("drive in -x", "driven_track", DRIVEN, effect(Drive, lambda e: Drive(-e.x, e.y, e.angle))),
     case_mutant(
         "infinite inertia read as a disc's",
         "fixed_rotation",

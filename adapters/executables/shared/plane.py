@@ -41,10 +41,14 @@ def exit_not_available(name: str) -> NoReturn:
     sys.exit(1)
 
 
-def read_scene(engine: str, names: tuple[str, ...]) -> dict[str, Any]:
-    """The scene. Ends the program for an effect that is not in `names`, or that no engine with contacts supports."""
+def read_scene(engine: str, names: tuple[str, ...], reasons: dict[str, str] | None = None) -> dict[str, Any]:
+    """The scene. Ends the program for an effect that is not in `names`, with the effect's sentence of `reasons` if it
+    has one, or that no engine with contacts supports."""
     scene = json.load(sys.stdin)
     effects = scene["effects"]
+    for name, reason in (reasons or {}).items():
+        if name in effects:
+            refuse(reason)
     missing = [name for name in effects if name not in names]
     if missing:
         refuse(f"{engine} has no implementation here of {' and '.join(missing)}.")
@@ -62,6 +66,15 @@ def gravity(scene) -> tuple[float, float, float]:
     """The acceleration of gravity as a vector in space, m/s²."""
     pull = scene["effects"].get("Gravity", dict(g=0.0, direction=0.0))
     return pull["g"] * cos(pull["direction"]), pull["g"] * sin(pull["direction"]), 0.0
+
+
+def belt_speed(scene) -> float | None:
+    """The constant speed of a belt (m/s), 0 for a track at rest; None for a speed that changes with time."""
+    speed = scene["effects"].get("Belt", {}).get("speed", "0")
+    try:
+        return float(speed)
+    except ValueError:
+        return None
 
 
 class Shape(NamedTuple):
@@ -162,13 +175,14 @@ class MotionRows:
     """The rows of a motion, and the CPU time since this object was made.
 
     Poses and velocities are at the same times. The forces of a row are those of the step that begins there. Its slip is
-    that of the step that ends there, at the engine's own contact points, where its friction acts.
+    that of the step that ends there, at the engine's own contact points, where its friction acts, relative to a surface
+    that runs along the track with `belt` m/s.
     """
 
     NAMES = "t,x,y,theta,vx,vy,omega,slip,normal_force,friction_force"
 
-    def __init__(self, scene):
-        self.scene, self.cpu_start = scene, time.process_time()
+    def __init__(self, scene, belt: float = 0.0):
+        self.scene, self.belt, self.cpu_start = scene, belt, time.process_time()
         self.rows: list[tuple] = []
         # Slip at the end of the last step.
         self.slip: float | None = scene["start"]["slip"]
@@ -184,7 +198,7 @@ class MotionRows:
             for dx, dy in [(touch.point[0] - pose[0], touch.point[1] - pose[1])]
         ]
         # Without a contact force the slip follows from the pose.
-        self.slip = sum(slips) / push if push > 0.0 else None
+        self.slip = sum(slips) / push - self.belt if push > 0.0 else None
 
     def write(self, creep: float) -> None:
         """Print the motion as comma-separated values, with its cost and the slip (m/s) below which it counts as

@@ -1,0 +1,78 @@
+"""Driven tracks (`cases.Drive`) for engines: the track's places in steps, and motions seen from the track.
+
+An engine whose bodies can be moved by prescription carries the track's shapes on such a body. Its poses are then read
+in the frame of the track, where the case is `cases.moving_frame.relative_case`. Independent of any engine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cases import BadValue, Case, Drive, Trajectory
+from cases.contact import track_place
+from cases.moving_frame import in_fixed_frame, relative_case
+from cases.trajectory import State
+
+Place = tuple[float, float, float]
+
+
+def refuses(case: Case) -> str | None:
+    """Why a case with a driven track cannot be read in the frame of its track, or None."""
+    try:
+        relative_case(case)
+    except BadValue as problem:
+        return f"{problem}."
+    return None
+
+
+def to_fixed_frame(case: Case, motion: Trajectory) -> Trajectory:
+    """A motion of `relative_case(case)` in the fixed frame, with its samples; of a case without Drive, itself."""
+    if case.effect(Drive) is None:
+        return motion
+    fixed = in_fixed_frame(case, motion)
+    columns: dict[str, Any] = {name: np.asarray(getattr(fixed, name)) for name in State._fields}
+    return replace(motion, **columns)
+
+
+@dataclass(frozen=True)
+class PrescribedSteps:
+    """The prescribed motion of a track's body in steps of h (s): constant velocities from one place to the next."""
+
+    drive: Drive
+    h: float
+
+    def place(self, step: int) -> Place:
+        """Place (m) and angle (rad) at the beginning of a step."""
+        return self.drive.at(step * self.h)[:3]
+
+    def velocities(self, step: int) -> Place:
+        """The velocities (m/s, rad/s) that move it to its place at the next step."""
+        here, there = self.place(step), self.place(step + 1)
+        vx, vy, spin = ((b - a) / self.h for a, b in zip(here, there, strict=True))
+        return vx, vy, spin
+
+    @property
+    def start(self) -> tuple[Place, Place]:
+        """Place and velocities at t = 0."""
+        at = self.drive.at(0.0)
+        return (at.x, at.y, at.angle), (at.vx, at.vy, at.spin)
+
+
+def rows_from_track(case: Case, rows: np.ndarray, poses_at: np.ndarray, velocities_at: np.ndarray) -> np.ndarray:
+    """Rows (x, y, theta, vx, vy, omega) as the track sees them, shape (n, 6).
+
+    Poses and velocities may be of different times (s), as an engine's are. The velocity of a frame that turns needs the
+    place too, which is that of the pose, moved by the velocity until the velocity's time.
+    """
+    x, y, theta, vx, vy, omega = rows.T
+    at = track_place(case, poses_at)
+    c, s, dx, dy = np.cos(at.angle), np.sin(at.angle), x - at.x, y - at.y
+    pose = c * dx + s * dy, c * dy - s * dx, theta - at.angle
+    later = velocities_at - poses_at
+    at = track_place(case, velocities_at)
+    c, s, dx, dy = np.cos(at.angle), np.sin(at.angle), x + later * vx - at.x, y + later * vy - at.y
+    ux, uy = vx - at.vx + at.spin * dy, vy - at.vy - at.spin * dx
+    return np.column_stack([*pose, c * ux + s * uy, c * uy - s * ux, omega - at.spin])
