@@ -85,7 +85,7 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
     rtol = between("rtol", rtol, *TOLERANCES)
     if method == "augmented" and has_pieces(case):
-        raise NotSupported("the paper's matrix (27) has no rows for corners here; leave method out, or give 'dop853'")
+        raise NotSupported("the method 'augmented' does not integrate over corners; leave method out, or give 'dop853'")
     # Not as a decorator: NumPy 1 would store the state to restore in one place for all threads.
     with np.errstate(all="ignore"):  # non-finite values end the motion with a reason
         return _simulate(case, rtol, _method_name(method, case))

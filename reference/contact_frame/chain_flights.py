@@ -37,9 +37,9 @@ def fly(course: MotionState, body: list[float]) -> LandingState | EndState:
     path = FlightCourse(course.scene, course.t, body, course.end, course.rtol, course.steps_per_turn, course.work)
     reach, before, start = course.scene.reach, course.t, course.t
     chains, middle, spread = _chains(course, 0.0), body, 0.0
-    entry: Entry | None = None
+    passing = False  # a plate is not stopped by the ends of an open track, and overlaps it while it passes one
     try:
-        while before < course.end and entry is None:
+        while before < course.end:
             course.work.count += 1
             if course.work.used_up:
                 raise WorkLimit
@@ -51,18 +51,18 @@ def fly(course: MotionState, body: list[float]) -> LandingState | EndState:
             after = min(before + _time(course, before, now, max(STEP * chains.size, OF_DISTANCE * away)), course.end)
             after = max(after, float(np.nextafter(before, course.end)))
             entry = chains.entry(*path(after)[:3])
-            before = before if entry is not None else after
+            if entry is not None and not passing:
+                landing = _landing(course, path, *_first(path, chains, entry, before, after))
+                if landing is not None:
+                    _record(course, path, start, course.t)
+                    return landing
+            before, passing = after, entry is not None
     except WorkLimit:
         course.t = before
         return EndState(IN_PROGRESS)
-    if entry is None:
-        course.t = course.end
-        _record(course, path, start, course.end)
-        return EndState("completed")
-    time, entry = _first(path, chains, entry, before, after)
-    _record(course, path, start, time)
-    course.t = time
-    return _landing(course, path, time, entry)
+    course.t = course.end
+    _record(course, path, start, course.end)
+    return EndState("completed")
 
 
 def _chains(course: MotionState, spread: float) -> Chains:
@@ -95,14 +95,15 @@ def _first(path: FlightCourse, chains: Chains, entry: Entry, before: float, afte
     return after, entry
 
 
-def _landing(course: MotionState, path: FlightCourse, time: float, entry: Entry) -> LandingState | EndState:
-    """The landing at a pair of elements, polished with states integrated up to it."""
+def _landing(course: MotionState, path: FlightCourse, time: float, entry: Entry) -> LandingState | EndState | None:
+    """The landing at a pair of elements, polished with states integrated up to it; None beyond an open track's ends."""
     track, outline = course.case.track, course.case.plate.outline
     for _ in range(MOST_POLISHES):
         body = path.exactly(time)
         try:
             contact = find_from(track, outline, body[0], body[1], body[2], entry)
         except DoesNotFit:
+            course.t = time
             return EndState("landing")  # a corner on a corner
         (X, Y), (tx, ty) = track.point(contact.xi1).tolist(), track.tangent(contact.xi1).tolist()
         rx, ry = X - contact.gap * ty - body[0], Y + contact.gap * tx - body[1]
@@ -112,6 +113,8 @@ def _landing(course: MotionState, path: FlightCourse, time: float, entry: Entry)
         if abs(step) <= float(np.spacing(time)):
             break
         time = max(time + step, path.nodes[0][0])
+    if track.domain and not track.period and not track.domain[0] <= contact.xi1 <= track.domain[1]:
+        return None
     course.t = time
     xi1, xi2, turns = course.unwind(body[2], contact.xi1, contact.xi2)
     pieces = pieces_at(course.case, xi1, xi2)

@@ -92,12 +92,18 @@ def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
 
 def own_torsor(case: Case, k: Kinematics, time: float, slip: float) -> np.ndarray:
     """The forces of the user's own effects, which act at the contact, as a torsor at the centre of mass."""
+    return own_torsor_at(case, k.Rp / sqrt(k.Rp @ k.Rp), k.turn @ k.r, time, slip, float(k.theta_dot))
+
+
+def own_torsor_at(
+    case: Case, tangent: np.ndarray, arm: np.ndarray, time: float, slip: float, spin: float
+) -> np.ndarray:
+    """The same at a contact with that unit tangent and arm from the centre of mass."""
     F = np.zeros(3)
     for effect in own_effects(case.effects):
-        along, across, couple = effect.at(time, slip, float(k.theta_dot))[:3]
-        tangent = k.Rp / sqrt(k.Rp @ k.Rp)
+        along, across, couple = effect.at(time, slip, spin)[:3]
         force = along * tangent + across * (U @ tangent)
-        F += np.array([*force, (U @ k.turn @ k.r) @ force + couple])
+        F += np.array([*force, (U @ arm) @ force + couple])
     return F
 
 
@@ -186,8 +192,8 @@ def assemble(
 ) -> AugmentedSystem:
     """Assemble (27) from given kinematics, whether or not they fit the contact; `motion` as in `applied_torsor`."""
     belt = belt_of(case, motion[0])
-    ratio = _friction_ratio(case, mode, side, slip_velocity(k, belt[0]))
-    arm, rotation_fixed = _resistance(case, mode, side, turn, k)
+    ratio = friction_ratio(case, mode, side, slip_velocity(k, belt[0]))
+    arm, rotation_fixed = resistance(case, mode, side, turn, float(k.turning))
     rolls = mode in WITHOUT_SLIP
     size = 6 + rolls + rotation_fixed
     matrix, right = np.zeros((size, size)), np.zeros(size)
@@ -210,7 +216,7 @@ def assemble(
     return AugmentedSystem(matrix, np.delete(right, THETA_ROW), k, ratio, arm, rolls, True, moments)
 
 
-def _friction_ratio(case: Case, mode: Mode, side: int, slip: float) -> float:
+def friction_ratio(case: Case, mode: Mode, side: int, slip: float) -> float:
     """μ of (30): against the slip, by the magnitude of the normal force; 0 without slip or friction.
 
     A coefficient that depends on the slip speed is μ(|v|) with v of (12), relative to a belt; it is smooth where an
@@ -223,15 +229,15 @@ def _friction_ratio(case: Case, mode: Mode, side: int, slip: float) -> float:
     return SIGN[mode] * side * mu
 
 
-def _resistance(case: Case, mode: Mode, side: int, turn: int | None, k: Kinematics) -> tuple[float, bool]:
-    """The resisting couple per normal force (m), and whether the rotation is fixed."""
-    resistance = case.effect(RollingResistance)
-    if resistance is None:
+def resistance(case: Case, mode: Mode, side: int, turn: int | None, spin: float) -> tuple[float, bool]:
+    """The resisting couple per normal force (m) at a spin (rad/s), and whether the rotation is fixed."""
+    effect = case.effect(RollingResistance)
+    if effect is None:
         return 0.0, False
-    turn = int(np.sign(k.turning)) if turn is None else turn
+    turn = int(np.sign(spin)) if turn is None else turn
     if turn == 0 or mode is Mode.REST:
         return 0.0, True
-    return -turn * side * resistance.arm, False
+    return -turn * side * effect.arm, False
 
 
 def _angle(case: Case, state: Sequence[float], k: Kinematics) -> float:
