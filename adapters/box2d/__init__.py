@@ -1,6 +1,7 @@
 """Box2D's adapter; `adapters.box2d.adapter` describes it."""
 
 from .adapter import (
+    CORNERS,
     NAME,
     ROUNDING,
     SEVERAL_CONTACTS,
@@ -18,6 +19,6 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
-    "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS", "build", "default_grid", "grid", "ladder", "read", "refuses",
-    "refuses_several_contacts", "routes", "run", "version",
+    "CORNERS", "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS", "build", "default_grid", "grid", "ladder", "read",
+    "refuses", "refuses_several_contacts", "routes", "run", "version",
 ]  # fmt: skip

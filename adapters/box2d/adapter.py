@@ -64,6 +64,9 @@ ROUNDING = float(np.finfo(np.float32).eps)
 # The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, CoulombFriction, PerfectlyRough, RollingResistance, Unilateral, Flight, Impact, Belt, Drive)
 
+# Routes whose shapes have a curve's corners.
+CORNERS = ("native",)
+
 # Steps in seconds for a case of a few seconds; a longer case has as many steps.
 STEPS, USUAL_DURATION = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
 # The grid's steps, and stiffnesses that the engine allows at the longest of them, its default among them.
@@ -96,6 +99,8 @@ def refuses(case: Case, route: str) -> str | None:
         return "box2d has one friction coefficient for slip and stick."
     if not case.effect(Unilateral):
         return "box2d's contacts only push, and this case has a bilateral guide (no Unilateral)."
+    if facets.has_hollow_corners(outline):
+        return "box2d's shapes are convex, and this outline has corners that point inwards."
     if not facets.sees_all(outline):
         return "box2d's shapes are convex, and no fan of them gives this outline: its centre does not see all of it."
     belt = case.effect(Belt)

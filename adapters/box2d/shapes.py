@@ -136,11 +136,11 @@ def add_plate(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, s
             body.create_shape(define, pyb2d3.polygon(points=np.vstack([np.zeros(2), *edge])))
         return
     rim = scale * facets.polygon(case, count).T
-    if count == MOST_CORNERS:
+    if len(rim) <= MOST_CORNERS:
         body.create_shape(define, pyb2d3.polygon(points=rim))
         return
-    for first in range(0, count, RIM):
-        part = rim[np.arange(first, first + RIM + 1) % count]
+    for first in range(0, len(rim), RIM):
+        part = rim[np.arange(first, min(first + RIM, len(rim)) + 1) % len(rim)]
         body.create_shape(define, pyb2d3.polygon(points=np.vstack([np.zeros(2), part])))
 
 

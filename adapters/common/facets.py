@@ -237,8 +237,21 @@ _FLAT = 1e-9
 
 def is_convex(outline: Curve) -> bool:
     """Whether the outline is closed and nowhere bends inwards, as an engine's polygons require."""
+    if isinstance(outline, Chain):
+        bends = [piece.curvature(np.linspace(*piece.span, 65)) for piece in outline.pieces]
+        least, most = min(float(np.min(b)) for b in bends), max(float(np.max(b)) for b in bends)
+        return (
+            bool(outline.period)
+            and not has_hollow_corners(outline)
+            and least >= -_FLAT * max(most, 1.0 / outline.sizes[0])
+        )
     bend = outline.curvature(np.linspace(*outline.span, 721))
     return bool(outline.period) and bool(bend.min() >= -_FLAT * bend.max())
+
+
+def has_hollow_corners(outline: Curve) -> bool:
+    """Whether an outline has corners that point inwards."""
+    return isinstance(outline, Chain) and any(corner.turn < 0.0 for corner in outline.corners)
 
 
 def sees_all(outline: Curve) -> bool:

@@ -38,23 +38,33 @@ def test_contact_moves_on_to_the_next_pieces():
     assert contact.xi1 == pytest.approx(1.5, abs=1e-12) and abs(contact.gap) < 1e-14
 
 
+@pytest.mark.parametrize("name", ["pymunk", "box2d"])
 @pytest.mark.parametrize(("case", "order"), [(ROLLS_OFF, None), (ROCKS, 0.7), (WHEEL, 0.7)])
-def test_pymunk_has_the_corners_and_converges(case, order):
+def test_engine_has_the_corners_and_converges(name, case, order):
     """The disc's motion on the table is exact to rounding, as on any line; that of a rocking plate converges."""
-    pymunk = pytest.importorskip("pymunk") and adapters.engine("pymunk")
+    engine = pytest.importorskip({"box2d": "pyb2d3"}.get(name, name)) and adapters.engine(name)
     truth, errors = reference.simulate(case), []
-    for setting in pymunk.ladder(case, "native")[2:6]:
-        model = pymunk.build(case, "native", setting)
-        pymunk.run(model)
-        motion = pymunk.read(model)
+    for setting in engine.ladder(case, "native")[2:6]:
+        model = engine.build(case, "native", setting)
+        engine.run(model)
+        motion = engine.read(model)
         early = motion.t <= 0.9 * min(truth.t[-1], motion.t[-1])
         true = truth(motion.t[early])
         errors.append(np.hypot(motion.x[early] - true.x, motion.y[early] - true.y).max())
     if order is None:
         assert errors[-1] < 2e-3
     else:
-        steps = [setting["h"] for setting in pymunk.ladder(case, "native")[2:6]]
-        assert errors[0] / errors[-1] > (steps[0] / steps[-1]) ** order / 2
+        steps = [setting["h"] for setting in engine.ladder(case, "native")[2:6]]
+        assert errors[0] / errors[-1] > (steps[0] / steps[-1]) ** order / 2, errors
+
+
+@pytest.mark.parametrize("name", ["pymunk", "box2d"])
+def test_outline_with_corners_that_point_inwards_is_rejected(name):
+    """A gear as one convex polygon would be its hull."""
+    engine = pytest.importorskip({"box2d": "pyb2d3"}.get(name, name)) and adapters.engine(name)
+    case = Case(library.line(0.2), Plate.gear(0.1, 6, 0.02, 1.0), EFFECTS, Start(0.0, xi2=0.3), 1.0)
+    assert "point inwards" in (refusal(engine, case, "native") or "")
+    assert refusal(engine, ROCKS, "native") is None
 
 
 def test_routes_without_corners_reject_them_in_one_sentence():
