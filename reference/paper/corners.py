@@ -46,7 +46,7 @@ class CornerSolution(NamedTuple):
     couple: float
 
 
-class _Place(NamedTuple):
+class _CornerContact(NamedTuple):
     """The contact at one instant: the common tangent, not of unit length, the arm θ r, D and the parts of C that are
     not θ̇² θ r; the slip along the tangent, and its rate without the free parameter's acceleration, with that factor."""
 
@@ -99,7 +99,7 @@ def solve_at_corner(
     return CornerSolution(answer[:3], float(answer[3]), normal, friction, couple)
 
 
-def _place(case: PieceCase, xi1: float, xi2: float, u1: float, u2: float, theta: float, spin: float) -> _Place:
+def _place(case: PieceCase, xi1: float, xi2: float, u1: float, u2: float, theta: float, spin: float) -> _CornerContact:
     track, outline = case.pieces
     c, s = cos(theta), sin(theta)
     turn = np.array([[c, -s], [s, c]])  # (3)
@@ -107,9 +107,9 @@ def _place(case: PieceCase, xi1: float, xi2: float, u1: float, u2: float, theta:
         _, Rp, Rs, _ = np.array(case.track.jet(xi1)).reshape(4, 2)
         P = float(np.hypot(*Rp))
         arm = turn @ np.array([outline.x, outline.y])
-        return _Place(Rp, arm, -Rp, u1**2 * Rs, u1 * P, P, u1**2 * float(Rp @ Rs) / P)
+        return _CornerContact(Rp, arm, -Rp, u1**2 * Rs, u1 * P, P, u1**2 * float(Rp @ Rs) / P)
     assert isinstance(track, Corner)
     r, rp, rs, _ = np.array(case.plate.outline.jet(xi2)).reshape(4, 2)
     along, p = turn @ rp, float(np.hypot(*rp))
     C = -2.0 * spin * u2 * (U @ along) - u2**2 * (turn @ rs)
-    return _Place(along, turn @ r, along, C, -u2 * p, -p, -(u2**2) * float(rp @ rs) / p)
+    return _CornerContact(along, turn @ r, along, C, -u2 * p, -p, -(u2**2) * float(rp @ rs) / p)
