@@ -28,7 +28,7 @@ from shutil import get_terminal_size
 from textwrap import fill
 
 from . import lookup, owned_folder, registry
-from .command_line import status
+from .command_line import program, status
 from .errors import BadValue, CaseError, unknown_name
 
 OWN = ("new", "check")
@@ -101,13 +101,13 @@ def run_command(command: str, words: Sequence[str]) -> None:
         return
     if command == "check":
         if not words:
-            raise BadValue("check takes a case or a FILE: python -m cases check FILE")
+            raise BadValue(f"check takes a case or a FILE: {program('cases check')} FILE")
         print(check(words[0], words[1:]))
         return
     force = "--force" in words
     words = [word for word in words if word != "--force"]
     if len(words) != 1:
-        raise BadValue("new takes one NAME: python -m cases new NAME")
+        raise BadValue(f"new takes one NAME: {program('cases new')} NAME")
     print(new(words[0], force))
 
 
@@ -147,7 +147,7 @@ def new(name: str, force: bool = False) -> str:
         raise BadValue(f"{name!r} is the name of a Python module, or of something that a case uses, which {name}.py "
                        "would replace; give another name")  # fmt: skip
     owned_folder.write(path, TEMPLATE.format(name=name), replace=force)
-    return f"written: {path}; edit its curve, then python -m cases check {path}"
+    return f"written: {path}; edit its curve, then {program('cases check')} {path}"
 
 
 def _shadows(name: str) -> bool:

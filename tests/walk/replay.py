@@ -1,0 +1,81 @@
+"""Scripts of four new users, and records of what the terminal printed, in `newcomers/`.
+
+`python -m tests.walk.replay ENVIRONMENT` runs them with the wheel that is installed there and writes the records again.
+Read every sentence of a record before you commit it.
+"""
+
+from __future__ import annotations
+
+import re
+import resource
+import shutil
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from .installed import Environment
+
+FOLDER = Path(__file__).parent / "newcomers"
+SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.sh"))
+# What differs from run to run or between machines, and what stands for it in a record.
+VOLATILE = (
+    (r"^[^:$\n]+: \d+ of \d+(?:, about .* left)?\n", ""),  # progress
+    (r"\d+(?:\.\d+)? s, \d+(?:\.\d+)? s of CPU time", "# s, # s of CPU time"),
+    (r"\(since [^)]*\)", "(since #)"),
+    (r"skipped in .*", "skipped in #"),
+    (r"\b\d+ kB", "# kB"),
+    (r"\b[\d.]+e-1\d\b", "#"),  # rounding errors
+)
+
+
+def lines_of(name: str) -> list[str]:
+    """The commands of a script."""
+    return [
+        line for line in (FOLDER / f"{name}.sh").read_text(encoding="utf-8").splitlines() if line[:1] not in ("", "#")
+    ]
+
+
+def run(name: str, environment: Environment, desk: Path) -> tuple[str, float]:
+    """Run a script in an empty folder that has only its own files; returns the record, and the CPU seconds until its
+    first result."""
+    for file in FOLDER.iterdir():
+        if file.suffix not in (".sh", ".txt") and file.name in (FOLDER / f"{name}.sh").read_text(encoding="utf-8"):
+            shutil.copy(file, desk)
+    parts, first = [], 0.0
+    began = _cpu()
+    for line in lines_of(name):
+        command, mark, _ = line.partition("  # first result")
+        done = environment.run(command, desk, {"COLUMNS": "80"})
+        status = f"[exit status {done.returncode}]\n" if done.returncode else ""
+        parts.append(f"$ {command}\n{done.stdout}{done.stderr}{status}")
+        if mark:
+            first = _cpu() - began
+    return _steady("\n".join(parts), desk), first
+
+
+def _cpu() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def _steady(text: str, desk: Path) -> str:
+    """The text without what differs from run to run, and without spaces at the ends of lines."""
+    text = text.replace(str(desk.resolve()), "DESK").replace(str(desk), "DESK")
+    for pattern, instead in VOLATILE:
+        text = re.sub(pattern, instead, text, flags=re.M)
+    return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
+
+
+def main(folder: str, *names: str) -> None:
+    """Write the records of the scripts with the installed wheel of an environment."""
+    environment = Environment.__new__(Environment)
+    environment.folder = Path(folder).resolve()
+    for name in names or SCRIPTS:
+        with TemporaryDirectory() as desk:
+            record, first = run(name, environment, Path(desk))
+        (FOLDER / f"{name}.txt").write_text(record, encoding="utf-8")
+        print(f"{name}: first result after {first:.0f} s of CPU time; read newcomers/{name}.txt", flush=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
