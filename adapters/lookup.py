@@ -7,6 +7,8 @@ import importlib.util
 import os
 import pkgutil
 import sys
+from collections.abc import Callable, Iterable
+from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
@@ -104,7 +106,13 @@ def _bundled_adapters() -> set[str]:
 
 
 def _entry_points() -> dict[str, EntryPoint]:
-    return {point.name: point for point in entry_points(group=GROUP)}
+    return _entry_points_of(entry_points, tuple(sys.path))
+
+
+@lru_cache(maxsize=1)
+def _entry_points_of(search: Callable[..., Iterable[EntryPoint]], path: tuple[str, ...]) -> dict[str, EntryPoint]:
+    """The adapters of packages on the search path; a search takes milliseconds, and each run looks up its adapter."""
+    return {point.name: point for point in search(group=GROUP)}
 
 
 def _from_file(path: Path) -> ModuleType:

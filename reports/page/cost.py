@@ -51,7 +51,11 @@ def section(
         "failed": list(measurements.failures.items()),
         "levels": _levels(time_rows),
         # The plot of all settings replaces these figures.
-        "pictures": [picture(d, figures, inside=not d.case) for d in figure_entries if d.name.startswith("work_prec")],
+        "pictures": [
+            picture(d, figures, inside=not d.case) | ({"short": d.case} if d.case else {})
+            for d in figure_entries
+            if d.name.startswith("work_prec")
+        ],
         "fits": table(fits, _name(fits), file="work_precision_fits"),
         "nulls": table(frames["null_scores"], _name(frames["null_scores"]), file="null_scores"),
     }

@@ -103,7 +103,7 @@ def is_installed(name: str) -> bool:
 def missing_words(versions: Mapping[str, str]) -> list[str]:
     """A line for each solver that is not installed, and the command that installs those that are extras."""
     missing = {name: text.partition(": ")[2] for name, text in versions.items() if is_missing(text)}
-    lines = [f"{name}: {NOT_INSTALLED} (it needs {needs})" for name, needs in missing.items()]
+    lines = [f"{name}: {NOT_INSTALLED.replace('_', ' ')} (it needs {needs})" for name, needs in missing.items()]
     packages = sorted({package for needs in missing.values() if (package := _package(needs))})
     if packages:
         lines.append(f"pip install {' '.join(packages)} adds {'them' if len(packages) > 1 else 'it'}")

@@ -6,6 +6,7 @@ The browser is Chromium as a Linux distribution packs it (`apt-get install chrom
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 
@@ -21,11 +22,16 @@ _FLAGS = ("--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-backgrou
 
 @pytest.fixture(scope="session")
 def page_file(tmp_path_factory, in_process):
-    """The page of a quick report."""
-    place = tmp_path_factory.mktemp("page")
-    argv = ["--quick", "--case", *CASES, "--solver", "reference", "pymunk", "exudyn", "--out", str(place / "report")]
-    with in_process():
-        assert build.main([*argv, "--store", str(place / "store")]) == 0
+    """The page of a quick report, which the processes of a parallel run share: the first makes it, others wait."""
+    base = tmp_path_factory.getbasetemp()
+    place = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "report_of_browser_tests"
+    place.mkdir(exist_ok=True)
+    with open(place / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (place / "report").exists():
+            argv = ["--quick", "--case", *CASES, "--solver", "reference", "pymunk", "exudyn"]
+            with in_process():
+                assert build.main([*argv, "--out", str(place / "report"), "--store", str(place / "store")]) == 0
     return place / "report" / "index.html"
 
 
@@ -79,3 +85,46 @@ def open_page(chromium, page_file):
         page.close()
         assert page.heard.said == []
         assert page.heard.foreign(page_file.as_uri()) == []
+
+
+# All solvers and routes shown, all cases listed, the top of the page: as a reader opens it.
+_AS_OPENED = """() => {
+    document.querySelectorAll("input[data-switch]").forEach(one => { if (!one.checked) one.click(); });
+    const filter = document.querySelector(".index input");
+    filter.value = "";
+    filter.dispatchEvent(new Event("input"));
+    scrollTo(0, 0);
+}"""
+
+
+# The listeners of the page are called first.
+_GO = """place => new Promise(done => {
+    if (location.hash === place) { done(); return; }
+    addEventListener("hashchange", () => done(), { once: true });
+    location.hash = place;
+})"""
+
+
+@pytest.fixture(scope="session")
+def _desk_page(chromium, page_file):
+    page = chromium.new_page(viewport={"width": 1440, "height": 900})
+    page.heard = Heard(page)
+    page.goto(page_file.as_uri())
+    yield page
+    page.close()
+
+
+@pytest.fixture
+def shared_page(_desk_page, page_file):
+    """One page in a window of a desk for all tests that leave its players and tables as they are, at a place:
+    `shared_page("#data")`. A page is as large as a program: to open one takes longer than most tests."""
+
+    def going(place="#answer"):
+        _desk_page.bring_to_front()
+        _desk_page.evaluate(_AS_OPENED)
+        _desk_page.evaluate(_GO, place)
+        return _desk_page
+
+    yield going
+    assert _desk_page.heard.said == []
+    assert _desk_page.heard.foreign(page_file.as_uri()) == []

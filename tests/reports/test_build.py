@@ -380,7 +380,7 @@ def test_a_report_of_failures_is_complete(failing):
 def test_what_is_not_installed_is_a_line_and_the_command_that_adds_it():
     versions = {"fine": "1.0", "box2d": "not_installed: pyb2d3", "ghost": "not_installed: no_such_engine"}
     lines = solvers.missing_words(versions)
-    assert lines[:2] == ["box2d: not_installed (it needs pyb2d3)", "ghost: not_installed (it needs no_such_engine)"]
+    assert lines[:2] == ["box2d: not installed (it needs pyb2d3)", "ghost: not installed (it needs no_such_engine)"]
     # Without the suite's own metadata nobody knows its extras.
     assert lines[2:] in ([], ["pip install pyb2d3 adds it"])
     assert solvers.missing_words({"fine": "1.0"}) == []

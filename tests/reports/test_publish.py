@@ -99,9 +99,15 @@ def test_what_is_cited_and_packed_is_the_last_release():
 # --- the command ------------------------------------------------------------------------------------------------------
 
 
+@pytest.fixture(scope="module")
+def signed_report(tmp_path_factory):
+    """Digests of 8 MB are computed once, for all tests."""
+    return made_report(tmp_path_factory.mktemp("signed") / "report")
+
+
 @pytest.fixture
-def report(tmp_path):
-    return made_report(tmp_path / "report")
+def report(signed_report, tmp_path):
+    return Path(shutil.copytree(signed_report, tmp_path / "report"))
 
 
 def made_report(made: Path) -> Path:

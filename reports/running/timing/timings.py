@@ -24,7 +24,7 @@ from .time_breakdown import TimeBreakdown
 LEAST_SETTINGS = 6
 # Wall seconds for all timings of a default report, and largest number of cases that share them: the full ladders of all
 # routes take about five seconds once on an expensive case, and an interval needs three repeats.
-BUDGET, MOST_CASES = 42.0, 7
+BUDGET, MOST_CASES = 30.0, 7
 # Approximate wall seconds per case in a full report, which times every case.
 FULL_BUDGET_A_CASE = 60.0
 # Wall seconds per case for cold starts (in addition to calls made for imports) and for time breakdowns.

@@ -1,0 +1,199 @@
+"""Tables, files, links and switches in a real browser."""
+
+from __future__ import annotations
+
+import base64
+import re
+import zlib
+from fractions import Fraction
+
+import pytest
+
+from reports.page.fragments import verbatim
+from reports.page.text import shorten
+
+from .conftest import CASES
+from .reading import DISC, LINE, table_of
+
+
+def test_a_long_table_says_how_much_it_shows_and_gives_all_rows_sorted_and_filtered(open_page, page_file):
+    page = open_page(place="#data")
+    files = table_of(page_file, "transitions")
+    part = page.locator("details.file", has=page.locator("table[data-name=transitions]"))
+    assert f"{len(files)} rows" in part.locator("summary").inner_text()
+    part.locator("summary").click()
+    rows = part.locator("table tbody tr")
+    page.wait_for_selector("details[open] table[data-name=transitions] tbody tr td.number")
+    shown = min(50, len(files))
+    assert rows.count() == shown
+    assert len(files) <= 50 or f"rows 1 to {shown} of {len(files)}" in part.locator(".dt-info").inner_text()
+    heads = part.locator("table thead th")
+    columns = heads.evaluate_all("all => all.map(e => e.dataset.column)")
+    assert columns[:3] == ["case", "solver", "route"] and "s" in heads.nth(columns.index("error")).inner_text().split()
+    if len(files) > 50:
+        part.locator(".dt-length select").select_option("-1")
+    assert rows.count() == len(files)
+    heads.nth(columns.index("error")).click()
+    page.wait_for_selector("table[data-name=transitions] th[aria-sort=ascending]")
+    cell = f"td:nth-child({columns.index('error') + 1})"
+    values = [float(v) for v in rows.locator(cell).evaluate_all("all => all.map(e => e.innerText).filter(Boolean)")]
+    assert values == sorted(values) and len(set(values)) > 2
+    part.locator(".dt-search input").fill("pymunk native")
+    matching = [r for r in files if r["solver"] == "pymunk" and r["route"] == "native"]
+    assert rows.count() == len(matching) < len(files)
+
+
+def test_rows_that_a_script_adds_read_as_those_of_the_page(shared_page):
+    page = shared_page("#data")
+    values = ["", "0.0", "1.23456789e-07", "-0.00034", "1712.5", "0.0627", "3", "True", "nan of a text"]
+    columns = ["error", "cpu_s", "time", "order", "published"]
+    read = page.evaluate(
+        "([values, columns]) => columns.map(c => values.map(v => suite.shorten(v, c, v !== 'nan of a text')))",
+        [values, columns],
+    )
+    for column, texts in zip(columns, read, strict=True):
+        for value, text in zip(values, texts, strict=True):
+            if value in ("", "3", "True", "nan of a text"):
+                assert text == {"True": "yes"}.get(value, value)
+            else:
+                assert text == verbatim(shorten(float(value), column)), (column, value)
+
+
+def test_the_button_of_a_file_gives_the_file_with_and_without_its_folder(shared_page, page_file):
+    page = shared_page(DISC)
+    button = page.locator(f"{DISC} a.csv").first
+    name = button.get_attribute("data-file")
+    with page.expect_download() as saving:
+        button.click()
+    assert saving.value.suggested_filename == f"{name}.csv"
+    assert saving.value.path().read_bytes() == (page_file.parent / "tables" / f"{name}.csv").read_bytes()
+    page.evaluate("location.hash = '#data'")
+    for name in page.locator("details.file a.csv").evaluate_all("all => all.map(e => e.dataset.file)"):
+        inside = page.evaluate("name => suite.file(name)", name)
+        assert inside == (page_file.parent / "tables" / f"{name}.csv").read_text(encoding="utf-8"), name
+
+
+def test_a_case_has_the_errors_of_the_table(shared_page, page_file):
+    page = shared_page(DISC)
+    table = page.locator(f"{DISC} table[data-name=transitions]")
+    assert table.locator("tbody tr").count() == 4
+    heads = table.locator("thead th").all_inner_texts()
+    fine = {
+        (r["solver"], r["route"]): r["finest_setting"] for r in table_of(page_file, "headline") if r["case"] == CASES[0]
+    }
+    checked = 0
+    for row in table_of(page_file, "transitions"):
+        key = (row["solver"], row["route"])
+        if (
+            row["case"] != CASES[0]
+            or row["pairing"] == "spurious"
+            or fine[key] != row["setting"]
+            or key[0] == "reference"
+        ):
+            continue
+        column = next(i for i, head in enumerate(heads) if head.split()[:2] == [*key])
+        shown = table.locator("tbody tr").nth(int(row["event"]) - 1).locator("td").nth(column).inner_text()
+        assert float(shown) == pytest.approx(float(row["error"]), rel=0.06, abs=1e-300)
+        checked += 1
+    assert checked == 4 * 4
+    engines = page.locator(f"{DISC} table[data-name=engines] tbody tr")
+    rows = {(r["solver"], r["route"]): r for r in table_of(page_file, "headline") if r["case"] == CASES[0]}
+    assert engines.count() == 4
+    for line in engines.all():
+        solver, route, default, default_factor, finest, finest_factor, _ = line.locator("td").all_inner_texts()
+        row = rows[solver, route]
+        for shown, name in ((default.split()[0], "default_off"), (finest, "finest_off")):
+            assert float(shown.removeprefix("<")) == pytest.approx(100 * float(row[name]), rel=0.06, abs=1e-4)
+        for shown, name in ((default_factor, "default"), (finest_factor, "finest")):
+            assert float(shown) == pytest.approx(float(row[f"{name}_friction_factor"]), rel=0.06)
+
+
+def test_the_evidence_lists_enclosures_inside_the_error_bars(shared_page, page_file):
+    from reference.proofs import catalogue
+
+    page = shared_page("#evidence")
+    rows = page.locator("#proved table tbody tr")
+    truths = {r["case"]: r for r in table_of(page_file, "truth") if r["event"] == "1"}
+    assert rows.count() == len(CASES)
+    for row in rows.all():
+        case, _, change, shown, width, _ = row.locator("td").all_inner_texts()
+        common, low, high = re.fullmatch(r"([\d.]*)\[(\d+), (\d+)\]", shown).groups()
+        low, high = Fraction(common + low), Fraction(common + high)
+        truth = truths[case]
+        bar = Fraction(truth["truth_error_bar"])
+        assert Fraction(truth["time"]) - bar <= low < high <= Fraction(truth["time"]) + bar
+        assert float(width) == pytest.approx(float(high - low), rel=0.6) and float(width) < 1e-12
+        assert change == f"{truth['before']} → {truth['after']}".replace("_", " ")
+        assert row.get_attribute("title") == catalogue.read()[case].statement
+
+
+@pytest.mark.parametrize(
+    "old, tab, visible",
+    [("motions", "cases", DISC), ("headline", "cases", "#headline"), ("failures", "cases", "#failures"),
+     ("precision", "cost", "#cost"), ("definitions", "answer", "table.answer"), ("tables", "data", "#tables"),
+     ("made", "data", "#made"), (DISC[1:], "cases", DISC), ("nothing", "answer", "table.map")],
+)  # fmt: skip
+def test_links_to_the_chapters_of_older_pages_lead_to_the_right_tab(shared_page, old, tab, visible):
+    page = shared_page(f"#{old}")
+    assert page.get_attribute("nav.chapters a[aria-current]", "href") == f"#{tab}"
+    assert page.locator(visible).is_visible() and page.locator("main > .chapter:visible").count() == 1
+
+
+def test_a_solver_switched_off_is_gone_everywhere(shared_page):
+    page = shared_page()
+    page.uncheck("input[data-switch=solver][value=pymunk]")
+    assert not any(row.is_visible() for row in page.locator("table.answer tr[data-solver=pymunk]").all())
+    assert page.locator("table.answer tr[data-solver=exudyn]").first.is_visible()
+    page.evaluate(f"location.hash = {DISC!r}")
+    page.wait_for_selector(f"{DISC} .player[data-time]")
+    assert not page.locator(f"{DISC} .ghost[data-solver=pymunk]").first.is_visible()
+    assert not page.locator(f"{DISC} table tr[data-solver=pymunk]").first.is_visible()
+    page.check("input[data-switch=solver][value=pymunk]")
+    page.uncheck("input[data-switch=route][value=assisted]")
+    assert page.locator(f"{DISC} table tr[data-solver=pymunk][data-route=native]").first.is_visible()
+    assert not page.locator(f"{DISC} table tr[data-solver=pymunk][data-route=assisted]").first.is_visible()
+    page.evaluate("location.hash = '#headline'")
+    assert page.locator("#headline td[data-route=native]").first.is_visible()
+    assert not page.locator("#headline td[data-route=assisted]").first.is_visible()
+
+
+def test_cases_are_found_by_a_word_and_shown_one_at_a_time(shared_page):
+    page = shared_page("#cases")
+    assert page.locator("article:visible").count() == 1
+    page.fill(".index input", "bowling")
+    shown = page.locator(".index li:visible")
+    assert shown.count() == 1 and CASES[1] in shown.inner_text()
+    shown.locator("a").click()
+    assert page.locator("article:visible h3").first.inner_text() == CASES[1]
+    page.wait_for_selector(f"{LINE} .player[data-time]")
+
+
+POINTS = """case,solver,route,setting,quantity,unit,cpu_s,call_s,steps,absolute_error,floor_error
+a case,pymunk,native,h=0.01,off,1,0.1,0.2,100,1e-3,1e-12
+a case,pymunk,native,h=0.001,off,1,1.0,1.1,1000,1e-4,1e-12
+"""
+
+
+def test_a_point_of_the_precision_plot_tells_its_setting_and_command(open_page):
+    page = open_page(place="#cost")
+    page.evaluate(
+        """([text, bytes]) => { const data = document.createElement("script"), place = document.createElement("div");
+        Object.assign(data, {type: "text/plain", className: "file", textContent: bytes});
+        data.dataset.name = "work_precision";
+        place.className = "precision";
+        place.dataset.command = "python -m reports.build";
+        document.querySelector("#cost").append(data, place);
+        return suite.precision(place); }""",
+        [POINTS, base64.b64encode(zlib.compress(POINTS.encode())).decode()],
+    )
+    assert page.locator(".precision circle").count() == 2
+    assert page.locator(".precision .work").input_value() == "call_s"
+    page.hover(".precision circle >> nth=1")
+    told = page.inner_text(".precision .details")
+    assert "h=0.001" in told and "0.01 % off" in told and "1.1 s a whole call" in told
+    assert 'python -m reports.build --case "a case" --solver pymunk' in told
+    page.focus(".precision svg")
+    page.keyboard.press("ArrowLeft")
+    assert "h=0.01:" in page.inner_text(".precision .details")
+    page.uncheck("input[data-switch=solver][value=pymunk]")
+    assert page.locator(".precision circle").count() == 0
