@@ -77,7 +77,7 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         "outline": pack(case.scene.corners()),
         "truth": pack(np.array([_at(times, truth.samples, name) for name in TRUE])),
         "contacts": [
-            {"name": name, "data": pack(np.array([_at(times, samples, column) for column in OF_CONTACT]))}
+            {"name": name, "data": pack(np.array([at_contact(times, samples, column) for column in OF_CONTACT]))}
             for name, samples in truth.contact_samples.items()
         ],
         "runs": [_run(run, times) for run in moving_runs(experiment, case.label)],
@@ -128,6 +128,15 @@ def _at(times: np.ndarray, samples: Mapping[str, np.ndarray], name: str) -> np.n
     if not len(t):
         return np.full(len(times), np.nan)
     return np.interp(times, t, values, left=np.nan, right=np.nan)
+
+
+def at_contact(times: np.ndarray, samples: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+    """A quantity of one contact, interpolated at these times; next to where it opens or closes that of the nearest
+    sample, which at the time of a transition is the value after it."""
+    values, t = _at(times, samples, name), samples["t"]
+    later = np.clip(np.searchsorted(t, times), 1, len(t) - 1)
+    nearest = np.where(times - t[later - 1] < t[later] - times, later - 1, later)
+    return np.where(np.isnan(values), samples[name][nearest], values)
 
 
 def _modes(truth: Truth) -> list[tuple[float, str, str]]:

@@ -16,6 +16,7 @@ from cases.sampled_contacts import SampledContacts
 from reports.judging import friction_factor, impacts, several_contacts
 from reports.judging.ledger import LedgerRow
 from reports.judging.null_motions import null_motions
+from reports.page import motions
 
 ROCKING = cases.load("disc_rocking_in_groove")
 
@@ -120,3 +121,13 @@ def test_an_exported_true_motion_is_the_truth(truth, scales):
     result = judged(truth, scales, motion_file.trajectory_of(ROCKING, table))
     assert result.score.off <= 0.005 and {row.pairing for row in result.ledger} == {"paired"}
     assert max(abs(row.error) for row in result.ledger if row.before is Mode.FLIGHT) <= 1e-4
+
+
+def test_the_player_shows_the_contact_that_closes_at_the_instant_of_an_impact():
+    """Interpolation across the impact has no value; there was a picture without any contact."""
+    t = np.array([0.0, 1.0, 2.0, 3.0])
+    opens = {"t": t, "xi1": np.array([0.1, np.nan, np.nan, np.nan])}
+    closes = {"t": t, "xi1": np.array([np.nan, 0.5, 0.6, 0.7])}
+    times = np.array([0.0, 0.4, 0.6, 1.0, 1.5])
+    np.testing.assert_allclose(motions.at_contact(times, closes, "xi1"), [np.nan, np.nan, 0.5, 0.5, 0.55])
+    np.testing.assert_allclose(motions.at_contact(times, opens, "xi1"), [0.1, 0.1, np.nan, np.nan, np.nan])
