@@ -22,7 +22,7 @@ from cases.trajectory import CONTACT
 
 from . import augmented_integrator, several
 from .minimal.decision import Undecidable, decide
-from .minimal.hybrid import LIFT_OFF, LOCATION_ERROR, simulate_phases, undecidable
+from .minimal.hybrid import simulate_phases
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
 from .minimal.modes import (
@@ -37,6 +37,7 @@ from .minimal.modes import (
     start_state,
     state_in,
 )
+from .minimal.phase_end import LIFT_OFF, LOCATION_ERROR, undecidable
 from .minimal.second_contacts import until_second_contact
 
 

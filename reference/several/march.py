@@ -29,24 +29,24 @@ from cases.trajectory import CONTACT
 from ..minimal.boxes import Geometry
 from ..minimal.curve_pieces import TooMuch
 from ..minimal.decision import Undecidable
-from ..minimal.hybrid import (
+from ..minimal.flight_end import REBOUND_ROUNDINGS
+from ..minimal.hybrid import MOST_PHASES
+from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
+from ..minimal.meetings import Meeting, MeetingSearch
+from ..minimal.phase_end import (
     CAUSES,
     COMPLETION,
     ENDS,
     LIFT_OFF,
     LOCATION_ERROR,
-    MOST_PHASES,
     MOST_STEPS,
     NO_MODE,
     NO_SLIP,
-    REBOUND_ROUNDINGS,
     ROUGH,
     Ending,
     undecidable,
     work_limit_ending,
 )
-from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
-from ..minimal.meetings import Meeting, MeetingSearch
 from ..minimal.scales import frequency
 from ..minimal.series import EPS
 from . import forces
@@ -467,7 +467,7 @@ class SeveralSimulation:
 
     def _check_energy(self, after: np.ndarray) -> None:
         """Newton's law may create energy, which ends the motion."""
-        from ..minimal.hybrid import ENERGY
+        from ..minimal.phase_end import ENERGY
 
         weights = np.array([1.0, 1.0, self.case.plate.gyration**2])
         before = np.array(self.body[3:])

@@ -16,12 +16,12 @@ import numpy as np
 
 from cases import CoulombFriction, Flight, Mode, RollingResistance, Unilateral
 
-from ..minimal import hybrid
+from ..minimal import contact_end, hybrid, phase_end
 from ..minimal.decision import Undecidable
 from ..minimal.effects import laws
 from ..minimal.integrators import taylor
 from ..minimal.integrators.segment import MOST_STEPS
-from ..minimal.modes import SLIP_SIGN, able, candidates, phase, start_state, state_in
+from ..minimal.modes import SLIP_SIGN, able, candidates, full_state, phase, start_state, state_in
 from ..minimal.series import EPS
 from ..minimal.system import contact_system
 from ..solve import INTEGRATORS, METHODS, first_regime
@@ -183,7 +183,7 @@ class _Wave:
             some = guards == guard
             y = self._full(columns, indices[some], states[:, some])
             if guard == _TIME:
-                self._end(indices[some], times[some], y, hybrid.COMPLETION)
+                self._end(indices[some], times[some], y, phase_end.COMPLETION)
             else:
                 self._after(number, list(columns.system.guards)[guard], indices[some], times[some], y)
 
@@ -240,8 +240,8 @@ class _Wave:
     def _after(self, number: int, guard: str, indices: np.ndarray, t: np.ndarray, y: np.ndarray) -> None:
         """Decide what follows a guard's zero, as `hybrid` does; special cases are passed to `hybrid` one by one."""
         regime = self.regimes[number]
-        if guard in hybrid.ENDS:
-            self._end(indices, t, y, hybrid.ENDS[guard])
+        if guard in phase_end.ENDS:
+            self._end(indices, t, y, phase_end.ENDS[guard])
             return
         slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
         if guard == "slip":
@@ -253,8 +253,10 @@ class _Wave:
             turn = 0.0
             f, h = self._places(indices, y[0], y[1])
             y[2], y[3] = geometry.rates(f, h, geometry.slip_and_spin(f, h, y[2], y[3])[0], 0.0)
-        elif guard in hybrid.BEGINS:
-            slip, turn = (hybrid.BEGINS[guard], turn) if guard.startswith("cone") else (slip, hybrid.BEGINS[guard])
+        elif guard in contact_end.BEGINS:
+            slip, turn = (
+                (contact_end.BEGINS[guard], turn) if guard.startswith("cone") else (slip, contact_end.BEGINS[guard])
+            )
         else:
             lifts = self._lifts_off(number, indices, t, y)  # the only other guard: the normal force
             self._leave(number, indices[lifts], t[lifts], y[:, lifts], guard)
@@ -262,19 +264,19 @@ class _Wave:
                 self._one(i)
             return
         among, sure = able(self.base, slip, turn), np.ones(len(indices), dtype=bool)
-        if guard in hybrid.BEGINS:
+        if guard in contact_end.BEGINS:
             among = tuple(r for r in among if r.side == regime.side and r != regime)
             for other in among:
                 sure &= self._unique_force(self.regimes.index(other), indices, t, y)
-        if guard in hybrid.BEGINS and len(among) == 1:
+        if guard in contact_end.BEGINS and len(among) == 1:
             numbers, choice = np.array([self.regimes.index(among[0])]), np.where(sure, 0, NO_DECISION)
         else:
-            numbers, choice = self._decide(among, indices, t, y, hybrid.LOCATION_ERROR)
+            numbers, choice = self._decide(among, indices, t, y, phase_end.LOCATION_ERROR)
             choice[~sure] = NO_DECISION
         for i in indices[choice == NO_DECISION].tolist():
             self._one(i)
         is_decided = choice != NO_DECISION
-        cause = PHRASES.index(hybrid.CAUSES[guard])
+        cause = PHRASES.index(phase_end.CAUSES[guard])
         self._go_on(number, numbers[choice[is_decided]], indices[is_decided], t[is_decided], y[:, is_decided], cause)
 
     def _lifts_off(self, number: int, indices: np.ndarray, t, y: np.ndarray) -> np.ndarray:
@@ -285,14 +287,14 @@ class _Wave:
         columns = self.columns[number].only(indices)
         place = list(columns.system.guards).index("normal_force")
         slope, bend, force = course(columns, t, y[columns.places], place)
-        deep = slope**2 > 2e6 * max(self.rtol, hybrid.LOCATION_ERROR) * force * bend
+        deep = slope**2 > 2e6 * max(self.rtol, phase_end.LOCATION_ERROR) * force * bend
         free = self.columns[-1].only(indices)
         m = free.system.record(*free.system.outputs_of_arrays(t, y[free.places], free.parameters))
         forces = np.abs(m.normal) + np.abs(m.friction) + np.abs(m.slip_dot)
         own = y[free.places][free.system.positions :]
         fastest = np.max([np.abs(u) / unit for u, unit in zip(own, free.lengths, strict=False)] or [0.0 * t], axis=0)
         scale = forces + free.size * (np.abs(m.omega_dot) + fastest**2)
-        return (slope < 0.0) & deep & (m.free_approach <= 1e6 * hybrid.LOCATION_ERROR * scale)
+        return (slope < 0.0) & deep & (m.free_approach <= 1e6 * phase_end.LOCATION_ERROR * scale)
 
     def _leave(self, number: int, indices: np.ndarray, t, y: np.ndarray, guard: str) -> None:
         """The plate leaves its track: the motion ends, or flies and is then simulated alone."""
@@ -300,11 +302,11 @@ class _Wave:
             self.now[indices] = _ALONE
             return
         mode, nothing = NUMBER[self.regimes[number].mode], np.ones(len(indices), dtype=int)
-        cause = PHRASES.index(hybrid.CAUSES[guard])
+        cause = PHRASES.index(phase_end.CAUSES[guard])
         self.events.append(
             Events(indices, t, mode * nothing, NUMBER[Mode.FLIGHT] * nothing, y[0], y[1], cause * nothing)
         )
-        self._end(indices, t, y, hybrid.LIFT_OFF)
+        self._end(indices, t, y, phase_end.LIFT_OFF)
 
     def _unique_force(self, number: int, indices: np.ndarray, t, y) -> np.ndarray:
         """Where the contact force of a slip that begins is unique (Painlevé)."""
@@ -323,20 +325,20 @@ class _Wave:
         try:
             own = state_in(now, tuple(self.y[:, i].tolist()))
             segment = integrate(now, float(self.t[i]), own, case.duration, self.rtol)
-            step = hybrid.after_contact(case, segment, max(self.rtol, hybrid.LOCATION_ERROR))
+            step = contact_end.after_contact(case, segment, max(self.rtol, phase_end.LOCATION_ERROR))
         except Undecidable:
             self.now[i] = _ALONE
             return
         indices, t, last = np.array([i]), np.array([step.time]), step.segments[-1].event.state
-        y = np.array(step.state or hybrid.full_state(case, now, step.time, last))[:, None]
+        y = np.array(step.state or full_state(case, now, step.time, last))[:, None]
         self.steps[i] += sum(segment.steps for segment in step.segments)
-        if step.ending is hybrid.LIFT_OFF:
+        if step.ending is phase_end.LIFT_OFF:
             self._leave(number, indices, t, y, step.cause)
-        elif step.regime is None and step.ending is hybrid.COMPLETION:
+        elif step.regime is None and step.ending is phase_end.COMPLETION:
             self._end(indices, t, y, step.ending)
         elif step.regime in self.regimes:
             after = np.array([self.regimes.index(step.regime)])
-            self._go_on(number, after, indices, t, y, PHRASES.index(hybrid.CAUSES[step.cause]))
+            self._go_on(number, after, indices, t, y, PHRASES.index(phase_end.CAUSES[step.cause]))
         else:
             self.now[i] = _ALONE  # it flies, or the sentence of its ending contains numbers
 
@@ -351,7 +353,7 @@ class _Wave:
         self.idle[indices] = np.where(t == self.t[indices], self.idle[indices] + 1, 0)
         self.phases[indices] += 1
         self.now[indices], self.t[indices], self.y[:, indices] = after, t, y
-        stuck = (self.idle[indices] > hybrid.IDLE) | (self.phases[indices] > hybrid.MANY)
+        stuck = (self.idle[indices] > hybrid.IDLE) | (self.phases[indices] > phase_end.MANY)
         self.now[indices[stuck]] = _ALONE
 
     def _end(self, indices: np.ndarray, t, y: np.ndarray, ending: tuple[str, str]) -> None:

@@ -12,9 +12,10 @@ from cases.contact import belt_speed, start_motion
 from cases.mechanics import energy
 from cases.piece_case import PieceCase
 
+from ..minimal.contact_end import slip_and_spin
 from ..minimal.decision import Undecidable
-from ..minimal.hybrid import CAUSES, slip_and_spin, undecidable
 from ..minimal.modes import FLIGHT, Phase, full_state, start_state
+from ..minimal.phase_end import CAUSES, undecidable
 from ..solve import INTEGRATORS, METHODS, at_once, first_regime, solve_motion
 from .scenario_values import ScenarioGroup
 

@@ -20,7 +20,7 @@ from cases import (
     disc,
 )
 from cases.library import circle, line
-from reference.minimal import hybrid
+from reference.minimal import contact_end, flight_end, hybrid
 from reference.minimal.integrators import dop853, taylor
 from reference.minimal.modes import candidates, phase
 
@@ -120,12 +120,13 @@ class Calls:
 
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_absent_effects_are_asked_nothing(monkeypatch, method):
-    landings, impacts, guards = Calls(hybrid.Landings), Calls(hybrid.collide), Calls(dop853._guards_at_nodes)
+    landings, impacts, guards = Calls(hybrid.Landings), Calls(flight_end.collide), Calls(dop853._guards_at_nodes)
     monkeypatch.setattr(hybrid, "Landings", landings)
-    monkeypatch.setattr(hybrid, "collide", impacts)
+    monkeypatch.setattr(flight_end, "collide", impacts)
     monkeypatch.setattr(dop853, "_guards_at_nodes", guards)
     decisions = Calls(hybrid.decide)
-    monkeypatch.setattr(hybrid, "decide", decisions)
+    for module in (hybrid, contact_end):
+        monkeypatch.setattr(module, "decide", decisions)
     reference.simulate(scene(Gravity(G)), method=method)
     assert (landings.count, impacts.count, guards.count, decisions.count) == (0, 0, 0, 0)
     reference.simulate(scene(Gravity(G), CoulombFriction(0.1), Unilateral()), method=method)

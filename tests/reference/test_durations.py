@@ -28,7 +28,7 @@ from cases import (
     disc,
 )
 from cases.library import circle, ellipse, line
-from reference.minimal import gap, hybrid
+from reference.minimal import gap, hybrid, phase_end
 from reference.minimal.bouncing import LISTING_PART, extrapolate
 
 G = 9.81
@@ -279,7 +279,7 @@ def test_a_flight_too_fast_to_look_for_its_landing_says_how_far_it_was_followed(
 def test_phases_accumulate_by_the_motions_own_time(monkeypatch):
     # One of the phases is fast, and tells for all.
     monkeypatch.setattr(hybrid, "frequency", lambda now, t, y: 10.0 if y == (500,) else 0.0)
-    many = hybrid.MANY + 2
+    many = phase_end.MANY + 2
     slow, fast = hybrid._Progress(), hybrid._Progress()
     assert not any(slow.none(None, 1e-9 * n, (n,)) for n in range(many))
     assert any(fast.none(None, 1e-15 * n, (n,)) for n in range(many))

@@ -1,5 +1,8 @@
 """The kept truth: rebuilt in part, and small bars."""
 
+import re
+from pathlib import Path
+
 import pytest
 
 import cases
@@ -17,6 +20,12 @@ def test_every_case_of_the_catalogue_has_kept_truth():
     )
     # A hard case that hangs on the last bit has no truth to keep.
     assert ordinary <= KEPT.keys() <= ordinary | hard, "rebuild the truth with `python -m reference`"
+
+
+def test_cases_without_a_certificate_have_their_reason_in_the_documentation():
+    page = Path(cases.__file__).parents[1] / "docs" / "truth.md"
+    named = re.findall(r"`(\w+\[[^`]+\])`", page.read_text().split("no certificate:")[1].split("##")[0])
+    assert {*named} == {case.label for name in cases.names() for case in cases.select(name)} - {*KEPT}
 
 
 @pytest.mark.parametrize("label", ["disc_in_circle[mu=0.2]", "disc_on_line[mu=0.1]"])

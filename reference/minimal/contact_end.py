@@ -1,0 +1,260 @@
+"""What follows a phase of contact: the next regime by the guard that reached zero, flight, or the end of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cases import Case, Flight, PerfectlyRough, Unilateral
+from cases.contact import belt_speed, clearance
+from cases.own_effects import own_effects
+from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
+
+from .decision import Undecidable, decide
+from .effects import OWN_END
+from .elimination import Elimination
+from .grazing import over_touch
+from .impact import ContactVelocity
+from .integrators.segment import BREAKDOWN, OUT_OF_STEPS, Segment
+from .knots import passed
+from .modes import (
+    FLIGHT,
+    SLIP_SIGN,
+    Phase,
+    Regime,
+    able,
+    candidates,
+    conveyance,
+    full_state,
+    in_contact,
+    in_flight,
+    phase_at,
+    senses,
+    slip_ended,
+    state_in,
+    turn_rate,
+    without_slip,
+    without_turning,
+)
+from .phase_end import (
+    CONCAVE,
+    ENDS,
+    FLAT,
+    LIFT_OFF,
+    LOCATION_ERROR,
+    NO_MODE,
+    NO_SLIP,
+    OFF_CORNER,
+    PIECE_ENDS,
+    ROUGH,
+    Ending,
+    Step,
+    work_limit_ending,
+)
+
+
+def after_contact(case: Case, segment: Segment, error: float) -> Step:
+    """The step after a guard's zero, in a motion with the relative `error`."""
+    now, guard, t = segment.phase, segment.event.guard, segment.event.time
+    if guard is None:
+        return Step((segment,), t)
+    across = over_touch(segment, error, case.duration) if guard == "normal_force" else None
+    if across:
+        t, y = across.event.time, full_state(case, now, t, across.event.state)
+        return Step((segment, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
+    y = full_state(case, now, t, segment.event.state)
+    if (knot := passed(case, segment, y)) is not None:
+        return _beyond_knot(case, segment, *knot)
+    if guard in PIECE_ENDS and isinstance(case, PieceCase):
+        return _pass_on(case, segment, t, y, guard)
+    if guard in ENDS:
+        return Step((segment,), t, ending=ENDS[guard])
+    if guard.startswith(OWN_END):
+        return Step((segment,), t, ending=_own_ending(case, guard))
+    if guard == OUT_OF_STEPS:
+        return Step((segment,), t, ending=work_limit_ending(t, segment.steps))
+    if guard == BREAKDOWN:
+        return Step((segment,), t, ending=breakdown(now, segment))
+    if guard == "slip":
+        y = (*y[:2], *slip_ended(case, t, y), *y[4:])
+        if now.regime.turn == 0:
+            u1 = conveyance(case, t, y[0], y[1])
+            y = (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
+    if guard == "turn":
+        y = without_turning(case, y)
+    following = _following(case, now.regime, guard, t, y, error)
+    if following is None:
+        return leave(case, (segment,), t, y, guard, error)
+    return Step((segment,), t, (y[0], y[1]), guard, y, following)
+
+
+def _own_ending(case: Case, guard: str) -> Ending:
+    """The ending by a condition of an effect of the user's own."""
+    ends = [end for effect in own_effects(case.effects) for end in effect.ends()]
+    return next((end.status, end.reason) for end in ends if guard == f"{OWN_END}{end.status}")
+
+
+def _beyond_knot(case: Case, segment: Segment, y: Sequence[float], is_smooth: bool) -> Step:
+    """The step after a knot: the same regime, or, where the curvature or the parameter's speed jumps, the one that
+    follows from slip and spin, which do not."""
+    now, t, guard = segment.phase, segment.event.time, str(segment.event.guard)
+    if is_smooth:
+        return Step((segment,), t, (y[0], y[1]), guard, tuple(y), now.regime)
+    m = Elimination(*now.system.outputs_of_numbers(t, segment.event.state, now.parameters))
+    touch = ContactVelocity(m.slip, 0.0, m.omega)
+    theta = y[4] if len(y) > 4 else np.nan
+    return contact_step(case, (segment,), t, (y[0], y[1]), theta, touch, guard, True)
+
+
+def _pass_on(case: PieceCase, segment: Segment, t: float, y: Sequence[float], guard: str) -> Step:
+    """The step where the contact reaches the end of a piece: the next piece, with the same slip velocity and spin."""
+    of_track, way = PIECE_ENDS[guard]
+    following = neighbour(case, of_track, way)
+    if following is None:
+        return Step((segment,), t, ending=ENDS[guard])
+    place = (y[0], y[1])
+    if is_concave(following):
+        return Step((segment,), t, place, ending=CONCAVE)
+    regime = segment.phase.regime
+    if corner_on_corner(following):
+        return _off_corner(case, segment, t, y, place)
+    slip, omega = slip_and_spin(case, t, y)
+    slip, omega = slip if regime.kind.slips else 0.0, 0.0 if regime.kind.holds else omega
+    entry = following.pieces[not of_track].span[0 if way > 0 else 1]
+    xi1, xi2 = (entry, y[1]) if of_track else (y[0], entry)
+    if not clearance(following, xi1, xi2) > 0.0:
+        return Step((segment,), t, place, ending=FLAT)
+    y = in_contact(following, t, xi1, xi2, slip, omega, y[4] if len(y) > 4 else 0.0)
+    signs = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
+    after = decide(following, t, y, LOCATION_ERROR, able(following, *signs))
+    if after is None:
+        return leave(following, (segment,), t, y, "piece")._replace(place=place)
+    return Step((segment,), t, (xi1, xi2), "piece", y, after, pieces=following)
+
+
+def _off_corner(case: PieceCase, segment: Segment, t: float, y: Sequence[float], place: tuple[float, float]) -> Step:
+    """The step where the plate's corner passes the track's: flight, or the end of the motion."""
+    if case.effect(Flight) is None:
+        return Step((segment,), t, place, "normal_force", ending=OFF_CORNER)
+    slip, omega = slip_and_spin(case, t, y)
+    return Step((segment,), t, place, "normal_force", in_flight(case, t, y, slip, omega, 0.0), FLIGHT)
+
+
+def _following(
+    case: Case, regime: Regime, guard: str, t: float, y: Sequence[float], error: float = LOCATION_ERROR
+) -> Regime | None:
+    """The regime of contact that follows a guard's zero, or None; `error`: the motion's relative error."""
+    slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
+    if guard == "normal_force":
+        other = regime._replace(side=-regime.side)
+        others = [other] if other in candidates(case) else []
+        # The force vanishes along the step's polynomial; at the state it has what the tolerance leaves.
+        return decide(case, t, y, LOCATION_ERROR, others) or decide(case, t, y, error, others)
+    if guard in BEGINS:
+        # Friction or resistance has reached its bound from inside; the motion that begins is against it.
+        slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])
+        starting = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
+        starting = [r for r in starting if _unique_force(phase_at(case, r, y), t, y)]
+        return starting[0] if len(starting) == 1 else decide(case, t, y, LOCATION_ERROR, starting)
+    slip, turn = 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn
+    following = decide(case, t, y, LOCATION_ERROR, able(case, slip, turn))
+    if following is None:
+        # A motion that began a rounding ago and ends with the event does not continue.
+        slips, turns = senses(case, t, y, *slip_and_spin(case, t, y), LOCATION_ERROR)
+        following = decide(case, t, y, LOCATION_ERROR, able(case, slip * abs(slips), turn * abs(turns)))
+    return following
+
+
+def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:
+    """Whether the contact force of a slip that begins is unique: not beyond Painlevé's paradox."""
+    names = list(now.system.guards)
+    if "painleve" not in names:
+        return True
+    return now.system.guards_of_numbers(t, state_in(now, y), now.parameters)[names.index("painleve")] > 0.0
+
+
+BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_backward": -1}
+
+
+def leave(
+    case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str, error: float = LOCATION_ERROR
+) -> Step:
+    """The step if no contact follows: flight, or the end of the motion."""
+    ending = _nothing_follows(case, t, y, error)
+    if ending is LIFT_OFF and case.effect(Flight) is not None:
+        slip, omega = slip_and_spin(case, t, y)
+        return Step(segments, t, (y[0], y[1]), guard, in_flight(case, t, y, slip, omega, 0.0), FLIGHT)
+    return Step(segments, t, (y[0], y[1]), guard, ending=ending)
+
+
+def slip_and_spin(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:
+    """Slip velocity (12), relative to a belt, and spin (9) of a full state in contact at time t."""
+    along_track = y[2] * float(case.track.speed(y[0]))
+    along_outline = y[3] * float(case.plate.outline.speed(y[1]))
+    turns = (
+        turn_rate(case.track, y[0], along_track, y[2]),
+        turn_rate(case.plate.outline, y[1], along_outline, y[3]),
+    )
+    return along_track - along_outline - belt_speed(case, t), turns[0] - turns[1]
+
+
+def breakdown(now: Phase, segment: Segment) -> Ending:
+    """The ending at singular equations: the limit of the formulation that was reached, if one was."""
+    names = list(now.system.guards)
+    first, last = (
+        now.system.guards_of_numbers(float(t), segment.states(np.array([t]))[:, 0].tolist(), now.parameters)
+        for t in (segment.times[0], segment.times[-1])
+    )
+    for limit in ("fit", "painleve"):
+        # Steps vanish as a divisor does; a hundredth of its first value shows that it does.
+        if limit in names and last[names.index(limit)] <= 1e-2 * first[names.index(limit)]:
+            return ENDS[limit]
+    return BREAKDOWN, f"The equations became singular at t = {segment.times[-1]:.9g} s, and no step was small enough."
+
+
+def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> Ending:
+    """Why no contact follows: the plate lifts off, unless without contact it would move into its track.
+
+    The latter happens where the normal force of a perfectly rough contact vanishes while friction T acts: without T the
+    gap's acceleration is arm_t arm_n T/J. If that is negative, Coulomb friction of any μ begins to slip with N ≈ |T|/μ;
+    in the limit of a perfectly rough contact, which excludes slip, there is no solution.
+    """
+    if case.effect(Unilateral) is None:
+        return NO_MODE
+    now, m = phase_at(case, candidates(case)[-1], y), free_quantities(case, t, y)
+    state = state_in(now, y)
+    if not np.isfinite(m.free_approach):
+        raise Undecidable
+    fastest = max(
+        (abs(u) / unit for u, unit in zip(state[now.system.positions :], now.lengths, strict=False)), default=0.0
+    )
+    scale = abs(m.normal) + abs(m.friction) + abs(m.slip_dot) + now.size * (abs(m.omega_dot) + fastest**2)
+    # At a lift-off the normal force has vanished, to the location's error and the growth of the terms in it, or to the
+    # relative `error` of the motion.
+    if m.free_approach <= max(1e6 * LOCATION_ERROR, error) * scale:
+        return LIFT_OFF
+    return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
+
+
+def free_quantities(case: Case, t: float, y: Sequence[float]) -> Elimination:
+    """The quantities of the contact's equations at a full state; `free_approach` is valid without contact, too."""
+    now = phase_at(case, candidates(case)[-1], y)
+    return Elimination(*now.system.outputs_of_numbers(t, state_in(now, y), now.parameters))
+
+
+def contact_step(
+    case: Case, segments, t: float, place, theta: float, touch: ContactVelocity, cause: str, is_listed: bool
+) -> Step:
+    """The step of a contact that neither opens nor closes: the mode that follows, or else flight."""
+    y = in_contact(case, t, place[0], place[1], touch.slip, touch.omega, theta)
+    moves = senses(case, t, y, touch.slip, touch.omega, LOCATION_ERROR)
+    following = decide(case, t, y, LOCATION_ERROR, able(case, *moves))
+    if following is None and cause == "rest":  # velocities at the limit of bouncing have the error of its extrapolation
+        moves = senses(case, t, y, touch.slip, touch.omega, ROUGH)
+        still = touch._replace(slip=touch.slip if moves[0] else 0.0, omega=touch.omega if moves[1] else 0.0)
+        y = in_contact(case, t, place[0], place[1], still.slip, still.omega, theta)
+        following = decide(case, t, y, LOCATION_ERROR, able(case, *moves))
+    if following:
+        return Step(segments, t, place, cause, y, following)
+    return leave(case, segments, t, y, cause)._replace(is_listed=is_listed)

@@ -1,0 +1,160 @@
+"""Flights, and what follows them by the law of impact: a rebound, contact, or the end of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import hypot
+
+import numpy as np
+
+from cases import Case, Impact
+from cases.contact import pose
+from cases.piece_case import PieceCase, corners_meet, has_pieces, lies_flat, pieces_at
+
+from .bouncing import Bounces
+from .contact_end import breakdown, contact_step, free_quantities
+from .curve_pieces import TooMuch
+from .impact import collide, energy, law_of
+from .integrators.segment import LOST_SIGHT, OUT_OF_STEPS, Segment
+from .landing import Landing, Landings
+from .modes import FLIGHT, Phase, in_contact, in_flight
+from .phase_end import (
+    COMPLETION,
+    CORNERS_MEET,
+    ENERGY,
+    FLAT_LANDING,
+    LANDING_END,
+    MOST_STEPS,
+    Step,
+    search_limit_ending,
+    work_limit_ending,
+)
+from .scales import frequency
+from .series import EPS
+
+# A rebound that rises by no more roundings of positions than this does not count: bouncing is over. Its limit is
+# extrapolated from the rebounds before it; if that fails (successive impacts end differently), bouncing ends here.
+REBOUND_ROUNDINGS = 4
+
+
+def simulate_flight(
+    case: Case, now: Phase, t: float, y, place: tuple[float, float], rtol: float, integrate, landings: Landings
+) -> tuple[list[Segment], Landing | None]:
+    """Simulate a flight: its segments up to the landing, and the landing; `place` is the pair of points of last
+    contact.
+
+    It is integrated over the duration estimated from its own scales, then repeatedly over twice the time.
+    """
+    segments: list[Segment] = []
+    lasts = _may_last(now, t, y)
+    while True:
+        until = max(t + lasts, t + 1e3 * np.spacing(t))
+        segment = integrate(now, t, y, min(until, case.duration), rtol)
+        try:
+            landing = landings.first(segment, place, under_way=bool(segments))
+        except TooMuch:
+            segments.append(segment.until(landings.flies_until, segment.evaluations).ended_by(LOST_SIGHT))
+            return segments, None
+        segments.append(segment.until(landing.time, segment.evaluations) if landing else segment)
+        if landing or segment.event.guard or segment.event.time >= case.duration:
+            return segments, landing
+        if sum(segment.steps for segment in segments) >= MOST_STEPS:
+            return [*segments[:-1], segment.ended_by(OUT_OF_STEPS)], None
+        t, y, lasts = segment.event.time, segment.event.state, 2.0 * lasts
+
+
+def closes(case: Case) -> bool:
+    """Whether a case begins with an impact."""
+    return case.start.gap == 0.0 and case.start.gap_rate < 0.0
+
+
+def start_flight(
+    case: Case, now: Phase, t: float, y, place: tuple[float, float], rtol: float, integrate, landings: Landings
+) -> tuple[list[Segment], Landing]:
+    """The flight of zero length before the impact that a case begins with, and that impact."""
+    segment = integrate(now, t, y, 1e3 * np.spacing(t), rtol)
+    return [segment.until(t, 0)], landings.start_impact(segment)
+
+
+def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
+    """Estimated duration of a flight, s: until its force has brought it back, or it has moved or fallen by its size."""
+    rates = now.system.rates_of_numbers(t, tuple(y), now.parameters)
+    speed, force = hypot(*y[3:5]), hypot(*rates[3:5])
+    often = frequency(now, t, y)
+    back = 4.0 * speed / force if force else 0.0
+    return max(back, 4.0 / often if often else np.inf)
+
+
+def after_flight(case: Case, segments: list[Segment], landing: Landing | None, bounces: Bounces) -> Step:
+    """The step after a landing, by the impact law."""
+    last = segments[-1]
+    if landing is None and last.event.guard == OUT_OF_STEPS:
+        steps = sum(segment.steps for segment in segments)
+        return Step(tuple(segments), last.event.time, ending=work_limit_ending(last.event.time, steps))
+    if landing is None and last.event.guard == LOST_SIGHT:
+        return Step(tuple(segments), last.event.time, ending=search_limit_ending(last.event.time))
+    if landing is None:
+        return Step(
+            tuple(segments), last.event.time, ending=breakdown(last.phase, last) if last.event.guard else COMPLETION
+        )
+    here, place = _on_pieces(case, (landing.xi1, landing.xi2))
+    step = _after_landing(here, tuple(segments), landing, place, bounces)
+    return step if step.pieces or not isinstance(here, PieceCase) else step._replace(pieces=here)
+
+
+def _on_pieces(case: Case, place: tuple[float, float]) -> tuple[Case, tuple[float, float]]:
+    """The case on the pieces at a place of its whole curves, and the place in their parameters."""
+    if not has_pieces(case):
+        return case, place
+    here = pieces_at(case, *place)
+    return here, (place[0] - here.first.shift, place[1] - here.second.shift)
+
+
+def _after_landing(
+    case: Case, path: tuple[Segment, ...], landing: Landing, place: tuple[float, float], bounces: Bounces
+) -> Step:
+    """The step after a landing at a place, on the pieces there."""
+    if isinstance(case, PieceCase):
+        if corners_meet(case, *place):
+            return Step(path, landing.time, place, "landing", ending=CORNERS_MEET)
+        if lies_flat(case, *place):
+            return Step(path, landing.time, place, "landing", ending=FLAT_LANDING)
+    if case.effect(Impact) is None:
+        return Step(path, landing.time, place, "landing", ending=LANDING_END)
+    law, since = law_of(case, landing.arm_t, landing.arm_n), path[0].start
+    # A gap that opens without a flight does not grow: the plate comes down as fast as it rose, and stays.
+    none = landing.time == since and landing.touch.lift >= 0.0
+    is_listed = not none and bounces.strike(since, landing)
+    touch = landing.touch._replace(lift=-landing.touch.lift) if none else landing.touch
+    after = collide(law, touch)
+    if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
+        return Step(path, landing.time, place, "landing", ending=ENERGY)
+    y = in_contact(case, landing.time, *place, after.slip, after.omega, landing.theta)
+    pull = free_quantities(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
+    if none or after.lift <= 0.0:
+        bounces.no_rebound()
+        cause = "rest" if after.lift > 0.0 else "landing"
+        return contact_step(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), cause, is_listed)
+    is_unresolved = _is_unresolved(case, after.lift, pull, place)
+    bounces.rebound(landing, after, pull)
+    # Listed impacts are simulated one by one.
+    limit = None if is_listed and not is_unresolved else bounces.limit(is_unresolved)
+    if limit and landing.time < limit.time < case.duration:
+        with_rest = (*path, bounces.settling(path[-1].phase, limit))
+        whole = case.whole if isinstance(case, PieceCase) else case
+        there, at = _on_pieces(whole, (limit.xi1, limit.xi2))
+        if isinstance(there, PieceCase) and lies_flat(there, *at):
+            return Step(with_rest, limit.time, at, "rest", ending=FLAT_LANDING, pieces=there)
+        step = contact_step(there, with_rest, limit.time, at, limit.theta, limit.touch, "rest", False)
+        return step._replace(pieces=there) if isinstance(there, PieceCase) else step
+    if is_unresolved:
+        return contact_step(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), "rest", is_listed)
+    aloft = in_flight(case, landing.time, y, after.slip, after.omega, after.lift)
+    return Step(path, landing.time, place, "landing", aloft, FLIGHT, is_listed=is_listed)
+
+
+def _is_unresolved(case: Case, lift: float, pull: float, place: tuple[float, float]) -> bool:
+    """Whether a rebound with speed `lift`, pulled back by `pull` (m/s²), rises no higher than positions' rounding."""
+    x, y, _ = pose(case, *place)
+    rounding = REBOUND_ROUNDINGS * EPS * (abs(x) + abs(y) + float(np.hypot(*case.plate.outline.point(place[1]))))
+    return lift * lift <= 2.0 * pull * rounding
