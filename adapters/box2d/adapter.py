@@ -54,7 +54,8 @@ from . import shapes
 
 NAME = "box2d"
 routes = ("native",)
-KNOWN = "pyb2d3>=0.11.1"
+# Tested: every version on the index, 0.5.3 to 0.11.1.
+KNOWN = "pyb2d3>=0.5"
 
 # Routes that report each contact of a plate that touches its track in several places.
 SEVERAL_CONTACTS = ("native",)

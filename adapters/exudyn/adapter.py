@@ -24,7 +24,6 @@ the sixth rung, with the same or up to three times smaller errors; at the fourth
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from itertools import product
 from math import ceil, hypot, sqrt
 
@@ -39,7 +38,7 @@ from cases.shapes import as_line
 
 from ..common import driven_tracks
 from ..interface import Setting
-from . import constraints, integrator, native
+from . import constraints, integrator, native, older_versions
 from .reader import ExudynModel, read
 from .system import scales
 
@@ -59,7 +58,8 @@ __all__ = [
 
 NAME = "exudyn"
 routes = ("native", "integrator")
-KNOWN = "exudyn>=1.13"
+# Tested: 1.7, 1.8, 1.9, 1.10, 1.11 and 1.13.6, by `older_versions`.
+KNOWN = "exudyn>=1.7"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt, Drive)
@@ -256,10 +256,10 @@ def build(case: Case, route: str, setting: Setting) -> ExudynModel:
 def run(model: ExudynModel) -> None:
     """Solve. If the engine gives up, `read` gets its message, since the plate may have left its track long before."""
     system, settings = model.system.system, _simulation_settings(model)
-    with _quiet():
+    with older_versions.quiet():
         try:
             system.SolveDynamic(settings, solverType=_SOLVERS[model.setting["solver"]])
-        except exu.ExudynError as problem:
+        except older_versions.ERRORS as problem:
             model.failure = " ".join(str(problem).split())[:200]
     iteration = system.sys["dynamicSolver"].it
     model.cost = Cost(steps=int(iteration.currentStepIndex), evaluations=int(iteration.newtonStepsCount))
@@ -277,9 +277,8 @@ def _simulation_settings(model: ExudynModel):
     settings.timeIntegration.newton.useModifiedNewton = setting["newton"] == "modified"
     if model.route == "integrator" and not setting.is_default:
         settings.timeIntegration.newton.absoluteTolerance = max(NEWTON, _rounding(case, setting["k"]))
-    settings.solution.file.write = False
     # A period below every step makes the sensors store every step.
-    settings.solution.sensors.writePeriod = 1e-12 if steps <= MOST_SAMPLES else case.duration / MOST_SAMPLES
+    older_versions.set_output(settings, 1e-12 if steps <= MOST_SAMPLES else case.duration / MOST_SAMPLES)
     return settings
 
 
@@ -287,14 +286,3 @@ def _rounding(case: Case, k: float) -> float:
     """The rounding (N) of the force of a spring k (N/m) where the motion starts."""
     start = start_motion(case)
     return ROUNDINGS * np.finfo(float).eps * k * (hypot(start.x, start.y) + case.plate.reach)
-
-
-@contextmanager
-def _quiet():
-    """Turn the engine's console off for the run, then restore it; the switch is global in the process."""
-    before = exu.config.printToConsole
-    exu.config.printToConsole = False
-    try:
-        yield
-    finally:
-        exu.config.printToConsole = before

@@ -17,7 +17,7 @@ from cases.shapes import Circle, Line, as_circle, as_line
 from ..common.facets import round_plate
 from ..common.flights import BEYOND, Follower
 from ..interface import Setting
-from . import constraints
+from . import constraints, older_versions
 from .system import (
     ExudynContact,
     ExudynSystem,
@@ -46,7 +46,7 @@ def refuses(case: Case) -> str | None:
         return constraints.refuses(case)
     if case.effect(Unilateral) is None:
         return "Exudyn's contacts with friction only push; it has none for a track that also pulls (no Unilateral)."
-    return None
+    return older_versions.contact_object("ObjectContactSphere" + ("Triangle" if as_line(case.track) else "Sphere"))
 
 
 def build(case: Case, setting: Setting) -> ExudynSystem:
@@ -147,7 +147,7 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
     number = system.AddObject(
         item.ObjectContactSphereTriangle(
             markerNumbers=[disc, ground(system, np.zeros(2))],
-            sphereRadius=radius,
+            **older_versions.sphere_radius(radius),
             trianglePoints=exu.Vector3DList(_ground_triangle(case, line)),  # type: ignore[call-arg]
             includeEdges=0,
             **_contact_law(case, setting, system),

@@ -18,6 +18,7 @@ from cases.shapes import Circle
 
 from ..common.facets import round_plate
 from ..interface import Setting
+from . import older_versions
 
 
 @dataclass(frozen=True)
@@ -160,7 +161,9 @@ def disc_body(case: Case, start: MotionPoint, system) -> tuple[int, int]:
             initialCoordinates=[start.x, start.y, start.theta], initialVelocities=[start.vx, start.vy, start.omega]
         )
     )
-    body = system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, mass=plate.mass, inertia=plate.inertia))
+    body = system.AddObject(
+        item.ObjectRigidBody2D(nodeNumber=node, **older_versions.rigid_body(plate.mass, plate.inertia))
+    )
     disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[*circle.centre.tolist(), 0.0]))
     if gravity:
         pull = [*gravity.vector, 0.0]

@@ -17,7 +17,6 @@ from functools import partial
 import numpy as np
 import pymunk
 from pymunk._chipmunk_cffi import lib
-from pymunk.batch import BodyFields, Buffer, get_space_bodies
 
 from cases import (
     Belt,
@@ -37,7 +36,7 @@ from cases.moving_frame import relative_case
 
 from ..common import driven_tracks, facets, half_steps, several_contacts
 from ..interface import EngineFailure, Setting
-from . import assisted, native
+from . import assisted, native, older_versions
 from .load import LoadInSteps
 
 __all__ = [
@@ -58,8 +57,8 @@ __all__ = [
 
 NAME = "pymunk"
 routes = ("native", "assisted")
-# Tested: 6.11.1 with the native route, 7.2 and 7.3 with both routes.
-KNOWN = "pymunk>=6.11"
+# Tested: every version that has a wheel for CPython 3.11, from 6.2.1, by `older_versions`.
+KNOWN = "pymunk>=6.0"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt, Drive)
@@ -73,13 +72,11 @@ SEVERAL_CONTACTS = ("native",)
 
 def version() -> str:
     """pymunk's version and that of the Chipmunk library in it."""
-    return f"{pymunk.version} (Chipmunk {pymunk.chipmunk_version.partition('-')[0]})"
+    return f"{older_versions.version()} (Chipmunk {pymunk.chipmunk_version.partition('-')[0]})"
 
 
 def refuses(case: Case, route: str) -> str | None:
     """The reason, in one sentence, why the route does not support the case, or None."""
-    if route == "assisted" and not hasattr(pymunk.Space, "on_collision"):
-        return f"This route needs the callbacks of pymunk 7 (Space.on_collision); {pymunk.version} is installed."
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
         return f"pymunk does not support {' and '.join(missing)}."
@@ -192,11 +189,6 @@ def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
 # --- build, run, read -------------------------------------------------------------------------------------------------
 
 
-# The plate comes first; the track's body, static or kinematic, is one, too.
-_BODIES = 2
-_RECORD_FIELDS = BodyFields.POSITION | BodyFields.ANGLE | BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
-
-
 @dataclass
 class PymunkModel:
     """One run: the space, its moving body, the step (s), the number of steps, the recorded rows.
@@ -215,15 +207,12 @@ class PymunkModel:
     drive: LoadInSteps | None = None
     rough: float = 0.0
     guide: assisted.ContactGuide | None = None
-    # The engine's own record after every step: six numbers for the plate, then six for the track's body. Reading them
-    # one by one in Python takes longer than a native step.
-    buffer: Buffer = field(default_factory=Buffer)
+    # Functions that record the plate after a step, and that return the rows.
+    note: Callable[[], None] = field(init=False)
+    rows: Callable[[], np.ndarray] = field(init=False)
 
-    @property
-    def rows(self) -> np.ndarray:
-        """(x, y, theta, vx, vy, omega) of the plate after every step, shape (n, 6)."""
-        # A copy: the engine's memory is freed with the model.
-        return np.frombuffer(self.buffer.float_buf()).reshape(-1, _BODIES, 6)[:, 0].copy()
+    def __post_init__(self) -> None:
+        self.note, self.rows = older_versions.recorder(self.space, self.body)
 
 
 def build(case: Case, route: str, setting: Setting) -> PymunkModel:
@@ -252,13 +241,13 @@ def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkM
 
 def run(model: PymunkModel) -> None:
     """Step through the duration and record pose and velocities after every step."""
-    space, step, buffer = model.space, model.space.step, model.buffer
+    step, note = model.space.step, model.note
     # The half step moves the plate to its start and applies half a step's forces to the velocities.
     step(0.5 * model.h)
-    get_space_bodies(space, _RECORD_FIELDS, buffer)
+    note()
     for _ in range(model.steps):
         step(model.h)
-        get_space_bodies(space, _RECORD_FIELDS, buffer)
+        note()
 
 
 def bare_run(case: Case, route: str, setting: Setting, without: str) -> Callable[[], None]:
@@ -294,7 +283,7 @@ def _step_on(space: pymunk.Space, step: Callable[..., None], what: tuple, steps:
 
 def read(model: PymunkModel) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
-    drive, guide, rows = model.drive, model.guide, model.rows
+    drive, guide, rows = model.drive, model.guide, model.rows()
     if drive and drive.problem:
         raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
     if guide and guide.problem:

@@ -22,6 +22,7 @@ from cases.mechanics import gravity
 
 from ..common.flights import BEYOND, Follower
 from ..interface import Setting
+from . import older_versions
 from .load import LoadInSteps, Torsor
 from .native import friction_coefficient
 
@@ -197,4 +198,4 @@ def overlapping(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body
 
 def listen(space: pymunk.Space, pre_solve: Callable[[Arbiter, pymunk.Space, Any], None]) -> None:
     """Register a function that is called in every step before the contact is solved."""
-    space.on_collision(_TRACK, _PLATE, pre_solve=pre_solve)
+    older_versions.on_collision(space, _TRACK, _PLATE, pre_solve)
