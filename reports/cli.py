@@ -27,6 +27,7 @@ COMMANDS = {
     "submit": ("reports.submit", "check motions before you submit them"),
     "sweep": ("reports.sweep", "a map over any parameters of a case"),
     "animate": ("reports.animate", "write an animation of a motion, GIF or MP4"),
+    "history": ("reports.history", "what changed from version to version of an engine"),
     "gate": ("reports.gate", "whether a report is worse than a baseline, for continuous integration"),
     "study": ("reports.study", "run one of the additional studies"),
     "laws": ("adapters.laws.__main__", "test an engine's adapter against mechanics"),

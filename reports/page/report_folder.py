@@ -19,6 +19,11 @@ def of_report(path: Path, kind: str = "report") -> OwnedFolder:
     return OwnedFolder(path, kind, (PAGE, MANIFEST, "tables/*", "figures/*"), (PAGE, MANIFEST))
 
 
+def of_history(path: Path) -> OwnedFolder:
+    """The folder of the history of engines."""
+    return of_report(path, "history")
+
+
 def of_study(path: Path) -> OwnedFolder:
     """The folder of one study, without subfolders."""
     return OwnedFolder(path, "study", [f"*.{ending}" for ending in (*TABLES, *FIGURES)], (MANIFEST,))

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError
 from importlib.metadata import version as installed_version
+from importlib.util import find_spec
 from pathlib import Path
 
 from packaging.requirements import Requirement
@@ -92,6 +93,18 @@ def make(names: Iterable[str], say: Callable[[str], None]) -> None:
             _failure(folder).unlink(missing_ok=True)
 
 
+def failure(name: str) -> str:
+    """Why a solver with a version has no environment; "" if it has one or needs none."""
+    if _is_here(needs(name)) or paths(name):
+        return ""
+    folder = _folder(name)
+    return (
+        _failure(folder).read_text(encoding="utf-8")
+        if folder and _failure(folder).is_file()
+        else "it has no environment"
+    )
+
+
 def paths(name: str) -> list[str]:
     """Folders that a solver's process searches first for packages: its environment, if it has one."""
     folder = _folder(name)
@@ -102,9 +115,30 @@ def paths(name: str) -> list[str]:
 def demand(name: str) -> None:
     """Raise ImportError unless this process finds the version in a solver's name."""
     if split_version(name)[1] and not _is_here(needs(name)):
-        folder = _folder(name)
-        reason = _failure(folder).read_text(encoding="utf-8") if folder and _failure(folder).is_file() else ""
-        raise ImportError(f"{needs(name)}; {reason or 'it has no environment'}")
+        raise ImportError(f"{needs(name)}; {failure(name)}")
+
+
+def released(engine: str) -> tuple[str, ...]:
+    """The versions of an engine's package that the package index has and the adapter supports, oldest first, without
+    pre-releases; some may have no wheel for this Python.
+
+    Raises BadValue if the adapter lists no versions, the index cannot be reached, or it has no such version.
+    """
+    text = source_code.literal_of(engine, "KNOWN")
+    if not isinstance(text, str):
+        raise BadValue(f"the adapter of {engine} lists no versions; it has no history")
+    package = Requirement(text)
+    pip = subprocess.run(
+        [sys.executable, "-m", "pip", "index", "versions", "--retries=1", "--no-input", package.name],
+        capture_output=True, text=True, errors="replace", timeout=_PATIENCE,
+    )  # fmt: skip
+    listed = re.search(r"Available versions: (.*)", pip.stdout)
+    if pip.returncode or not listed:
+        raise BadValue(f"the versions of {package.name} are not known: {_failure_of(pip.stderr)}")
+    versions = {text for text in map(str.strip, listed[1].split(",")) if package.specifier.contains(text)}
+    if not versions:
+        raise BadValue(f"the package index has no version of {text}")
+    return tuple(sorted(versions, key=Version))
 
 
 # --- an environment ---------------------------------------------------------------------------------------------------
@@ -149,12 +183,16 @@ def _make(package: Requirement, folder: Path) -> str:
         owned_folder.remove_leftovers(folder.parent)
         with owned_folder.TemporaryFolder(folder.parent) as scratch:
             environment = scratch / "made"
-            venv.EnvBuilder(symlinks=True, with_pip=True).create(environment)
+            # The suite's pip installs into it; a copy of pip in each environment would take three times as long.
+            pip_is_here = find_spec("pip") is not None
+            venv.EnvBuilder(symlinks=True, with_pip=not pip_is_here).create(environment)
             lenders = [path for path in sys.path if Path(path).name in ("site-packages", "dist-packages")]
             Path(_packages(environment), "borrowed.pth").write_text("\n".join(lenders) + "\n")
             words = ["install", "--only-binary=:all:", "--retries=1", "--no-input", str(package)]
+            python = environment / "bin" / "python"
+            pip_of = [sys.executable, "-m", "pip", "--python", python] if pip_is_here else [python, "-m", "pip"]
             pip = subprocess.run(
-                [environment / "bin" / "python", "-m", "pip", *words],
+                [*pip_of, *words],
                 capture_output=True, text=True, errors="replace", timeout=_PATIENCE,
             )  # fmt: skip
             if pip.returncode:
@@ -178,6 +216,11 @@ def _why(package: Requirement, output: str) -> str:
         raise UnknownName(
             f"the package index has no {package} for this Python; it has {', '.join(sorted(near, key=Version))}, …"
         )
+    return _failure_of(output)
+
+
+def _failure_of(output: str) -> str:
+    """Why pip failed, other than for want of a version."""
     if re.search(r"Retrying \(|NewConnection|Connection(Reset|Refused)?Error|Max retries|getaddrinfo", output):
         return "the package index cannot be reached; connect, or set pip's index-url"
     lines = [line for line in output.splitlines() if line.startswith("ERROR")]

@@ -1,0 +1,214 @@
+"""How the answers of an engine changed from version to version: rows of runs, and one line per scene and setting.
+
+A version's answer to a scene, on one route with one setting, is compared with that of the version before it. It changed
+if the outcome is another one, if the sequence of transitions is another one, or if the error (off) differs by more than
+CHANGE of the larger one. Smaller differences are counted as changes of digits: another compiler, or another order of
+operations, makes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+from math import isfinite
+from typing import NamedTuple
+
+from packaging.version import Version
+
+from ..running.records import Row, Run
+from ..running.versions import split_version
+from .columns import Table
+from .number_format import number
+
+# A smaller relative change of off is one of digits. It is a hundredth of what separates neighbouring rungs of a ladder,
+# and far above the rounding of single precision.
+CHANGE = 0.01
+# An error below this is none: 4 digits, as in a ranking.
+LEAST_OFF = 1e-4
+
+TABLES = {
+    "history": Table(
+        "Every run of every version of an engine",
+        {
+            "engine": "the engine",
+            "version": "version of its package",
+            "case": "the case, with its parameters",
+            "route": "route of the adapter",
+            "setting": "the setting",
+            "outcome": "answered, unsupported, crashed, timed_out or not_installed",
+            "off": "error as a share of the error of ignoring friction's law",
+            "first_transition_error": "error of the first transition's time, s",
+            "sequence": "the transitions that the run has, in their order",
+            "grade": "off in words; empty: no answer",
+            "reason": "why the answer has its grade, or the reason of any other outcome",
+            "change": "compared with the version before: changed, digits, same, or first",
+        },
+    ),
+    "history_lines": Table(
+        "One line per case, route and setting: the error in the oldest version, and each release that changed it",
+        {
+            "engine": "the engine",
+            "case": "the case, with its parameters",
+            "route": "route of the adapter",
+            "setting": "the setting",
+            "oldest": "answer of the oldest version that was run: off in percent, or the outcome",
+            "changes": "each release with another answer, and that answer; empty: no release changed it",
+            "digits": "releases that changed digits only",
+        },
+    ),
+    "history_releases": Table(
+        "One line per version of an engine: what changed with it",
+        {
+            "engine": "the engine",
+            "version": "version of its package",
+            "runs": "number of runs with an answer",
+            "changed": "answers that changed with this release",
+            "better": "of these, answers with a smaller error, or with an answer where there was none",
+            "worse": "of these, answers with a larger error, or without an answer where there was one",
+            "digits": "further answers whose digits changed by less than one percent of the error",
+            "note": "why the version was not run; empty: it was",
+        },
+    ),
+}
+
+
+class Answer(NamedTuple):
+    """What a version answered: outcome, error and first transition's error (s), sequence of transitions, and every
+    number of the run, to tell whether a digit changed."""
+
+    outcome: str
+    off: float
+    first_error: float
+    sequence: str
+    digits: tuple[float, ...]
+    grade: str = ""
+    reason: str = ""
+
+    @property
+    def text(self) -> str:
+        """Off in percent, or the outcome."""
+        return f"{number(100 * self.off)} %" if self.outcome == "answered" and isfinite(self.off) else self.outcome
+
+
+class Line(NamedTuple):
+    """A case on a route with a setting, and the answer of each version that was run, oldest first."""
+
+    engine: str
+    case: str
+    route: str
+    setting: str
+    answers: dict[str, Answer]
+
+    @property
+    def changes(self) -> dict[str, str]:
+        """ "first", "same", "digits" or "changed" by version."""
+        versions = list(self.answers)
+        found = {versions[0]: "first"} if versions else {}
+        return found | {new: change(self.answers[old], self.answers[new]) for old, new in pairwise(versions)}
+
+
+def answer(run: Run) -> Answer:
+    """The answer in a record of a run."""
+    events = [row for row in run.ledger if row.pairing in ("paired", "spurious")]
+    first = next((row.error for row in run.ledger if row.event == 1 and row.pairing == "paired"), float("nan"))
+    off = run.score.off if run.score else float("nan")
+    sequence = ", ".join(f"{row.before} to {row.after}" for row in sorted(events, key=lambda row: row.time))
+    digits = (off, *run.distance, *(row.time for row in events))
+    return Answer(run.outcome, off, first, sequence, tuple(float(x) for x in digits), run.grade, run.reason)
+
+
+def change(old: Answer, new: Answer) -> str:
+    """ "changed", "digits" or "same"."""
+    if old.outcome != new.outcome:
+        return "changed"
+    if old.outcome != "answered":
+        return "same"
+    larger = max(old.off, new.off)
+    if old.sequence != new.sequence or (abs(new.off - old.off) > CHANGE * larger and larger > LEAST_OFF):
+        return "changed"
+    # NaN stands for a number that neither run has.
+    return "same" if repr(old.digits) == repr(new.digits) else "digits"
+
+
+def is_better(old: Answer, new: Answer) -> bool:
+    """Whether a changed answer is the better one."""
+    if old.outcome != new.outcome:
+        return new.outcome == "answered"
+    return new.off < old.off
+
+
+def lines(runs: Iterable[Run]) -> list[Line]:
+    """One line per engine, case, route and setting, in the order of the runs; versions in their order.
+
+    A route that a version does not support at all has one run without a setting; it is its answer at every setting that
+    other versions have.
+    """
+    answers: dict[tuple[str, str, str, str], dict[str, Answer]] = {}
+    without_setting: dict[tuple[str, str, str], dict[str, Answer]] = {}
+    for run in runs:
+        engine, version = split_version(run.solver)
+        if run.setting.values:
+            answers.setdefault((engine, run.case, run.route, str(run.setting)), {})[version] = answer(run)
+        else:
+            without_setting.setdefault((engine, run.case, run.route), {})[version] = answer(run)
+    result = []
+    for key, by_version in answers.items():
+        whole = without_setting.get(key[:3], {}) | by_version
+        result.append(Line(*key, {version: whole[version] for version in sorted(whole, key=Version)}))
+    return result
+
+
+def run_rows(all_lines: Sequence[Line]) -> list[Row]:
+    """The rows of the table `history`."""
+    return [
+        {
+            "engine": line.engine, "version": version, "case": line.case, "route": line.route, "setting": line.setting,
+            "outcome": each.outcome, "off": each.off, "first_transition_error": each.first_error,
+            "sequence": each.sequence, "grade": each.grade, "reason": each.reason, "change": line.changes[version],
+        }
+        for line in all_lines
+        for version, each in line.answers.items()
+    ]  # fmt: skip
+
+
+def line_rows(all_lines: Sequence[Line]) -> list[Row]:
+    """The rows of the table `history_lines`."""
+    rows: list[Row] = []
+    for line in all_lines:
+        kinds, oldest = line.changes, next(iter(line.answers.values()))
+        changed = [f"{v}: {line.answers[v].text}" for v, kind in kinds.items() if kind == "changed"]
+        rows.append(
+            {
+                "engine": line.engine, "case": line.case, "route": line.route, "setting": line.setting,
+                "oldest": oldest.text, "changes": "; ".join(changed),
+                "digits": ", ".join(v for v, kind in kinds.items() if kind == "digits"),
+            }
+        )  # fmt: skip
+    return rows
+
+
+def release_rows(all_lines: Sequence[Line], missing: dict[str, str]) -> list[Row]:
+    """The rows of the table `history_releases`; `missing`: why a version (ENGINE@VERSION) was not run."""
+    keys = {(line.engine, version) for line in all_lines for version in line.answers}
+    keys |= {split_version(name) for name in missing}
+    engines = list(dict.fromkeys([*(line.engine for line in all_lines), *(split_version(n)[0] for n in missing)]))
+    rows: list[Row] = []
+    for engine, version in sorted(keys, key=lambda key: (engines.index(key[0]), Version(key[1]))):
+        counts = dict.fromkeys(("runs", "changed", "better", "worse", "digits"), 0)
+        for line in all_lines:
+            if line.engine == engine and version in line.answers:
+                _count(line, version, counts)
+        note = missing.get(f"{engine}@{version}", "")
+        rows.append({"engine": engine, "version": version, **counts, "note": note})
+    return rows
+
+
+def _count(line: Line, version: str, counts: dict[str, int]) -> None:
+    versions = list(line.answers)
+    kind, place = line.changes[version], versions.index(version)
+    counts["runs"] += line.answers[version].outcome == "answered"
+    counts["digits"] += kind == "digits"
+    if kind == "changed":
+        better = is_better(line.answers[versions[place - 1]], line.answers[version])
+        counts["changed"] += 1
+        counts["better" if better else "worse"] += 1

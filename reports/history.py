@@ -1,0 +1,171 @@
+"""`python -m reports.history ENGINE…`: the answers of an engine over its released versions, as a page and tables.
+
+Every version that the package index has and the adapter supports is installed into an environment of its own
+(`running.versions`) and runs the same scenes, with default settings and with one fine setting. Finished runs are stored
+per version, so that a further version adds its own runs only. A version without a wheel for this Python is a row with
+the reason.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from adapters import Setting
+from cases import BadValue, Case
+from cases.command_line import status
+
+from . import options
+from .page import report_folder
+
+COMMAND = "reports.history"
+
+# Scenes of many kinds that the engines' routes support: every shape of track, discs and other plates, loads, flights,
+# impacts, belts.
+SCENES = (
+    "disc_on_line[mu=0.1]",
+    "disc_on_incline[mu=0.1]",
+    "disc_in_circle[mu=0.1]",
+    "disc_in_circle[mu=0.2]",
+    "rough_disc_in_circle",
+    "frictionless_pendulum",
+    "disc_in_parabola",
+    "disc_in_cosine",
+    "disc_in_catenary",
+    "disc_in_ellipse",
+    "disc_rolling_off_hill",
+    "disc_sliding_off_hill",
+    "disc_onto_incline[mu=0.5]",
+    "driven_disc",
+    "disc_rolling_to_rest",
+    "eccentric_disc_on_line",
+    "ellipse_in_circle",
+    "ellipse_on_incline",
+    "disc_on_conveyor",
+    "thrown_with_spin",
+)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status."""
+    return status(COMMAND, _work, argv)
+
+
+def _work(words: list[str]) -> None:
+    parser = options.parser(
+        COMMAND, "Run every released version of engines on the same scenes: what changed, and with which release.",
+        "out", "case", "case_file", "jobs", "store", "fresh", words={"ENGINE*": "engines, by name"},
+        out="history", example=f"python -m {COMMAND} pymunk exudyn box2d",
+    )  # fmt: skip
+    arguments = parser.parse_args(words)
+    if not arguments.ENGINE:
+        raise BadValue("name an engine, for example pymunk")
+    engines = options.choose_solvers(arguments.ENGINE)
+    if wrong := next((name for name in engines if "@" in name or name == "reference"), ""):
+        raise BadValue(f"{wrong} has no history of releases; give an engine without a version, for example pymunk")
+    _, own = options.load_files(arguments.case_file)
+    cases, _ = options.choose_cases(arguments.case or own or SCENES, "quick" if not (arguments.case or own) else "")
+    jobs = options.whole_jobs(arguments.jobs)
+    out = options.check_out(arguments.out, report_folder.of_history)
+    store = options.check_store(arguments.store, out)
+    _make(engines, cases, out, store, arguments.fresh, jobs, options.command(COMMAND, words))
+
+
+def _settings(case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
+    """The default settings, and one at two thirds of the ladder."""
+    ladder = [setting for setting in settings if not setting.is_default]
+    return (*[s for s in settings if s.is_default][:1], *ladder[2 * len(ladder) // 3 :][:1])
+
+
+def _make(
+    engines: Sequence[str], cases: Sequence[Case], out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
+) -> None:
+    from .analysis import version_history
+    from .running.calls import Calls
+    from .running.experiment import run_cases
+    from .running.processes.progress import Display
+    from .running.storage.result_store import Store
+
+    store = Store(store_folder, fresh)
+    names, missing = _install(engines)
+    if not names:
+        raise BadValue(f"no version can be installed: {next(iter(missing.values()))}")
+    runs = []
+    try:
+        with Display() as display, Calls(jobs, store=store, progress=display) as calls:
+            for name in names:  # one version at a time, so that an interrupted run keeps whole versions
+                runs += run_cases(cases, [name], calls, _settings).runs
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(store.kept_words()) from None
+    lines = version_history.lines(runs)
+    releases = version_history.release_rows(lines, missing)
+    _write(lines, releases, out, command, calls.versions | {"store": store.summary()})
+    store.trim()
+    print(summary(releases))
+    print(out / report_folder.PAGE)
+
+
+def _install(engines: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """The versions (ENGINE@VERSION) that have an environment, oldest first, and the reasons why others have none."""
+    from .running import versions
+
+    names: list[str] = []
+    missing: dict[str, str] = {}
+    for name in [f"{engine}@{number}" for engine in engines for number in versions.released(engine)]:
+        versions.check(name)
+        try:
+            versions.make([name], lambda text: print(text, file=sys.stderr, flush=True))
+            reason = versions.failure(name)
+        except BadValue as problem:
+            reason = str(problem)
+        if reason:
+            missing[name] = reason
+        else:
+            names.append(name)
+    return names, missing
+
+
+def _write(lines, releases, out: Path, command: str, facts: dict[str, str]) -> None:
+    """Write page, tables and manifest."""
+    import pandas as pd
+
+    from .analysis import version_history
+    from .page import dictionary, history_page, text
+    from .page.manifest import manifest
+
+    words = version_history.TABLES
+    frames = {
+        "history_releases": pd.DataFrame(releases),
+        "history_lines": pd.DataFrame(version_history.line_rows(lines)),
+        "history": pd.DataFrame(version_history.run_rows(lines)),
+    }
+    about = manifest({name: version for name, version in facts.items() if name != "store"})
+    about |= {"command": command, "store": facts["store"]}
+    with report_folder.of_history(out).staging(whole=True) as place:
+        tables = place / "tables"
+        text.write(frames, words, tables, command)
+        dictionary.write(frames, words, tables, command)
+        (place / report_folder.PAGE).write_text(history_page.render(lines, releases, about), encoding="utf-8")
+        report_folder.sign(place, about)
+
+
+def summary(releases: Sequence[dict]) -> str:
+    """A line per release that changed an answer, and the number of versions, for the terminal."""
+    lines = []
+    for engine in dict.fromkeys(row["engine"] for row in releases):
+        own = [row for row in releases if row["engine"] == engine]
+        ran = [row for row in own if not row["note"]]
+        span = f", {ran[0]['version']} to {ran[-1]['version']}" if ran else ""
+        lines.append(f"{engine}: {len(ran)} versions run{span}")
+        changed = [row for row in ran if row["changed"]]
+        for row in changed:
+            counts = f"{row['changed']} answers changed, {row['better']} better, {row['worse']} worse"
+            lines.append(f"  {row['version']}: {counts}")
+        lines += [] if changed else ["  no release changed an answer"]
+        lines += [f"  {row['version']}: not run: {row['note']}" for row in own if row["note"]]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,60 @@
+"""The page of an engine's history: a sentence per release that changed an answer, and a line per scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..analysis.version_history import Line
+from ..running.records import Row
+from .fragments import environment
+
+_STYLE = Path(__file__).parent / "static" / "page.css"
+
+
+class Column(NamedTuple):
+    """Consecutive versions between which no answer of the engine changed."""
+
+    first: str
+    last: str
+
+    @property
+    def name(self) -> str:
+        """The versions as text."""
+        return self.first if self.first == self.last else f"{self.first} to {self.last}"
+
+
+def columns(lines: Sequence[Line]) -> list[Column]:
+    """The columns of one engine's table, oldest versions first."""
+    found: list[Column] = []
+    for version in lines[0].answers if lines else ():
+        if found and not any(line.changes.get(version) == "changed" for line in lines):
+            found[-1] = Column(found[-1].first, version)
+        else:
+            found.append(Column(version, version))
+    return found
+
+
+def render(lines: Sequence[Line], releases: Sequence[Row], manifest: dict[str, Any]) -> str:
+    """The page as HTML."""
+    engines = []
+    for engine, group in groupby(lines, key=lambda line: line.engine):
+        own = list(group)
+        cells = columns(own)
+        rows = [
+            {
+                "line": line,
+                "cells": [
+                    {"text": line.answers[c.first].text, "changed": line.changes[c.first] == "changed"}
+                    for c in cells
+                    if c.first in line.answers
+                ],
+            }
+            for line in own
+        ]
+        of_engine = [row for row in releases if row["engine"] == engine]
+        engines.append({"name": engine, "columns": cells, "rows": rows, "releases": of_engine})
+    template = environment().get_template("history.html")
+    return template.render(engines=engines, manifest=manifest, style=_STYLE.read_text(encoding="utf-8"))
