@@ -3,7 +3,7 @@
 Every version that the package index has and the adapter supports is installed into an environment of its own
 (`running.versions`) and runs the same scenes, with default settings and with one fine setting. Finished runs are stored
 per version, so that a further version adds its own runs only. A version without a wheel for this Python is a row with
-the reason.
+the reason, or is compiled with --from-source.
 """
 
 from __future__ import annotations
@@ -11,13 +11,20 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from adapters import Setting
 from cases import BadValue, Case
 from cases.command_line import status
+from cases.errors import UnknownName
 
 from . import options
 from .page import report_folder
+
+if TYPE_CHECKING:
+    from .analysis.version_history import Line
+    from .running.records import Row, Run
+    from .running.storage.result_store import Store
 
 COMMAND = "reports.history"
 
@@ -55,7 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _work(words: list[str]) -> None:
     parser = options.parser(
         COMMAND, "Run every released version of engines on the same scenes: what changed, and with which release.",
-        "out", "case", "case_file", "jobs", "store", "fresh", words={"ENGINE*": "engines, by name"},
+        "out", "case", "case_file", "from_source", "jobs", "store", "fresh", words={"ENGINE*": "engines, by name"},
         out="history", example=f"python -m {COMMAND} pymunk exudyn box2d",
     )  # fmt: skip
     arguments = parser.parse_args(words)
@@ -66,10 +73,13 @@ def _work(words: list[str]) -> None:
         raise BadValue(f"{wrong} has no history of releases; give an engine without a version, for example pymunk")
     _, own = options.load_files(arguments.case_file)
     cases, _ = options.choose_cases(arguments.case or own or SCENES, "quick" if not (arguments.case or own) else "")
+    from .running.storage.result_store import Store
+
     jobs = options.whole_jobs(arguments.jobs)
     out = options.check_out(arguments.out, report_folder.of_history)
     store = options.check_store(arguments.store, out)
-    _make(engines, cases, out, store, arguments.fresh, jobs, options.command(COMMAND, words))
+    names = _install(engines, arguments.from_source)
+    _make(names, cases, out, Store(store, arguments.fresh), jobs, options.command(COMMAND, words))
 
 
 def _settings(case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
@@ -79,19 +89,19 @@ def _settings(case: str, solver: str, route: str, settings: tuple[Setting, ...])
 
 
 def _make(
-    engines: Sequence[str], cases: Sequence[Case], out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
+    versions: tuple[list[str], dict[str, str]], cases: Sequence[Case], out: Path, store: Store, jobs: int, command: str
 ) -> None:
+    """Run the versions of `_install`, and write the folder."""
     from .analysis import version_history
+    from .page.manifest import manifest
     from .running.calls import Calls
     from .running.experiment import run_cases
     from .running.processes.progress import Display
-    from .running.storage.result_store import Store
 
-    store = Store(store_folder, fresh)
-    names, missing = _install(engines)
+    names, missing = versions
     if not names:
         raise BadValue(f"no version can be installed: {next(iter(missing.values()))}")
-    runs = []
+    runs: list[Run] = []
     try:
         with Display() as display, Calls(jobs, store=store, progress=display) as calls:
             for name in names:  # one version at a time, so that an interrupted run keeps whole versions
@@ -100,13 +110,13 @@ def _make(
         raise KeyboardInterrupt(store.kept_words()) from None
     lines = version_history.lines(runs)
     releases = version_history.release_rows(lines, missing)
-    _write(lines, releases, out, command, calls.versions | {"store": store.summary()})
+    _write(lines, releases, out, manifest(calls.versions) | {"command": command, "store": store.summary()})
     store.trim()
     print(summary(releases))
     print(out / report_folder.PAGE)
 
 
-def _install(engines: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+def _install(engines: Sequence[str], from_source: bool) -> tuple[list[str], dict[str, str]]:
     """The versions (ENGINE@VERSION) that have an environment, oldest first, and the reasons why others have none."""
     from .running import versions
 
@@ -115,9 +125,9 @@ def _install(engines: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     for name in [f"{engine}@{number}" for engine in engines for number in versions.released(engine)]:
         versions.check(name)
         try:
-            versions.make([name], lambda text: print(text, file=sys.stderr, flush=True))
+            versions.make([name], lambda text: print(text, file=sys.stderr, flush=True), from_source)
             reason = versions.failure(name)
-        except BadValue as problem:
+        except UnknownName as problem:
             reason = str(problem)
         if reason:
             missing[name] = reason
@@ -126,13 +136,12 @@ def _install(engines: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     return names, missing
 
 
-def _write(lines, releases, out: Path, command: str, facts: dict[str, str]) -> None:
+def _write(lines: Sequence[Line], releases: Sequence[Row], out: Path, about: dict[str, Any]) -> None:
     """Write page, tables and manifest."""
     import pandas as pd
 
     from .analysis import version_history
     from .page import dictionary, history_page, text
-    from .page.manifest import manifest
 
     words = version_history.TABLES
     frames = {
@@ -140,17 +149,15 @@ def _write(lines, releases, out: Path, command: str, facts: dict[str, str]) -> N
         "history_lines": pd.DataFrame(version_history.line_rows(lines)),
         "history": pd.DataFrame(version_history.run_rows(lines)),
     }
-    about = manifest({name: version for name, version in facts.items() if name != "store"})
-    about |= {"command": command, "store": facts["store"]}
     with report_folder.of_history(out).staging(whole=True) as place:
         tables = place / "tables"
-        text.write(frames, words, tables, command)
-        dictionary.write(frames, words, tables, command)
+        text.write(frames, words, tables, about["command"])
+        dictionary.write(frames, words, tables, about["command"])
         (place / report_folder.PAGE).write_text(history_page.render(lines, releases, about), encoding="utf-8")
         report_folder.sign(place, about)
 
 
-def summary(releases: Sequence[dict]) -> str:
+def summary(releases: Sequence[Row]) -> str:
     """A line per release that changed an answer, and the number of versions, for the terminal."""
     lines = []
     for engine in dict.fromkeys(row["engine"] for row in releases):

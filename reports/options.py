@@ -113,6 +113,10 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "worse_than": dict(
         metavar="SHARE", default="10%", help="growth of an error that is accepted, as 10%% or 0.1 (default: 10%%)"
     ),
+    "from_source": dict(
+        action="store_true",
+        help="compile versions without a wheel for this Python, by the package's own build; needs a C compiler",
+    ),
     "format": dict(metavar="NAME", default="text", help="text, json or junit (default: text)"),
     "refine": dict(
         metavar="WIDTH",

@@ -21,7 +21,7 @@ ALLOWED = {
 FLOORS = (
     {"cli"},
     {
-        "build", "compare", "compare_builds", "comparison", "gate", "publish", "submit",
+        "build", "compare", "compare_builds", "comparison", "gate", "history", "publish", "submit",
         "study", "show", "export", "sweep", "animate", "cite", "deposit", "engine_tests",
     },
     {"options"},

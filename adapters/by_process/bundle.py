@@ -18,12 +18,15 @@ from .engine import Engine
 
 FOLDER = Path(__file__).parents[1] / "executables"
 # The steps (s) that the engines themselves begin with: Drake's MultibodyPlantConfig.time_step, MuJoCo's option
-# timestep, DART's World.getTimeStep; Rapier's IntegrationParameters.dt and planck's first example have a game's.
-OWN_STEPS = {"drake": 1e-3, "mujoco": 2e-3, "dartpy": 1e-3}
+# timestep, DART's World.getTimeStep; Rapier's IntegrationParameters.dt and planck's first example have a game's, and
+# Siconos' example of a bouncing ball has 5 ms.
+OWN_STEPS = {"drake": 1e-3, "mujoco": 2e-3, "dartpy": 1e-3, "siconos": 5e-3}
 # The facets of a curved track are as long as the plate's displacement in a step, by the rule of the adapters of pymunk
 # and Box2D, and not more than these: each box costs time in every step, most of all in cannon-es, a corner of a chain
 # none. The engine's default settings have the facets of a first-time user, as pymunk's.
 MODEST, MOST_FACETS = 64, 8000
+# Engines that take the curve itself.
+WITHOUT_FACETS = {"siconos"}
 MOST_BOXES = {"cannon": 200, "dartpy": 800, "drake": 800, "matter": 800, "mujoco": 800}
 # The knobs of an engine besides the step and the facets, for the study of settings; the first values are the ladder's.
 KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
@@ -33,6 +36,7 @@ KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
     "mujoco": {"integrator": ("RK4", "Euler", "implicitfast"), "timeconst": (2, 4)},
     "planck": {"iterations": (8, 20)},
     "rapier": {"iterations": (16, 4)},
+    "siconos": {"theta": (0.5, 1.0)},
 }
 # Steps (s) of that study.
 GRID_STEPS = (4e-3, 2e-3, 1e-3)
@@ -94,7 +98,7 @@ class BundledEngine(Engine):
 
     def _with_facets(self, case: Case, setting: Setting, share: float = 1.0) -> Setting:
         """The setting with a number of facets, if the track is curved and no whole circle."""
-        if track_kind(case) != "chain":
+        if track_kind(case) != "chain" or self.NAME in WITHOUT_FACETS:
             return setting
         part, most = stretch(case), MOST_BOXES.get(self.NAME, MOST_FACETS)
         way = part.top_speed * float(setting["h"])

@@ -10,22 +10,31 @@ function refuse(why) {
 /** A package by its name, looked for beside this file and its parents and in NODE_PATH; exit status 1 if it is not
  * installed. Asked with --version, the program ends here with the package's name and version. */
 function load(name) {
-  let found, version;
-  try {
-    found = require(name);
-    // Not every package lets its package.json be required.
-    const folders = require.resolve.paths(name).map((folder) => require("path").join(folder, name, "package.json"));
-    version = JSON.parse(require("fs").readFileSync(folders.find(require("fs").existsSync))).version;
-  } catch (problem) {
-    if (problem.code !== "MODULE_NOT_FOUND") throw problem;
+  version(name);
+  return require(name);
+}
+
+/** The same for a package that is an ES module; a promise. */
+function loadModule(name) {
+  const { folder, main } = version(name);
+  return import(require("url").pathToFileURL(require("path").join(folder, main)));
+}
+
+/** Folder and main file of a package, or the end of the program as `load` says. */
+function version(name) {
+  const path = require("path"), { existsSync, readFileSync } = require("fs");
+  // Not every package lets its package.json be required.
+  const folder = require.resolve.paths(name).map((each) => path.join(each, name)).find((each) => existsSync(path.join(each, "package.json")));
+  if (!folder) {
     console.error(`${name} is not installed: npm install ${name}, where NODE_PATH or this file's folder finds it`);
     process.exit(1);
   }
+  const { version, main } = JSON.parse(readFileSync(path.join(folder, "package.json")));
   if (process.argv.includes("--version")) {
     console.log(`${name} ${version}`);
     process.exit(0);
   }
-  return found;
+  return { folder, main };
 }
 
 /** The scene, refused if it has what `known` does not name or what no engine of games has. */
@@ -193,4 +202,4 @@ function run(scene, plate, step, rounding) {
   console.log(`# cost cpu_s=${(cpu.user + cpu.system) / 1e6} steps=${n + 1}`);
 }
 
-module.exports = { refuse, load, readScene, gravity, shape, ends, corners, boxes, fan, run };
+module.exports = { refuse, load, loadModule, readScene, gravity, shape, ends, corners, boxes, fan, normals, run };

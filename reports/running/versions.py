@@ -31,7 +31,7 @@ from .names import REFERENCE, legible
 from .storage import source_code
 
 MARK = "@"
-# Time limit for pip, wall seconds: it downloads some megabytes and compiles nothing.
+# Time limit for pip, wall seconds: it downloads some megabytes, and on request compiles one engine.
 _PATIENCE = 300.0
 # Number of nearest versions in a message; an index has a hundred versions of an engine.
 _MOST_NAMES = 6
@@ -73,10 +73,11 @@ def check(name: str) -> None:
         )
 
 
-def make(names: Iterable[str], say: Callable[[str], None]) -> None:
+def make(names: Iterable[str], say: Callable[[str], None], from_source: bool = False) -> None:
     """Make the environments that solvers need, and report it; if one cannot be made, its solver's rows have the reason.
 
-    Raises UnknownName for a version that the package index does not have."""
+    `from_source`: a version without a wheel for this Python is compiled. Raises UnknownName for a version that the
+    package index does not have."""
     for name in names:
         folder = _folder(name)
         if folder is None or _is_here(needs(name)):
@@ -85,7 +86,7 @@ def make(names: Iterable[str], say: Callable[[str], None]) -> None:
             say(f"{name}: using its environment in {folder}")
             continue
         say(f"{name}: making its environment in {folder}; it may be deleted")
-        problem = _make(needs(name), folder)
+        problem = _make(needs(name), folder, from_source)
         if problem:
             owned_folder.write(_failure(folder), problem)
             say(f"{name} is not installed: {problem}")
@@ -176,7 +177,7 @@ def _packages(folder: Path) -> str:
     return sysconfig.get_path("purelib", "venv", {"base": str(folder), "platbase": str(folder)})
 
 
-def _make(package: Requirement, folder: Path) -> str:
+def _make(package: Requirement, folder: Path, from_source: bool) -> str:
     """Make an environment with a package, atomically; returns why that failed, "" on success."""
     try:
         folder.parent.mkdir(mode=0o700, exist_ok=True)
@@ -188,8 +189,9 @@ def _make(package: Requirement, folder: Path) -> str:
             venv.EnvBuilder(symlinks=True, with_pip=not pip_is_here).create(environment)
             lenders = [path for path in sys.path if Path(path).name in ("site-packages", "dist-packages")]
             Path(_packages(environment), "borrowed.pth").write_text("\n".join(lenders) + "\n")
-            words = ["install", "--only-binary=:all:", "--retries=1", "--no-input", str(package)]
-            python = environment / "bin" / "python"
+            wheels = "--prefer-binary" if from_source else "--only-binary=:all:"
+            words = ["install", wheels, "--retries=1", "--no-input", str(package)]
+            python = str(environment / "bin" / "python")
             pip_of = [sys.executable, "-m", "pip", "--python", python] if pip_is_here else [python, "-m", "pip"]
             pip = subprocess.run(
                 [*pip_of, *words],

@@ -302,6 +302,11 @@ WALK = {
                 "slip-to-roll gate --baseline A --solver exudyn --worse-than 10%",
                 "A stands for a report of the reader's",
             ),
+            Left(
+                "slip-to-roll history pymunk exudyn box2d",
+                "it installs 40 versions; tests/reports/test_history.py runs two",
+            ),
+            Left("python -m reports.history", "the form of the command above"),
             Left("python -m reports.gate", "the form of the command above; tests/reports/test_gate.py runs it"),
             Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs: \d+ answered \(",), REPORT),
             Step(
