@@ -32,6 +32,7 @@ MOST_BOXES = {"cannon": 200, "dartpy": 800, "drake": 800, "matter": 800, "mujoco
 KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
     "cannon": {"iterations": (50, 10)},
     "drake": {"approximation": ("tamsi", "similar", "lagged"), "stiction": (1e-5, 1e-4)},
+    "jolt": {"slop": (1e-4, 1e-3), "iterations": (20, 10)},
     "matter": {"velocity_iterations": (10, 4)},
     "mujoco": {"integrator": ("RK4", "Euler", "implicitfast"), "timeconst": (2, 4)},
     "planck": {"iterations": (8, 20)},

@@ -14,7 +14,7 @@ const SINGLE = 2 ** -23;
 async function main() {
   const { default: start } = await loading;
   const scene = common.readScene("Jolt", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"]);
-  const { plate, effects, points, setting } = scene, tuned = setting.rung !== "defaults";
+  const { plate, effects, points, setting } = scene, tuned = setting.rung !== "defaults", track = common.shape(scene);
   if (plate.radius === null) common.refuse("Jolt is given spheres: this outline is no circle about the centre of mass.");
   const Jolt = await start();
   const mu = effects.PerfectlyRough ? ROUGH : effects.CoulombFriction?.mu ?? 0, pull = common.gravity(scene);
@@ -32,11 +32,13 @@ async function main() {
   system.SetGravity(new Jolt.Vec3(pull.x, pull.y, 0));
   if (tuned) {
     const physics = system.GetPhysicsSettings();
-    // The engine's small lengths, 2 cm each, are for bodies of a metre.
-    physics.mPenetrationSlop = 1e-3 * plate.radius * (+process.env.SL || 1);
-    physics.mSpeculativeContactDistance = 1e-3 * plate.radius * (+process.env.SP || 1);
-    physics.mUseBodyPairContactCache = process.env.CA === "1";
-    physics.mNumVelocitySteps = +process.env.IT || 20;
+    // Contact points are kept while a body has moved less than 1 mm and 2 degrees, a whole step or more of 1 ms: a disc on a
+    // line then rolls 5e-4 s too early, and without that 1e-6 s.
+    physics.mUseBodyPairContactCache = false;
+    // The engine's small lengths, 2 cm each, are for bodies of a metre. In a mesh the plate would touch the next facet too.
+    const slop = plate.radius * (setting.slop ?? (track.kind === "chain" ? 1e-4 : 1e-3));
+    physics.mPenetrationSlop = physics.mSpeculativeContactDistance = slop;
+    physics.mNumVelocitySteps = setting.iterations ?? 20;
     physics.mMinVelocityForRestitution = 0;
     system.SetPhysicsSettings(physics);
   }
@@ -47,7 +49,6 @@ async function main() {
     fixed.mFriction = mu; // the engine takes the geometric mean of both bodies' coefficients
     bodies.CreateAndAddBody(fixed, Jolt.EActivation_DontActivate);
   };
-  const track = common.shape(scene);
   if (track.kind === "line") {
     const { x, y, normal_x: nx, normal_y: ny } = points.track;
     const plane = new Jolt.Plane(new Jolt.Vec3(nx[0], ny[0], 0), -(nx[0] * x[0] + ny[0] * y[0]));
