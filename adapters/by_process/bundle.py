@@ -37,7 +37,7 @@ KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
     "mujoco": {"integrator": ("RK4", "Euler", "implicitfast"), "timeconst": (2, 4)},
     "planck": {"iterations": (8, 20)},
     "rapier": {"iterations": (16, 4)},
-    "siconos": {"theta": (0.5, 1.0)},
+    "siconos": {"theta": (0.5, 0.75, 1.0)},
 }
 # Steps (s) of that study.
 GRID_STEPS = (4e-3, 2e-3, 1e-3)

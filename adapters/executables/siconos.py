@@ -37,6 +37,8 @@ ROUGH = 1e6
 TOLERANCE = 1e-12
 # Roundings of a velocity in one step.
 ROUNDINGS = 10
+# A gap of this part of the radius is closed: far above rounding, far below the gap that any step leaves.
+CLOSED = 1e-9
 # Newton's iterations for the nearest point of the track: from the last one it converges in three.
 MOST_ITERATIONS = 20
 
@@ -116,8 +118,10 @@ model.link(contact, plate)
 problem = kernel.FrictionContact(2)
 if scene["setting"].get("rung") != "defaults":
     problem.numericsSolverOptions().dparam[0] = scene["setting"].get("tolerance", TOLERANCE)
-theta = scene["setting"].get("theta", 0.5)
-simulation = kernel.TimeStepping(model, kernel.TimeDiscretisation(0.0, h), kernel.MoreauJeanOSI(theta), problem)
+stepper = kernel.MoreauJeanOSI(scene["setting"].get("theta", 0.5))
+# By default a gap of exactly zero counts as open, and the plate would fall for the first step.
+stepper.setConstraintActivationThreshold(CLOSED * radius)
+simulation = kernel.TimeStepping(model, kernel.TimeDiscretisation(0.0, h), stepper, problem)
 track = Track(scene["points"]["track"], scene["closed"]["track"], start["x"], start["y"])
 
 

@@ -25,6 +25,8 @@ from .number_format import number
 CHANGE = 0.01
 # An error below this is none: 4 digits, as in a ranking.
 LEAST_OFF = 1e-4
+# The smallest error that is shown as a number.
+_SHOWN_OFF = 1e-6
 
 TABLES = {
     "history": Table(
@@ -87,7 +89,9 @@ class Answer(NamedTuple):
     @property
     def text(self) -> str:
         """Off in percent, or the outcome."""
-        return f"{number(100 * self.off)} %" if self.outcome == "answered" and isfinite(self.off) else self.outcome
+        if self.outcome != "answered" or not isfinite(self.off):
+            return self.outcome
+        return f"{number(100 * self.off)} %" if self.off >= _SHOWN_OFF else f"under {100 * _SHOWN_OFF:.4f} %"
 
 
 class Line(NamedTuple):

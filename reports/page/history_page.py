@@ -7,6 +7,8 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from markupsafe import Markup
+
 from ..analysis.version_history import Line
 from ..running.records import Row
 from .fragments import environment
@@ -57,4 +59,5 @@ def render(lines: Sequence[Line], releases: Sequence[Row], manifest: dict[str, A
         of_engine = [row for row in releases if row["engine"] == engine]
         engines.append({"name": engine, "columns": cells, "rows": rows, "releases": of_engine})
     template = environment().get_template("history.html")
-    return template.render(engines=engines, manifest=manifest, style=_STYLE.read_text(encoding="utf-8"))
+    style = Markup(_STYLE.read_text(encoding="utf-8"))
+    return template.render(engines=engines, manifest=manifest, style=style)

@@ -84,6 +84,7 @@ def test_versions_without_a_change_between_them_share_a_column_of_the_page():
     lines = version_history.lines([run("6.9"), run("6.10"), run("7.0", 0.5), run("7.1", 0.5)])
     assert [column.name for column in history_page.columns(lines)] == ["6.9 to 6.10", "7.0 to 7.1"]
     page = history_page.render(lines, version_history.release_rows(lines, {}), {"command": "<slip-to-roll history>"})
+    assert '[type="search"]' in page  # the style is not escaped
     assert page.count('<td class="changed">50 %</td>') == 1 and "&lt;slip-to-roll history&gt;" in page
 
 

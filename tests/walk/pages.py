@@ -195,6 +195,14 @@ WALK = {
             Left("python -m reports.build --dask tcp://node0:8786", NODES),
         )
     ),
+    "engine_history.md": Page(
+        (
+            Left(
+                "slip-to-roll history pymunk exudyn box2d --from-source",
+                "it installs 40 versions; tests/reports/test_history.py runs two",
+            ),
+        )
+    ),
     "engine_parameters.md": Page((Left("python -m reports.studies.meanings", OF_A_RELEASE),)),
     "index.md": Page((Left("make report", CLONE), Left("make test", CLONE))),
     "install.md": Page(
