@@ -13,8 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from adapters import Setting
-from cases import BadValue, Case
+from cases import BadValue
 from cases.command_line import status
 from cases.errors import UnknownName
 
@@ -22,7 +21,10 @@ from . import options
 from .page import report_folder
 
 if TYPE_CHECKING:
-    from .analysis.version_history import Line
+    from adapters import Setting
+    from cases import Case
+
+    from .analysis.version_history import HistoryLine
     from .running.records import Row, Run
     from .running.storage.result_store import Store
 
@@ -68,9 +70,9 @@ def _work(words: list[str]) -> None:
     arguments = parser.parse_args(words)
     if not arguments.ENGINE:
         raise BadValue("name an engine, for example pymunk")
-    engines = options.choose_solvers(arguments.ENGINE)
-    if wrong := next((name for name in engines if "@" in name or name == "reference"), ""):
+    if wrong := next((name for name in arguments.ENGINE if "@" in name or name == "reference"), ""):
         raise BadValue(f"{wrong} has no history of releases; give an engine without a version, for example pymunk")
+    engines = options.choose_solvers(arguments.ENGINE)
     _, own = options.load_files(arguments.case_file)
     cases, _ = options.choose_cases(arguments.case or own or SCENES, "quick" if not (arguments.case or own) else "")
     from .running.storage.result_store import Store
@@ -122,7 +124,7 @@ def _install(engines: Sequence[str], from_source: bool) -> tuple[list[str], dict
 
     names: list[str] = []
     missing: dict[str, str] = {}
-    for name in [f"{engine}@{number}" for engine in engines for number in versions.released(engine)]:
+    for name in [f"{engine}@{number}" for engine in engines for number in versions.releases(engine)]:
         versions.check(name)
         try:
             versions.make([name], lambda text: print(text, file=sys.stderr, flush=True), from_source)
@@ -136,7 +138,7 @@ def _install(engines: Sequence[str], from_source: bool) -> tuple[list[str], dict
     return names, missing
 
 
-def _write(lines: Sequence[Line], releases: Sequence[Row], out: Path, about: dict[str, Any]) -> None:
+def _write(lines: Sequence[HistoryLine], releases: Sequence[Row], out: Path, about: dict[str, Any]) -> None:
     """Write page, tables and manifest."""
     import pandas as pd
 
@@ -165,11 +167,11 @@ def summary(releases: Sequence[Row]) -> str:
         ran = [row for row in own if not row["note"]]
         span = f", {ran[0]['version']} to {ran[-1]['version']}" if ran else ""
         lines.append(f"{engine}: {len(ran)} versions run{span}")
-        changed = [row for row in ran if row["changed"]]
-        for row in changed:
+        changes = [row for row in ran if row["changed"]]
+        for row in changes:
             counts = f"{row['changed']} answers changed, {row['better']} better, {row['worse']} worse"
             lines.append(f"  {row['version']}: {counts}")
-        lines += [] if changed else ["  no release changed an answer"]
+        lines += [] if changes else ["  no release changed an answer"]
         lines += [f"  {row['version']}: not run: {row['note']}" for row in own if row["note"]]
     return "\n".join(lines)
 

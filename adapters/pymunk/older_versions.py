@@ -36,7 +36,7 @@ def recorder(space: pymunk.Space, body: pymunk.Body) -> tuple[Callable[[], None]
     """
     if batch is None:
         return _recorder_in_python(body)
-    wanted = (
+    fields = (
         batch.BodyFields.POSITION
         | batch.BodyFields.ANGLE
         | batch.BodyFields.VELOCITY
@@ -48,7 +48,7 @@ def recorder(space: pymunk.Space, body: pymunk.Body) -> tuple[Callable[[], None]
         # A copy: the engine's memory is freed with the model.
         return np.frombuffer(buffer.float_buf()).reshape(-1, _BODIES, _NUMBERS)[:, 0].copy()
 
-    return partial(batch.get_space_bodies, space, wanted, buffer), rows
+    return partial(batch.get_space_bodies, space, fields, buffer), rows
 
 
 def _recorder_in_python(body: pymunk.Body) -> tuple[Callable[[], None], Callable[[], np.ndarray]]:

@@ -94,7 +94,7 @@ class Answer(NamedTuple):
         return f"{number(100 * self.off)} %" if self.off >= _SHOWN_OFF else f"under {100 * _SHOWN_OFF:.4f} %"
 
 
-class Line(NamedTuple):
+class HistoryLine(NamedTuple):
     """A case on a route with a setting, and the answer of each version that was run, oldest first."""
 
     engine: str
@@ -107,8 +107,8 @@ class Line(NamedTuple):
     def changes(self) -> dict[str, str]:
         """ "first", "same", "digits" or "changed" by version."""
         versions = list(self.answers)
-        found = {versions[0]: "first"} if versions else {}
-        return found | {new: change(self.answers[old], self.answers[new]) for old, new in pairwise(versions)}
+        labels = {versions[0]: "first"} if versions else {}
+        return labels | {new: change(self.answers[old], self.answers[new]) for old, new in pairwise(versions)}
 
 
 def answer(run: Run) -> Answer:
@@ -141,7 +141,7 @@ def is_better(old: Answer, new: Answer) -> bool:
     return new.off < old.off
 
 
-def lines(runs: Iterable[Run]) -> list[Line]:
+def lines(runs: Iterable[Run]) -> list[HistoryLine]:
     """One line per engine, case, route and setting, in the order of the runs; versions in their order.
 
     A route that a version does not support at all has one run without a setting; it is its answer at every setting that
@@ -158,11 +158,11 @@ def lines(runs: Iterable[Run]) -> list[Line]:
     result = []
     for key, by_version in answers.items():
         whole = without_setting.get(key[:3], {}) | by_version
-        result.append(Line(*key, {version: whole[version] for version in sorted(whole, key=Version)}))
+        result.append(HistoryLine(*key, {version: whole[version] for version in sorted(whole, key=Version)}))
     return result
 
 
-def run_rows(all_lines: Sequence[Line]) -> list[Row]:
+def run_rows(all_lines: Sequence[HistoryLine]) -> list[Row]:
     """The rows of the table `history`."""
     return [
         {
@@ -175,23 +175,23 @@ def run_rows(all_lines: Sequence[Line]) -> list[Row]:
     ]  # fmt: skip
 
 
-def line_rows(all_lines: Sequence[Line]) -> list[Row]:
+def line_rows(all_lines: Sequence[HistoryLine]) -> list[Row]:
     """The rows of the table `history_lines`."""
     rows: list[Row] = []
     for line in all_lines:
         kinds, oldest = line.changes, next(iter(line.answers.values()))
-        changed = [f"{v}: {line.answers[v].text}" for v, kind in kinds.items() if kind == "changed"]
+        answers = [f"{v}: {line.answers[v].text}" for v, kind in kinds.items() if kind == "changed"]
         rows.append(
             {
                 "engine": line.engine, "case": line.case, "route": line.route, "setting": line.setting,
-                "oldest": oldest.text, "changes": "; ".join(changed),
+                "oldest": oldest.text, "changes": "; ".join(answers),
                 "digits": ", ".join(v for v, kind in kinds.items() if kind == "digits"),
             }
         )  # fmt: skip
     return rows
 
 
-def release_rows(all_lines: Sequence[Line], missing: dict[str, str]) -> list[Row]:
+def release_rows(all_lines: Sequence[HistoryLine], missing: dict[str, str]) -> list[Row]:
     """The rows of the table `history_releases`; `missing`: why a version (ENGINE@VERSION) was not run."""
     keys = {(line.engine, version) for line in all_lines for version in line.answers}
     keys |= {split_version(name) for name in missing}
@@ -207,7 +207,7 @@ def release_rows(all_lines: Sequence[Line], missing: dict[str, str]) -> list[Row
     return rows
 
 
-def _count(line: Line, version: str, counts: dict[str, int]) -> None:
+def _count(line: HistoryLine, version: str, counts: dict[str, int]) -> None:
     versions = list(line.answers)
     kind, place = line.changes[version], versions.index(version)
     counts["runs"] += line.answers[version].outcome == "answered"

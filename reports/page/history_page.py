@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from markupsafe import Markup
 
-from ..analysis.version_history import Line
+from ..analysis.version_history import HistoryLine
 from ..running.records import Row
 from .fragments import environment
 
@@ -28,18 +28,18 @@ class Column(NamedTuple):
         return self.first if self.first == self.last else f"{self.first} to {self.last}"
 
 
-def columns(lines: Sequence[Line]) -> list[Column]:
+def columns(lines: Sequence[HistoryLine]) -> list[Column]:
     """The columns of one engine's table, oldest versions first."""
-    found: list[Column] = []
+    result: list[Column] = []
     for version in lines[0].answers if lines else ():
-        if found and not any(line.changes.get(version) == "changed" for line in lines):
-            found[-1] = Column(found[-1].first, version)
+        if result and not any(line.changes.get(version) == "changed" for line in lines):
+            result[-1] = Column(result[-1].first, version)
         else:
-            found.append(Column(version, version))
-    return found
+            result.append(Column(version, version))
+    return result
 
 
-def render(lines: Sequence[Line], releases: Sequence[Row], manifest: dict[str, Any]) -> str:
+def render(lines: Sequence[HistoryLine], releases: Sequence[Row], manifest: dict[str, Any]) -> str:
     """The page as HTML."""
     engines = []
     for engine, group in groupby(lines, key=lambda line: line.engine):

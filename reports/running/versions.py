@@ -119,7 +119,7 @@ def demand(name: str) -> None:
         raise ImportError(f"{needs(name)}; {failure(name)}")
 
 
-def released(engine: str) -> tuple[str, ...]:
+def releases(engine: str) -> tuple[str, ...]:
     """The versions of an engine's package that the package index has and the adapter supports, oldest first, without
     pre-releases; some may have no wheel for this Python.
 
@@ -133,10 +133,10 @@ def released(engine: str) -> tuple[str, ...]:
         [sys.executable, "-m", "pip", "index", "versions", "--retries=1", "--no-input", package.name],
         capture_output=True, text=True, errors="replace", timeout=_PATIENCE,
     )  # fmt: skip
-    listed = re.search(r"Available versions: (.*)", pip.stdout)
-    if pip.returncode or not listed:
+    match = re.search(r"Available versions: (.*)", pip.stdout)
+    if pip.returncode or not match:
         raise BadValue(f"the versions of {package.name} are not known: {_failure_of(pip.stderr)}")
-    versions = {text for text in map(str.strip, listed[1].split(",")) if package.specifier.contains(text)}
+    versions = {text for text in map(str.strip, match[1].split(",")) if package.specifier.contains(text)}
     if not versions:
         raise BadValue(f"the package index has no version of {text}")
     return tuple(sorted(versions, key=Version))

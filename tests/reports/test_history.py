@@ -114,16 +114,16 @@ def index(monkeypatch):
 
 
 def test_released_versions_are_those_that_the_adapter_supports_oldest_first(index):
-    assert versions.released("pymunk") == ("6.0.1", "6.9", "6.10", "7.0")
+    assert versions.releases("pymunk") == ("6.0.1", "6.9", "6.10", "7.0")
 
 
 def test_an_index_that_cannot_be_reached_is_a_sentence(index, monkeypatch):
     fails = subprocess.CompletedProcess([], 1, "", "WARNING: Retrying (Retry(total=0))")
     monkeypatch.setattr(versions.subprocess, "run", lambda words, **_: fails)
     with pytest.raises(BadValue, match="the versions of pymunk are not known: the package index cannot be reached"):
-        versions.released("pymunk")
+        versions.releases("pymunk")
     with pytest.raises(BadValue, match="lists no versions"):
-        versions.released("reference")
+        versions.releases("reference")
 
 
 @pytest.mark.parametrize(
@@ -144,7 +144,7 @@ def test_invalid_input_is_one_sentence(words, sentence, capsys):
 @pytest.mark.slow
 def test_the_history_of_two_versions_as_a_page(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(versions, "released", lambda engine: ("7.2.0", "7.3.1"))
+    monkeypatch.setattr(versions, "releases", lambda engine: ("7.2.0", "7.3.1"))
     assert history.main(["pymunk", "--case", CASE, "--out", "h"]) == 0
     assert "pymunk: 2 versions run, 7.2.0 to 7.3.1\n  no release changed an answer" in capsys.readouterr().out
     assert (tmp_path / "h" / "tables" / "history_lines.csv").is_file()
