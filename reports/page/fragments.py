@@ -64,7 +64,8 @@ def picture(entry: FigureEntry, folder: Path, inside: bool = True) -> dict[str, 
     data = {"name": entry.name, "title": entry.title, "caption": caption, "failure": not entry.name, "inside": inside}
     if entry.name:
         # The kind of a figure of a case, or the case of a figure of a kind.
-        data["short"] = entry.name.partition("_")[0] if inside is False else entry.title
+        kind = entry.name.partition("_")[0]
+        data["short"] = entry.title if inside else "cost" if kind == "work" else kind
         data["alt"] = f"{entry.title}: {entry.case}" if entry.case else entry.title
         file = folder / f"{entry.name}.svg"
         data["source"] = Markup(_address(file.read_text(encoding="utf-8"))) if inside else f"figures/{file.name}"
