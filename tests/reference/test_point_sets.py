@@ -8,6 +8,7 @@ import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral, disc
 from cases.library import line
 from reference import contact_frame
+from tests.scenes.point_set_figure import figure
 from tests.scenes.point_sets import point_sets
 
 SETS = list(point_sets())
@@ -71,3 +72,12 @@ def test_both_formulations_agree_on_such_data(data):
     assert motion.status == other.status
     assert [(t.before, t.after) for t in motion.transitions] == [(t.before, t.after) for t in other.transitions]
     assert [t.time for t in motion.transitions] == pytest.approx([t.time for t in other.transitions], abs=1e-9)
+
+
+@pytest.mark.slow
+def test_the_figure_has_all_48_sets_with_their_deviations():
+    titles = [ax.get_title() for ax in figure().axes]
+    assert [title.splitlines()[0] for title in titles] == [data.name for data in SETS]
+    for data, title in zip(SETS, titles, strict=True):
+        points, shape = (float(part.split()[-1]) for part in title.splitlines()[1].split(","))
+        assert points <= (data.tolerance / data.extent * 1.05 or 1e-14) and shape < 0.01
