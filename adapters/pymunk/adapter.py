@@ -57,7 +57,7 @@ __all__ = [
 
 NAME = "pymunk"
 routes = ("native", "assisted")
-# Tested: every version that has a wheel for CPython 3.11, from 6.2.1, by `older_versions`.
+# Tested: every version that has a wheel for CPython 3.11, from 6.3.0, by `older_versions`.
 KNOWN = "pymunk>=6.0"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.

@@ -36,7 +36,7 @@ def test_every_mistake_is_caught_by_name(mutant):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
 @pytest.mark.parametrize("mutant", MUTANTS, ids=[mutant.name for mutant in MUTANTS])
 def test_every_mistake_is_caught_by_some_law_whatever_the_seed(mutant, seed):
     route = Route(mutant.adapter(), "native", seed)

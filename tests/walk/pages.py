@@ -198,7 +198,7 @@ WALK = {
     "engine_history.md": Page(
         (
             Left(
-                "slip-to-roll history pymunk exudyn box2d --from-source",
+                "slip-to-roll history pymunk exudyn box2d",
                 "it installs 40 versions; tests/reports/test_history.py runs two",
             ),
         )
