@@ -190,8 +190,8 @@ def minify(svg: str) -> str:
 
 
 # A path with at least this many points is a curve: its points are close to each other. Those this near (points, 1/72
-# inch) to the line between their neighbours are left out: lines are five times as wide.
-_CURVE, _NEAR = 30, 0.2
+# inch) to the line between their neighbours are left out: lines are three to five times as wide.
+_CURVE, _NEAR = 30, 0.3
 
 
 def _short(value: float, digits: int = 1) -> str:

@@ -19,7 +19,7 @@ TRUTH = _TRUTH.light
 # Areas of a map, which are no solver's colours: paler than any line. Paul Tol's "light" scheme, for labelled areas.
 AREAS = ("#77aadd", "#ee8866", "#eedd88", "#ffaabb", "#99ddff", "#44bb99", "#bbcc33", "#aaaa00")
 # Points along a line: enough for a panel about 270 points wide, and few enough for a small page.
-POINTS = 110
+POINTS = 80
 
 
 def ordinal(count: int) -> list[str]:

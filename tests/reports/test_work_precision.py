@@ -429,18 +429,18 @@ def test_small_paths_go_through_the_same_points(points):
     if len(points) < 30:
         assert np.abs(drawn - given_points).max() <= 0.06
         return
-    # A curve loses only points that are near the lines of the others: 0.2, and 0.07 by rounding.
+    # A curve loses only points that are near the lines of the others: 0.3, and 0.07 by rounding.
     assert max(np.abs(given_points - point).max(axis=1).min() for point in drawn) <= 0.06
     begin, way = drawn[:-1, None], np.diff(drawn, axis=0)[:, None]
     along = np.sum((given_points - begin) * way, axis=2) / np.maximum(np.sum(way**2, axis=2), 1e-12)
     off = given_points - begin - np.clip(along, 0.0, 1.0)[:, :, None] * way
-    assert np.hypot(off[..., 0], off[..., 1]).min(axis=0).max() <= 0.28
+    assert np.hypot(off[..., 0], off[..., 1]).min(axis=0).max() <= 0.38
 
 
 def test_a_smooth_curve_is_drawn_with_the_points_that_show():
     x = np.linspace(0.0, 270.0, 400)
     text = "M " + " \nL ".join(f"{a:.6f} {b:.6f}" for a, b in zip(x, 50.0 * np.sin(x / 40.0), strict=True))
-    assert 20 < len(points_of(figure_files._path(text))) < 60
+    assert 10 < len(points_of(figure_files._path(text))) < 60
 
 
 def test_lines_of_a_grid_are_one_path_and_nothing_else_is():
