@@ -44,6 +44,7 @@ static State read_scene(const char *scene, const char *effects) {
     const char *names[] = {"x", "y", "normal_x", "normal_y", "curvature"};
     for (int i = 0; i < 5; i++) first[i] = strtod(strchr(find(track, names[i], NULL, NULL), '[') + 1, NULL);
     r = number(scene, "plate", "radius"), m = number(scene, "plate", "mass"), J = number(scene, "plate", "inertia");
+    if (J == 0) J = INFINITY; /* null: the disc does not turn */
     mu = number(effects, "mu", NULL), curvature = first[4];
     gx = number(effects, "g", NULL) * cos(number(effects, "direction", NULL));
     gy = number(effects, "g", NULL) * sin(number(effects, "direction", NULL));

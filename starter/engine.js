@@ -3,7 +3,7 @@
 // It reads one scene as JSON and writes the motion as CSV (docs/process_protocol.md). SI units, radians.
 
 const { plate, start, effects, duration, setting, points } = JSON.parse(require("fs").readFileSync(0));
-const { mass: m, inertia: J, radius: r } = plate;
+const { mass: m, radius: r } = plate, J = plate.inertia ?? Infinity; // null: the disc does not turn
 const known = ["Gravity", "CoulombFriction", "Unilateral"], bend = points.track.curvature[0];
 const supported = r !== null && start.xi1 !== null && Object.keys(effects).every((name) => known.includes(name))
   && !effects.CoulombFriction?.mu_static && typeof (effects.CoulombFriction?.mu ?? 0) === "number" // not a formula

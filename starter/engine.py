@@ -6,7 +6,7 @@ It reads one scene as JSON and writes the motion as CSV (docs/process_protocol.m
 
 import json
 import sys
-from math import atan2, ceil, cos, sin
+from math import atan2, ceil, cos, inf, sin
 
 
 def main() -> int:
@@ -56,7 +56,8 @@ def start(scene):
 def step(scene, state, h):
     """The next state by the midpoint rule, and both forces at this one. Friction is as large as sticking until the end
     of the step needs, up to mu times the normal force."""
-    m, inertia, r = (scene["plate"][name] for name in ("mass", "inertia", "radius"))
+    m, r = scene["plate"]["mass"], scene["plate"]["radius"]
+    inertia = scene["plate"]["inertia"] or inf  # null: the disc does not turn
     gravity = scene["effects"].get("Gravity", {"g": 0.0, "direction": 0.0})
     gx, gy = gravity["g"] * cos(gravity["direction"]), gravity["g"] * sin(gravity["direction"])
     mu = scene["effects"].get("CoulombFriction", {"mu": 0.0})["mu"]

@@ -74,6 +74,7 @@ fn main() -> io::Result<()> {
     let (g, direction) = (number(effects, &["g"]), number(effects, &["direction"]));
     let plate = |name| number(&text, &["plate", name]);
     let (m, j, r, mu) = (plate("mass"), plate("inertia"), plate("radius"), number(effects, &["mu"]));
+    let j = if j.is_nan() { f64::INFINITY } else { j }; // null: the disc does not turn
     let bend = number(&text, &["points", "track", "curvature"]);
     let scene = Scene { m, j, r, mu, gx: g * direction.cos(), gy: g * direction.sin(), bend };
     if !is_supported(&text, &scene) {

@@ -5,8 +5,10 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import cache
+from math import inf
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import cases
@@ -105,6 +107,21 @@ def test_it_reports_any_other_scene_as_unsupported(language, scene, build_engine
     model = engine.build(case, "process", engine.ladder(case, "process")[-1])
     with pytest.raises(NotSupported, match="line or a circle"):
         engine.run(model)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_disc_that_does_not_turn_slides_until_it_stops(language, build_engine, monkeypatch):
+    """Its inertia is null in the scene; the motion is x = v0 t - mu g t²/2 up to its highest value."""
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
+    engine, case = lookup.engine(lookup.register(build_engine(language))), cases.load("disc_on_line", mu=0.2)
+    case = replace(case, plate=replace(case.plate, inertia=inf), duration=0.8)
+    model = engine.build(case, "process", engine.ladder(case, "process")[-1])
+    engine.run(model)
+    motion = engine.read(model)
+    t = np.minimum(motion.t, 1.0 / (0.2 * 9.81))
+    # The step in which the disc stops is inexact by mu g h²/2 = 4e-8 m.
+    assert np.abs(motion.x - (t - 0.5 * 0.2 * 9.81 * t**2)).max() < 1e-7
+    assert np.ptp(motion.theta) == 0.0 and motion.t[-1] > 1.0 / (0.2 * 9.81)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

@@ -70,7 +70,6 @@ STORED = [
 # Plates that are no disc, whose sets grow too wide or whose check takes over 30 s of CPU time (docs/proofs.md).
 NOT_CONFIRMED = {
     *(name for name in RECORDS if name.startswith(("degenerate_release", "sliding_rod"))),
-    "ellipse_in_circle",
     "hopping_rod",
 }
 OTHERS = [name for name in RECORDS if name not in {*STORED, *NOT_CONFIRMED}]
