@@ -18,10 +18,11 @@ from cases.contact import track_place
 from cases.own_effects import own_effects
 
 from .minimal import modes
+from .minimal.assembly import PARADOX
 from .minimal.effects import OWN_END
 from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, full_state
-from .minimal.system import PARADOX, System
+from .minimal.system import System
 from .paper import contact_forces
 from .paper.augmented import (
     WITHOUT_SLIP,

@@ -23,9 +23,10 @@ from cases.geometry import velocity as velocity_on
 from cases.piece_case import PieceCase, has_pieces, neighbour, pieces_at
 from cases.pieces import CurvePart
 
+from .assembly import THETA, Kind, contact_system, flight_system, has_ends, parameter_values
 from .effects import SLIP_SIGN, Laws, laws
 from .elimination import U1, U2, X1, X2
-from .system import THETA, Kind, System, contact_system, flight_system, has_ends, parameter_values
+from .system import System
 
 _PLACES = {X1: 0, X2: 1, U1: 2, U2: 3, THETA: 4}
 

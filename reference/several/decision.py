@@ -15,10 +15,10 @@ import numpy as np
 
 from cases import Case, Mode
 
+from ..minimal.assembly import _MOTION
 from ..minimal.decision import Undecidable, _by_series, follows
 from ..minimal.effects import laws
 from ..minimal.elimination import T
-from ..minimal.system import _MOTION
 from . import forces
 from .geometry import ContactPlace
 from .regimes import SeveralPhase, SeveralRegime, body_of, coefficients, regime_of, several_phase, slip_modes

@@ -17,10 +17,11 @@ from typing import Any, NamedTuple
 from cases.derivation import in_one_thread
 from cases.expression_graph import ONE, ZERO, Node, symbol
 
+from ..minimal.assembly import _MOTION, PARADOX
 from ..minimal.effects import Laws
 from ..minimal.elimination import GYRATION
 from ..minimal.frames import Frame, frame
-from ..minimal.system import _MOTION, PARADOX, Equations, System
+from ..minimal.system import Equations, System
 
 _, X, Y, THETA, VX, VY, OMEGA = _MOTION
 # Columns of the outputs for each contact.

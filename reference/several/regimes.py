@@ -14,9 +14,9 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Load, Mode, PerfectlyRough
 
+from ..minimal.assembly import parameter_values
 from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.modes import Phase, Regime, _features
-from ..minimal.system import parameter_values
 from .equations import ContactRows, several_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of its value when it was last

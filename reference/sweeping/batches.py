@@ -17,13 +17,13 @@ import numpy as np
 from cases import CoulombFriction, Flight, Mode, RollingResistance, Unilateral
 
 from ..minimal import contact_end, hybrid, phase_end
+from ..minimal.assembly import contact_system
 from ..minimal.decision import Undecidable
 from ..minimal.effects import laws
 from ..minimal.integrators import taylor
 from ..minimal.integrators.segment import MOST_STEPS
 from ..minimal.modes import SLIP_SIGN, able, candidates, full_state, phase, start_state, state_in
 from ..minimal.series import EPS
-from ..minimal.system import contact_system
 from ..solve import INTEGRATORS, METHODS, first_regime
 from . import geometry
 from .decisions import NO_DECISION, Columns, decide

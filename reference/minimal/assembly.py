@@ -1,0 +1,233 @@
+"""The equations of a mode, assembled from a case's curves and the contributions of its effects, once per structure."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Curve, Plate
+from cases.corner import Corner
+from cases.derivation import in_one_thread
+from cases.effects import MOTION
+from cases.expression_graph import ZERO, Node, sqrt, substitute, symbol
+from cases.pieces import CurvePart
+
+from .effects import MASS, SIGMA, TURN, Laws, laws
+from .elimination import (
+    GYRATION,
+    U1,
+    U2,
+    X1,
+    X2,
+    Elimination,
+    Surface,
+    T,
+    Torsor,
+    conveyance,
+    conveyance_speeds,
+    resting,
+    rolling,
+    rolling_speeds,
+    sliding,
+    spin,
+    translating,
+)
+from .frames import CORNER, Frame, frame
+from .system import LOAD_FORCES, CheckLayout, Equations, System
+
+_MOTION = tuple(symbol(s.name) for s in MOTION)
+THETA = _MOTION[3]
+
+# The normal force grows like a power of 1/p towards Painlevé's p = 0, and p has the rounding of its terms: below this
+# value forces have no digits left; the place changes by less than that.
+PARADOX = 1e-9
+
+
+class Kind(NamedTuple):
+    """The constraint rows of a contact: `slips` without the rolling row, `holds` with a row against rotation."""
+
+    slips: bool
+    holds: bool
+
+
+_STATES = {
+    Kind(slips=True, holds=False): (U1, U2),
+    Kind(slips=True, holds=True): (U1, U2),
+    Kind(slips=False, holds=False): (U1,),
+    Kind(slips=False, holds=True): (),
+}
+
+
+def _structure(curve: Curve | CurvePart):
+    """What the equations of a curve depend on: its formula without its sizes, or a corner's sign."""
+    return curve.sign if isinstance(curve, Corner) else curve.structure
+
+
+def contact_system(case: Case, kind: Kind, track: Curve | CurvePart, outline: Curve | CurvePart) -> System:
+    """The equations of one kind of contact on parts of a case's curves, derived once per structure."""
+    return _in_contact(_structure(track), _structure(outline), (has_ends(track), has_ends(outline)), laws(case), kind)
+
+
+def flight_system(case: Case) -> System:
+    """The equations of free flight: M q̈₁ = F, (16) and (19) without a multiplier."""
+    return _in_flight(laws(case))
+
+
+@lru_cache(maxsize=256)
+@in_one_thread
+def _in_contact(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> System:
+    return System(_contact_equations(track, outline, has_ends, law, kind))
+
+
+def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:
+    f = frame(track, X1, "track_")
+    h = frame(outline, X2, "outline_")
+    belt = law.surface
+    runs = belt.speed is not ZERO
+    speeds = _speeds(f, h, belt, kind)
+    pose = _motion(f, h, belt, kind, speeds)
+    slip = U1 * f.P - U2 * h.P - belt.speed if kind.slips else ZERO
+    force = _at_contact(_force(f, law, pose), h, law, slip, pose[_MOTION[6]])
+    if kind.holds and not kind.slips:
+        motion = conveyance(f, h, force, belt) if runs else resting(h, force)
+    elif kind.holds:
+        motion = translating(f, h, force, belt, law.friction.ratio)
+    elif kind.slips:
+        motion = sliding(f, h, force, belt, law.friction.ratio, law.resistance.couple)
+    else:
+        motion = rolling(f, h, force, belt, law.resistance.couple)
+    motion = law.friction.with_law(motion, law.side) if kind.slips else motion
+    conditions = law.friction.conditions(kind.slips, motion, law.side)
+    conditions |= law.resistance.conditions(kind.holds, motion, law.side)
+    if (
+        law.unilateral or law.depends_on_side
+    ) and "cone_forward" not in conditions:  # inside the cone the force is not negative
+        conditions["normal_force"] = law.side * motion.normal
+    velocities = {"slip": SIGMA * motion.slip_dot, "turn": TURN * motion.omega_dot * sqrt(GYRATION)}
+    positions = (X1, X2, *([THETA] if law.needs_angle else []))
+    variables = (*positions, *_velocities(kind, h))
+    rate_of = {X1: speeds[0], X2: speeds[1], THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
+    rests = not _STATES[kind] and not runs
+    rates = tuple(rate_of[v] for v in variables)
+    moving = {T} if rests else {*variables, T}
+    fit = {} if f.sign or h.sign else {"fit": h.curvature - f.curvature}  # a corner fits on every smooth curve
+    limits = {**fit, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
+    for own in law.own:
+        limits |= own.ends(slip, pose[_MOTION[6]])
+    guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
+    rates_of = {name: velocities[name] for name in conditions if name in velocities}
+    checked, layout = _checked(law, motion, pose, kind)
+    return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, checked, layout)
+
+
+def _checked(
+    law: Laws, motion: Elimination, pose: dict[Node, Node], kind: Kind
+) -> tuple[tuple[Node, ...], CheckLayout]:
+    """What is checked along each step: arguments, then forces (the load's, after friction by a formula)."""
+    by_load = tuple(substitute(law.checked_quantities, pose))
+    by_friction, of_order_one = law.friction.checked_arguments(motion) if kind.slips else ((), 0)
+    if not by_friction:
+        return by_load, CheckLayout()
+    forces = by_load[-LOAD_FORCES:] or (ZERO,) * LOAD_FORCES
+    every = (*by_friction, *by_load[:-LOAD_FORCES], MASS * motion.friction, *forces)
+    return every, CheckLayout(of_order_one, 1 + LOAD_FORCES)
+
+
+def _velocities(kind: Kind, h: Frame) -> tuple[Node, ...]:
+    """The velocities among the variables; ξ̇₂ where a plate turns about its own corner without slip."""
+    return (U2,) if h.sign and kind == Kind(slips=False, holds=False) else _STATES[kind]
+
+
+def _speeds(f: Frame, h: Frame, belt: Surface, kind: Kind) -> tuple[Node, Node]:
+    """ξ̇₁ and ξ̇₂ in terms of the contact's state."""
+    if kind.slips:
+        return U1, U2
+    return conveyance_speeds(f, h, belt) if kind.holds else rolling_speeds(f, h, belt)
+
+
+def _motion(f: Frame, h: Frame, belt: Surface, kind: Kind, speeds: tuple[Node, Node]) -> dict[Node, Node]:
+    """Pose and velocities of the plate, the arguments of a load, in terms of the contact's state."""
+    omega = ZERO if kind.holds else spin(f, h, *speeds)
+    point = U1 * f.P - U2 * h.P if kind.slips else belt.speed
+    along, across = point + omega * h.hn, -omega * h.ht
+    _, x, y, _, vx, vy, w = _MOTION
+    return {
+        x: f.x - h.ht * f.tx + h.hn * f.ty,  # the centre is the contact minus the arm (5)
+        y: f.y - h.ht * f.ty - h.hn * f.tx,
+        vx: along * f.tx - across * f.ty,
+        vy: along * f.ty + across * f.tx,
+        w: omega,
+    }
+
+
+def _force(f: Frame, law: Laws, pose: dict[Node, Node]) -> Torsor:
+    """The applied torsor in the frame of the contact, with pose and velocities written in the contact's state."""
+    fx, fy, moment = substitute(law.torsor, pose)
+    return Torsor(fx * f.tx + fy * f.ty, fy * f.tx - fx * f.ty, moment)
+
+
+def _at_contact(force: Torsor, h: Frame, law: Laws, slip: Node, omega: Node) -> Torsor:
+    """The applied torsor with the forces of the user's own effects, which act at the contact."""
+    for own in law.own:
+        along, across, couple = own.force(slip, omega)
+        moment = force.moment + h.ht * across - h.hn * along + couple
+        force = Torsor(force.t + along, force.n + across, moment)
+    return force
+
+
+@lru_cache(maxsize=64)
+@in_one_thread
+def _in_flight(law: Laws) -> System:
+    return System(_flight_equations(law))
+
+
+def _flight_equations(law: Laws) -> Equations:
+    _, x, y, theta, vx, vy, omega = _MOTION
+    fx, fy, moment = law.torsor
+    nothing = Elimination(*(ZERO for _ in Elimination._fields))
+    rates = (vx, vy, omega, fx, fy, ZERO if law.rotation_fixed else moment / GYRATION)
+    return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
+
+
+def _ends(has_ends: tuple[bool, bool]) -> dict[str, Node]:
+    """Guards for the ends of the curves."""
+    guards = {}
+    for name, bound, variable in zip(("track", "outline"), has_ends, (X1, X2), strict=True):
+        if bound:
+            low, high = symbol(f"{name}_low"), symbol(f"{name}_high")
+            guards[f"{name}_start"], guards[f"{name}_end"] = variable - low, high - variable
+    return guards
+
+
+def has_ends(curve: Curve | CurvePart) -> bool:
+    """Whether a curve has ends."""
+    return curve.domain is not None and curve.period is None
+
+
+def parameter_values(
+    case: Case, values: dict[str, float], system: System, track: Curve | CurvePart, outline: Curve | CurvePart
+) -> tuple[float, ...]:
+    """The runtime parameters in the system's order: those of parts of the case's curves, the case's own, the mode's
+    `values`, by name, and the system's constants."""
+    numbers = _sizes(track, outline, case.plate) | values
+    for part in (*laws(case).loads, laws(case).belt, *laws(case).own):
+        numbers |= part.values(case)
+    parameters = [numbers[name] for name in system.names]
+    with np.errstate(all="ignore"):  # a constant without a value is NaN, as it is on arrays
+        constants = system.constants_of_arrays([np.float64(value) for value in parameters]) if system.constants else ()
+    return (*parameters, *map(float, constants))
+
+
+# Cached by arguments that do not include friction: scenes are often made again with another friction.
+@lru_cache(maxsize=1024)
+def _sizes(track: Curve | CurvePart, outline: Curve | CurvePart, plate: Plate) -> dict[str, float]:
+    """The parameters of curves and plate in all modes, by name."""
+    sizes: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
+    for prefix, curve in (("track", track), ("outline", outline)):
+        names = CORNER if isinstance(curve, Corner) else [size.name for size in curve.structure[1]]
+        sizes |= {f"{prefix}_{name}": value for name, value in zip(names, curve.constants, strict=True)}
+        if curve.domain:
+            sizes |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}
+    return sizes
