@@ -110,7 +110,7 @@ def test_another_failure_of_pip_is_a_sentence(said, hint):
 
 def test_a_failure_is_a_row_and_another_try_is_made(cache, monkeypatch, in_process):
     tries = []
-    monkeypatch.setattr(versions, "_make", lambda package, folder: tries.append(package) or "the index is on holiday")
+    monkeypatch.setattr(versions, "_make", lambda package, *_: tries.append(package) or "the index is on holiday")
     (cache / "versions").mkdir()
     case = cases.load("disc_on_line", mu=0.1)
     for _ in range(2):
