@@ -8,12 +8,10 @@ turns there. So a place at a corner has a direction, and position and direction 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from math import floor, pi
 from typing import Any, NamedTuple
 
 import numpy as np
-import sympy as sp
 
 from .corner import Corner, Edge, Piece
 from .curves import Curve
@@ -25,8 +23,6 @@ from .errors import BadCurve, BadValue, NotSupported, finite
 MEETING, SMOOTH = 1e-12, 1e-12
 # A corner turns the tangent by less than half a turn; closer to it than this (rad) its direction is only rounding.
 CUSP = 1e-6
-# By how much a curve in pieces is moved; not named like the sizes of a formula, which are positive.
-_X, _Y = sp.symbols("moved_x moved_y")
 # Sides by which a curved piece is replaced when the chain is checked for crossings.
 SIDES = 64
 
@@ -314,12 +310,6 @@ def moved(curve: Curve, x: float, y: float) -> Curve:
         return Edge.between((x0 + x, y0 + y), (x1 + x, y1 + y))
     if curve.parts is not None:
         return Curve.in_pieces(curve.parts.moved(x, y), curve.residual, curve.may_cross)
-
-    if curve.parts is not None:
-        forms = tuple(((u + _X, v + _Y), (*symbols, _X, _Y)) for (u, v), symbols in curve.parts.forms)
-        sizes = tuple((*numbers, x, y) for numbers in curve.parts.sizes)
-        pieces = replace(curve.parts, forms=forms, sizes=sizes)
-        return Curve.in_pieces(pieces, curve.residual, curve.may_cross)
 
     def place(s):
         here = curve.at(s)
