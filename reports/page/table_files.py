@@ -73,10 +73,21 @@ class Tables:
             self.add(lambda: {OMISSIONS: frame}, (), {OMISSIONS: HOLDS}, OMISSIONS)
 
 
+# A column in seconds of the motion, not of the computer.
+_OF_MOTIONS = {"end_s"}
+
+
 def _with_short_times(frame: pd.DataFrame) -> pd.DataFrame:
-    """The table with its computing times to six digits: the others are noise, and a fifth of the longest table."""
-    times = [c for c in frame.columns if str(c).endswith("_s") and frame[c].dtype.kind == "f"]
-    return frame.assign(**{str(c): [float(f"{value:.6g}") for value in frame[c]] for c in times})
+    """The table with its computing times to six digits: the others are noise, and a fifth of the longest table.
+
+    A column may hold other values than numbers, as a solver returned them: these stay.
+    """
+
+    def shorter(value: Any) -> Any:
+        return float(f"{value:.6g}") if isinstance(value, float) else value
+
+    times = [c for c in frame.columns if str(c).endswith("_s") and c not in _OF_MOTIONS]
+    return frame.assign(**{str(c): frame[c].map(shorter) for c in times})
 
 
 def write(

@@ -78,7 +78,13 @@ class Canary:
 
 
 def _attributes(known_as: str, module: ModuleType, methods: bool) -> Iterator[_Attribute]:
-    """The functions, classes and constants of a module; with `methods` also those of the classes that it defines."""
+    """The functions, classes and constants of a module; with `methods` also those of the classes that it defines.
+
+    A name that a module of ours imports at each use is never among its variables, unless somebody puts another there.
+    """
+    if methods and "__getattr__" in vars(module):
+        late = (name for name in getattr(module, "__all__", ()) if name not in vars(module))
+        yield from ((vars(module), name, None, f"{known_as}.{name}") for name in late)
     for name, value in list(vars(module).items()):
         if callable(value) or (isinstance(value, float) and not methods):
             yield vars(module), name, value, f"{known_as}.{name}"

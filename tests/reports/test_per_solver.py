@@ -252,7 +252,7 @@ def test_a_figure_that_fails_with_a_solver_is_drawn_without_it(rendered, ran, mo
     assert f"Without {SPOILT}_1, whose results could not be shown: " in per_solver.words(drawn[0].entry.left_out)
 
 
-def unrendered(figure, name, case, title, caption, png=False) -> FigureContent:
+def unrendered(figure, name, case, title, caption, png=False, has_margins=False) -> FigureContent:
     return FigureContent(FigureEntry(name, case, title, caption), "", np.zeros(0, np.uint8), np.zeros(0, np.uint8))
 
 

@@ -119,6 +119,7 @@ WALK = {
     ),
     "add_a_case.md": Page(
         (
+            Left("python -m tests.scenes.point_set_figure point_sets.png", CLONE),
             NEW,
             CHECK,
             Step(
@@ -307,14 +308,14 @@ WALK = {
                 "it reads the report above",
             ),
             Left(
-                "slip-to-roll gate --baseline A --solver exudyn --worse-than 10%",
-                "A stands for a report of the reader's",
-            ),
-            Left(
                 "slip-to-roll history pymunk exudyn box2d",
                 "it installs 40 versions; tests/reports/test_history.py runs two",
             ),
             Left("python -m reports.history", "the form of the command above"),
+            Left(
+                "slip-to-roll gate --baseline A --solver exudyn --worse-than 10%",
+                "A stands for a report of the reader's",
+            ),
             Left("python -m reports.gate", "the form of the command above; tests/reports/test_gate.py runs it"),
             Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs: \d+ answered \(",), REPORT),
             Step(
