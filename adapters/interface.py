@@ -57,6 +57,8 @@ Optional:
     refuses_several_contacts(case, route) -> str | None
                                                     why such a route does not report the contacts of this case, in one
                                                     sentence, or None
+    SUPPORTS: tuple[str, ...]                       the routes that support further fixed curves (`Case.supports`);
+                                                    without a declaration, `refusal` rejects such a case
     OWN_EFFECTS: tuple[type, ...]                   the effects of other packages that it supports (classes derived from
                                                     `cases.ContactEffect`); `refusal` rejects all others
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
@@ -123,6 +125,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     friction = case.effect(CoulombFriction)
     if friction and friction.by_speed and route not in getattr(adapter, "SLIP_LAWS", ()):
         return f"The {route} route does not support friction that depends on the slip velocity."
+    if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
+        return f"The {route} route does not support several fixed curves (supports)."
     if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):
         return f"The {route} route does not support curves with corners."
     return adapter.refuses(case, route)

@@ -33,8 +33,10 @@ if TYPE_CHECKING:
     )
     from .outline import Outline, arc
     from .own_effects import ContactEffect, ContactForce, EndCondition
+    from .placed import Placed
     from .plate import Plate, disc
     from .start import Start
+    from .supports import Support
     from .trajectory import Cost, Mode, Passage, State, Trajectory, Transition
 
 __all__ = [
@@ -62,10 +64,12 @@ __all__ = [
     "Outline",
     "Passage",
     "PerfectlyRough",
+    "Placed",
     "Plate",
     "RollingResistance",
     "Start",
     "State",
+    "Support",
     "Trajectory",
     "Transition",
     "Unilateral",
@@ -87,7 +91,7 @@ _MODULES = {
     "effects": ("Belt", "CoulombFriction", "Drive", "Effect", "Flight", "Gravity", "Impact", "Load", "PerfectlyRough",
                 "RollingResistance", "Unilateral"),
     "outline": ("Outline", "arc"), "own_effects": ("ContactEffect", "ContactForce", "EndCondition"),
-    "plate": ("Plate", "disc"), "start": ("Start",),
+    "placed": ("Placed",), "plate": ("Plate", "disc"), "start": ("Start",), "supports": ("Support",),
     "trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
 }  # fmt: skip
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}

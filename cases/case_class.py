@@ -17,9 +17,11 @@ from .curves import Curve
 from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, parameter, positive, real
 from .own_effects import own_effects
+from .placed import Placed, as_start
 from .plate import Plate
 from .size_limits import check_sizes
 from .start import Start
+from .supports import Support, check_supports
 
 if TYPE_CHECKING:
     from .pictures.layout import DrawnScene
@@ -32,7 +34,8 @@ LONGEST_NAME = 100
 class Case:
     """One scene. All checks are made here, before any solver runs.
 
-    `name` and `parameters` are filled in by the catalogue; a case made by hand may leave them out.
+    `name` and `parameters` are filled in by the catalogue; a case made by hand may leave them out. `supports` are
+    further fixed curves that the plate may touch. A `start` given as `Placed`, a pose, is stored as a `Start`.
     Raises BadValue, BadCurve or DoesNotFit with one sentence that says what to change.
     """
 
@@ -43,8 +46,12 @@ class Case:
     duration: float
     name: str = "unnamed"
     parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
+    supports: tuple[Support, ...] = ()
 
     def __post_init__(self):
+        if isinstance(self.start, Placed) and isinstance(self.track, Curve) and isinstance(self.plate, Plate):
+            with np.errstate(all="ignore"):
+                object.__setattr__(self, "start", as_start(self.start, self.track, self.plate.outline))
         for what, value, kind in (
             ("track", self.track, Curve),
             ("plate", self.plate, Plate),
@@ -57,10 +64,13 @@ class Case:
         object.__setattr__(self, "parameters", _check_parameters(self.parameters))
         _check_name(self.name)
         with np.errstate(all="ignore"):  # what is not finite does not fit
-            _check_corners(self.track, self.plate.outline, self.effects)
+            check_supports(self)
+            _check_corners(self)
             _check_rotation(self)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             self.start.check(self.track, self.plate.outline, self.effects)
+            if self.supports:
+                _check_start_at_supports(self)
 
     def __hash__(self) -> int:
         return self._hash
@@ -68,7 +78,7 @@ class Case:
     @cached_property
     def _hash(self) -> int:
         # Computed once: caches of derived results use the case as key, and are read at every change of mode.
-        return hash((self.track, self.plate, self.effects, self.start, self.duration, self.name))
+        return hash((self.track, self.plate, self.effects, self.start, self.duration, self.name, self.supports))
 
     def __reduce__(self):
         """A case is pickled by value, whether it is in a catalogue or not."""
@@ -128,12 +138,21 @@ class Case:
         return self.plate.mass * gravity.g if gravity else 0.0
 
 
-def _check_corners(track: Curve, outline: Curve, acting: tuple[Effect, ...]) -> None:
+def _check_corners(case: Case) -> None:
     """Raise BadValue for an effect that curves with corners do not have yet."""
+    track, outline = case.track, case.plate.outline
     if not (isinstance(track, Chain) or isinstance(outline, Chain)):
         return
-    if effects.one(acting, effects.Drive):
+    if case.effect(effects.Drive):
         raise BadValue("a Drive of a track with corners is not supported; leave Drive out, or give smooth curves")
+
+
+def _check_start_at_supports(case: Case) -> None:
+    """Raise DoesNotFit if the plate overlaps a support where it begins."""
+    from .contact_pairs import check_start
+
+    begin = case.start.motion(case.track, case.plate.outline)
+    check_start(case, begin.x, begin.y, begin.theta)
 
 
 def _check_rotation(case: Case) -> None:

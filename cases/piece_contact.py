@@ -75,6 +75,8 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
 
     Raises DoesNotFit where there is none: two edges face each other, or two corners do.
     """
+    if isinstance(outline, Corner):
+        return _at_corner(track, outline, x, y, theta, near)
     if not isinstance(track, Chain) and not isinstance(outline, Chain):
         return geometry.find(track, outline, x, y, theta, near)
     return find_from(track, outline, x, y, theta, Entry(_at(track, near[0]), _at(outline, near[1]), *near))
@@ -97,6 +99,17 @@ def find_from(track: Curve, outline: Curve, x: float, y: float, theta: float, en
         else:
             entry = Entry(entry.first, second, xi1, _inside(second, xi2))
     raise DoesNotFit(f"no contact point near xi1 = {entry.s1:.6g}, xi2 = {entry.s2:.6g}")
+
+
+def _at_corner(track: Curve, corner: Corner, x: float, y: float, theta: float, near) -> geometry.Contact:
+    """The nearest point of a smooth track to a corner alone, and the corner's angle at which the tangents agree, next
+    to the one of `near`; it may lie outside the corner's own range."""
+    c, s = cos(theta), sin(theta)
+    point = np.array([x + c * corner.x - s * corner.y, y + s * corner.x + c * corner.y])
+    xi1 = _foot(track, point, near[0])
+    angle = corner.sign * (float(track.tangent_angle(xi1)) - theta - corner.start)
+    xi2 = angle + 2.0 * pi * round((near[1] - angle) / (2.0 * pi))
+    return geometry.Contact(xi1, xi2, float((point - track.point(xi1)) @ track.normal(xi1)))
 
 
 def _at(curve: Curve, s: float) -> Element:

@@ -18,6 +18,7 @@ from cases.contact import belt_speed, pose
 from cases.errors import between, unknown_name
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.piece_case import PieceCase, has_pieces, passages_between
+from cases.supports import touches_by_features
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, several
@@ -85,6 +86,8 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     if not isinstance(case, Case):
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
     rtol = between("rtol", rtol, *TOLERANCES)
+    if method == "augmented" and touches_by_features(case):
+        raise NotSupported("the method 'augmented' has one contact; leave method out, or give 'dop853'")
     if method == "augmented" and has_pieces(case):
         raise NotSupported("the method 'augmented' does not integrate over corners; leave method out, or give 'dop853'")
     # Not as a decorator: NumPy 1 would store the state to restore in one place for all threads.
@@ -106,6 +109,8 @@ def _simulate_at_rest(
     case: Case, rtol: float, integrate: Callable[..., Segment], original: Case | None = None
 ) -> Trajectory:
     """The motion of a case on a track at rest; `original`: the driven case that it is, as its track sees it."""
+    if touches_by_features(case):
+        return _simulate_supports(case, rtol, integrate)
     began_setup = time.perf_counter()
     start = start_state(case)
     try:
@@ -117,6 +122,14 @@ def _simulate_at_rest(
     segments, transitions, ending = solve_motion(case, regime, start, rtol, integrate, original)
     elapsed_times = time.thread_time() - cpu, time.perf_counter() - wall
     return as_trajectory(case, segments, transitions, ending, Cost(*elapsed_times, setup_s=setup))
+
+
+def _simulate_supports(case: Case, rtol: float, integrate: Callable[..., Segment]) -> Trajectory:
+    """The motion of a case with supports, or of a plate with corners that may leave its track."""
+    cpu, wall = time.thread_time(), time.perf_counter()
+    segments, transitions, ending = several.from_start(case, rtol, integrate)
+    elapsed_times = time.thread_time() - cpu, time.perf_counter() - wall
+    return as_trajectory(case, segments, transitions, ending, Cost(*elapsed_times, setup_s=0.0))
 
 
 def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate, original: Case | None = None):
@@ -246,7 +259,7 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 
     if any(isinstance(segment.phase, several.SeveralPhase) for segment in segments):
-        contacts = several.AllContacts(case, segments, _observe)
+        contacts = several.AllContacts(case, segments, transitions, _observe)
         common |= dict(contact_names=contacts.names, contact_columns=contacts)
     first_mode = _first_mode(segments, transitions)
     return Trajectory.on_demand(samples, **common, first_mode=first_mode, dense=_Dense(case, segments))
@@ -256,7 +269,10 @@ def _first_mode(segments: list[Segment], transitions) -> Mode:
     """The mode of the first contact at the start."""
     first = next((change.before for change in transitions if change.contact == CONTACT), None)
     now = segments[0].phase
-    return now.regime.mode if not isinstance(now, several.SeveralPhase) else first or several.regime_of(now).modes[0]
+    if not isinstance(now, several.SeveralPhase):
+        return now.regime.mode
+    modes = dict(zip(several.regime_of(now).names, several.regime_of(now).modes, strict=True))
+    return first or modes.get(CONTACT, Mode.FLIGHT)
 
 
 class _Dense:

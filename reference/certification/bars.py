@@ -18,6 +18,7 @@ from cases import Case, Chain, Curve
 from cases.contact import velocity
 from cases.corner import turning
 from cases.geometry import piece_at
+from cases.supports import touches_by_features
 
 from .witnesses import EPS, FINEST, QUANTITIES, Witness, components, perturb
 
@@ -144,6 +145,9 @@ def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
     state = witness.states(times)
     place = float(np.max(np.hypot(state["x"], state["y"])))
     angle, slip, omega = (float(np.nanmax(np.abs(np.append(state[q], 0.0)))) for q in ("theta", "slip", "omega"))
+    if touches_by_features(case):  # the contact's parameters are those of any support
+        sizes = {"slip": slip + reach * omega, "omega": omega}
+        return {"x": place + 2 * reach, "y": place + 2 * reach, "theta": angle} | sizes
     for xi1, xi2, v, w in zip(*(state[q] for q in ("xi1", "xi2", "slip", "omega")), strict=True):
         if not np.isfinite(xi2) or not np.isfinite(v):
             continue

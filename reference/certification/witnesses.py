@@ -16,7 +16,9 @@ import numpy as np
 
 from cases import Case, Flight, NotSupported, Trajectory, Transition
 from cases.contact import start_motion
+from cases.contact_pairs import pairs
 from cases.moving_frame import in_fixed_frame, relative_case
+from cases.supports import touches_by_features
 from cases.trajectory import CONTACT
 
 from .. import several, solve
@@ -119,6 +121,8 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
         delassus,
     )  # SciPy's integrators and trees are slow to import, and stored truth needs no witness
 
+    if touches_by_features(case):
+        return _supports_witness(case, name, rtol)
     if _has_several_contacts(case) and delassus.touches_at_start(case):
         begin = start_motion(case)
         body = np.array([begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega])
@@ -152,6 +156,19 @@ def _by_delassus(case: Case, name: str, rtol: float, first) -> Witness:
     return _several_witness(case, name, rtol, before, (end, last.motions[:6, 0], own, mode))
 
 
+def _supports_witness(case: Case, name: str, rtol: float) -> Witness:
+    """The second formulation of a case whose contacts are pairs of a support and a feature."""
+    from .. import contact_frame, delassus
+
+    answer = delassus.from_start(case, rtol)
+
+    def states(times):
+        motions = delassus.from_start(case, rtol, np.asarray(times, dtype=float)).motions
+        return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
+
+    return Witness(name, answer.transitions, answer.status, answer.end, states)
+
+
 def _several_witness(case: Case, name: str, rtol: float, before: tuple[Transition, ...], state) -> Witness:
     """The second formulation from `state` on: time, (x, y, θ, vx, vy, ω), pair of points and mode of the contact."""
     from .. import contact_frame, delassus
@@ -181,6 +198,8 @@ def _several_witness(case: Case, name: str, rtol: float, before: tuple[Transitio
 
 def components(case: Case) -> int:
     """The largest number of state components in any phase of the case."""
+    if touches_by_features(case):
+        return 6 + 2 * len(pairs(case))
     case = relative_case(case)
     regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
     here, start = start_pieces(case), start_state(case)
@@ -196,6 +215,9 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
     def integrate_perturbation(now: Phase, t: float, y, end: float, tolerance: float):
         return integrate(now, t, _shift(now, y, component, roundings), end, tolerance)
 
+    if touches_by_features(case):
+        motion = solve.as_trajectory(case, *several.from_start(case, rtol, integrate_perturbation))
+        return _witness(f"component {component} moved by {roundings:g} roundings", motion)
     relative = relative_case(case)
     start = start_state(relative)
     regime = solve.first_regime(relative, start)

@@ -64,18 +64,18 @@ def friction_problem(
     delassus: np.ndarray,
     free: np.ndarray,
     slips: Sequence[float | None],
-    mu: float,
-    stick: float,
+    mu: np.ndarray,
+    stick: np.ndarray,
     least: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Coulomb's law at K contacts as a problem: its matrix and vector, and the matrix from z to the contact forces.
 
     `delassus` (2K, 2K) maps forces (N₁ … N_K, T₁ … T_K) to the rates of lift and slip, `free` (2K,) are those without
     forces. `slips`: the sign of each slip, None where friction resists its beginning. `least`: normal forces that act
-    in any case.
+    in any case. `mu`, `stick` (K,): the coefficients of friction with and without slip.
     """
     count = len(slips)
-    open_cone = [k for k, sign in enumerate(slips) if sign is None and mu > 0.0]
+    open_cone = [k for k, sign in enumerate(slips) if sign is None and mu[k] > 0.0]
     columns = np.zeros((2 * count, count + 3 * len(open_cone)))
     rows = np.zeros((count + 3 * len(open_cone), 2 * count))
     extra = np.zeros((len(rows), len(rows)))
@@ -84,17 +84,17 @@ def friction_problem(
     base[:count] = least
     for k, sign in enumerate(slips):
         columns[k, k] = rows[k, k] = 1.0
-        if sign is not None and mu > 0.0:
-            columns[count + k, k] = -sign * mu
-            base[count + k] = -sign * mu * least[k]
+        if sign is not None and mu[k] > 0.0:
+            columns[count + k, k] = -sign * mu[k]
+            base[count + k] = -sign * mu[k] * least[k]
     constant = np.zeros(len(rows))
     for i, k in enumerate(open_cone):
         forward, backward, bound = (count + 3 * i + j for j in range(3))
         columns[count + k, forward], columns[count + k, backward] = 1.0, -1.0
         rows[forward, count + k], rows[backward, count + k] = 1.0, -1.0
         extra[forward, bound] = extra[backward, bound] = 1.0
-        extra[bound, k], extra[bound, forward], extra[bound, backward] = stick, -1.0, -1.0
-        constant[bound] = stick * least[k]
+        extra[bound, k], extra[bound, forward], extra[bound, backward] = stick[k], -1.0, -1.0
+        constant[bound] = stick[k] * least[k]
     matrix = rows @ delassus @ columns + extra
     return matrix, rows @ (free + delassus @ base) + constant, np.column_stack([columns, base])
 
@@ -103,8 +103,8 @@ def gauss_seidel(
     delassus: np.ndarray,
     free: np.ndarray,
     slips: Sequence[float | None],
-    mu: float,
-    stick: float,
+    mu: np.ndarray,
+    stick: np.ndarray,
     start: np.ndarray,
     sweeps: int = SWEEPS,
 ) -> np.ndarray | None:
@@ -116,10 +116,10 @@ def gauss_seidel(
         for k, sign in enumerate(slips):
             t = count + k
             force[k] = max(0.0, force[k] - (delassus[k] @ force + free[k]) / delassus[k, k])
-            if sign is not None or mu == 0.0:
-                force[t] = -(sign or 0.0) * mu * force[k]
+            if sign is not None or mu[k] == 0.0:
+                force[t] = -(sign or 0.0) * mu[k] * force[k]
                 continue
-            bound = stick * force[k]
+            bound = stick[k] * force[k]
             force[t] = min(bound, max(-bound, force[t] - (delassus[t] @ force + free[t]) / delassus[t, t]))
         if np.abs(delassus @ (force - before)).max() <= CONVERGED * size:
             return force
@@ -132,8 +132,8 @@ def solutions(
     delassus: np.ndarray,
     free: np.ndarray,
     slips: Sequence[float | None],
-    mu: float,
-    stick: float,
+    mu: np.ndarray,
+    stick: np.ndarray,
     least: np.ndarray | None = None,
 ) -> list[np.ndarray]:
     """Contact forces (2K,) that satisfy Coulomb's law, one for each different set of rates among those found from
@@ -144,7 +144,7 @@ def solutions(
     results: list[tuple[np.ndarray, np.ndarray]] = []
     answers = [lemke(matrix, right, cover) for cover in covers(len(right))]
     forces = [to_forces @ np.append(z, 1.0) for z in answers if z is not None]
-    if len(slips) > 1 and mu > 0.0 and least is None:
+    if len(slips) > 1 and mu.any() and least is None:
         # Contacts that press against each other may hold a plate that others would let go: start from large forces.
         large = PRESSED * size / min(delassus.diagonal()) * np.repeat([1.0, 0.0], len(slips))
         pressed = gauss_seidel(delassus, free, slips, mu, stick, large)

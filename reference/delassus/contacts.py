@@ -10,6 +10,7 @@ import numpy as np
 
 from cases import Case, CoulombFriction, DoesNotFit, Gravity, Load, PerfectlyRough
 from cases.contact import find
+from cases.contact_pairs import PairCase
 
 # Pairs of nearest points with a gap below this part of the plate's reach are looked for among samples of the track.
 NEAR, SAMPLES = 0.3, 240
@@ -18,9 +19,10 @@ APART = 1e-6
 
 
 class PairState(NamedTuple):
-    """A contact in its frame: parameters, gap (m), lift and slip velocity (m/s), their rows in (vx, vy, ω), their
-    accelerations without that of the plate (m/s²), and the rate of ξ₁ (1/s)."""
+    """A contact in its frame: its pair, parameters, gap (m), lift and slip velocity (m/s), their rows in (vx, vy, ω),
+    their accelerations without that of the plate (m/s²), and the rate of ξ₁ (1/s)."""
 
+    contact: PairCase
     xi1: float
     xi2: float
     gap: float
@@ -32,15 +34,21 @@ class PairState(NamedTuple):
     slip_bias: float
     xi1_rate: float
 
+    @property
+    def clearance(self) -> float:
+        """Curvature of the outline less that of the support at this gap, 1/m; infinite at a corner."""
+        bend = float(self.contact.track.curvature(self.xi1))
+        own = float(self.contact.plate.outline.curvature(self.xi2))
+        return own * (1.0 - self.gap * bend) - bend
 
-def pair_at(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
+
+def pair_at(pair: PairCase, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
     """The pair of nearest points next to `near`; `body` is (x, y, θ, vx, vy, ω). Raises DoesNotFit."""
     x, y, theta, vx, vy, omega = (float(v) for v in body)
-    contact = find(case, x, y, theta, near)
-    jet, own = case.track.jet(contact.xi1), case.plate.outline.jet(contact.xi2)
+    contact = find(pair, x, y, theta, near)
+    jet, own = pair.track.jet(contact.xi1), pair.plate.outline.jet(contact.xi2)
     speed, own_speed = hypot(jet[2], jet[3]), hypot(own[2], own[3])
     bend = (jet[2] * jet[5] - jet[3] * jet[4]) / speed**3
-    own_bend = (own[2] * own[5] - own[3] * own[4]) / own_speed**3
     tx, ty = jet[2] / speed, jet[3] / speed
     c, s = cos(theta), sin(theta)
     rx, ry = c * own[0] - s * own[1], s * own[0] + c * own[1]
@@ -48,17 +56,22 @@ def pair_at(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, f
     slip_row, lift_row = np.array([tx, ty, -rn]), np.array([-ty, tx, rt])
     slip, lift = vx * tx + vy * ty - omega * rn, vy * tx - vx * ty + omega * rt
     # The normals turn together; how fast the points move along their curves follows from slip, spin and gap.
-    along = (own_bend * slip - omega) / (own_bend * (1.0 - contact.gap * bend) - bend)
-    along_own = along * (1.0 - contact.gap * bend) - slip
+    shrink = 1.0 - contact.gap * bend
+    if own_speed == 0.0:  # a corner's point is fixed
+        along, along_own = slip / shrink, 0.0
+    else:
+        own_bend = (own[2] * own[5] - own[3] * own[4]) / own_speed**3
+        along = (own_bend * slip - omega) / (own_bend * shrink - bend)
+        along_own = along * shrink - slip
     turning = bend * along
     lift_bias = -omega * omega * rn + omega * along_own - turning * slip
     slip_bias = -omega * omega * rt + turning * lift
     return PairState(
-        contact.xi1, contact.xi2, contact.gap, lift, slip, lift_row, slip_row, lift_bias, slip_bias, along / speed
+        pair, contact.xi1, contact.xi2, contact.gap, lift, slip, lift_row, slip_row, lift_bias, slip_bias, along / speed
     )
 
 
-def all_pairs(case: Case, body: Sequence[float] | np.ndarray, around: float) -> list[tuple[float, float]]:
+def all_pairs(case: PairCase, body: Sequence[float] | np.ndarray, around: float) -> list[tuple[float, float]]:
     """Pairs of nearest points with small gaps in one pose, from Newton's method at samples of the track near `around`,
     a parameter near the plate."""
     track, outline, reach = case.track, case.plate.outline, case.plate.reach
@@ -96,22 +109,42 @@ def _faces(case: Case, xi1: float, xi2: float, theta: float) -> bool:
     return cos(angle) > 0.0 and float(case.plate.outline.curvature(xi2)) > float(case.track.curvature(xi1))
 
 
+# In place of the friction of a perfectly rough contact: far beyond any force of the scenes, as Lemke's method needs a
+# number.
+ROUGH = 1e9
+
+
+def is_rough(contact: Case) -> bool:
+    """Whether friction at a contact has no bound."""
+    return contact.effect(PerfectlyRough) is not None
+
+
+def friction_of(contact: Case) -> tuple[float, float]:
+    """The coefficients of friction of a contact, with slip and without."""
+    friction = contact.effect(CoulombFriction)
+    if is_rough(contact):
+        return ROUGH, ROUGH
+    return (friction.at_rest, friction.stick) if friction else (0.0, 0.0)
+
+
+def frictions(contacts: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
+    """The coefficients of friction of all contacts with slip, and without."""
+    values = np.array([friction_of(one.contact) for one in contacts]).reshape(-1, 2)
+    return values[:, 0], values[:, 1]
+
+
 class PlateDynamics:
-    """Mass, applied forces and friction of a case."""
+    """Mass and applied forces of a case."""
 
     def __init__(self, case: Case):
         self.case = case
         self.inverse = 1.0 / np.array([case.plate.mass, case.plate.mass, case.plate.inertia])
         self.units = np.array([1.0, 1.0, case.plate.gyration])
-        gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
+        gravity = case.effect(Gravity)
         self.weight = np.zeros(3)
         if gravity is not None:
             self.weight[:2] = case.plate.mass * np.array(gravity.vector)
         self.load = case.effect(Load)
-        self.mu, self.stick = (friction.at_rest, friction.stick) if friction else (0.0, 0.0)
-        self.rough = case.effect(PerfectlyRough) is not None
-        if self.rough:  # far beyond any force of the scenes, as Lemke's method needs a number
-            self.mu = self.stick = 1e9
 
     def torsor(self, t: float, body: Sequence[float] | np.ndarray) -> np.ndarray:
         """The applied force and moment (N, N, N m)."""

@@ -13,13 +13,14 @@ from scipy.optimize import brentq
 
 from cases import Case, DoesNotFit, Flight, Impact, Mode, Transition
 from cases.contact import start_motion
+from cases.contact_pairs import PairCase, contact_name, pairs
 from cases.overlap import first_overlap
 from cases.trajectory import CONTACT
 
 from ..contact_frame.equations import ContactScene
 from ..contact_frame.impact import ImpactWithoutSolution, creates_energy, hit
 from .complementarity import solutions
-from .contacts import PairState, PlateDynamics, all_pairs, pair_at
+from .contacts import PairState, PlateDynamics, all_pairs, friction_of, frictions, is_rough, pair_at
 from .phase import SeveralContactPhase, WatchedContact
 
 EPS = float(np.finfo(float).eps)
@@ -46,6 +47,8 @@ FORGOTTEN = 0.5
 BLIND = 1e-6
 # Points of an open contact that move this many times as far as their rate between two looks allows have jumped.
 JUMP = 4.0
+# The names of contacts that have not touched yet begin with this.
+UNNAMED = "open "
 # Looks at a load in time while it may end a rest.
 REST_LOOKS = 200
 
@@ -99,6 +102,7 @@ class _Simulation:
         self.struck: set[str] = set()
         self.is_start = t == 0.0
         self.goes_on = False
+        self.searched = [pair for pair in pairs(case) if not pair.has_unique_points]
 
     # --- phases -------------------------------------------------------------------------------------------------------
 
@@ -119,7 +123,7 @@ class _Simulation:
         return SeveralContactPhase(self.dynamics, self.contacts)
 
     def pairs(self) -> list[PairState]:
-        now = [pair_at(self.case, self.body, contact.pair) for contact in self.contacts]
+        now = [pair_at(contact.case, self.body, contact.pair) for contact in self.contacts]
         self.contacts = [c._replace(pair=(p.xi1, p.xi2)) for c, p in zip(self.contacts, now, strict=True)]
         return now
 
@@ -146,7 +150,12 @@ class _Simulation:
         for k, contact in enumerate(self.contacts):
             mode = modes.get(k, Mode.FLIGHT)
             if mode is not contact.mode or (mode is Mode.FLIGHT and contact.name in self.struck):
-                changes.append(Transition(self.t, contact.mode, mode, *contact.pair, contact=contact.name))
+                xi1, xi2 = contact.pair
+                changes.append(
+                    Transition(
+                        self.t, contact.mode, mode, xi1, float(contact.case.whole_xi2(xi2)), contact=contact.name
+                    )
+                )
             self.contacts[k] = contact._replace(mode=mode)
         self.list_changes([] if self.is_start else changes)  # the modes of a start are no changes
         self.is_start = False
@@ -168,11 +177,11 @@ class _Simulation:
             slips.append(begins if begins is not None else None if still else float(np.sign(pair.slip)))
         delassus, rows = self.dynamics.delassus(some)
         free = self.dynamics.free_rates(self.t, self.body, some, rows)
-        mu, stick = self.dynamics.mu, self.dynamics.stick
+        mu, stick = frictions(some)
         answers = solutions(delassus, free, slips, mu, stick)
         if not answers:
             return None
-        if len(answers) > 1 and len(closed) > 1 and not stick > mu:
+        if len(answers) > 1 and len(closed) > 1 and not (stick > mu).any():
             raise _MotionEnd("not_unique")
         force = min(answers, key=lambda f: float(np.abs((delassus @ f + free)[len(closed) :]).max()))
         rates = delassus @ force + free
@@ -181,13 +190,13 @@ class _Simulation:
         for i, k in enumerate(closed):
             if rates[i] > MOVES * scale:
                 continue
-            if mu == 0.0:
+            if mu[i] == 0.0:
                 modes[k] = Mode.SLIDE
                 continue
             sign = slips[i]
             if sign is None:
                 rate = float(rates[len(closed) + i])
-                sign = float(np.sign(rate)) if abs(rate) > MOVES * scale and not self.dynamics.rough else 0.0
+                sign = float(np.sign(rate)) if abs(rate) > MOVES * scale and not is_rough(some[i].contact) else 0.0
             modes[k] = Mode.ROLL if sign == 0.0 else Mode.SLIP_FORWARD if sign > 0.0 else Mode.SLIP_BACKWARD
         return modes
 
@@ -195,7 +204,7 @@ class _Simulation:
         """Integrate until an event, and apply it."""
         self.contacts = [
             c for c, p in zip(self.contacts, self.pairs(), strict=True)
-            if c.is_closed or self.clearance(p) > FORGOTTEN * self.clearances.get(c.name, inf)
+            if c.is_closed or c.case.has_unique_points or p.clearance > FORGOTTEN * self.clearances.get(c.name, inf)
         ]  # fmt: skip
         phase.contacts, phase.near = self.contacts, [c.pair for c in self.contacts]
         if phase.rests:
@@ -206,11 +215,6 @@ class _Simulation:
             if hit_guards != ["retry"]:
                 break
         self.apply(phase, hit_guards)
-
-    def clearance(self, pair: PairState) -> float:
-        bend = float(self.case.track.curvature(pair.xi1))
-        own = float(self.case.plate.outline.curvature(pair.xi2))
-        return own * (1.0 - pair.gap * bend) - bend
 
     def pace(self, phase: SeveralContactPhase) -> float:
         size = self.case.plate.gyration
@@ -273,9 +277,11 @@ class _Simulation:
         have moved farther between two looks than their rate allows."""
         earlier, now = phase.pairs(dense(before)), phase.pairs(dense(look))
         for contact, was, pair in zip(phase.contacts, earlier, now, strict=True):
+            if contact.is_closed or contact.case.has_unique_points:
+                continue
             farthest = JUMP * max(abs(was.xi1_rate), abs(pair.xi1_rate)) * (look - before) + JUMP * EPS
             jumps = abs(pair.xi1 - was.xi1) > farthest + JUMP * EPS * abs(pair.xi1)
-            if not contact.is_closed and (jumps or self.clearance(pair) < FORGOTTEN * self.clearances[contact.name]):
+            if jumps or pair.clearance < FORGOTTEN * self.clearances[contact.name]:
                 return True
         return False
 
@@ -312,19 +318,24 @@ class _Simulation:
         met it, and the contact is added."""
         looks = np.linspace(start, end, LOOKS + 1)[1:]
         poses = np.array([dense(t)[:3] for t in looks]).T
-        near = np.full(len(looks), self.contacts[0].pair[0] if self.contacts else self.case.start.xi1)
-        overlap = first_overlap(self.case.track, self.case.plate.outline, poses[0], poses[1], poses[2], near)
-        if overlap is None:
+        earliest: tuple[int, PairCase, float] | None = None
+        for case in self.searched:
+            first = next((c.pair[0] for c in self.contacts if c.case is case), case.start.xi1)
+            near = np.full(len(looks), first)
+            overlap = first_overlap(case.track, case.plate.outline, poses[0], poses[1], poses[2], near)
+            if overlap is not None and (earliest is None or overlap[0] < earliest[0]):
+                earliest = overlap[0], case, overlap[1]
+        if earliest is None:
             return False
-        number, xi1 = overlap
+        number, case, xi1 = earliest
         time = float(looks[number])
-        pair = self.deepest(dense(time), xi1)
+        pair = self.deepest(case, dense(time), xi1)
         if pair is None:
             return False
 
         def gap(t: float) -> float:
             stretch = next(s for s in reversed(self.stretches) if s.start <= t or s is self.stretches[0])
-            return pair_at(self.case, stretch.states(t), pair).gap
+            return pair_at(case, stretch.states(t), pair).gap
 
         after = time
         for stretch in reversed(self.stretches):
@@ -341,27 +352,41 @@ class _Simulation:
         self.ordinary = [change for change in self.ordinary if change.time <= root]
         self.kept_back = [change for change in self.kept_back if change.time <= root]
         self.t, self.body, self.contacts = root, np.array(last.states(root)), list(last.phase.contacts)
-        self.add(pair)
+        self.add(case, pair)
         return True
 
-    def deepest(self, body: np.ndarray, xi1: float) -> tuple[float, float] | None:
+    def deepest(self, case: PairCase, body: np.ndarray, xi1: float) -> tuple[float, float] | None:
         """The pair of points at an overlap that is not watched."""
-        known = [pair_at(self.case, body, contact.pair) for contact in self.contacts]
+        known = [pair_at(case, body, contact.pair) for contact in self.contacts if contact.case == case]
         reach = self.case.plate.reach
-        for pair in all_pairs(self.case, body, xi1):
-            place = self.case.track.point(pair[0])
-            is_new = all(np.hypot(*(place - self.case.track.point(k.xi1))) > 1e-3 * reach for k in known)
-            if is_new and pair_at(self.case, body, pair).gap < 0.0:
+        for pair in all_pairs(case, body, xi1):
+            place = case.track.point(pair[0])
+            is_new = all(np.hypot(*(place - case.track.point(k.xi1))) > 1e-3 * reach for k in known)
+            if is_new and pair_at(case, body, pair).gap < 0.0:
                 return pair
         return None
 
-    def add(self, pair: tuple[float, float]) -> None:
-        used = {contact.name for contact in self.contacts}
-        numbers = range(1, len(used) + 2)
-        names = (CONTACT if i == 1 else f"{CONTACT} {i}" for i in numbers)
-        name = next(name for name in names if name not in used)
-        self.contacts.append(WatchedContact(name, pair, Mode.FLIGHT))
+    def add(self, case: PairCase, pair: tuple[float, float]) -> None:
+        name = self.free_name(case)
+        self.contacts.append(WatchedContact(name, case, pair, Mode.FLIGHT))
         self.touching.add(name)
+
+    def free_name(self, case: PairCase) -> str:
+        """The name of a further contact with that support."""
+        used = {contact.name for contact in self.contacts}
+        names = (contact_name(case.support, i) for i in range(1, len(used) + 2))
+        return next(name for name in names if name not in used)
+
+    def name_touching(self) -> None:
+        """Contacts that touch for the first time get their names, in the order of their pairs."""
+        for k, contact in enumerate(self.contacts):
+            if contact.name in self.touching and contact.name.startswith(UNNAMED):
+                name = self.free_name(contact.case)
+                self.contacts[k] = contact._replace(name=name)
+                for names in (self.touching, self.stuck):
+                    if contact.name in names:
+                        names.discard(contact.name)
+                        names.add(name)
 
     # --- events -------------------------------------------------------------------------------------------------------
 
@@ -408,11 +433,12 @@ class _Simulation:
             for contact, pair in zip(self.contacts, self.pairs(), strict=True):
                 if pair.gap <= TOUCHES * self.size():
                     self.touching.add(contact.name)
+        self.name_touching()
         self.close_gaps()
         now = self.pairs()
         for contact, pair in zip(self.contacts, now, strict=True):
             if contact.name in self.touching:
-                self.clearances[contact.name] = self.clearance(pair)
+                self.clearances[contact.name] = pair.clearance
         self.speed = max(self.speed, float(np.abs(self.body[3:] * self.dynamics.units).max()))
         if may_strike:
             self.strike(now)
@@ -483,12 +509,15 @@ class _Simulation:
 
     def velocities(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
         """Velocities after an impact, and which contacts do not slip."""
-        velocity = self.body[3:]
+        velocity, laws = self.body[3:], [pair.contact.effect(Impact) for pair in some]
+        restitution = np.array([law.restitution if law else 0.0 for law in laws])
         if len(some) == 1:
-            pair, scene = some[0], ContactScene(self.case)
+            law = laws[0]
+            assert law is not None
+            pair, scene = some[0], ContactScene(some[0].contact)
             q = scene.place(pair.xi1, pair.xi2)
             try:
-                result = hit(scene, effect, q, pair.slip, pair.lift, float(velocity[2]))
+                result = hit(scene, law, q, pair.slip, pair.lift, float(velocity[2]))
             except ImpactWithoutSolution:
                 raise _MotionEnd("paradox") from None
             if effect.law == "newton" and creates_energy(result):
@@ -496,22 +525,24 @@ class _Simulation:
             rows = np.array([pair.slip_row, pair.lift_row, [0.0, 0.0, 1.0]])
             return np.linalg.solve(rows, np.array([result.slip, result.lift, result.spin])), [result.slip == 0.0]
         if effect.law != "poisson":
-            after, _ = self.complementary(velocity, some, effect.restitution, np.zeros(len(some)))
+            after, _ = self.complementary(velocity, some, restitution, np.zeros(len(some)))
         else:
-            after, impulses = self.complementary(velocity, some, 0.0, np.zeros(len(some)))
-            if effect.restitution > 0.0:
-                after, _ = self.complementary(after, some, 0.0, effect.restitution * impulses)
-        slips = [abs(float(pair.slip_row @ after)) <= MOVES * self.speed and self.dynamics.mu > 0.0 for pair in some]
+            nothing = np.zeros(len(some))
+            after, impulses = self.complementary(velocity, some, nothing, nothing)
+            if restitution.any():
+                after, _ = self.complementary(after, some, nothing, restitution * impulses)
+        mu, _ = frictions(some)
+        slips = [abs(float(pair.slip_row @ after)) <= MOVES * self.speed and mu[i] > 0.0 for i, pair in enumerate(some)]
         return after, slips
 
     def complementary(
-        self, velocity, some: Sequence[PairState], restitution: float, least
+        self, velocity, some: Sequence[PairState], restitution: np.ndarray, least
     ) -> tuple[np.ndarray, np.ndarray]:
         """Velocities and normal impulses of Coulomb's law between impulses and velocities after the impact."""
         delassus, rows = self.dynamics.delassus(some)
         before = rows @ velocity
         free = before + np.concatenate([restitution * before[: len(some)], np.zeros(len(some))])
-        mu = self.dynamics.mu
+        mu, _ = frictions(some)
         answers = solutions(delassus, free, [None] * len(some), mu, mu, least)
         if len(answers) != 1:
             raise _MotionEnd("not_unique")
@@ -561,8 +592,10 @@ class _Simulation:
         some = [self.pairs()[k] for k in near]
         delassus, rows = self.dynamics.delassus(some)
         free = self.dynamics.free_rates(end, self.body, some, rows)
-        answers = solutions(delassus, free, [None] * len(near), self.dynamics.mu, self.dynamics.stick)
-        rank = np.linalg.matrix_rank(rows[: len(near) * (2 if self.dynamics.mu else 1)] / self.dynamics.units, tol=1e-9)
+        mu, stick = frictions(some)
+        answers = solutions(delassus, free, [None] * len(near), mu, stick)
+        held = [*range(len(near)), *(len(near) + i for i in np.flatnonzero(stick > 0.0))]
+        rank = np.linalg.matrix_rank(rows[held] / self.dynamics.units, tol=1e-9)
         if rank < 3 or not answers or np.abs(delassus @ answers[0] + free).max() > 1e-9 * np.abs(free).max():
             self.body, self.touching = keep
             return
@@ -597,10 +630,11 @@ class _Simulation:
         still, end = self.body.copy(), self.case.duration
         closed = [p for p, c in zip(self.pairs(), self.contacts, strict=True) if c.is_closed]
         delassus, rows = self.dynamics.delassus(closed)
+        mu, stick = frictions(closed)
 
         def moves(t: float) -> bool:
             free = self.dynamics.free_rates(t, still, closed, rows)
-            answers = solutions(delassus, free, [None] * len(closed), self.dynamics.mu, self.dynamics.stick)
+            answers = solutions(delassus, free, [None] * len(closed), mu, stick)
             return not answers or float(np.abs(delassus @ answers[0] + free).max()) > 1e-12 * float(np.abs(free).max())
 
         last = None
@@ -633,14 +667,14 @@ def touches_at_start(case: Case) -> bool:
     begin = start_motion(case)
     body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
     size = abs(begin.x) + abs(begin.y) + case.plate.reach
-    gaps = [pair_at(case, body, pair).gap for pair in all_pairs(case, body, begin.xi1)]
+    track = pairs(case)[0]
+    gaps = [pair_at(track, body, pair).gap for pair in all_pairs(track, body, begin.xi1)]
     return sum(abs(gap) <= 1e-12 * size for gap in gaps) > 1
 
 
 def mode_of(case: Case, slip: float, omega: float) -> Mode:
     """The mode of a contact with that slip velocity (m/s); a slip of a few roundings of the spin is none."""
-    dynamics = PlateDynamics(case)
-    if dynamics.mu == 0.0:
+    if friction_of(case)[0] == 0.0:
         return Mode.SLIDE
     if abs(slip) <= NO_SLIP * (case.plate.reach * abs(omega) + abs(slip)):
         return Mode.ROLL
@@ -655,17 +689,40 @@ def continue_motion(
     track in further places at time t (s)."""
     march = _Simulation(case, t, body, rtol)
     if own is not None:
-        march.contacts.append(WatchedContact(CONTACT, own, mode))
+        march.contacts.append(WatchedContact(CONTACT, pairs(case)[0], own, mode))
         march.touching.add(CONTACT)
         if mode is Mode.ROLL:
             march.stuck = {CONTACT}
-    around = own[0] if own is not None else case.start.xi1
-    for pair in all_pairs(case, body, around):
+    around, track = own[0] if own is not None else case.start.xi1, pairs(case)[0]
+    for pair in all_pairs(track, body, around):
         place = case.track.point(pair[0])
         known = [case.track.point(contact.pair[0]) for contact in march.contacts]
         is_new = all(np.hypot(*(place - other)) > 1e-6 * case.plate.reach for other in known)
-        if is_new and pair_at(case, body, pair).gap <= 1e-9 * case.plate.reach:
-            march.add(pair)
+        if is_new and pair_at(track, body, pair).gap <= 1e-9 * case.plate.reach:
+            march.add(track, pair)
+    return _complete(march, times)
+
+
+def from_start(case: Case, rtol: float = 1e-13, times: Sequence[float] | np.ndarray = ()) -> SeveralMotion:
+    """The motion of a case whose contacts are pairs of a support and a feature from its start on."""
+    begin = start_motion(case)
+    body = [float(v) for v in (begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega)]
+    march = _Simulation(case, 0.0, body, rtol)
+    march.is_start = True
+    for pair in pairs(case):
+        near = pair.guess(*body[:3])
+        if not pair.has_unique_points:
+            try:
+                gap = pair_at(pair, body, near).gap
+            except DoesNotFit:
+                continue
+            if abs(gap) > TOUCHES * march.size():
+                continue
+        march.contacts.append(WatchedContact(f"{UNNAMED}{pair.number}", pair, near, Mode.FLIGHT))
+    return _complete(march, times)
+
+
+def _complete(march: _Simulation, times: Sequence[float] | np.ndarray) -> SeveralMotion:
     with np.errstate(all="ignore"):
         status = march.simulate()
     return SeveralMotion(
@@ -684,6 +741,6 @@ def _sample(march: _Simulation, times: np.ndarray) -> np.ndarray:
         motions[:6, i] = stretch.states(t)
         for contact in stretch.phase.contacts:
             if contact.is_closed:
-                motions[6, i] = 0.0 if stretch.phase.rests else pair_at(march.case, motions[:6, i], contact.pair).slip
+                motions[6, i] = 0.0 if stretch.phase.rests else pair_at(contact.case, motions[:6, i], contact.pair).slip
                 break
     return motions

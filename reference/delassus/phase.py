@@ -8,16 +8,18 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Mode
+from cases.contact_pairs import PairCase
 
-from .contacts import PairState, PlateDynamics, pair_at
+from .contacts import PairState, PlateDynamics, friction_of, is_rough, pair_at
 
 SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 
 
 class WatchedContact(NamedTuple):
-    """A watched contact: its name, pair of points, and mode (FLIGHT: open)."""
+    """A watched contact: its name, its pair of a support and a feature, its points, and mode (FLIGHT: open)."""
 
     name: str
+    case: PairCase
     pair: tuple[float, float]
     mode: Mode
 
@@ -43,15 +45,14 @@ class SeveralContactPhase:
 
     def pairs(self, body: Sequence[float] | np.ndarray) -> list[PairState]:
         """All contacts in one state of the plate."""
-        now = [pair_at(self.dynamics.case, body, near) for near in self.near]
+        now = [pair_at(c.case, body, near) for c, near in zip(self.contacts, self.near, strict=True)]
         self.near = [(pair.xi1, pair.xi2) for pair in now]
         return now
 
     def closed_pairs(self, body: Sequence[float] | np.ndarray) -> list[PairState | None]:
         """The closed contacts in one state; an integrator's stages lie ahead, where open ones may be lost."""
-        case = self.dynamics.case
         return [
-            pair_at(case, body, near) if contact.is_closed else None
+            pair_at(contact.case, body, near) if contact.is_closed else None
             for contact, near in zip(self.contacts, self.near, strict=True)
         ]
 
@@ -68,7 +69,7 @@ class SeveralContactPhase:
         for k, (contact, pair) in enumerate(zip(self.contacts, now, strict=True)):
             if pair is None or not contact.is_closed:
                 continue
-            ratio = -SIGN.get(contact.mode, 0.0) * dynamics.mu
+            ratio = -SIGN.get(contact.mode, 0.0) * friction_of(contact.case)[0]
             rows.append(pair.lift_row)
             columns.append(pair.lift_row + ratio * pair.slip_row)
             biases.append(pair.lift_bias)
@@ -105,8 +106,8 @@ class SeveralContactPhase:
             normal, friction = float(forces.normal[k]), float(forces.friction[k])
             if not contact.is_closed:
                 values["gap", contact.name] = pair.gap
-            elif contact.mode is Mode.ROLL and not self.dynamics.rough:
-                bound = self.dynamics.stick * normal
+            elif contact.mode is Mode.ROLL and not is_rough(contact.case):
+                bound = friction_of(contact.case)[1] * normal
                 values["cone+", contact.name], values["cone-", contact.name] = bound + friction, bound - friction
             else:
                 values["normal", contact.name] = normal

@@ -1,7 +1,16 @@
 """The first formulation for a plate that touches its track in several places: modes by enumeration, Taylor's method."""
 
-from .march import supports, touches_at_start, until_end
+from .march import from_start, supports, touches_at_start, until_end
 from .output import AllContacts, observe
 from .regimes import SeveralPhase, regime_of
 
-__all__ = ["AllContacts", "SeveralPhase", "observe", "regime_of", "supports", "touches_at_start", "until_end"]
+__all__ = [
+    "AllContacts",
+    "SeveralPhase",
+    "from_start",
+    "observe",
+    "regime_of",
+    "supports",
+    "touches_at_start",
+    "until_end",
+]

@@ -20,8 +20,9 @@ from ..minimal.decision import Undecidable, _by_series, follows
 from ..minimal.effects import laws
 from ..minimal.elimination import T
 from . import forces
+from .contact_law import slip_modes
 from .geometry import ContactPlace
-from .regimes import SeveralPhase, SeveralRegime, body_of, coefficients, regime_of, several_phase, slip_modes
+from .regimes import SeveralPhase, SeveralRegime, body_of, regime_of, several_phase
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
 STILL = 1e-11
@@ -44,6 +45,11 @@ class DecisionInstant(NamedTuple):
     limits: tuple[float, ...]
     touching: tuple[int, ...]
     speed: float
+
+    @property
+    def pairs(self) -> tuple[int, ...]:
+        """The number of each contact's pair."""
+        return tuple(at.contact.number for at in self.places)
 
 
 class SeveralDecision(NamedTuple):
@@ -70,8 +76,8 @@ def decide(
     """The regime that follows. `fixed` limits the modes of some contacts, by their places; `error` is the relative
     error of the state; a rest whose limit is reached may not go on. Raises Undecidable."""
     motions: list[tuple[SeveralRegime, np.ndarray]] = []
-    for modes in product(*_options(case, now, fixed or {})):
-        regime = SeveralRegime(modes, now.names, now.limits)
+    for modes in product(*_options(now, fixed or {})):
+        regime = SeveralRegime(modes, now.names, now.limits, now.pairs)
         rows = sum(2 if mode is Mode.ROLL else mode is not Mode.FLIGHT for mode in modes)
         if rows > 2:
             if not may_rest or not _rests(case, now, modes):
@@ -82,8 +88,8 @@ def decide(
         if _is_consistent(case, now, phase, error) and _has_unique_force(phase, now):
             rates = phase.system.rates_of_numbers(now.time, now.state, phase.parameters)
             motions.append((regime, np.array(rates[-3:])))
-    mu, stick = coefficients(case)
-    if stick > mu:  # with static friction a contact that may stick does
+    if any(now.places[k].stick > now.places[k].mu for k in now.touching):
+        # With static friction a contact that may stick does.
         most = max((_sticking(regime) for regime, _ in motions), default=0)
         motions = [(regime, a) for regime, a in motions if _sticking(regime) == most]
     clusters = _clusters(case, now, motions)
@@ -100,16 +106,15 @@ def _sticking(regime: SeveralRegime) -> int:
     return sum(mode is Mode.ROLL for mode in regime.modes)
 
 
-def _options(case: Case, now: DecisionInstant, fixed: dict[int, tuple[Mode, ...]]) -> list[tuple[Mode, ...]]:
+def _options(now: DecisionInstant, fixed: dict[int, tuple[Mode, ...]]) -> list[tuple[Mode, ...]]:
     """The modes that each contact may have."""
     velocity, options = np.array(now.state[-3:]), list[tuple[Mode, ...]]()
-    rolling: tuple[Mode, ...] = (Mode.ROLL,) if coefficients(case)[1] > 0.0 else ()
-    slipping = slip_modes(case)
     for k, at in enumerate(now.places):
         if k not in now.touching:
             options.append((Mode.FLIGHT,))
             continue
-        slip = float(at.slip_row @ velocity)
+        slip, slipping = float(at.slip_row @ velocity), slip_modes(at.contact)
+        rolling: tuple[Mode, ...] = (Mode.ROLL,) if at.stick > 0.0 else ()
         if k in fixed:
             options.append(fixed[k])
         elif abs(slip) <= STILL * now.speed or len(slipping) < 2:
@@ -126,14 +131,14 @@ def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
     if slips or len(closed) < len(now.touching) or np.any(np.array(now.state[-3:])):
         return False
     some = [now.places[k] for k in closed]
-    stick = coefficients(case)[1] if any(mode is Mode.ROLL for mode in modes) else 0.0
-    rows = [at.lift_row for at in some] + [at.slip_row for at in some if stick > 0.0]
+    sticks = [now.places[k].stick if modes[k] is Mode.ROLL else 0.0 for k in closed]
+    rows = [at.lift_row for at in some] + [at.slip_row for at, stick in zip(some, sticks, strict=True) if stick > 0.0]
     if np.linalg.matrix_rank(np.array(rows), tol=1e-9 * case.plate.reach) < 3:
         return False
     load = load_at(case, now.time, body_of(now.state))
     if not np.isfinite(load).all():
         raise Undecidable
-    return forces.margin(some, load, case.plate.gyration, stick) >= BALANCED
+    return forces.margin(some, load, case.plate.gyration, sticks) >= BALANCED
 
 
 def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error: float) -> bool:

@@ -61,29 +61,41 @@ class _EquationRow(NamedTuple):
     moment: Node
 
 
-def several_system(
-    track, outline, has_ends: tuple[bool, bool], law: Laws, kinds: tuple[ContactRows, ...], rubs: bool, rough: bool
-) -> System:
-    """The equations of contacts of those kinds, derived once per structure. `rubs`: friction has a bound;
-    `rough`: it has none."""
-    return _several_system(track, outline, has_ends, law, kinds, rubs, rough)
+class ContactForm(NamedTuple):
+    """What the equations of one contact depend on: the structures of its support's curve and of its feature of the
+    outline (a corner's is the sign of its turn), its rows, whether friction has a bound, whether the two curves have
+    ends, and whether its nearest points are unique in every pose."""
+
+    track: Any
+    outline: Any
+    kind: ContactRows
+    rubs: bool
+    has_ends: tuple[bool, bool]
+    stays: bool
+
+
+def several_system(forms: tuple[ContactForm, ...], law: Laws) -> System:
+    """The equations of contacts of those forms, derived once."""
+    return _several_system(forms, law)
 
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _several_system(
-    track, outline, has_ends, law: Laws, kinds: tuple[ContactRows, ...], rubs: bool, rough: bool
-) -> System:
-    return System(_equations(track, outline, has_ends, law, kinds, rubs, rough))
+def _several_system(forms: tuple[ContactForm, ...], law: Laws) -> System:
+    return System(_equations(forms, law))
 
 
-def _contact(track, outline, k: int, kind: ContactRows) -> _ContactTerms:
-    f, h = frame(track, symbol(f"xi1_{k}"), "track_"), frame(outline, symbol(f"xi2_{k}"), "outline_")
+def _contact(form: ContactForm, k: int) -> _ContactTerms:
+    kind = form.kind
+    f = frame(form.track, symbol(f"xi1_{k}"), f"track_{k}_")
+    h = frame(form.outline, symbol(f"xi2_{k}"), f"outline_{k}_")
     slip = VX * f.tx + VY * f.ty - OMEGA * h.hn
     lift = VY * f.tx - VX * f.ty + OMEGA * h.ht
     gap = (Y - f.y) * f.tx - (X - f.x) * f.ty + h.hn
     apart = gap if kind is ContactRows.OPEN else ZERO
     shrink = ONE - apart * f.curvature
+    if h.sign:  # the point is fixed, and ξ₂ follows from ω + sign ξ̇₂ = κ₁ ṡ₁
+        return _ContactTerms(f, h, slip, lift, gap, slip / shrink, ZERO, shrink)
     clearance = h.curvature * shrink - f.curvature
     # Tangents turn together, ω + κ₂ ṡ₂ = κ₁ ṡ₁, and the gap keeps to the normal, v + ṡ₂ = ṡ₁ (1 − g κ₁).
     along_track = (h.curvature * slip - OMEGA) / clearance
@@ -92,8 +104,10 @@ def _contact(track, outline, k: int, kind: ContactRows) -> _ContactTerms:
 
 def _rows(contact: _ContactTerms, kind: ContactRows, ratio: Node) -> list[_EquationRow]:
     f, h = contact.f, contact.h
-    u1, u2 = contact.along_track / f.P, contact.along_outline / h.P
-    right_n = OMEGA**2 * h.hn - 2 * OMEGA * contact.along_outline - u2**2 * h.b + u1**2 * f.b
+    u1 = contact.along_track / f.P
+    # At a corner the outline's point does not move along it.
+    outline = ZERO if h.sign else 2 * OMEGA * contact.along_outline + (contact.along_outline / h.P) ** 2 * h.b
+    right_n = OMEGA**2 * h.hn - outline + u1**2 * f.b
     t, n = (f.tx, f.ty), (-f.ty, f.tx)
     if kind is ContactRows.STICK:
         return [_EquationRow(n, h.ht, right_n, n, h.ht), _EquationRow(t, -h.hn, OMEGA**2 * h.ht, t, -h.hn)]
@@ -124,12 +138,10 @@ def _multipliers(rows: list[_EquationRow], torsor: tuple[Node, Node, Node]) -> t
     return [(d * first - b * second) / determinant, (a * second - c * first) / determinant], determinant
 
 
-def _equations(
-    track, outline, has_ends, law: Laws, kinds: tuple[ContactRows, ...], rubs: bool, rough: bool
-) -> Equations:
-    count = len(kinds)
-    contacts = [_contact(track, outline, k, kind) for k, kind in enumerate(kinds)]
-    ratios = [symbol(f"k_{k}") if rubs else ZERO for k in range(count)]
+def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
+    count, kinds = len(forms), [form.kind for form in forms]
+    contacts = [_contact(form, k) for k, form in enumerate(forms)]
+    ratios = [symbol(f"k_{k}") if form.rubs else ZERO for k, form in enumerate(forms)]
     rows = [
         _rows(contact, kind, ratio) if kind is not ContactRows.OPEN else []
         for contact, kind, ratio in zip(contacts, kinds, ratios, strict=True)
@@ -149,14 +161,16 @@ def _equations(
     limits: dict[str, Node] = {}
     columns: list[Node] = []
     rest = iter(multipliers)
-    for k, (contact, kind, ratio) in enumerate(zip(contacts, kinds, ratios, strict=True)):
+    for k, (contact, form, ratio) in enumerate(zip(contacts, forms, ratios, strict=True)):
+        kind, rubs = form.kind, form.rubs
         normal = next(rest) if kind is not ContactRows.OPEN else ZERO
         friction = next(rest) if kind is ContactRows.STICK else ratio * normal
         columns += [normal, friction, contact.slip, contact.gap, contact.lift]
         if kind is ContactRows.OPEN:
             conditions[f"gap:{k}"] = contact.gap
-            limits[f"lost:{k}"] = contact.clearance - symbol(f"lost_{k}")
-            limits |= _ends(has_ends, k, "lost_")
+            if not form.stays:
+                limits[f"lost:{k}"] = contact.clearance - symbol(f"lost_{k}")
+                limits |= _ends(form.has_ends, k, "lost_")
             continue
         if kind is ContactRows.STICK and rubs:
             bound = symbol(f"stick_{k}") * normal
@@ -168,15 +182,16 @@ def _equations(
             conditions[f"slip:{k}"] = sigma * contact.slip
             along = acceleration[0] * tx + acceleration[1] * ty
             slip_rates[f"slip:{k}"] = sigma * (along - acceleration[2] * contact.h.hn - OMEGA**2 * contact.h.ht)
-        limits[f"fit:{k}"] = contact.clearance
-        limits |= _ends(has_ends, k, "")
-    if flat and rubs and any(kind is ContactRows.SLIP for kind in kinds):
+        if not form.stays:
+            limits[f"fit:{k}"] = contact.clearance
+            limits |= _ends(form.has_ends, k, "")
+    if flat and any(form.rubs and form.kind is ContactRows.SLIP for form in forms):
         limits["painleve"] = determinant - PARADOX
     positions = [X, Y, THETA]
     rates = [VX, VY, OMEGA]
     for k, contact in enumerate(contacts):
         positions += [symbol(f"xi1_{k}"), symbol(f"xi2_{k}")]
-        rates += [contact.along_track / contact.f.P, contact.along_outline / contact.h.P]
+        rates += [contact.along_track / contact.f.P, _outline_rate(contact)]
     variables = (*positions, VX, VY, OMEGA)
     outputs = _outputs(count)(*torsor[:2], *acceleration, *columns)
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & {*variables, _MOTION[0]}}
@@ -184,6 +199,12 @@ def _equations(
         variables, len(positions), (*rates, *acceleration), outputs, conditions, slip_rates, guards,
         law.checked_quantities,
     )  # fmt: skip
+
+
+def _outline_rate(contact: _ContactTerms) -> Node:
+    """ξ̇₂; at a corner from the turning of the tangents."""
+    f, h = contact.f, contact.h
+    return (contact.along_track * f.curvature - OMEGA) * h.sign if h.sign else contact.along_outline / h.P
 
 
 @lru_cache(maxsize=32)
@@ -199,6 +220,6 @@ def _ends(has_ends: tuple[bool, bool], k: int, prefix: str) -> dict[str, Node]:
     guards = dict[str, Node]()
     for name, bound, variable in zip(("track", "outline"), has_ends, ("xi1", "xi2"), strict=True):
         if bound:
-            low, high, at = symbol(f"{name}_low"), symbol(f"{name}_high"), symbol(f"{variable}_{k}")
+            low, high, at = symbol(f"{name}_{k}_low"), symbol(f"{name}_{k}_high"), symbol(f"{variable}_{k}")
             guards |= {f"{prefix}{name}_start:{k}": at - low, f"{prefix}{name}_end:{k}": high - at}
     return guards

@@ -30,25 +30,27 @@ class ForceRanges(NamedTuple):
     friction: np.ndarray
 
 
-def _generators(now: Sequence[ContactPlace], stick: float) -> tuple[np.ndarray, np.ndarray]:
+def _generators(now: Sequence[ContactPlace], sticks: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """The edges of all cones as columns (fx, fy, moment), shape (3, edges), and (normal, friction) of each edge by
     contact, shape (contacts, 2, edges). Without a bound on friction the edges are n, t and −t."""
-    if stick == 0.0:
-        edges = [(1.0, 0.0)]
-    elif isinf(stick):
-        edges = [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
-    else:
-        edges = [(1.0, stick), (1.0, -stick)]
+    edges = [_edges(stick) for stick in sticks]
     columns: list[np.ndarray] = []
-    parts = np.zeros((len(now), 2, len(now) * len(edges)))
+    parts = np.zeros((len(now), 2, sum(map(len, edges))))
     for k, one in enumerate(now):
-        for normal, friction in edges:
+        for normal, friction in edges[k]:
             parts[k, :, len(columns)] = normal, friction
             columns.append(normal * one.lift_row + friction * one.slip_row)
     return np.array(columns).T, parts
 
 
-def margin(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, stick: float) -> float:
+def _edges(stick: float) -> list[tuple[float, float]]:
+    """Normal and friction force of the edges of one cone."""
+    if stick == 0.0:
+        return [(1.0, 0.0)]
+    return [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] if isinf(stick) else [(1.0, stick), (1.0, -stick)]
+
+
+def margin(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, sticks: Sequence[float]) -> float:
     """The largest least weight with which the contacts balance a load (fx, fy, moment), in units of the load; −inf if
     the load cannot be balanced with weights of any sign, at most 1.
 
@@ -57,7 +59,7 @@ def margin(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, stick
     from scipy.optimize import linprog  # slow to import, and most motions never come here
 
     units = np.array([1.0, 1.0, 1.0 / gyration])
-    columns, right = _generators(now, stick)[0] * units[:, None], -load * units
+    columns, right = _generators(now, sticks)[0] * units[:, None], -load * units
     size = float(np.abs(right).max())
     if size == 0.0:
         return 0.0
@@ -76,12 +78,12 @@ def margin(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, stick
     return float(exact[-1]) if np.abs(matrix[:, active] @ exact - right).max() < 1e-12 else float(answer.x[-1])
 
 
-def ranges(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, stick: float) -> ForceRanges:
+def ranges(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, sticks: Sequence[float]) -> ForceRanges:
     """The ranges of the forces with which the contacts balance a load (N, N, N m); NaN if they cannot."""
     from scipy.optimize import linprog
 
     units = np.array([1.0, 1.0, 1.0 / gyration])
-    columns, parts = _generators(now, stick)
+    columns, parts = _generators(now, sticks)
     matrix, right = columns * units[:, None], -load * units
     size = float(np.abs(right).max()) or 1.0
     limits = np.full((len(now), 2, 2), nan)

@@ -10,15 +10,21 @@ import numpy as np
 
 from cases import Case
 from cases.contact import find
+from cases.contact_pairs import PairCase
+from cases.corner import Corner
+
+from .contact_law import coefficients, restitution
 
 # Newton's steps that move a plate onto its contacts: each squares the error, which begins at an integrator's tolerance.
 STEPS = 8
 
 
 class ContactPlace(NamedTuple):
-    """One contact: parameters, gap (m), unit tangent of the track, the arm from the centre of mass to the outline's
-    point (m), the rows of slip and lift velocity in (vx, vy, ω), and the clearance of the curvatures (1/m)."""
+    """One contact: its pair, parameters, gap (m), unit tangent of the support, the arm from the centre of mass to the
+    outline's point (m), the rows of slip and lift velocity in (vx, vy, ω), and the clearance of the curvatures (1/m; of
+    a corner a number)."""
 
+    contact: PairCase
     xi1: float
     xi2: float
     gap: float
@@ -28,37 +34,60 @@ class ContactPlace(NamedTuple):
     lift_row: np.ndarray
     clearance: float
 
+    @property
+    def mu(self) -> float:
+        """The coefficient of friction with slip."""
+        return coefficients(self.contact)[0]
 
-def place(case: Case, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> ContactPlace:
+    @property
+    def stick(self) -> float:
+        """The coefficient of friction without slip."""
+        return coefficients(self.contact)[1]
+
+    @property
+    def restitution(self) -> float:
+        """The coefficient of restitution."""
+        return restitution(self.contact)
+
+
+def place(contact: PairCase, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> ContactPlace:
     """The pair of nearest points next to `near` of a plate in that pose. Raises DoesNotFit."""
     x, y, theta = (float(v) for v in body[:3])
-    contact = find(case, x, y, theta, near)
-    _, _, xp, yp, *_ = case.track.jet(contact.xi1)
+    points = find(contact, x, y, theta, near)
+    track, outline = contact.track, contact.plate.outline
+    _, _, xp, yp, *_ = track.jet(points.xi1)
     speed = hypot(xp, yp)
     tx, ty = xp / speed, yp / speed
-    u, v, *_ = case.plate.outline.jet(contact.xi2)
+    u, v, *_ = outline.jet(points.xi2)
     c, s = cos(theta), sin(theta)
     rx, ry = c * u - s * v, s * u + c * v
     slip = np.array([tx, ty, tx * -ry + ty * rx])
     lift = np.array([-ty, tx, ty * ry + tx * rx])
-    bend, own = float(case.track.curvature(contact.xi1)), float(case.plate.outline.curvature(contact.xi2))
-    clearance = own * (1.0 - contact.gap * bend) - bend
-    return ContactPlace(contact.xi1, contact.xi2, contact.gap, (tx, ty), (rx, ry), slip, lift, clearance)
+    bend = float(track.curvature(points.xi1))
+    own = 1.0 if isinstance(outline, Corner) else float(outline.curvature(points.xi2))
+    clearance = own * (1.0 - points.gap * bend) - (0.0 if isinstance(outline, Corner) else bend)
+    return ContactPlace(contact, points.xi1, points.xi2, points.gap, (tx, ty), (rx, ry), slip, lift, clearance)
 
 
-def places(case: Case, body: Sequence[float] | np.ndarray, pairs: Sequence[tuple[float, float]]) -> list[ContactPlace]:
-    """`place` for every pair."""
-    return [place(case, body, pair) for pair in pairs]
+def places(
+    contacts: Sequence[PairCase], body: Sequence[float] | np.ndarray, points: Sequence[tuple[float, float]]
+) -> list[ContactPlace]:
+    """`place` for every contact, with its pair of points."""
+    return [place(contact, body, near) for contact, near in zip(contacts, points, strict=True)]
 
 
 def project(
-    case: Case, body: Sequence[float] | np.ndarray, pairs: Sequence[tuple[float, float]], closed: Sequence[int]
+    case: Case,
+    contacts: Sequence[PairCase],
+    body: Sequence[float] | np.ndarray,
+    pairs: Sequence[tuple[float, float]],
+    closed: Sequence[int],
 ) -> tuple[list[float], list[ContactPlace]]:
     """The plate moved by rounding so that the closed contacts have no gap, with all pairs in that pose."""
     body = list(body)
     compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
     for _ in range(STEPS):
-        now = places(case, body, pairs)
+        now = places(contacts, body, pairs)
         gaps = np.array([now[k].gap for k in closed])
         if not len(closed) or np.abs(gaps).max() <= 2e-16 * (abs(body[0]) + abs(body[1]) + case.plate.reach):
             break
@@ -66,7 +95,7 @@ def project(
         step = compliance * (rows.T @ np.linalg.lstsq(rows * compliance @ rows.T, gaps, rcond=1e-10)[0])
         body[:3] = [value - change for value, change in zip(body[:3], step.tolist(), strict=True)]
         pairs = [(one.xi1, one.xi2) for one in now]
-    return body, places(case, body, pairs)
+    return body, places(contacts, body, pairs)
 
 
 def without_velocity(

@@ -19,7 +19,6 @@ from cases import Case, Impact
 
 from ..minimal.impact import ContactVelocity, collide, law_of
 from .geometry import ContactPlace
-from .regimes import coefficients
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10
@@ -40,11 +39,11 @@ class ImpactVelocities(NamedTuple):
 
 
 class _ImpactLaw(NamedTuple):
-    """Restitution at each contact, least normal impulses, and the coefficient of friction."""
+    """Restitution, least normal impulse and coefficient of friction of each contact."""
 
     restitution: np.ndarray
     least: np.ndarray
-    mu: float
+    mu: list[float]
 
 
 def impact(case: Case, velocity: Sequence[float], places_hit: Sequence[ContactPlace], speed: float) -> ImpactVelocities:
@@ -54,23 +53,22 @@ def impact(case: Case, velocity: Sequence[float], places_hit: Sequence[ContactPl
     assert law is not None
     before = np.array(velocity, dtype=float)
     if len(places_hit) == 1:
-        return _one_contact(case, before, places_hit[0])
-    mu, _ = coefficients(case)
-    nothing = np.zeros(len(places_hit))
+        return _one_contact(before, places_hit[0])
+    mu, nothing = [at.mu for at in places_hit], np.zeros(len(places_hit))
+    restitution = np.array([at.restitution for at in places_hit])
     if law.law != "poisson":
-        return _collide(case, before, places_hit, _ImpactLaw(nothing + law.restitution, nothing, mu), speed)[0]
+        return _collide(case, before, places_hit, _ImpactLaw(restitution, nothing, mu), speed)[0]
     compressed, impulses = _collide(case, before, places_hit, _ImpactLaw(nothing, nothing, mu), speed)
-    if law.restitution == 0.0:
+    if not restitution.any():
         return compressed
-    return _collide(case, compressed.velocity, places_hit, _ImpactLaw(nothing, law.restitution * impulses, mu), speed)[
-        0
-    ]
+    second = _ImpactLaw(nothing, restitution * impulses, mu)
+    return _collide(case, compressed.velocity, places_hit, second, speed)[0]
 
 
-def _one_contact(case: Case, before: np.ndarray, at: ContactPlace) -> ImpactVelocities:
+def _one_contact(before: np.ndarray, at: ContactPlace) -> ImpactVelocities:
     """Routh's construction, or Moreau's law for one contact."""
     (tx, ty), (rx, ry) = at.tangent, at.arm
-    law = law_of(case, rx * tx + ry * ty, ry * tx - rx * ty)
+    law = law_of(at.contact, rx * tx + ry * ty, ry * tx - rx * ty)
     after = collide(law, ContactVelocity(float(at.slip_row @ before), float(at.lift_row @ before), float(before[2])))
     # The centre of mass follows from the contact's point.
     vx = after.slip * tx - after.lift * ty + after.omega * ry
@@ -83,9 +81,12 @@ def _collide(
 ) -> tuple[ImpactVelocities, np.ndarray]:
     """The outcome by enumeration, and the normal impulses per mass."""
     compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
-    options = [OPEN, FORWARD] if law.mu == 0.0 else [OPEN, STICK] if law.mu == inf else [STICK, FORWARD, BACKWARD, OPEN]
+    options = [
+        [OPEN, FORWARD] if mu == 0.0 else [OPEN, STICK] if mu == inf else [STICK, FORWARD, BACKWARD, OPEN]
+        for mu in law.mu
+    ]
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
-    for modes in product(options, repeat=len(places_hit)):
+    for modes in product(*options):
         one = _in_modes(modes, before, places_hit, law, compliance, speed)
         if one is not None and all(_differ(one[0], other[0], case.plate.gyration, speed) for other in solutions):
             solutions.append(one)
@@ -109,9 +110,9 @@ def _in_modes(
     rows, columns, goals, which = [], [], [], []
     change = np.zeros(3)
     for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
-        ratio = -SIGN.get(mode, 0.0) * law.mu if law.mu and mode in SIGN else 0.0
+        ratio = -SIGN.get(mode, 0.0) * law.mu[k] if law.mu[k] and mode in SIGN else 0.0
         if mode == OPEN:
-            if law.least[k] > 0.0 and law.mu > 0.0:
+            if law.least[k] > 0.0 and law.mu[k] > 0.0:
                 # The least impulse has friction of its own; its direction is that of the slip after the impact.
                 return _with_least(modes, before, places_hit, law, compliance, speed)
             change = change + law.least[k] * at.lift_row
@@ -133,20 +134,23 @@ def _with_least(
 ) -> tuple[ImpactVelocities, np.ndarray] | None:
     """The outcome in these modes where contacts that open have a least impulse with friction: for each direction of
     their slip, and for stick."""
-    opening = [k for k, mode in enumerate(modes) if mode == OPEN]
+    opening = [k for k, mode in enumerate(modes) if mode == OPEN and law.mu[k] > 0.0]
     for senses in product((1.0, -1.0, 0.0), repeat=len(opening)):
         rows, columns, goals, which, change = [], [], [], [], np.zeros(3)
         for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
+            if mode == OPEN and k not in opening:
+                change = change + law.least[k] * at.lift_row
+                continue
             if mode == OPEN:
                 sense = senses[opening.index(k)]
-                change = change + law.least[k] * (at.lift_row - sense * law.mu * at.slip_row)
+                change = change + law.least[k] * (at.lift_row - sense * law.mu[k] * at.slip_row)
                 if sense == 0.0:
                     rows.append(at.slip_row)
                     goals.append(-float(at.slip_row @ before))
                     columns.append(at.slip_row)
                     which.append((k, False))
                 continue
-            ratio = -SIGN.get(mode, 0.0) * law.mu
+            ratio = -SIGN.get(mode, 0.0) * law.mu[k]
             rows.append(at.lift_row)
             goals.append(-(1.0 + law.restitution[k]) * float(at.lift_row @ before))
             columns.append(at.lift_row + ratio * at.slip_row)
@@ -203,11 +207,11 @@ def _check(
             admissible.append(row)
         else:
             friction[k] = impulses[i]
-            if law.mu < inf and (k, True) in which:
+            if law.mu[k] < inf and (k, True) in which:
                 bound = np.zeros(len(which))
-                bound[which.index((k, True))] = law.mu
+                bound[which.index((k, True))] = law.mu[k]
                 admissible += [bound + row, bound - row]
-            elif law.mu < inf and abs(impulses[i]) > law.mu * law.least[k] + small:
+            elif law.mu[k] < inf and abs(impulses[i]) > law.mu[k] * law.least[k] + small:
                 return None
     least = np.array([law.least[k] if is_normal else 0.0 for k, is_normal in which])
     if not _is_admissible(admissible, impulses, free, least, small):
@@ -223,7 +227,7 @@ def _check(
             slip[k] = 0.0 if sense == 0.0 else slip[k]
         elif mode == STICK:
             slip[k] = 0.0
-        elif law.mu and SIGN[mode] * slip[k] < -small:
+        elif law.mu[k] and SIGN[mode] * slip[k] < -small:
             return None
         if mode != OPEN and law.restitution[k] * (places_hit[k].lift_row @ before) == 0.0:
             lift[k] = 0.0

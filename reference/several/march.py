@@ -22,8 +22,10 @@ from cases import (
     Unilateral,
 )
 from cases.contact import start_motion
+from cases.contact_pairs import PairCase, contact_name, pairs
 from cases.own_effects import own_effects
 from cases.piece_case import has_pieces
+from cases.supports import TRACK, touches_by_features
 from cases.trajectory import CONTACT
 
 from ..minimal.boxes import Geometry
@@ -55,7 +57,7 @@ from .geometry import ContactPlace, places, project, without_velocity
 from .hops import ImpactSeries
 from .impact import NoImpact, impact
 from .meetings import first_meeting
-from .regimes import LOST, SeveralRegime, body_of, coefficients, join, pairs_of, regime_of, several_phase
+from .regimes import LOST, SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
 
 # A contact touches if its gap is below this part of the plate's size: the rounding of an event's pose.
 TOUCHES = 1e-12
@@ -70,6 +72,8 @@ IDLE, STUCK = 4, 50
 SMALL_HOP = 1e-10
 # A flight is integrated over this many of its time scales at once.
 FLIES = 4.0
+# The names of contacts that have not touched yet begin with this.
+UNNAMED = "open "
 # Looks at a load in time while it may end a rest, besides those that resolve its features.
 LOOKS = 64
 
@@ -84,9 +88,11 @@ class MotionEnds(Exception):
 
 @dataclass
 class WatchState:
-    """A watched contact: its name, pair of points and mode, and the clearance (1/m) at which it is lost while open."""
+    """A watched contact: its name, its pair of a support and a feature, its pair of points and mode, and the clearance
+    (1/m) at which it is lost while open."""
 
     name: str
+    contact: PairCase
     pair: tuple[float, float]
     mode: Mode
     limit: float
@@ -119,6 +125,8 @@ def supports(case: Case) -> str:
     friction = case.effect(CoulombFriction)
     if friction is not None and friction.by_speed:
         return "Friction that depends on the slip speed is not supported with several contacts."
+    if touches_by_features(case):
+        return ""
     if has_pieces(case) or case.track.parts is not None or case.plate.outline.parts is not None:
         return "Curves in pieces are not supported with several contacts."
     return ""
@@ -147,7 +155,7 @@ class SeveralSimulation:
     held_out: bool = False
 
     def __post_init__(self) -> None:
-        self.search = MeetingSearch(Geometry.of_case(self.case))
+        self.searches = [(pair, MeetingSearch(Geometry.of_case(pair))) for pair in pairs(self.case) if not pair.has_unique_points]
         self.work = 0
 
     # --- one phase ----------------------------------------------------------------------------------------------------
@@ -185,10 +193,13 @@ class SeveralSimulation:
         return DecisionInstant(self.t, join(self.body, pairs), now, names, limits, touching, self.speed)
 
     def _places(self) -> list[ContactPlace]:
-        now = places(self.case, self.body, [watch.pair for watch in self.watches])
+        now = places(self._contacts(), self.body, [watch.pair for watch in self.watches])
         for watch, at in zip(self.watches, now, strict=True):
             watch.pair = at.xi1, at.xi2
         return now
+
+    def _contacts(self) -> list[PairCase]:
+        return [watch.contact for watch in self.watches]
 
     def _decide(self) -> SeveralRegime:
         now = self._instant()
@@ -206,7 +217,8 @@ class SeveralSimulation:
             bounced = watch.name in self.causes and self.causes[watch.name] == CAUSES["landing"]
             if mode is not watch.mode or (bounced and mode is Mode.FLIGHT):
                 cause = self.causes.get(watch.name, "the motion of another contact changed")
-                changes.append(Transition(self.t, watch.mode, mode, at.xi1, at.xi2, cause, watch.name))
+                xi2 = float(at.contact.whole_xi2(at.xi2))
+                changes.append(Transition(self.t, watch.mode, mode, at.xi1, xi2, cause, watch.name))
             watch.mode = mode
         if self.begins:  # the modes of a start are no changes
             changes, self.begins = [], False
@@ -220,7 +232,8 @@ class SeveralSimulation:
         names = {watch.name for watch in self.watches}
         modes = tuple(mode for mode, name in zip(regime.modes, regime.names, strict=True) if name in names)
         limits = tuple(float(np.float32(watch.limit)) for watch in self.watches)
-        return SeveralRegime(modes, tuple(watch.name for watch in self.watches), limits, regime.rests)
+        numbers = tuple(watch.contact.number for watch in self.watches)
+        return SeveralRegime(modes, tuple(watch.name for watch in self.watches), limits, numbers, regime.rests)
 
     def _come_to_rest(self, now: DecisionInstant) -> DecisionInstant:
         """The instant at which impacts that accumulate come to rest, if they do; the same instant otherwise.
@@ -233,8 +246,10 @@ class SeveralSimulation:
             return now
         limit, theta = end
         near = [k for k, at in enumerate(now.places) if at.gap <= size]
-        body, at = project(self.case, [x, y, theta, 0.0, 0.0, 0.0], [watch.pair for watch in self.watches], near)
-        rows = [one.lift_row for one in at] + [one.slip_row for one in at if coefficients(self.case)[1] > 0.0]
+        body, at = project(
+            self.case, self._contacts(), [x, y, theta, 0.0, 0.0, 0.0], [watch.pair for watch in self.watches], near
+        )
+        rows = [at[k].lift_row for k in near] + [at[k].slip_row for k in near if at[k].stick > 0.0]
         if len(near) < 2 or np.linalg.matrix_rank(np.array(rows), tol=1e-9 * self.case.plate.reach) < 3:
             return now
         pairs = [(one.xi1, one.xi2) for one in at]
@@ -252,7 +267,9 @@ class SeveralSimulation:
         return self._instant()
 
     def _is_watched(self, watch: WatchState) -> bool:
-        at = places(self.case, self.body, [watch.pair])[0]
+        if watch.contact.has_unique_points:
+            return True
+        at = places([watch.contact], self.body, [watch.pair])[0]
         return at.clearance > 2.0 * watch.limit
 
     def _no_regime(self, now: DecisionInstant, decision: SeveralDecision) -> Ending:
@@ -266,7 +283,7 @@ class SeveralSimulation:
                 "not_unique",
                 f"{count} motions of rigid Coulomb contact are consistent at {self.t:.9g} s: {choices}.",
             )
-        return NO_SLIP if coefficients(self.case)[1] == inf else NO_MODE
+        return NO_SLIP if any(now.places[k].stick == inf for k in now.touching) else NO_MODE
 
     def _phase(self, regime: SeveralRegime) -> Ending | None:
         """Integrate one phase and apply its event; returns an ending, or None."""
@@ -278,24 +295,36 @@ class SeveralSimulation:
             segment, meeting = self._move(phase, y)
             if meeting is not None:
                 self._advance(segment)
-                return self._meet(meeting)
+                return self._meet(*meeting)
         self._advance(segment)
         return self._event(segment, regime)
 
-    def _move(self, phase, y) -> tuple[Segment, Meeting | None]:
+    def _first_meeting(self, segment: Segment) -> tuple[PairCase, Meeting] | None:
+        """The first contact at a place that is not watched, with its pair."""
+        if not segment.event.time > self.t:
+            return None
+        first = None
+        for pair, search in self.searches:
+            meeting = first_meeting(pair, search, segment)
+            if meeting is not None and (first is None or meeting.time < first[1].time):
+                first = pair, meeting
+        return first
+
+    def _move(self, phase, y) -> tuple[Segment, tuple[PairCase, Meeting] | None]:
         end = self.case.duration
         if not regime_of(phase).closed:
             often = frequency(phase, self.t, y)
             end = min(end, max(self.t + FLIES / often if often else end, self.t + 1e3 * np.spacing(self.t)))
         segment = self.integrate(phase, self.t, y, end, self.rtol)
-        meeting = first_meeting(self.case, self.search, segment) if segment.event.time > self.t else None
-        if meeting is None:
+        first = self._first_meeting(segment)
+        if first is None:
             return segment, None
+        _, meeting = first
         cut = segment.until(meeting.time, segment.evaluations)
         state = tuple(segment.states(np.array([meeting.time]))[:, 0].tolist())
         return Segment.of(
             phase, cut.times, segment.states, Event(None, meeting.time, state), segment.evaluations
-        ), meeting
+        ), first
 
     def _rest(self, phase, y) -> Segment:
         """A rest: it ends where the forces cannot balance the load any more."""
@@ -311,10 +340,10 @@ class SeveralSimulation:
         from cases import Load
 
         at = [self._places()[k] for k in regime.closed]
-        stick, gyration = coefficients(self.case)[1], self.case.plate.gyration
+        sticks, gyration = [one.stick for one in at], self.case.plate.gyration
 
         def margin(t: float) -> float:
-            return forces.margin(at, load_at(self.case, t, body_of(y)), gyration, stick)
+            return forces.margin(at, load_at(self.case, t, body_of(y)), gyration, sticks)
 
         load, end = self.case.effect(Load), self.case.duration
         looks = np.linspace(self.t, end, LOOKS)
@@ -384,19 +413,17 @@ class SeveralSimulation:
         self._settle(stuck)
         return None
 
-    def _meet(self, meeting: Meeting) -> Ending | None:
+    def _meet(self, contact: PairCase, meeting: Meeting) -> Ending | None:
         """A contact at a place that is not watched."""
         regime = regime_of(self.segments[-1].phase)
         self.touching = {regime.names[k] for k in regime.closed}
-        watch = self._new_watch((meeting.xi1, meeting.xi2))
+        watch = self._new_watch(contact, (meeting.xi1, meeting.xi2))
         self.touching.add(watch.name)
         self._settle({n for n, m in zip(regime.names, regime.modes, strict=True) if m is Mode.ROLL}, struck=True)
         return None
 
-    def _new_watch(self, pair: tuple[float, float]) -> WatchState:
-        used = {watch.name for watch in self.watches}
-        number = next(i for i in range(1, len(used) + 2) if _name(i) not in used)
-        watch = WatchState(_name(number), pair, Mode.FLIGHT, 0.0)
+    def _new_watch(self, contact: PairCase, pair: tuple[float, float]) -> WatchState:
+        watch = WatchState(self._free_name(contact), contact, pair, Mode.FLIGHT, 0.0)
         self.watches.append(watch)
         return watch
 
@@ -407,18 +434,36 @@ class SeveralSimulation:
         stuck = set(stuck or ())
         if struck:
             self._add_touching()
+        stuck = self._name_touching(stuck)
         indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
-        self.body, now = project(self.case, self.body, [watch.pair for watch in self.watches], indices)
+        self.body, now = project(
+            self.case, self._contacts(), self.body, [watch.pair for watch in self.watches], indices
+        )
         for watch, at in zip(self.watches, now, strict=True):
             watch.pair = at.xi1, at.xi2
         for k in indices:
-            self.watches[k].limit = LOST * now[k].clearance
+            self.watches[k].limit = 0.0 if self.watches[k].contact.has_unique_points else LOST * now[k].clearance
         self.speed = max(self.speed, self._speed())
         if struck:
             stuck = self._impact(now, indices, stuck)
             indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
         sticking = [k for k in indices if self.watches[k].name in stuck]
         self.body = without_velocity(self.case, self.body, now, indices, sticking)
+
+    def _name_touching(self, stuck: set[str]) -> set[str]:
+        """Name the contacts that touch for the first time by their order; returns `stuck` with their names."""
+        for watch in self.watches:
+            if watch.name in self.touching and watch.name.startswith(UNNAMED):
+                old = watch.name
+                watch.name = self._free_name(watch.contact)
+                self.touching = {watch.name if name == old else name for name in self.touching}
+                stuck = {watch.name if name == old else name for name in stuck}
+        return stuck
+
+    def _free_name(self, contact: PairCase) -> str:
+        """The name of a further contact of that support."""
+        used = {watch.name for watch in self.watches}
+        return next(name for i in range(1, len(used) + 2) if (name := contact_name(contact.support, i)) not in used)
 
     def _add_touching(self) -> None:
         size = abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach
@@ -439,7 +484,7 @@ class SeveralSimulation:
             raise MotionEnds(
                 (
                     "second_contact",
-                    f"The plate meets its track in a second place, xi1 = {now[closing[0]].xi1:.9g}, at t = "
+                    f"The plate meets {self._which(closing[0])}, xi1 = {now[closing[0]].xi1:.9g}, at t = "
                     f"{self.t:.9g} s, and the case names no Impact; add Flight() and Impact(0.0) to go on.",
                 )
             )
@@ -465,6 +510,10 @@ class SeveralSimulation:
                 sticks.add(watch.name)
         return sticks
 
+    def _which(self, k: int) -> str:
+        support = self.watches[k].contact.support
+        return "its track in a second place" if support == TRACK else f"the support {support!r}"
+
     def _check_energy(self, after: np.ndarray) -> None:
         """Newton's law may create energy, which ends the motion."""
         from ..minimal.phase_end import ENERGY
@@ -487,17 +536,13 @@ class SeveralSimulation:
         return lift * lift <= 2.0 * pull * rounding
 
 
-def _name(number: int) -> str:
-    return CONTACT if number == 1 else f"{CONTACT} {number}"
-
-
 def touches_at_start(case: Case, pair: tuple[float, float]) -> bool:
     """Whether the plate touches its track at that pair, too, in its start, to rounding."""
     if not case.start.in_contact:
         return False
     begin = start_motion(case)
     try:
-        at = places(case, [begin.x, begin.y, begin.theta], [pair])[0]
+        at = places(pairs(case)[:1], [begin.x, begin.y, begin.theta], [pair])[0]
     except DoesNotFit:  # it is far away
         return False
     off = case.track.point(at.xi1) - case.track.point(begin.xi1)
@@ -512,11 +557,36 @@ def until_end(
 ) -> tuple[list[Segment], list[Transition], Ending]:  # fmt: skip
     """Continue a motion whose plate (x, y, θ, vx, vy, ω) has a contact at the pair `own`, in that mode, and meets its
     track at the pair `other`: (segments, transitions, (status, sentence))."""
-    watches = [WatchState(_name(1), own, mode, 0.0), WatchState(_name(2), other, Mode.FLIGHT, 0.0)]
+    track, further = pairs(case)[0], contact_name(TRACK, 2)
+    watches = [WatchState(CONTACT, track, own, mode, 0.0), WatchState(further, track, other, Mode.FLIGHT, 0.0)]
     march = SeveralSimulation(case, rtol, integrate, t, list(body), watches)
-    march.touching = {_name(1), _name(2)}
+    march.touching = {CONTACT, further}
     march.begins = t == 0.0
     if mode is Mode.ROLL:
-        march.stuck = {_name(1)}
+        march.stuck = {CONTACT}
+    ending = march.simulate()
+    return march.segments, march.transitions, ending
+
+
+def from_start(
+    case: Case, rtol: float, integrate: Callable[..., Segment]
+) -> tuple[list[Segment], list[Transition], Ending]:
+    """The motion of a case whose contacts are pairs of a support and a feature from its start on: (segments,
+    transitions, (status, sentence))."""
+    begin = start_motion(case)
+    body = [float(v) for v in (begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega)]
+    watches, size = list[WatchState](), abs(body[0]) + abs(body[1]) + case.plate.reach
+    for pair in pairs(case):
+        points = pair.guess(*body[:3])
+        if not pair.has_unique_points:
+            try:
+                gap = places([pair], body, [points])[0].gap
+            except DoesNotFit:
+                continue
+            if abs(gap) > TOUCHES * size:
+                continue
+        watches.append(WatchState(f"{UNNAMED}{pair.number}", pair, points, Mode.FLIGHT, 0.0))
+    march = SeveralSimulation(case, rtol, integrate, 0.0, body, watches)
+    march.begins = True
     ending = march.simulate()
     return march.segments, march.transitions, ending

@@ -8,6 +8,7 @@ import numpy as np
 
 from cases import Case
 from cases.contact import find
+from cases.contact_pairs import PairCase
 
 from ..minimal.boxes import Cores
 from ..minimal.contact_cores import cores
@@ -19,33 +20,33 @@ from ..minimal.windows import EPS, Windows, windows
 from .regimes import regime_of
 
 
-def first_meeting(case: Case, search: MeetingSearch, segment: Segment) -> Meeting | None:
-    """The first meeting of plate and track in a segment at another place than the watched contacts; None if there is
-    none. Raises TooMuch."""
+def first_meeting(contact: PairCase, search: MeetingSearch, segment: Segment) -> Meeting | None:
+    """The first meeting of plate and support in a segment at another place than the watched contacts of that pair; None
+    if there is none. Raises TooMuch."""
     edges = np.unique(segment.times)
     for first in range(0, len(edges) - 1, TOGETHER):
-        motion, around = _in_windows(case, segment, edges[first : first + TOGETHER + 1])
+        motion, around = _in_windows(contact, segment, edges[first : first + TOGETHER + 1])
         meeting = search.first(motion, around)
         if meeting is not None:
-            return _locate(case, segment, meeting)
+            return _locate(contact, segment, meeting)
     return None
 
 
-def _in_windows(case: Case, segment: Segment, edges: np.ndarray) -> tuple[Windows, list[Cores]]:
+def _in_windows(contact: PairCase, segment: Segment, edges: np.ndarray) -> tuple[Windows, list[Cores]]:
     """Steps in windows so short that every contact is the only one in its surroundings, and these."""
-    count = len(regime_of(segment.phase).modes)
+    watched = [k for k, number in enumerate(regime_of(segment.phase).pairs) if number == contact.number]
     for _ in range(HALVINGS):
-        motion = windows(partial(_poses, segment), edges, case.plate.reach)
+        motion = windows(partial(_poses, segment), edges, contact.plate.reach)
         times = motion.start[:, None] + (motion.end - motion.start)[:, None] * PLACES
         states = segment.states(times.ravel())
         around, proven = [], np.ones(len(motion.start), dtype=bool)
-        for k in range(count):
+        for k in watched:
             places = states[3 + 2 * k : 5 + 2 * k].reshape(2, *times.shape)
             low, high = places.min(axis=2), places.max(axis=2)
             more = BEYOND * (high - low)
-            gap = np.maximum(_gaps(case, states, k).reshape(times.shape).max(axis=1), 0.0)
+            gap = np.maximum(gaps(contact, states, k).reshape(times.shape).max(axis=1), 0.0)
             xi1, xi2 = zip(low - more, high + more, strict=True)
-            one, alone = cores(case, np.array(xi1), np.array(xi2), gap)
+            one, alone = cores(contact, np.array(xi1), np.array(xi2), gap)
             around.append(one)
             proven &= alone
         long = motion.end - motion.start > 64 * EPS * motion.end
@@ -56,11 +57,12 @@ def _in_windows(case: Case, segment: Segment, edges: np.ndarray) -> tuple[Window
     return motion, around
 
 
-def _gaps(case: Case, states: np.ndarray, k: int) -> np.ndarray:
+def gaps(contact: Case, states: np.ndarray, k: int) -> np.ndarray:
     """The distance (m) of contact k's points along the track's normal."""
     x, y, theta = states[:3]
     xi1, xi2 = states[3 + 2 * k : 5 + 2 * k]
-    (X, Y), (u, v), (nx, ny) = case.track.point(xi1), case.plate.outline.point(xi2), case.track.normal(xi1)
+    track = contact.track
+    (X, Y), (u, v), (nx, ny) = track.point(xi1), contact.plate.outline.point(xi2), track.normal(xi1)
     c, s = np.cos(theta), np.sin(theta)
     return np.asarray((x + c * u - s * v - X) * nx + (y + s * u + c * v - Y) * ny)
 
@@ -69,21 +71,21 @@ def _poses(segment: Segment, times: np.ndarray) -> np.ndarray:
     return segment.states(times)[:3]
 
 
-def _locate(case: Case, segment: Segment, meeting: Meeting) -> Meeting:
+def _locate(contact: PairCase, segment: Segment, meeting: Meeting) -> Meeting:
     """The zero of the gap at a meeting's pair of points, to rounding, with both parameters."""
     from scipy.optimize import brentq
 
     pair = meeting.xi1, meeting.xi2
     if np.isnan(meeting.xi2):
-        pair = meeting.xi1, facing(case, meeting.xi1, float(_poses(segment, np.array([meeting.time]))[2, 0]))
+        pair = meeting.xi1, facing(contact, meeting.xi1, float(_poses(segment, np.array([meeting.time]))[2, 0]))
 
-    def contact(t: float):
+    def at_time(t: float):
         x, y, theta = _poses(segment, np.array([t]))[:, 0].tolist()
-        return find(case, x, y, theta, pair)
+        return find(contact, x, y, theta, pair)
 
     try:
-        time = _zero(lambda t: contact(t).gap, meeting.time, brentq)
+        time = _zero(lambda t: at_time(t).gap, meeting.time, brentq)
     except ValueError:
         time = meeting.time  # it touches without closing: two flat sides, or a start
-    at = contact(max(time, segment.start))
+    at = at_time(max(time, segment.start))
     return Meeting(max(time, segment.start), at.xi1, at.xi2)

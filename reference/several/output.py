@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, Mode, State
+from cases import Case, Mode, State, Transition
 from cases.trajectory import CONTACT, ContactColumns
 
 from ..minimal.integrators.segment import Segment, blocks
 from .decision import depends_on_time, load_at
 from .equations import COLUMNS
 from .forces import ForceRanges, ranges
-from .geometry import places
-from .regimes import SeveralPhase, body_of, coefficients, pairs_of, regime_of
+from .geometry import ContactPlace, places
+from .meetings import gaps
+from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
 
 
 class OneContactColumns(NamedTuple):
@@ -35,15 +36,16 @@ class AllContacts:
     `observe` gives the State of a phase with one contact at some times. It is pickled with all steps.
     """
 
-    def __init__(self, case: Case, segments: list[Segment], observe: Callable):
+    def __init__(self, case: Case, segments: list[Segment], transitions: Sequence[Transition], observe: Callable):
         self.case, self.segments, self.observe = case, segments, observe
+        self.touched = {change.contact for change in transitions if change.contact}
 
     @property
     def names(self) -> tuple[str, ...]:
         """The contacts' names in the order of their numbers."""
-        phases = [s.phase for s in self.segments if isinstance(s.phase, SeveralPhase)]
-        names = {name for phase in phases for name in regime_of(phase).names}
-        return tuple(sorted(names | {CONTACT}, key=lambda name: (len(name), name)))
+        regimes = [regime_of(s.phase) for s in self.segments if isinstance(s.phase, SeveralPhase)]
+        names = {regime.names[k] for regime in regimes for k in regime.closed} | self.touched
+        return tuple(sorted(names | {CONTACT}, key=_order))
 
     def __call__(self, name: str, times: np.ndarray | None) -> ContactColumns:
         if times is None:
@@ -83,6 +85,12 @@ class AllContacts:
         return ContactColumns(gap, now.slip, normal, friction, now.xi1, now.xi2, *ranges)
 
 
+def _order(name: str) -> tuple[str, int]:
+    """The track's contacts first, those of a support by their numbers."""
+    support, _, number = name.partition(" ")
+    return "" if support == CONTACT else support, int(number or 1)
+
+
 def _join(parts: list[ContactColumns]) -> ContactColumns:
     """The columns of all parts one after the other."""
     return ContactColumns(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
@@ -94,12 +102,12 @@ def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarr
     if name not in regime.names:
         return OneContactColumns(none, none, 0.0 * times, 0.0 * times, none, none)
     k = regime.names.index(name)
-    xi1, xi2 = y[3 + 2 * k], y[4 + 2 * k]
+    xi1, xi2 = y[3 + 2 * k], contacts_of(case, regime)[k].whole_xi2(y[4 + 2 * k])
     if regime.rests:
         normal, friction = _rest_forces(case, now, times, y, k)
         is_closed = k in regime.closed
         return OneContactColumns(
-            _gap(case, y, k, is_closed), 0.0 * times if is_closed else none, normal, friction, xi1, xi2
+            _gap(now, y, k, is_closed), 0.0 * times if is_closed else none, normal, friction, xi1, xi2
         )
     values = now.system.outputs_of_arrays(times, y, now.parameters)
     columns = values[5 + len(COLUMNS) * k : 5 + len(COLUMNS) * (k + 1)]
@@ -107,32 +115,31 @@ def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarr
     is_closed, mass = k in regime.closed, case.plate.mass
     slip = 0.0 * slip if regime.modes[k] is Mode.ROLL else slip
     return OneContactColumns(
-        _gap(case, y, k, is_closed), slip if is_closed else none, mass * normal, mass * friction, xi1, xi2
+        _gap(now, y, k, is_closed), slip if is_closed else none, mass * normal, mass * friction, xi1, xi2
     )
 
 
-def _gap(case: Case, y: np.ndarray, k: int, is_closed: bool) -> np.ndarray:
+def _gap(now: SeveralPhase, y: np.ndarray, k: int, is_closed: bool) -> np.ndarray:
     """The distance of contact k's points, 0 while it is closed."""
-    from .meetings import _gaps
-
-    return np.zeros(y.shape[1]) if is_closed else _gaps(case, y, k)
+    return np.zeros(y.shape[1]) if is_closed else gaps(contacts_of(now.case, regime_of(now))[k], y, k)
 
 
 def _rest_forces(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray, k: int):
     """Normal and friction force of contact k of a plate at rest, NaN where they are not unique."""
-    closed, stick = regime_of(now).closed, coefficients(case)[1]
+    closed = regime_of(now).closed
     if k not in closed:
         return 0.0 * times, 0.0 * times
     state = y[:, 0]
-    at = places(case, body_of(state), pairs_of(state))
-    rows = [at[i].lift_row for i in closed] + [at[i].slip_row for i in closed if stick > 0.0]
+    at = places(contacts_of(case, regime_of(now)), body_of(state), pairs_of(state))
+    held = [i for i in closed if at[i].stick > 0.0]
+    rows = [at[i].lift_row for i in closed] + [at[i].slip_row for i in held]
     matrix = np.array(rows).T
     if np.linalg.matrix_rank(matrix, tol=1e-9) < matrix.shape[1]:
         return np.full(times.shape, np.nan), np.full(times.shape, np.nan)
     load = np.array([load_at(case, float(t), body_of(state)) for t in times]).T
     values, *_ = np.linalg.lstsq(matrix, -load, rcond=None)
-    i = closed.index(k)
-    return values[i], values[len(closed) + i] if stick > 0.0 else 0.0 * times
+    friction = values[len(closed) + held.index(k)] if k in held else 0.0 * times
+    return values[closed.index(k)], friction
 
 
 def observe(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray) -> State:
@@ -156,8 +163,8 @@ def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray
         values = [contact_states(case, now, np.array([t]), state[:, None], name) for name in names]
         pairs = [(float(one.normal_force[0]), float(one.friction_force[0])) for one in values]
         return {name: np.array([[n, n], [f, f]]) for name, (n, f) in zip(names, pairs, strict=True)}
-    at = places(case, body_of(state), pairs_of(state))
-    limits: ForceRanges = ranges(
-        [at[k] for k in regime.closed], load_at(case, t, body_of(state)), case.plate.gyration, coefficients(case)[1]
-    )
+    every = places(contacts_of(case, regime), body_of(state), pairs_of(state))
+    at: list[ContactPlace] = [every[k] for k in regime.closed]
+    load = load_at(case, t, body_of(state))
+    limits: ForceRanges = ranges(at, load, case.plate.gyration, [one.stick for one in at])
     return {name: np.array([limits.normal[i], limits.friction[i]]) for i, name in enumerate(names)}

@@ -12,12 +12,16 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Load, Mode, PerfectlyRough
+from cases import Case, Load, Mode, PerfectlyRough
+from cases.contact_pairs import PairCase, pairs
+from cases.corner import Corner, Piece
 
 from ..minimal.assembly import parameter_values
 from ..minimal.effects import SLIP_SIGN, laws
+from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
-from .equations import ContactRows, several_system
+from .contact_law import coefficients
+from .equations import ContactForm, ContactRows, several_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of its value when it was last
 # closed: its nearest points then move fast, and may soon be lost.
@@ -27,12 +31,14 @@ LOST = 0.05
 class SeveralRegime(NamedTuple):
     """The modes of all watched contacts (FLIGHT: open) and the clearances (1/m) at which open ones are lost.
 
-    `rests`: the closed contacts hold the plate; `names` are those of the contacts.
+    `rests`: the closed contacts hold the plate; `names` are those of the contacts, `pairs` the numbers of their pairs
+    of a support and a feature of the outline.
     """
 
     modes: tuple[Mode, ...]
     names: tuple[str, ...]
     limits: tuple[float, ...]
+    pairs: tuple[int, ...]
     rests: bool = False
 
     @property
@@ -63,48 +69,58 @@ def regime_of(phase: Phase) -> SeveralRegime:
     return cast(SeveralRegime, phase.regime)
 
 
-def coefficients(case: Case) -> tuple[float, float]:
-    """The coefficients of friction with slip and without; infinite for a perfectly rough contact."""
-    if case.effect(PerfectlyRough) is not None:
-        return float("inf"), float("inf")
-    friction = case.effect(CoulombFriction)
-    return (friction.at_rest, friction.stick) if friction else (0.0, 0.0)
+def contacts_of(case: Case, regime: SeveralRegime) -> list[PairCase]:
+    """The pair of a support and a feature of each contact."""
+    every = pairs(case)
+    return [every[number] for number in regime.pairs]
 
 
-def slip_modes(case: Case) -> tuple[Mode, ...]:
-    """The modes of a closed contact that may slip."""
-    if case.effect(PerfectlyRough) is not None:
-        return ()
-    return (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD) if case.effect(CoulombFriction) else (Mode.SLIDE,)
+def _structure(piece: Piece):
+    """What the equations of a contact on that curve or corner depend on."""
+    return piece.sign if isinstance(piece, Corner) else piece.structure
+
+
+def _has_ends(piece: Piece) -> bool:
+    return piece.domain is not None and piece.period is None
+
+
+def _sizes(piece: Piece, prefix: str) -> dict[str, float]:
+    """A curve's parameters, by name."""
+    names = CORNER if isinstance(piece, Corner) else [size.name for size in piece.structure[1]]
+    values = {prefix + name: value for name, value in zip(names, piece.constants, strict=True)}
+    return values | ({f"{prefix}low": piece.domain[0], f"{prefix}high": piece.domain[1]} if piece.domain else {})
 
 
 @lru_cache(maxsize=512)
 def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
     """The equations of that regime with the case's parameters."""
-    mu, stick = coefficients(case)
-    rough = case.effect(PerfectlyRough) is not None
-    has_ends = tuple(c.domain is not None and c.period is None for c in (case.track, case.plate.outline))
+    contacts = contacts_of(case, regime)
     kinds = regime.kinds if not regime.rests else (ContactRows.OPEN,) * len(regime.kinds)
-    system = several_system(
-        case.track.structure, case.plate.outline.structure, (has_ends[0], has_ends[1]), laws(case), kinds,
-        stick > 0.0 and not rough, rough,
+    forms = tuple(
+        ContactForm(
+            _structure(one.track), _structure(one.plate.outline), kind,
+            rubs=coefficients(one)[1] > 0.0 and one.effect(PerfectlyRough) is None,
+            has_ends=(_has_ends(one.track), _has_ends(one.plate.outline)), stays=one.has_unique_points,
+        )
+        for one, kind in zip(contacts, kinds, strict=True)
     )  # fmt: skip
+    system = several_system(forms, laws(case))
     values: dict[str, float] = {}
-    for k, mode in enumerate(regime.modes):
-        sign = SLIP_SIGN.get(mode, 0.0)
+    for k, (mode, one) in enumerate(zip(regime.modes, contacts, strict=True)):
+        sign, (mu, stick) = SLIP_SIGN.get(mode, 0.0), coefficients(one)
         values |= {f"k_{k}": -sign * mu if sign else 0.0, f"sigma_{k}": sign, f"stick_{k}": stick}
         values[f"lost_{k}"] = regime.limits[k]
+        values |= _sizes(one.track, f"track_{k}_") | _sizes(one.plate.outline, f"outline_{k}_")
     gyration = case.plate.gyration
-    speeds = [
-        gyration / float(curve.speed(curve.span[0])) for _ in regime.modes for curve in (case.track, case.plate.outline)
-    ]
+    speeds = [_angle(piece, gyration) for one in contacts for piece in (one.track, one.plate.outline)]
     lengths = (gyration, gyration, 1.0, *speeds)
     load, count = case.effect(Load), len(regime.modes)
     features = list(_features(load, None))
-    for k in range(count):
-        features += [(3 + 2 * k, f) for _, f in _features(None, None, case.track)]
-        features += [(4 + 2 * k, f) for _, f in _features(None, None, case.plate.outline)]
-    parameters = parameter_values(case, values, system, case.track, case.plate.outline)
+    for k, one in enumerate(contacts):
+        features += [(3 + 2 * k, f) for _, f in _features(None, None, one.track)]
+        features += [(4 + 2 * k, f) for _, f in _features(None, None, one.plate.outline)]
+    first = pairs(case)[0]
+    parameters = parameter_values(case, values, system, first.track, first.plate.outline)
     places = tuple(range(6 + 2 * count))
     return SeveralPhase(
         cast(Regime, regime),
@@ -117,6 +133,11 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
         tuple(features),
         bool(laws(case).checked_quantities),
     )
+
+
+def _angle(piece: Piece, gyration: float) -> float:
+    """The change of a parameter that moves its point by the radius of gyration; at a corner it is an angle."""
+    return 1.0 if isinstance(piece, Corner) else gyration / float(piece.speed(piece.span[0]))
 
 
 def pairs_of(state: Sequence[float] | np.ndarray) -> list[tuple[float, float]]:

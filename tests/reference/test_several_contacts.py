@@ -25,10 +25,11 @@ from cases import (
 )  # fmt: skip
 from cases import curves as c
 from cases.contact import start_motion
+from cases.contact_pairs import pairs
 from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
 from reference.delassus import complementarity
-from reference.delassus.contacts import PlateDynamics, pair_at
+from reference.delassus.contacts import PlateDynamics, frictions, pair_at
 from reference.paper.several import solve_several
 from reference.several.decision import DecisionInstant, decide
 from reference.several.geometry import project
@@ -166,7 +167,9 @@ def _random_state(seed: int):
     case = case_in(track, Start(contacts[0], slip=radius * moves, omega=moves), *effects, radius=radius)
     begin = start_motion(case)
     body = [begin.x, begin.y, begin.theta, 0.0, 0.0, moves]
-    body, at = project(case, body, [(begin.xi1, begin.xi2), (contacts[1], begin.xi2 + 0.5 * np.pi)], (0, 1))
+    body, at = project(
+        case, pairs(case) * 2, body, [(begin.xi1, begin.xi2), (contacts[1], begin.xi2 + 0.5 * np.pi)], (0, 1)
+    )
     names, limits = ("plate/track", "plate/track 2"), (0.0, 0.0)
     state = join(body, [(one.xi1, one.xi2) for one in at])
     return case, DecisionInstant(0.0, state, at, names, limits, (0, 1), max(abs(moves) * radius, 1.0))
@@ -179,17 +182,17 @@ def _accelerations(seed: int) -> tuple[list[np.ndarray], list[np.ndarray], np.nd
     decision = decide(case, now, 1e-12)
     first = []
     for modes in decision.motions:
-        regime = SeveralRegime(modes, now.names, now.limits)
+        regime = SeveralRegime(modes, now.names, now.limits, now.pairs)
         still = sum(2 if m is Mode.ROLL else m is not Mode.FLIGHT for m in modes) > 2
         phase = None if still else several_phase(case, regime)
         rates = phase.system.rates_of_numbers(0.0, now.state, phase.parameters)[-3:] if phase else (0.0, 0.0, 0.0)
         first.append(np.array(rates))
     dynamics, body = PlateDynamics(case), [*now.state[:3], *now.state[-3:]]
-    pairs = [pair_at(case, body, (one.xi1, one.xi2)) for one in now.places]
-    matrix, rows = dynamics.delassus(pairs)
-    free = dynamics.free_rates(0.0, body, pairs, rows)
-    slips = [None if abs(pair.slip) < 1e-9 else float(np.sign(pair.slip)) for pair in pairs]
-    law = dynamics.mu, dynamics.stick
+    some = [pair_at(one.contact, body, (one.xi1, one.xi2)) for one in now.places]
+    matrix, rows = dynamics.delassus(some)
+    free = dynamics.free_rates(0.0, body, some, rows)
+    slips = [None if abs(pair.slip) < 1e-9 else float(np.sign(pair.slip)) for pair in some]
+    law = frictions(some)
 
     def move(force: np.ndarray) -> np.ndarray:
         return dynamics.inverse * (dynamics.torsor(0.0, body) + rows.T @ force)
@@ -239,7 +242,7 @@ def test_the_papers_matrix_with_a_block_for_each_contact_gives_the_same_accelera
         outputs = phase.system.outputs_of_numbers(0.0, now.state, phase.parameters)
         states = [(*now.state[3 + 2 * k : 5 + 2 * k], *rates[3 + 2 * k : 5 + 2 * k]) for k in closed]
         motion = 0.0, *now.state[:3], *now.state[-3:]
-        paper = solve_several(case, [regime.modes[k] for k in closed], states, motion)
+        paper = solve_several([pairs(case)[0]] * len(closed), [regime.modes[k] for k in closed], states, motion)
         assert paper.q1_ddot == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
         for i, k in enumerate(closed):
             forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
@@ -291,7 +294,7 @@ def _step_through(case: Case, h: float) -> np.ndarray:
         for side in (-1.0, 1.0):
             near = side * 0.4 * case.plate.radius, side * 0.4 - 0.5 * np.pi - float(middle[2])
             try:
-                now += [pair for pair in [pair_at(case, [*middle, *u], near)] if side * pair.xi1 > 0.0]
+                now += [pair for pair in [pair_at(pairs(case)[0], [*middle, *u], near)] if side * pair.xi1 > 0.0]
             except DoesNotFit:
                 pass  # the disc is far up the other flank
         free = u + h * dynamics.inverse * dynamics.torsor((number + 0.5) * h, [*middle, *u])
@@ -299,7 +302,7 @@ def _step_through(case: Case, h: float) -> np.ndarray:
         if closed:
             matrix, rows = dynamics.delassus(closed)
             start = np.zeros(2 * len(closed))
-            law = dynamics.mu, dynamics.stick
+            law = frictions(closed)
             impulse = complementarity.gauss_seidel(matrix, rows @ free, [None] * len(closed), *law, start, sweeps=5000)
             assert impulse is not None
             free = free + dynamics.inverse * (rows.T @ impulse)

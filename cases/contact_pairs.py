@@ -1,0 +1,140 @@
+"""Pairs of a support and a feature of the outline: each is a case of its own with one smooth contact.
+
+A motion with several contacts has one such pair for each; its track is the support's curve, its outline the feature,
+and its effects are those of the support.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import cos, pi, sin
+from typing import cast
+
+import numpy as np
+
+from .case_class import Case
+from .chain import Chain
+from .contact import find
+from .corner import Corner, turning
+from .curves import Curve
+from .errors import DoesNotFit
+from .overlap import first_overlap
+from .plate import Plate
+from .shapes import as_line
+from .start import Start
+from .supports import TRACK, Support, features, is_convex, touches_by_features
+
+# A plate overlaps a support where it begins if it lies deeper in it than this part of its size: far above rounding.
+DEPTH = 1e-9
+
+
+class PairCase(Case):
+    """A case whose track is one support and whose outline is one feature of that of `whole`.
+
+    `number`: which of `pairs(whole)` it is; `support`: the support's name; `has_unique_points`: whether the nearest
+    points are the only ones in every pose, so that the pair can be watched all the time. It is made by `pairs`.
+    """
+
+    whole: Case
+    number: int
+    support: str
+    has_unique_points: bool
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, PairCase) and (self.whole, self.number) == (other.whole, other.number)
+
+    def __hash__(self) -> int:
+        return hash((self.whole, self.number))
+
+    def __reduce__(self):
+        return _pair, (self.whole, self.number)
+
+    def guess(self, x: float, y: float, theta: float) -> tuple[float, float]:
+        """Parameters near the nearest points of a pair that has unique ones, or of a smooth outline on the track."""
+        line, feature = as_line(self.track), self.plate.outline
+        if line is None:
+            begin = self.start.motion(self.track, feature) if self.start.xi2 is None else self.start
+            return begin.xi1, begin.xi2 or 0.0
+        c, s = cos(theta), sin(theta)
+        turned = float(np.arctan2(line.direction[1], line.direction[0])) - theta
+        if isinstance(feature, Corner):
+            point = np.array([x + c * feature.x - s * feature.y, y + s * feature.x + c * feature.y])
+            xi2 = (turned - feature.start) % (2.0 * pi)
+        else:
+            grid = np.linspace(*feature.span, 721)
+            turns = (np.asarray(feature.tangent_angle(grid)) - turned) / (2.0 * pi)
+            xi2 = float(grid[np.argmin(np.abs(turns - np.round(turns)))])
+            u, v = feature.point(xi2)
+            point = np.array([x + c * u - s * v, y + s * u + c * v])
+        low = float(self.track.span[0])
+        along = float((point - line.point) @ line.direction)
+        return low + along / float(self.track.speed(low)), xi2
+
+    def whole_xi2(self, xi2):
+        """A parameter of the feature as one of the whole outline, numbers or arrays; it is counted on from round to
+        round. Beyond the feature's own ends the result lies as far beyond them."""
+        outline, feature = self.whole.plate.outline, self.plate.outline
+        if not isinstance(outline, Chain):
+            return xi2
+        (element,) = [one for one in outline.elements if one.piece == feature]
+        middle = 0.5 * sum(feature.span)
+        round_length = 2.0 * pi / turning(feature, middle)
+        rounds = np.round((xi2 - middle) / round_length)
+        return xi2 - rounds * round_length + element.shift + rounds * (outline.period or 0.0)
+
+    def gap(self, x: float, y: float, theta: float) -> float:
+        """The distance of the nearest points in a pose, m. Raises DoesNotFit."""
+        return find(self, x, y, theta, self.guess(x, y, theta)).gap
+
+
+def contact_name(support: str, index: int) -> str:
+    """The name of a support's contact: "plate/wall"; those that touch later are numbered from 2."""
+    return f"plate/{support}" if index == 1 else f"plate/{support} {index}"
+
+
+@lru_cache(maxsize=256)
+def pairs(case: Case) -> tuple[PairCase, ...]:
+    """All pairs of a support, the track first, and a feature of the outline."""
+    supports = (Support(case.track, "_track"), *case.supports)
+    outline = features(case.plate.outline)
+    return tuple(
+        _make(case, support, cast(Curve, feature), number * len(outline) + index)
+        for number, support in enumerate(supports)
+        for index, feature in enumerate(outline)
+    )
+
+
+def _make(whole: Case, support: Support, feature: Curve, number: int) -> PairCase:
+    plate, case = object.__new__(Plate), object.__new__(PairCase)
+    vars(plate).update(outline=feature, mass=whole.plate.mass, inertia=whole.plate.inertia)
+    values = {name: value for name, value in vars(whole).items() if name in Case.__dataclass_fields__}
+    outline = whole.plate.outline
+    is_track, is_feature = number < len(features(outline)), isinstance(outline, Chain)
+    middle = [0.5 * sum(piece.span) for piece in (support.curve, feature)]
+    start = whole.start if is_track and not is_feature else Start(*middle)
+    values |= {"track": support.curve, "plate": plate, "start": start, "supports": ()}
+    values["effects"] = support.acting(whole.effects)
+    straight = support.curve.domain is None and as_line(support.curve) is not None
+    vars(case).update(
+        values, whole=whole, number=number, support=TRACK if is_track else support.name,
+        has_unique_points=straight and (is_feature or is_convex(feature)) and touches_by_features(whole),
+    )  # fmt: skip
+    return case
+
+
+def _pair(whole: Case, number: int) -> PairCase:
+    return pairs(whole)[number]
+
+
+def check_start(case: Case, x: float, y: float, theta: float) -> None:
+    """Raise DoesNotFit if the plate overlaps a support where the motion begins."""
+    for pair in pairs(case):
+        if pair.support == TRACK:
+            continue
+        if pair.has_unique_points:
+            deep = pair.gap(x, y, theta) < -DEPTH * case.plate.reach
+        else:
+            px, py, angle, near = (np.array([value]) for value in (x, y, theta, pair.start.xi1))
+            deep = first_overlap(pair.track, pair.plate.outline, px, py, angle, near) is not None
+        if deep:
+            raise DoesNotFit(f"the plate overlaps support {pair.support!r} where it begins; give another start")

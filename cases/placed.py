@@ -1,0 +1,119 @@
+"""A start given as a pose: where the plate is and how it moves, instead of where it touches its track."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, hypot, inf, pi, sin
+
+import numpy as np
+
+from . import geometry, piece_contact
+from .chain import Chain
+from .corner import Corner
+from .curves import Curve
+from .errors import DoesNotFit, finite
+from .start import Start
+
+# A gap below this part of the plate's size and place is the rounding of a pose: the plate touches its track. A velocity
+# along the normal below this part of the plate's speed is none.
+TOUCHES = 1e-12
+# Samples of a track and of a smooth outline at which the search for the nearest points begins.
+TRACK_SAMPLES, OUTLINE_SAMPLES = 2_000, 721
+
+
+@dataclass(frozen=True)
+class Placed:
+    """The plate's pose and velocities at time zero: centre of mass (m), angle (rad), m/s, rad/s.
+
+    A case stores it as the `Start` of the nearest point of the track: in contact if the gap is rounding, else off the
+    track, which needs Flight. Raises BadValue for values that are no finite numbers.
+    """
+
+    x: float
+    y: float
+    theta: float = 0.0
+    vx: float = 0.0
+    vy: float = 0.0
+    omega: float = 0.0
+
+    def __post_init__(self):
+        for name in ("x", "y", "theta", "vx", "vy", "omega"):
+            object.__setattr__(self, name, finite(f"{name} of Placed", getattr(self, name)))
+
+
+def as_start(placed: Placed, track: Curve, outline: Curve) -> Start:
+    """The same start by the contact parameters of the nearest points. Raises DoesNotFit where they are not found."""
+    x, y, theta = placed.x, placed.y, placed.theta
+    contact = min(_contacts(track, outline, x, y, theta), key=lambda contact: contact.gap, default=None)
+    if contact is None:
+        raise DoesNotFit("the point of the track nearest to the Placed pose is not found; give a Start instead")
+    place, (tx, ty) = track.point(contact.xi1), track.tangent(contact.xi1)
+    nx, ny, gap = -ty, tx, contact.gap
+    px, py = place[0] + gap * nx, place[1] + gap * ny
+    vx, vy = placed.vx - placed.omega * (py - y), placed.vy + placed.omega * (px - x)
+    slip, rate = float(vx * tx + vy * ty), float(vx * nx + vy * ny)
+    size = outline.sizes[0]
+    if abs(gap) <= TOUCHES * (abs(x) + abs(y) + size):
+        gap = 0.0
+    fastest = hypot(placed.vx, placed.vy) + size * abs(placed.omega)
+    if abs(rate) <= TOUCHES * fastest:
+        rate = 0.0
+    turned = float(geometry.pose(track, outline, contact.xi1, contact.xi2)[2]) - theta
+    rounds = round(turned / (2.0 * pi)) * (outline.period or 0.0)  # so that the angle is the given one
+    if gap < 0.0:
+        raise DoesNotFit(f"the plate overlaps its track by {-gap:.6g} m in the Placed pose; give another one")
+    return Start(contact.xi1, contact.xi2 + rounds, slip, placed.omega, gap, rate)
+
+
+def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[geometry.Contact]:
+    """Pairs of nearest points of the track and each feature of the outline."""
+    samples = _samples(track, x, y, outline.sizes[0])
+    c, s = cos(theta), sin(theta)
+    results = []
+    if not isinstance(outline, Chain):
+        own = np.linspace(*outline.span, OUTLINE_SAMPLES)
+        u, v = outline.point(own)
+        points = np.array([x + c * u - s * v, y + s * u + c * v])
+        i = int(np.argmin([_nearest(track, samples, point)[1] for point in points.T]))
+        near = _nearest(track, samples, points[:, i])[0], float(own[i])
+        try:
+            results.append(piece_contact.find(track, outline, x, y, theta, near))
+        except DoesNotFit:
+            pass
+        return results
+    for element in outline.elements:
+        piece = element.piece
+        low, high = piece.span
+        inner = 0.5 * (low + high)
+        u, v = piece.point(inner)
+        first = _nearest(track, samples, np.array([x + c * u - s * v, y + s * u + c * v]))[0]
+        try:
+            one = piece_contact.find(track, piece, x, y, theta, (first, inner))  # type: ignore[arg-type]
+        except DoesNotFit:  # an edge faces the track
+            continue
+        turn = 2.0 * pi if isinstance(piece, Corner) else piece.period or inf
+        # The parameter of the middle of the piece, within its own range to rounding.
+        xi2 = one.xi2 - turn * round((one.xi2 - inner) / turn) if turn < inf else one.xi2
+        if low - TOUCHES <= xi2 <= high + TOUCHES:
+            # At a joint a parameter may belong to the neighbour: a rounding keeps it on this element.
+            first, last = element.start, element.start + (high - low)
+            whole = min(max(xi2 + element.shift, float(np.nextafter(first, inf))), float(np.nextafter(last, -inf)))
+            results.append(geometry.Contact(one.xi1, whole, one.gap))
+    return results
+
+
+def _samples(track: Curve, x: float, y: float, size: float) -> np.ndarray:
+    """Parameters of the track around a pose."""
+    if track.domain or track.period:
+        return np.linspace(*track.span, TRACK_SAMPLES)
+    middle = 0.5 * sum(track.span)
+    away = hypot(*(track.point(middle) - np.array([x, y]))) + 4.0 * size
+    wide = 2.0 * away / float(track.speed(middle))
+    return np.linspace(middle - wide, middle + wide, TRACK_SAMPLES)
+
+
+def _nearest(track: Curve, samples: np.ndarray, point: np.ndarray) -> tuple[float, float]:
+    """The sample of the track nearest to a point, and the signed distance along the track's normal."""
+    off = point[:, None] - track.point(samples)
+    i = int(np.argmin(np.hypot(*off)))
+    return float(samples[i]), float(off[:, i] @ track.normal(float(samples[i])))

@@ -1,0 +1,192 @@
+"""Supports: fixed curves that a plate may touch in addition to its track, each with its own friction and restitution.
+
+A plate with pieces (a rod, a block) touches straight supports with its corners and round pieces only. The nearest
+points of each such pair are unique in every pose, so that a solver can watch all of them for the whole motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from . import effects as all_effects
+from .chain import Chain
+from .corner import Corner, Edge, Piece
+from .curves import Curve
+from .effects import CoulombFriction, Effect, Flight, Impact, PerfectlyRough
+from .errors import BadValue
+from .shapes import as_line
+
+if TYPE_CHECKING:
+    from .case_class import Case
+
+# The name of the track among the supports.
+TRACK = "track"
+# A circle that continues a round piece lies inside the plate if it reaches no farther than this part of its radius:
+# samples of the outline half a degree apart show its reach to 1e-5.
+INSIDE = 1e-4
+# A smooth outline is convex if its curvature is nowhere below this part of 1/reach.
+CONVEX = 1e-6
+# Effects that a support may have of its own.
+OWN = (CoulombFriction, PerfectlyRough, Impact)
+
+
+@dataclass(frozen=True)
+class Support:
+    """A fixed curve that the plate may touch in addition to its track: a wall, the other side of a groove, a step.
+
+    The plate lies on its left. `name` names its contacts: "plate/wall". `effects`: friction and impact of these
+    contacts instead of the case's: CoulombFriction or PerfectlyRough (neither: no friction), and Impact (not given: the
+    case's). With effects=None contacts are as on the track. Raises BadValue.
+    """
+
+    curve: Curve
+    name: str
+    effects: tuple[Effect, ...] | None = None
+
+    def __post_init__(self):
+        if not isinstance(self.curve, Curve) or isinstance(self.curve, Chain):
+            raise BadValue(f"the curve of a Support is {self.curve!r}; give a smooth Curve, such as library.line(pi/2)")
+        name = self.name
+        is_word = isinstance(name, str) and name.replace("_", "").replace("-", "").isalnum() and len(name) <= 30
+        if not is_word or name == TRACK:
+            raise BadValue(
+                f'the name of a Support is {name!r}; give a word such as "wall" ("{TRACK}" is the case\'s track)'
+            )
+        if self.effects is None:
+            return
+        try:
+            own = tuple(self.effects)
+        except TypeError:
+            raise BadValue(
+                f"effects of Support is {self.effects!r}; give a tuple such as (CoulombFriction(0.2),)"
+            ) from None
+        for effect in own:
+            if not isinstance(effect, OWN):
+                raise BadValue(
+                    f"{effect!r} is no effect of one Support; give CoulombFriction, PerfectlyRough or Impact there, "
+                    "and the other effects in the case"
+                )
+        object.__setattr__(self, "effects", own)
+
+    def acting(self, of_case: tuple[Effect, ...]) -> tuple[Effect, ...]:
+        """All effects at this support's contacts, given those of the case."""
+        if self.effects is None:
+            return of_case
+        replaced: tuple[type, ...] = (CoulombFriction, PerfectlyRough)
+        replaced += (Impact,) if all_effects.one(self.effects, Impact) else ()
+        return (*(effect for effect in of_case if not isinstance(effect, replaced)), *self.effects)
+
+
+def check_supports(case: Case) -> None:
+    """Raise BadValue or DoesNotFit for supports that the case cannot have."""
+    if not isinstance(case.supports, tuple):
+        raise BadValue(f'supports is {case.supports!r}; give a tuple such as (Support(line(pi/2), "wall"),)')
+    names = [TRACK]
+    for support in case.supports:
+        if not isinstance(support, Support):
+            raise BadValue(f'{support!r} is no Support; give Support(curve, "name")')
+        if support.name in names:
+            raise BadValue(f"two supports have the name {support.name!r}; give each its own")
+        names.append(support.name)
+        all_effects.check_formula(support.acting(case.effects))
+        own, law = all_effects.one(support.effects or (), Impact), case.effect(Impact)
+        if own is not None and (law is None or own.law != law.law):
+            raise BadValue(
+                f"the Impact of support {support.name!r} needs an Impact of the case with the same law; restitution "
+                "may differ"
+            )
+    if not touches_by_features(case):
+        return
+    _check_kinds(case)
+    if isinstance(case.plate.outline, Chain) and not isinstance(case.track, Chain):
+        _check_features(case)
+
+
+def touches_by_features(case: Case) -> bool:
+    """Whether the case's contacts are pairs of a support and a feature of the outline from the start: it has supports,
+    or a plate with corners that may leave its track."""
+    leaves = case.effect(Flight) is not None
+    return bool(case.supports) or (isinstance(case.plate.outline, Chain) and leaves)
+
+
+def _check_kinds(case: Case) -> None:
+    """Raise BadValue for an effect that several supports do not have yet."""
+    what = "supports" if case.supports else "Flight with corners"
+    for kind in (all_effects.Belt, all_effects.Drive, all_effects.RollingResistance):
+        if case.effect(kind) is not None:
+            raise BadValue(f"{kind.__name__} with {what} is not supported; leave {kind.__name__} out")
+    if case.effect(all_effects.Unilateral) is None:
+        raise BadValue("a plate touches supports from one side; add Unilateral to the effects")
+    if not case.plate.turns:
+        raise BadValue(f"a plate of infinite inertia with {what} is not supported; give a finite inertia")
+    friction = case.effect(CoulombFriction)
+    if friction is not None and friction.by_speed:
+        raise BadValue(f"friction that depends on the slip speed with {what} is not supported; give mu as a number")
+    if isinstance(case.track, Chain) and case.supports:
+        raise BadValue(f"a track with corners with {what} is not supported; give each straight part as a Support")
+
+
+def _check_features(case: Case) -> None:
+    """Raise BadValue unless a plate with pieces has straight supports, and corners and circular arcs that bulge."""
+    for curve, name in ((case.track, TRACK), *((s.curve, s.name) for s in case.supports)):
+        if curve.domain is not None or as_line(curve) is None:
+            raise BadValue(
+                f"a plate with corners or pieces touches straight lines without ends only, and {name!r} is none; give "
+                "a line or a smooth outline"
+            )
+    if not features(case.plate.outline):
+        raise BadValue("the outline has no corner or arc that bulges; give one that has")
+    for piece in features(case.plate.outline):
+        if isinstance(piece, Curve) and not _continues_inside(piece, case.plate.outline):
+            raise BadValue(
+                "a round piece of the outline is no arc of a circle inside the plate's convex hull; give one whose "
+                "pieces are edges and such arcs"
+            )
+
+
+# --- features ---------------------------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=256)
+def features(outline: Curve) -> tuple[Piece, ...]:
+    """What of an outline may touch a straight line: a smooth one itself, of a chain its corners and pieces that
+    bulge, in the outline's order."""
+    if not isinstance(outline, Chain):
+        return (outline,)
+    pieces = [element.piece for element in outline.elements]
+    return tuple(
+        piece for piece in pieces
+        if (piece.turn > 0.0 if isinstance(piece, Corner) else not isinstance(piece, Edge) and _bulges(piece))
+    )  # fmt: skip
+
+
+def _bulges(piece: Curve) -> bool:
+    return bool(np.max(piece.curvature(np.linspace(*piece.span, 17))) > 0.0)
+
+
+def _continues_inside(piece: Curve, outline: Curve) -> bool:
+    """Whether a piece is an arc of a circle that lies inside the convex hull of the outline."""
+    s = np.linspace(*piece.span, 17)
+    bend = piece.curvature(s)
+    if np.ptp(bend) > 1e-9 * abs(bend[0]):
+        return False
+    centre = piece.point(float(s[8])) + piece.normal(float(s[8])) / bend[8]
+    angles = np.linspace(0.0, 2.0 * pi, 721)
+    directions = np.array([np.cos(angles), np.sin(angles)])
+    points = outline.point(outline.vertices(0.01) if isinstance(outline, Chain) else np.linspace(*outline.span, 721))
+    reach = (directions.T @ points).max(axis=1)
+    return bool(np.all(directions.T @ centre + 1.0 / bend[8] <= reach + INSIDE / bend[8]))
+
+
+@lru_cache(maxsize=256)
+def is_convex(outline: Curve) -> bool:
+    """Whether a smooth outline is closed and bends everywhere."""
+    if not outline.period:
+        return False
+    bend = outline.curvature(np.linspace(*outline.span, 721))
+    return bool(np.min(bend) * outline.sizes[0] > CONVEX)

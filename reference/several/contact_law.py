@@ -1,0 +1,26 @@
+"""Friction and restitution of one contact, by the effects of its support."""
+
+from __future__ import annotations
+
+from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough
+
+
+def coefficients(contact: Case) -> tuple[float, float]:
+    """The coefficients of friction with slip and without; infinite for a perfectly rough contact."""
+    if contact.effect(PerfectlyRough) is not None:
+        return float("inf"), float("inf")
+    friction = contact.effect(CoulombFriction)
+    return (friction.at_rest, friction.stick) if friction else (0.0, 0.0)
+
+
+def restitution(contact: Case) -> float:
+    """The coefficient of restitution; 0 without Impact."""
+    law = contact.effect(Impact)
+    return law.restitution if law else 0.0
+
+
+def slip_modes(contact: Case) -> tuple[Mode, ...]:
+    """The modes of a closed contact that may slip."""
+    if contact.effect(PerfectlyRough) is not None:
+        return ()
+    return (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD) if contact.effect(CoulombFriction) else (Mode.SLIDE,)
