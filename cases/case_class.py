@@ -48,6 +48,20 @@ class Case:
     parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
     supports: tuple[Support, ...] = ()
 
+    if TYPE_CHECKING:  # the fields, but for a start that may be given as a pose
+
+        def __init__(
+            self,
+            track: Curve,
+            plate: Plate,
+            effects: tuple[Effect, ...],
+            start: Start | Placed,
+            duration: float,
+            name: str = "unnamed",
+            parameters: Mapping[str, float] = ...,
+            supports: tuple[Support, ...] = (),
+        ) -> None: ...
+
     def __post_init__(self):
         if isinstance(self.start, Placed) and isinstance(self.track, Curve) and isinstance(self.plate, Plate):
             with np.errstate(all="ignore"):

@@ -12,6 +12,7 @@ import cases
 import reference
 from cases import Case, Drive, Flight, Load, Mode
 from cases.contact import overlap, start_motion
+from cases.trajectory import CONTACT
 from reference import contact_frame
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
 from tests.authorities.facts import Basis
@@ -92,8 +93,12 @@ def test_the_reference_runs_and_says_how_it_ended(any_case):
     motion = motion_of(any_case)
     assert motion.reason.endswith(".")
     assert len(motion.t) > 1 and motion.t[-1] <= any_case.duration
-    for name in ("x", "y", "theta", "normal_force"):
+    for name in ("x", "y", "theta"):
         assert np.all(np.isfinite(getattr(motion, name)))
+    unique = np.isfinite(motion.normal_force)
+    if not unique.all():  # the forces that hold a plate at rest may be open: their range is given
+        low, high = motion.contacts[CONTACT].normal_range
+        assert np.all(low[~unique] < high[~unique])
     off_the_track = ~np.isfinite(motion.slip)
     assert np.all(motion.normal_force[off_the_track] == 0.0)
     assert any_case.effect(Flight) is not None or not off_the_track.any()
@@ -144,7 +149,8 @@ def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
     if any_case.effect(Flight):
         assert any_case.effect(Load) is None
         energies = energy(any_case, motion)
-        assert np.all(np.diff(energies) <= 1e-9 * np.ptp(energies)), "no impact and no mode adds energy"
+        rounding = 8 * np.finfo(float).eps * np.abs(energies).max()  # of sums of a few terms
+        assert np.all(np.diff(energies) <= 1e-9 * np.ptp(energies) + rounding), "no impact and no mode adds energy"
         return
     gained = energy(any_case, motion(float(motion.t[-1]))) - energy(any_case, motion(0.0))
     state = motion(times_of(any_case))
