@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     )
     from .outline import Outline, arc
     from .own_effects import ContactEffect, ContactForce, EndCondition
-    from .placed import Placed
     from .plate import Plate, disc
     from .start import Start
+    from .start_pose import StartPose
     from .supports import Support
     from .trajectory import Cost, Mode, Passage, State, Trajectory, Transition
 
@@ -64,10 +64,11 @@ __all__ = [
     "Outline",
     "Passage",
     "PerfectlyRough",
-    "Placed",
+    "StartPose",
     "Plate",
     "RollingResistance",
     "Start",
+    "StartPose",
     "State",
     "Support",
     "Trajectory",
@@ -91,7 +92,7 @@ _MODULES = {
     "effects": ("Belt", "CoulombFriction", "Drive", "Effect", "Flight", "Gravity", "Impact", "Load", "PerfectlyRough",
                 "RollingResistance", "Unilateral"),
     "outline": ("Outline", "arc"), "own_effects": ("ContactEffect", "ContactForce", "EndCondition"),
-    "placed": ("Placed",), "plate": ("Plate", "disc"), "start": ("Start",), "supports": ("Support",),
+    "plate": ("Plate", "disc"), "start": ("Start",), "start_pose": ("StartPose",), "supports": ("Support",),
     "trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
 }  # fmt: skip
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}

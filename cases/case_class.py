@@ -17,10 +17,10 @@ from .curves import Curve
 from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, parameter, positive, real
 from .own_effects import own_effects
-from .placed import Placed, as_start
 from .plate import Plate
 from .size_limits import check_sizes
 from .start import Start
+from .start_pose import StartPose, as_start
 from .supports import Support, check_supports
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class Case:
     """One scene. All checks are made here, before any solver runs.
 
     `name` and `parameters` are filled in by the catalogue; a case made by hand may leave them out. `supports` are
-    further fixed curves that the plate may touch. A `start` given as `Placed`, a pose, is stored as a `Start`.
+    further fixed curves that the plate may touch. A `start` given as `StartPose`, a pose, is stored as a `Start`.
     Raises BadValue, BadCurve or DoesNotFit with one sentence that says what to change.
     """
 
@@ -55,7 +55,7 @@ class Case:
             track: Curve,
             plate: Plate,
             effects: tuple[Effect, ...],
-            start: Start | Placed,
+            start: Start | StartPose,
             duration: float,
             name: str = "unnamed",
             parameters: Mapping[str, float] = ...,
@@ -63,7 +63,7 @@ class Case:
         ) -> None: ...
 
     def __post_init__(self):
-        if isinstance(self.start, Placed) and isinstance(self.track, Curve) and isinstance(self.plate, Plate):
+        if isinstance(self.start, StartPose) and isinstance(self.track, Curve) and isinstance(self.plate, Plate):
             with np.errstate(all="ignore"):
                 object.__setattr__(self, "start", as_start(self.start, self.track, self.plate.outline))
         for what, value, kind in (

@@ -48,7 +48,7 @@ BLIND = 1e-6
 # Points of an open contact that move this many times as far as their rate between two looks allows have jumped.
 JUMP = 4.0
 # The names of contacts that have not touched yet begin with this.
-UNNAMED = "open "
+OPEN_NAME = "open "
 # Looks at a load in time while it may end a rest.
 REST_LOOKS = 200
 
@@ -380,7 +380,7 @@ class _Simulation:
     def name_touching(self) -> None:
         """Contacts that touch for the first time get their names, in the order of their pairs."""
         for k, contact in enumerate(self.contacts):
-            if contact.name in self.touching and contact.name.startswith(UNNAMED):
+            if contact.name in self.touching and contact.name.startswith(OPEN_NAME):
                 name = self.free_name(contact.case)
                 self.contacts[k] = contact._replace(name=name)
                 for names in (self.touching, self.stuck):
@@ -718,7 +718,7 @@ def from_start(case: Case, rtol: float = 1e-13, times: Sequence[float] | np.ndar
                 continue
             if abs(gap) > TOUCHES * march.size():
                 continue
-        march.contacts.append(WatchedContact(f"{UNNAMED}{pair.number}", pair, near, Mode.FLIGHT))
+        march.contacts.append(WatchedContact(f"{OPEN_NAME}{pair.number}", pair, near, Mode.FLIGHT))
     return _complete(march, times)
 
 

@@ -73,7 +73,7 @@ SMALL_HOP = 1e-10
 # A flight is integrated over this many of its time scales at once.
 FLIES = 4.0
 # The names of contacts that have not touched yet begin with this.
-UNNAMED = "open "
+OPEN_NAME = "open "
 # Looks at a load in time while it may end a rest, besides those that resolve its features.
 LOOKS = 64
 
@@ -155,7 +155,9 @@ class SeveralSimulation:
     held_out: bool = False
 
     def __post_init__(self) -> None:
-        self.searches = [(pair, MeetingSearch(Geometry.of_case(pair))) for pair in pairs(self.case) if not pair.has_unique_points]
+        self.searches = [
+            (pair, MeetingSearch(Geometry.of_case(pair))) for pair in pairs(self.case) if not pair.has_unique_points
+        ]
         self.work = 0
 
     # --- one phase ----------------------------------------------------------------------------------------------------
@@ -453,7 +455,7 @@ class SeveralSimulation:
     def _name_touching(self, stuck: set[str]) -> set[str]:
         """Name the contacts that touch for the first time by their order; returns `stuck` with their names."""
         for watch in self.watches:
-            if watch.name in self.touching and watch.name.startswith(UNNAMED):
+            if watch.name in self.touching and watch.name.startswith(OPEN_NAME):
                 old = watch.name
                 watch.name = self._free_name(watch.contact)
                 self.touching = {watch.name if name == old else name for name in self.touching}
@@ -585,7 +587,7 @@ def from_start(
                 continue
             if abs(gap) > TOUCHES * size:
                 continue
-        watches.append(WatchState(f"{UNNAMED}{pair.number}", pair, points, Mode.FLIGHT, 0.0))
+        watches.append(WatchState(f"{OPEN_NAME}{pair.number}", pair, points, Mode.FLIGHT, 0.0))
     march = SeveralSimulation(case, rtol, integrate, 0.0, body, watches)
     march.begins = True
     ending = march.simulate()

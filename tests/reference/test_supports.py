@@ -23,10 +23,10 @@ from cases import (
     Mode,
     Outline,
     PerfectlyRough,
-    Placed,
     Plate,
     RollingResistance,
     Start,
+    StartPose,
     Support,
     Unilateral,
     disc,
@@ -221,7 +221,7 @@ def test_a_disc_rocks_in_a_v_by_the_exact_factor_and_times():
     # Every hand-over multiplies the spin by (1 + 2 cos 2α)/3; between two the disc rolls with 2 g sin α/3.
     alpha, r, way = pi / 9, 0.5, 0.3
     flank = r * tan(alpha) + way  # the contact's way from the bottom of the V
-    start = Placed(-flank * cos(alpha) + r * sin(alpha), flank * sin(alpha) + r * cos(alpha))
+    start = StartPose(-flank * cos(alpha) + r * sin(alpha), flank * sin(alpha) + r * cos(alpha))
     effects = (*INELASTIC, CoulombFriction(1.0))
     case = Case(line(alpha), disc(r, 1.0), effects, start, 6.0, supports=(Support(line(-alpha), "right"),))
     motion = reference.simulate(case, rtol=1e-14)
@@ -240,7 +240,7 @@ def test_a_disc_rocks_in_a_v_by_the_exact_factor_and_times():
 def test_each_support_has_its_own_restitution_and_friction():
     # A disc thrown against a wall, then onto the floor: without friction each impact turns one velocity around.
     wall = Support(line(pi / 2), "wall", effects=(Impact(0.8),))
-    case = Case(line(), disc(0.1, 1.0), (*FREE, Impact(0.5)), Placed(0.6, 0.3, vx=-4.0), 0.4, supports=(wall,))
+    case = Case(line(), disc(0.1, 1.0), (*FREE, Impact(0.5)), StartPose(0.6, 0.3, vx=-4.0), 0.4, supports=(wall,))
     motion = reference.simulate(case, rtol=1e-14)
     assert [t.contact for t in motion.transitions] == ["plate/wall", "plate/track"]
     assert motion.transitions[0].time == pytest.approx(0.125, abs=1e-14)
@@ -248,7 +248,9 @@ def test_each_support_has_its_own_restitution_and_friction():
     assert motion(0.4).vx == pytest.approx(3.2, rel=1e-13)
     assert motion(0.4).vy == pytest.approx(0.5 * sqrt(0.4 * G) - G * (0.4 - sqrt(0.4 / G)), rel=1e-12)
     rough = Support(line(pi / 2), "wall", effects=(PerfectlyRough(), Impact(0.8, "poisson")))
-    case = Case(line(), disc(0.1, 1.0), (*FREE, Impact(0.5)), Placed(0.6, 0.5, vx=-4.0, vy=1.0), 0.2, supports=(rough,))
+    case = Case(
+        line(), disc(0.1, 1.0), (*FREE, Impact(0.5)), StartPose(0.6, 0.5, vx=-4.0, vy=1.0), 0.2, supports=(rough,)
+    )
     spun = reference.simulate(case)
     after = spun(0.2)  # a rough impact makes a disc roll: a third of its speed along the wall goes into the spin
     before = 1.0 - G * 0.125
@@ -280,7 +282,7 @@ def random_case(seed: int) -> Case:
     wall = Support(line(pi / 2 + lean), "wall", frictions[1])
     theta, omega = numbers.uniform(-3.0, 3.0), numbers.uniform(-4.0, 4.0)
     vx, vy = numbers.uniform(-3.0, 1.0, 2).tolist()
-    start = Placed(1.2, 1.2, float(theta), vx, vy, float(omega))
+    start = StartPose(1.2, 1.2, float(theta), vx, vy, float(omega))
     return Case(line(slope), plate, (*INELASTIC, *frictions[0]), start, 1.2, supports=(wall,))
 
 
@@ -323,14 +325,14 @@ def test_the_papers_matrix_with_corners_gives_the_same_accelerations_and_forces(
 
 
 def test_a_pose_is_the_start_of_the_nearest_point():
-    case = Case(line(0.2), disc(0.5, 1.0), INELASTIC, Placed(0.1, 0.9, 0.3, 1.0, -0.5, 2.0), 1.0)
+    case = Case(line(0.2), disc(0.5, 1.0), INELASTIC, StartPose(0.1, 0.9, 0.3, 1.0, -0.5, 2.0), 1.0)
     begin = start_motion(case)
     assert (begin.x, begin.y, begin.vx, begin.vy, begin.omega) == pytest.approx((0.1, 0.9, 1.0, -0.5, 2.0), abs=1e-14)
     assert begin.theta == pytest.approx(0.3, abs=1e-14) and case.start.gap > 0.0
-    touching = Case(line(0.2), disc(0.5, 1.0), INELASTIC, Placed(0.5 * sin(0.2), 0.5 * cos(0.2)), 1.0)
+    touching = Case(line(0.2), disc(0.5, 1.0), INELASTIC, StartPose(0.5 * sin(0.2), 0.5 * cos(0.2)), 1.0)
     assert touching.start.gap == 0.0 and touching.start.xi1 == pytest.approx(0.0, abs=1e-15)
     with pytest.raises(DoesNotFit, match="overlaps its track"):
-        Case(line(), disc(0.5, 1.0), INELASTIC, Placed(0.0, 0.4), 1.0)
+        Case(line(), disc(0.5, 1.0), INELASTIC, StartPose(0.0, 0.4), 1.0)
 
 
 def test_pairs_are_the_supports_and_the_corners_in_order():
@@ -378,7 +380,7 @@ def _resistance() -> tuple:
 
 
 def _with(effects=INELASTIC, plate=DISC, track=None, supports=()) -> Case:
-    return Case(track or line(), plate, effects, Placed(0.0, 0.5), 1.0, supports=supports)
+    return Case(track or line(), plate, effects, StartPose(0.0, 0.5), 1.0, supports=supports)
 
 
 def test_the_method_augmented_is_rejected():

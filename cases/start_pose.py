@@ -22,7 +22,7 @@ TRACK_SAMPLES, OUTLINE_SAMPLES = 2_000, 721
 
 
 @dataclass(frozen=True)
-class Placed:
+class StartPose:
     """The plate's pose and velocities at time zero: centre of mass (m), angle (rad), m/s, rad/s.
 
     A case stores it as the `Start` of the nearest point of the track: in contact if the gap is rounding, else off the
@@ -38,31 +38,31 @@ class Placed:
 
     def __post_init__(self):
         for name in ("x", "y", "theta", "vx", "vy", "omega"):
-            object.__setattr__(self, name, finite(f"{name} of Placed", getattr(self, name)))
+            object.__setattr__(self, name, finite(f"{name} of StartPose", getattr(self, name)))
 
 
-def as_start(placed: Placed, track: Curve, outline: Curve) -> Start:
+def as_start(pose: StartPose, track: Curve, outline: Curve) -> Start:
     """The same start by the contact parameters of the nearest points. Raises DoesNotFit where they are not found."""
-    x, y, theta = placed.x, placed.y, placed.theta
+    x, y, theta = pose.x, pose.y, pose.theta
     contact = min(_contacts(track, outline, x, y, theta), key=lambda contact: contact.gap, default=None)
     if contact is None:
-        raise DoesNotFit("the point of the track nearest to the Placed pose is not found; give a Start instead")
+        raise DoesNotFit("the point of the track nearest to the StartPose is not found; give a Start instead")
     place, (tx, ty) = track.point(contact.xi1), track.tangent(contact.xi1)
     nx, ny, gap = -ty, tx, contact.gap
     px, py = place[0] + gap * nx, place[1] + gap * ny
-    vx, vy = placed.vx - placed.omega * (py - y), placed.vy + placed.omega * (px - x)
+    vx, vy = pose.vx - pose.omega * (py - y), pose.vy + pose.omega * (px - x)
     slip, rate = float(vx * tx + vy * ty), float(vx * nx + vy * ny)
     size = outline.sizes[0]
     if abs(gap) <= TOUCHES * (abs(x) + abs(y) + size):
         gap = 0.0
-    fastest = hypot(placed.vx, placed.vy) + size * abs(placed.omega)
+    fastest = hypot(pose.vx, pose.vy) + size * abs(pose.omega)
     if abs(rate) <= TOUCHES * fastest:
         rate = 0.0
     turned = float(geometry.pose(track, outline, contact.xi1, contact.xi2)[2]) - theta
     rounds = round(turned / (2.0 * pi)) * (outline.period or 0.0)  # so that the angle is the given one
     if gap < 0.0:
-        raise DoesNotFit(f"the plate overlaps its track by {-gap:.6g} m in the Placed pose; give another one")
-    return Start(contact.xi1, contact.xi2 + rounds, slip, placed.omega, gap, rate)
+        raise DoesNotFit(f"the plate overlaps its track by {-gap:.6g} m in the StartPose; give another one")
+    return Start(contact.xi1, contact.xi2 + rounds, slip, pose.omega, gap, rate)
 
 
 def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[geometry.Contact]:

@@ -10,8 +10,8 @@ from cases import (
     Gravity,
     Impact,
     Outline,
-    Placed,
     Plate,
+    StartPose,
     Support,
     Unilateral,
     arc,
@@ -56,7 +56,7 @@ def ladder_at_wall(angle=1.2, mu=0.0, mu_wall=0.0, half=1.0, m=1.0, g=9.81, dura
         track=line(),
         plate=_rod(half, 0.02 * half, m),
         effects=_effects(mu, g),
-        start=Placed(half * cos(angle), half * sin(angle), pi - angle),
+        start=StartPose(half * cos(angle), half * sin(angle), pi - angle),
         duration=duration,
         supports=(Support(line(pi / 2), "wall", own),),
     )
@@ -75,7 +75,7 @@ def round_ladder_at_wall(angle=1.2, half=1.0, radius=0.05, m=1.0, g=9.81, durati
         track=line(),
         plate=_capsule(half, radius, m),
         effects=_effects(0.0, g),
-        start=Placed(radius + half * cos(angle), radius + half * sin(angle), pi - angle),
+        start=StartPose(radius + half * cos(angle), radius + half * sin(angle), pi - angle),
         duration=duration,
         supports=(Support(line(pi / 2), "wall"),),
     )
@@ -95,7 +95,7 @@ def block_on_incline(slope=0.3, mu=0.2, width=1.0, height=2.0, m=1.0, g=9.81, du
         track=line(slope),
         plate=Plate.rectangle(2 * half, 2 * high, m),
         effects=_effects(mu, g),
-        start=Placed(high * sin(slope), high * cos(slope), -slope),
+        start=StartPose(high * sin(slope), high * cos(slope), -slope),
         duration=duration,
     )
 
@@ -116,7 +116,7 @@ def rocking_block(tilt=0.1, slenderness=0.25, height=2.0, mu=2.0, m=1.0, g=9.81,
         track=line(),
         plate=Plate.rectangle(2 * half, 2 * high, m),
         effects=_effects(mu, g),
-        start=Placed(x - half, y, tilt),
+        start=StartPose(x - half, y, tilt),
         duration=duration,
     )
 
@@ -133,7 +133,7 @@ def disc_spinning_in_v(incline=pi / 6, mu=0.3, omega=20.0, r=0.5, m=1.0, g=9.81,
         track=line(incline),
         plate=disc(r, m),
         effects=_effects(mu, g),
-        start=Placed(0.0, r / cos(incline), omega=omega),
+        start=StartPose(0.0, r / cos(incline), omega=omega),
         duration=duration,
         supports=(Support(line(-incline), "right"),),
     )
