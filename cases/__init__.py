@@ -64,7 +64,6 @@ __all__ = [
     "Outline",
     "Passage",
     "PerfectlyRough",
-    "StartPose",
     "Plate",
     "RollingResistance",
     "Start",

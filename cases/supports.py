@@ -17,8 +17,9 @@ from . import effects as all_effects
 from .chain import Chain
 from .corner import Corner, Edge, Piece
 from .curves import Curve
-from .effects import CoulombFriction, Effect, Flight, Impact, PerfectlyRough
+from .effects import CoulombFriction, Effect, Impact, PerfectlyRough
 from .errors import BadValue
+from .own_effects import own_effects
 from .shapes import as_line
 
 if TYPE_CHECKING:
@@ -100,35 +101,38 @@ def check_supports(case: Case) -> None:
                 f"the Impact of support {support.name!r} needs an Impact of the case with the same law; restitution "
                 "may differ"
             )
-    if not touches_by_features(case):
+    if not case.supports:
         return
     _check_kinds(case)
-    if isinstance(case.plate.outline, Chain) and not isinstance(case.track, Chain):
+    if isinstance(case.plate.outline, Chain):
         _check_features(case)
 
 
 def touches_by_features(case: Case) -> bool:
-    """Whether the case's contacts are pairs of a support and a feature of the outline from the start: it has supports,
-    or a plate with corners that may leave its track."""
-    leaves = case.effect(Flight) is not None
-    return bool(case.supports) or (isinstance(case.plate.outline, Chain) and leaves)
+    """Whether the case's contacts are pairs of a support and a feature of the outline from the start: it has
+    supports."""
+    return bool(case.supports)
 
 
 def _check_kinds(case: Case) -> None:
     """Raise BadValue for an effect that several supports do not have yet."""
-    what = "supports" if case.supports else "Flight with corners"
     for kind in (all_effects.Belt, all_effects.Drive, all_effects.RollingResistance):
         if case.effect(kind) is not None:
-            raise BadValue(f"{kind.__name__} with {what} is not supported; leave {kind.__name__} out")
+            raise BadValue(f"{kind.__name__} with supports is not supported; leave {kind.__name__} out")
+    if own := own_effects(case.effects):
+        raise BadValue(f"{type(own[0]).__name__} with supports is not supported; leave it out")
     if case.effect(all_effects.Unilateral) is None:
         raise BadValue("a plate touches supports from one side; add Unilateral to the effects")
     if not case.plate.turns:
-        raise BadValue(f"a plate of infinite inertia with {what} is not supported; give a finite inertia")
+        raise BadValue("a plate of infinite inertia with supports is not supported; give a finite inertia")
     friction = case.effect(CoulombFriction)
     if friction is not None and friction.by_speed:
-        raise BadValue(f"friction that depends on the slip speed with {what} is not supported; give mu as a number")
-    if isinstance(case.track, Chain) and case.supports:
-        raise BadValue(f"a track with corners with {what} is not supported; give each straight part as a Support")
+        raise BadValue("friction that depends on the slip speed with supports is not supported; give mu as a number")
+    if isinstance(case.track, Chain):
+        raise BadValue("a track with corners with supports is not supported; give each straight part as a Support")
+    for curve in (case.track, case.plate.outline, *(support.curve for support in case.supports)):
+        if not isinstance(curve, Chain) and curve.parts is not None:
+            raise BadValue("a curve in pieces with supports is not supported; give a smooth curve in one piece")
 
 
 def _check_features(case: Case) -> None:

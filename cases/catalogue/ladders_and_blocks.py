@@ -6,6 +6,7 @@ from math import cos, pi, sin
 from cases import (
     Case,
     CoulombFriction,
+    Curve,
     Flight,
     Gravity,
     Impact,
@@ -26,6 +27,11 @@ def _effects(mu: float, g: float) -> tuple:
     """Contact with inelastic impacts; with mu = 0 without friction."""
     friction = (CoulombFriction(mu),) if not_negative("mu", mu) else ()
     return (Gravity(g), Unilateral(), Flight(), Impact(0.0, "moreau"), *friction)
+
+
+def _stop(x: float, y: float, slope: float) -> Support:
+    """A straight support through (x, y) across a plane that falls to the right; the plate is uphill of it."""
+    return Support(Curve(lambda s: (x + s * sin(slope), y + s * cos(slope))), "stop")
 
 
 def _rod(half: float, thickness: float, m: float) -> Plate:
@@ -83,7 +89,7 @@ def round_ladder_at_wall(angle=1.2, half=1.0, radius=0.05, m=1.0, g=9.81, durati
 
 @case(variants=[dict(slope=0.3, mu=0.2), dict(slope=0.6, mu=0.9), dict(slope=0.6, mu=0.52)])
 def block_on_incline(slope=0.3, mu=0.2, width=1.0, height=2.0, m=1.0, g=9.81, duration=1.0):
-    """A block stands flat on an incline and is let go: it rests, slides, tips, or does both.
+    """A block stands flat on an incline with a stop far below and is let go: it rests, slides, tips, or does both.
 
     Why: two corners share the load; where one lifts, the friction of the other decides.
     Source: a textbook problem of statics (known to us, not looked up); derived. The variants slide, tip, and do both.
@@ -97,12 +103,13 @@ def block_on_incline(slope=0.3, mu=0.2, width=1.0, height=2.0, m=1.0, g=9.81, du
         effects=_effects(mu, g),
         start=StartPose(high * sin(slope), high * cos(slope), -slope),
         duration=duration,
+        supports=(_stop(10 * high * cos(slope), -10 * high * sin(slope), slope),),
     )
 
 
 @case
 def rocking_block(tilt=0.1, slenderness=0.25, height=2.0, mu=2.0, m=1.0, g=9.81, duration=3.0):
-    """A slender block rocks on a plane from one lower corner to the other.
+    """A slender block rocks on a plane from one lower corner to the other, away from a wall.
 
     Why: each impact hands the load from corner to corner; engines with a fixed step lose another part of the spin.
     Source: Housner 1963 (Bull. Seism. Soc. Am. 53, 403; known to us, not looked up); derived by angular momentum.
@@ -118,6 +125,7 @@ def rocking_block(tilt=0.1, slenderness=0.25, height=2.0, mu=2.0, m=1.0, g=9.81,
         effects=_effects(mu, g),
         start=StartPose(x - half, y, tilt),
         duration=duration,
+        supports=(_stop(5 * high, 0.0, 0.0),),
     )
 
 

@@ -361,7 +361,10 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
         (lambda: _with((Gravity(G),), supports=(Support(line(0.5), "a"),)), "add Unilateral"),
         (lambda: _with(supports=(Support(line(0.5), "a", (Impact(0.1, "newton"),)),)), "with the same law"),
         (lambda: _with(supports=(Support(line(pi / 2), "wall"),), plate=ROD, track=circle(5.0)), "straight lines"),
-        (lambda: _with(plate=Plate.half_disc(0.5, 1.0)), "no arc of a circle inside"),
+        (
+            lambda: _with(plate=Plate.half_disc(0.5, 1.0), supports=(Support(line(0.5), "a"),)),
+            "no arc of a circle inside",
+        ),
         (lambda: _with(supports=(Support(line(0.5), "a"),)), "overlaps support 'a'"),
     ],
 )
