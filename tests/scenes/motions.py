@@ -158,6 +158,7 @@ def mirrored(case: Case) -> Case:
             },
         ),
         start=Start(-start.xi1, -start.xi2, -start.slip, -start.omega, case.start.gap, case.start.gap_rate),
+        supports=tuple(replace(support, curve=_mirrored_curve(support.curve)) for support in case.supports),
     )
 
 
@@ -168,6 +169,7 @@ def in_other_units(case: Case, length: float, time: float, mass: float, turn: fl
     return replace(
         case,
         track=_turned_curve(case.track, length, turn),
+        supports=tuple(replace(one, curve=_turned_curve(one.curve, length, turn)) for one in case.supports),
         plate=replace(
             plate,
             outline=_turned_curve(plate.outline, length, 0),
