@@ -21,7 +21,7 @@ from .plate import Plate
 from .size_limits import check_sizes
 from .start import Start
 from .start_pose import StartPose, as_start
-from .supports import Support, check_supports
+from .supports import Support, check_start, check_supports
 
 if TYPE_CHECKING:
     from .pictures.layout import DrawnScene
@@ -163,8 +163,6 @@ def _check_corners(case: Case) -> None:
 
 def _check_start_at_supports(case: Case) -> None:
     """Raise DoesNotFit if the plate overlaps a support where it begins."""
-    from .contact_pairs import check_start
-
     begin = case.start.motion(case.track, case.plate.outline)
     check_start(case, begin.x, begin.y, begin.theta)
 

@@ -17,15 +17,10 @@ from .chain import Chain
 from .contact import find
 from .corner import Corner, turning
 from .curves import Curve
-from .errors import DoesNotFit
-from .overlap import first_overlap
 from .plate import Plate
 from .shapes import as_line
 from .start import Start
 from .supports import TRACK, Support, features, is_convex, touches_by_features
-
-# A plate overlaps a support where it begins if it lies deeper in it than this part of its size: far above rounding.
-DEPTH = 1e-9
 
 
 class PairCase(Case):
@@ -124,17 +119,3 @@ def _make(whole: Case, support: Support, feature: Curve, number: int) -> PairCas
 
 def _pair(whole: Case, number: int) -> PairCase:
     return pairs(whole)[number]
-
-
-def check_start(case: Case, x: float, y: float, theta: float) -> None:
-    """Raise DoesNotFit if the plate overlaps a support where the motion begins."""
-    for pair in pairs(case):
-        if pair.support == TRACK:
-            continue
-        if pair.has_unique_points:
-            deep = pair.gap(x, y, theta) < -DEPTH * case.plate.reach
-        else:
-            px, py, angle, near = (np.array([value]) for value in (x, y, theta, pair.start.xi1))
-            deep = first_overlap(pair.track, pair.plate.outline, px, py, angle, near) is not None
-        if deep:
-            raise DoesNotFit(f"the plate overlaps support {pair.support!r} where it begins; give another start")

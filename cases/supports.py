@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import pi
-from typing import TYPE_CHECKING
+from math import cos, pi, sin
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +18,10 @@ from .chain import Chain
 from .corner import Corner, Edge, Piece
 from .curves import Curve
 from .effects import CoulombFriction, Effect, Impact, PerfectlyRough
-from .errors import BadValue
+from .errors import BadValue, DoesNotFit
+from .overlap import first_overlap
 from .own_effects import own_effects
 from .shapes import as_line
-
-if TYPE_CHECKING:
-    from .case_class import Case
 
 # The name of the track among the supports.
 TRACK = "track"
@@ -32,6 +30,8 @@ TRACK = "track"
 INSIDE = 1e-4
 # A smooth outline is convex if its curvature is nowhere below this part of 1/reach.
 CONVEX = 1e-6
+# A plate overlaps a support where it begins if it lies deeper in it than this part of its size: far above rounding.
+DEPTH = 1e-9
 # Effects that a support may have of its own.
 OWN = (CoulombFriction, PerfectlyRough, Impact)
 
@@ -83,7 +83,7 @@ class Support:
         return (*(effect for effect in of_case if not isinstance(effect, replaced)), *self.effects)
 
 
-def check_supports(case: Case) -> None:
+def check_supports(case: Any) -> None:
     """Raise BadValue or DoesNotFit for supports that the case cannot have."""
     if not isinstance(case.supports, tuple):
         raise BadValue(f'supports is {case.supports!r}; give a tuple such as (Support(line(pi/2), "wall"),)')
@@ -108,13 +108,13 @@ def check_supports(case: Case) -> None:
         _check_features(case)
 
 
-def touches_by_features(case: Case) -> bool:
+def touches_by_features(case: Any) -> bool:
     """Whether the case's contacts are pairs of a support and a feature of the outline from the start: it has
     supports."""
     return bool(case.supports)
 
 
-def _check_kinds(case: Case) -> None:
+def _check_kinds(case: Any) -> None:
     """Raise BadValue for an effect that several supports do not have yet."""
     for kind in (all_effects.Belt, all_effects.Drive, all_effects.RollingResistance):
         if case.effect(kind) is not None:
@@ -135,7 +135,7 @@ def _check_kinds(case: Case) -> None:
             raise BadValue("a curve in pieces with supports is not supported; give a smooth curve in one piece")
 
 
-def _check_features(case: Case) -> None:
+def _check_features(case: Any) -> None:
     """Raise BadValue unless a plate with pieces has straight supports, and corners and circular arcs that bulge."""
     for curve, name in ((case.track, TRACK), *((s.curve, s.name) for s in case.supports)):
         if curve.domain is not None or as_line(curve) is None:
@@ -151,6 +151,23 @@ def _check_features(case: Case) -> None:
                 "a round piece of the outline is no arc of a circle inside the plate's convex hull; give one whose "
                 "pieces are edges and such arcs"
             )
+
+
+def check_start(case: Any, x: float, y: float, theta: float) -> None:
+    """Raise DoesNotFit if the plate overlaps a support where the motion begins."""
+    outline, (c, s) = case.plate.outline, (cos(theta), sin(theta))
+    u, v = outline.point(outline.vertices(0.01) if isinstance(outline, Chain) else np.linspace(*outline.span, 721))
+    points = np.array([x + c * u - s * v, y + s * u + c * v])
+    for support in case.supports:
+        curve, line = support.curve, as_line(support.curve)
+        if line is not None and curve.domain is None:
+            normal = np.array([-line.direction[1], line.direction[0]])
+            is_deep = float((normal @ (points - line.point[:, None])).min()) < -DEPTH * case.plate.reach
+        else:
+            px, py, angle, near = (np.array([value]) for value in (x, y, theta, 0.5 * sum(curve.span)))
+            is_deep = first_overlap(curve, outline, px, py, angle, near) is not None
+        if is_deep:
+            raise DoesNotFit(f"the plate overlaps support {support.name!r} where it begins; give another start")
 
 
 # --- features ---------------------------------------------------------------------------------------------------------
