@@ -155,7 +155,8 @@ def _check_features(case: Any) -> None:
 
 def check_start(case: Any, x: float, y: float, theta: float) -> None:
     """Raise DoesNotFit if the plate overlaps a support where the motion begins."""
-    outline, (c, s) = case.plate.outline, (cos(theta), sin(theta))
+    outline: Curve = case.plate.outline
+    c, s = cos(theta), sin(theta)
     u, v = outline.point(outline.vertices(0.01) if isinstance(outline, Chain) else np.linspace(*outline.span, 721))
     points = np.array([x + c * u - s * v, y + s * u + c * v])
     for support in case.supports:
