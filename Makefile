@@ -22,9 +22,9 @@ report: $(VENV)/installed $(WANTED)
 quick: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build --quick
 
-# Three processes on two cores: many tests wait for a disk, a time limit or another process.
+# Four processes on two cores: many tests wait for a disk, a time limit or another process.
 test: $(VENV)/installed
-	$(BIN)/python -m pytest -n 3 --dist loadfile
+	$(BIN)/python -m pytest -n 4 --dist loadfile
 
 # Tests that measure times run alone, at the end.
 test-all: $(VENV)/installed

@@ -27,7 +27,7 @@ def test_a_dip_that_begins_below_zero_is_located_at_its_beginning():
     assert dop853._zero_of_one(phase, piece, 0, interpolated, first=False) == begins
 
 
-@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+@pytest.mark.parametrize("rtol", [pytest.param(1e-6, marks=pytest.mark.slow), 1e-9])
 def test_a_zero_at_which_other_guards_have_no_value_is_located(rtol):
     """Where the curvatures are equal, the forces are quotients by zero; the search raised an error of SciPy's."""
     motion = reference.simulate(cases.load("disc_rocking_in_groove"), rtol=rtol, method="dop853")
