@@ -31,20 +31,20 @@ def test_the_first_screen_holds_sentence_and_map_whole(open_page, width):
     assert all(0 <= tab.bounding_box()["x"] and sum_of(tab.bounding_box()) <= wide for tab in tabs.all())
 
 
-def test_a_map_of_ninety_cases_fits_a_window_of_a_desk(open_page):
+def test_a_map_of_94_cases_fits_a_window_of_a_desk(open_page):
     page = open_page()
     page.evaluate(
         """() => { const map = document.querySelector("table.map");
         map.classList.add("dense");
-        map.style.setProperty("--cases", 86);
-        map.querySelector(".line th").colSpan = 88;
+        map.style.setProperty("--cases", 94);
+        map.querySelector(".line th").colSpan = 96;
         for (const row of map.querySelectorAll("tr:has(td)")) {
             const last = row.lastElementChild;
-            row.querySelectorAll("td a").forEach(one => { one.textContent = ".05"; });
-            for (let i = 0; i < 84; i++) row.append(last.cloneNode(true));
+            row.querySelectorAll("td a").forEach(one => { one.textContent = "217"; });
+            for (let i = 0; i < 92; i++) row.append(last.cloneNode(true));
         } }"""
     )
-    assert page.locator("table.map thead .case").count() == 86
+    assert page.locator("table.map thead .case").count() == 94
     box = page.locator("table.map").bounding_box()
     assert box["x"] + box["width"] <= 1440
 
