@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c $(CON
 # Where this is set, each of the many processes of a report or a test compiles all its imports again: 9 s of CPU, not 3.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report quick test test-all smoke walk check gallery docs browser matrix clean
+.PHONY: report quick test test-builds test-all smoke walk check gallery docs browser matrix clean
 
 # Engines in addition to exudyn and pymunk: `make report EXTRAS="box2d bullet"`. They remain installed.
 EXTRAS ?=
@@ -25,6 +25,10 @@ quick: $(VENV)/installed $(WANTED)
 # Four processes on two cores: many tests wait for a disk, a time limit or another process.
 test: $(VENV)/installed
 	$(BIN)/python -m pytest -n 4 --dist loadfile
+
+# Tests of whole reports: builds that are killed, resumed or given engines that fail; the page in a browser.
+test-builds: $(VENV)/installed
+	$(BIN)/python -m pytest -n 4 --dist loadfile -m "builds and not slow and not timed"
 
 # Tests that measure times run alone, at the end.
 test-all: $(VENV)/installed

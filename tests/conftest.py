@@ -32,14 +32,15 @@ def pytest_addoption(parser):
 # No test is slow by hypothesis' clock: on a busy machine any would be.
 settings.register_profile("same", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("other", deadline=None)
-QUICK = "not slow and not timed"  # the default choice of pyproject.toml
+# The default choice of pyproject.toml, and that of `make test-builds`.
+QUICK = ("not slow and not timed and not builds", "builds and not slow and not timed")
 
 
 def pytest_configure(config):
     """Choose what is drawn; load the case files, and tell in one line what is wrong with one."""
     os.environ.setdefault(cache_folder.VARIABLE, cache_folder.OFF)
     gc.disable()  # what is collected stays to the end: looking through it for garbage finds none and takes seconds
-    quick = config.option.markexpr == QUICK and config.getoption("--hypothesis-seed", None) is None
+    quick = config.option.markexpr in QUICK and config.getoption("--hypothesis-seed", None) is None
     settings.load_profile("same" if quick else "other")
     try:
         config.own_cases = [name for file in config.getoption("--case-file") for name in lookup.load_file(file)]

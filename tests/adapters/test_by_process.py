@@ -22,6 +22,8 @@ from cases.contact import start_motion
 from reports import build, export, options
 from reports.running.tasks import find_truth, perform
 
+pytestmark = pytest.mark.builds
+
 PAGE = Path(__file__).parents[2] / "docs" / "process_protocol.md"
 LINE = "disc_on_line[mu=0.1]"
 node = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")

@@ -12,6 +12,8 @@ import pytest
 from .conftest import CASES
 from .reading import WIDTHS, sum_of, table_of, time_of
 
+pytestmark = pytest.mark.builds
+
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_first_screen_holds_sentence_and_map_whole(open_page, width):

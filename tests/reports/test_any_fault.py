@@ -18,6 +18,8 @@ from reports.studies.stability import measure as stability
 
 from .. import fake_adapter
 
+pytestmark = pytest.mark.builds
+
 # What becomes of the rows of an adapter that misbehaves so in that part. Of a version nothing is a row's.
 FATES = {
     ("file", "missing"): "",  # it is not installed: no row, and its line says so

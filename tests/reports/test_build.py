@@ -30,6 +30,8 @@ from reports.running.records import Experiment, Run, Truth
 
 from .. import fake_adapter
 
+pytestmark = pytest.mark.builds
+
 
 @pytest.fixture
 def case_file(tmp_path, monkeypatch):

@@ -20,6 +20,8 @@ from reports.running import solvers
 from reports.running.records import one_default
 from reports.running.timing import timings
 
+pytestmark = pytest.mark.builds
+
 CASE = "disc_in_circle[mu=0.2]"
 
 

@@ -14,6 +14,8 @@ from reports.running.tasks import find_truth, survey
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.error_parts.measure import ErrorCell, Grid
 
+pytestmark = pytest.mark.builds
+
 
 def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[ErrorCell]:
     """Cells of a grid h × facets with the first transition's error given by a function of both."""

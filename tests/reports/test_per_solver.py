@@ -31,6 +31,8 @@ from reports.studies import Request
 
 from .identical import identical
 
+pytestmark = pytest.mark.builds
+
 CASE = cases.load("disc_on_line", mu=0.1)
 # An engine, and one whose rows are the same but where they are spoilt.
 SOUND, SPOILT = "pymunk", "spoilt"

@@ -24,6 +24,8 @@ from reports.sweeping.local import Part
 from reports.sweeping.parts import SweepWork
 from reports.sweeping.sweep_folder import Folder
 
+pytestmark = pytest.mark.builds
+
 VARY = ["disc_in_circle", "--vary", "mu=0.05:0.25:6", "--vary", "xi1=0:1.2:5"]
 
 

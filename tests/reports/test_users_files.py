@@ -25,6 +25,8 @@ from reports.drawing.figure_files import FigureContent, FigureEntry, file_name
 
 from . import test_publish
 
+pytestmark = pytest.mark.builds
+
 QUICK = settings.get_current_profile_name() == "same"
 CASE = "disc_on_line[mu=0.1]"
 RELEASE = publish.releases()[-1]

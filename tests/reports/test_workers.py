@@ -24,6 +24,8 @@ from .called import (
     whose,
 )
 
+pytestmark = pytest.mark.builds
+
 WAYS = ("work", "raise", "exit", "vanish", "segfault", "hang", "flood", "forks", "garbage", "closes", "mumbles", "last")
 
 
