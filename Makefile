@@ -22,13 +22,13 @@ report: $(VENV)/installed $(WANTED)
 quick: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build --quick
 
-# Four processes on two cores: many tests wait for a disk, a time limit or another process.
+# Three processes on two cores: many tests wait for a disk, a time limit or another process.
 test: $(VENV)/installed
-	$(BIN)/python -m pytest -n 4 --dist loadfile
+	$(BIN)/python -m pytest -n 3 --dist loadfile
 
 # Tests of whole reports: builds that are killed, resumed or given engines that fail; the page in a browser.
 test-builds: $(VENV)/installed
-	$(BIN)/python -m pytest -n 4 --dist loadfile -m "builds and not slow and not timed"
+	$(BIN)/python -m pytest -n 3 --dist loadfile -m "builds and not slow and not timed"
 
 # Tests that measure times run alone, at the end.
 test-all: $(VENV)/installed
