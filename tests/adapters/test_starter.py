@@ -29,6 +29,12 @@ INTERPRETERS = {"js": "node", "py": sys.executable}
 LANGUAGES = tuple(COMPILERS)
 
 
+@cache
+def works(tool: str) -> bool:
+    """Whether a tool runs here: rustup leaves a `rustc` on PATH that has no compiler in another home folder."""
+    return shutil.which(tool) is not None and subprocess.run([tool, "--version"], capture_output=True).returncode == 0
+
+
 @pytest.fixture(scope="module")
 def build_engine(tmp_path_factory):
     """Makes the engine of a language; skips the test where its toolchain is missing."""
@@ -37,8 +43,8 @@ def build_engine(tmp_path_factory):
     def build(language: str) -> Path:
         source, out, command = FOLDER / f"engine.{language}", folder / f"starter_{language}", COMPILERS[language]
         tool = command[0] if command else INTERPRETERS[language]
-        if shutil.which(tool) is None:
-            pytest.skip(f"{tool} is not installed")
+        if not works(tool):
+            pytest.skip(f"{tool} is not installed, or does not run here")
         if out.exists():
             return out
         if command:
