@@ -90,14 +90,9 @@ class Landings:
         if before is not None and under_way and before.gap <= 0.0:
             return self._landing(segment, before, place[0])  # by a rounding
         if before is not None and not under_way and before.gap <= 1e-12 * self.size:  # to the rounding of positions
-            first = first_look(self.looks, segment, before)
-            look = first or before
-            other = self._elsewhere(segment, before, look)
-            if other is not None:
-                return self._landing_at(segment, other, place[0])
-            if first is None or not isnan(first.beyond):
-                return self._landing(segment, look, place[0])
-            before = first
+            landing, before = self._leave(segment, before, place[0])
+            if landing:
+                return landing
         since, motion = start, windows(partial(poses, segment), segment.times, self.size, self.degree)
         if before is not None:
             landing, since = self._follow(segment, motion, before, place[0])
@@ -111,6 +106,17 @@ class Landings:
         return None
 
     # --- one pair of points -------------------------------------------------------------------------------------------
+
+    def _leave(self, segment: Segment, start: Look, near: float) -> tuple[Landing | None, Look]:
+        """The landing in a flight's first moments, which begin at a contact, and the look up to which they go."""
+        first = first_look(self.looks, segment, start)
+        look = first or start
+        other = self._elsewhere(segment, start, look)
+        if other is not None:
+            return self._landing_at(segment, other, near), look
+        if first is None or not isnan(first.beyond):
+            return self._landing(segment, look, near), look
+        return None, look
 
     def _follow(self, segment: Segment, motion: Windows, before: Look, near: float) -> tuple[Landing | None, float]:
         """The landing at the only nearest pair, and the time (s) until which there is none. If the pair is lost, or no

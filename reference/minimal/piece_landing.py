@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property, partial
-from math import isnan
 
 import numpy as np
 
@@ -15,7 +14,6 @@ from .gap import Look, state
 from .integrators.segment import Segment
 from .landing import Landing, Landings, poses
 from .meetings import Meeting
-from .short_flights import first_look
 from .windows import windows
 
 # A flight in which a corner has just passed a corner is searched from the time at which the plate has moved by this
@@ -40,13 +38,9 @@ class PieceLandings(Landings):
             if before is None or self._corners_pass(before):
                 since = self._passed(segment, start, end)
             elif before.gap <= 1e-12 * self.size:  # to the rounding of positions
-                first = first_look(self.looks, segment, before)
-                look = first or before
-                other = self._meeting_before(segment, before, look)
-                if other is not None:
-                    return self._landing_at(segment, other, place[0])
-                if first is None or not isnan(first.beyond):
-                    return self._landing(segment, look, place[0])
+                landing, look = self._leave(segment, before, place[0])
+                if landing:
+                    return landing
                 since = look.time
         motion = windows(partial(poses, segment), segment.times, self.size, self.degree)
         for some in self._stretches(segment, motion, since):
@@ -79,7 +73,7 @@ class PieceLandings(Landings):
         speed = abs(vx) + abs(vy) + abs(omega) * self.size
         return min(start + PASSED * self.size / speed, end) if speed else start
 
-    def _meeting_before(self, segment: Segment, start: Look, look: Look) -> Meeting | None:
+    def _elsewhere(self, segment: Segment, start: Look, look: Look) -> Meeting | None:
         """A meeting before a look of elements that are not next to those of the contact; None if there is none."""
         if not look.time > start.time:
             return None

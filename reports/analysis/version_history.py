@@ -76,7 +76,7 @@ TABLES = {
 
 class Answer(NamedTuple):
     """What a version answered: outcome, error and first transition's error (s), sequence of transitions, and every
-    number of the run, to tell whether a digit changed."""
+    number of the run, to see whether a digit changed."""
 
     outcome: str
     off: float

@@ -89,27 +89,27 @@ def broken(value, form) -> str:
 def test_a_scene_is_of_its_published_form_and_valid_json(name):
     case = cases.load(name)
     form = strict(SCHEMA_FILE.read_text(encoding="utf-8"))
-    told = strict(by_process.as_json({**by_process.scene(case), "setting": {"h": 0.1}}))
-    assert not broken(told, form)
-    assert (told["schema"], told["version"]) == (by_process.SCHEMA, by_process.VERSION)
-    assert told["effects"].keys() == {type(effect).__name__ for effect in case.effects}
-    assert "transitions" not in told and "status" not in told  # the truth is not handed to an engine
-    assert broken({**told, "version": 1}, form) and broken({**told, "effects": {"Magnet": {}}}, form)
+    sent = strict(by_process.as_json({**by_process.scene(case), "setting": {"h": 0.1}}))
+    assert not broken(sent, form)
+    assert (sent["schema"], sent["version"]) == (by_process.SCHEMA, by_process.VERSION)
+    assert sent["effects"].keys() == {type(effect).__name__ for effect in case.effects}
+    assert "transitions" not in sent and "status" not in sent  # the truth is not handed to an engine
+    assert broken({**sent, "version": 1}, form) and broken({**sent, "effects": {"Magnet": {}}}, form)
 
 
 def test_the_start_in_flight_is_null_where_it_has_no_value():
-    told = strict(by_process.as_json(by_process.scene(cases.load("bouncing_disc"))))
+    sent = strict(by_process.as_json(by_process.scene(cases.load("bouncing_disc"))))
     bare = start_motion(cases.load("bouncing_disc"))._asdict()
     lost = {name for name, value in bare.items() if not np.isfinite(value)}
-    assert {name for name, value in told["start"].items() if value is None} == lost
+    assert {name for name, value in sent["start"].items() if value is None} == lost
 
 
 @pytest.mark.parametrize("name", ["disc_in_circle", "tumbling_ellipse"])
 def test_geometry_for_other_programs_is_where_the_curves_are(name):
     case = cases.load(name)
-    told = by_process.scene(case)
+    sent = by_process.scene(case)
     start = start_motion(case)
-    mjcf = ElementTree.fromstring(told["mjcf"])
+    mjcf = ElementTree.fromstring(sent["mjcf"])
     body = mjcf.find("worldbody/body")
     assert [float(v) for v in body.get("pos").split()] == pytest.approx([start.x, start.y, 0.0])
     assert float(body.find("inertial").get("mass")) == case.plate.mass
@@ -120,7 +120,7 @@ def test_geometry_for_other_programs_is_where_the_curves_are(name):
         front = np.array([x - half * np.sin(angle), y + half * np.cos(angle)])
         samples = np.array(case.track.point(np.linspace(*visible_span(case), 30001))).T
         assert np.hypot(*(samples - front).T).min() < 1e-3
-    sdf = ElementTree.fromstring(told["sdf"])
+    sdf = ElementTree.fromstring(sent["sdf"])
     assert len(sdf.findall("world/model")) == 2
     assert bool(sdf.findall(".//cylinder")) is (case.plate.radius is not None)
 
@@ -128,9 +128,9 @@ def test_geometry_for_other_programs_is_where_the_curves_are(name):
 def test_export_writes_the_same_scene_and_a_true_motion_that_is_judged_right(tmp_path):
     case = cases.load(LINE)
     files = {path.name: path for path in export.export(case, tmp_path)}
-    told = strict(files["scene.json"].read_text(encoding="utf-8"))
-    assert told.items() >= strict(by_process.as_json(by_process.scene(case))).items()
-    assert told["transitions"][0]["time"]["value"] == pytest.approx(1 / (3 * 0.1 * 9.81))
+    sent = strict(files["scene.json"].read_text(encoding="utf-8"))
+    assert sent.items() >= strict(by_process.as_json(by_process.scene(case))).items()
+    assert sent["transitions"][0]["time"]["value"] == pytest.approx(1 / (3 * 0.1 * 9.81))
     motion = motion_file.trajectory_of(case, motion_file.read_table(files["motion.csv"]))
     exact = reference.simulate(case)(motion.t)
     assert np.abs(motion.x - exact.x).max() < 1e-12
@@ -208,8 +208,8 @@ def test_the_laws_are_held_on_it(registered, tmp_path):
     registered("my_engine", example())
     with AdapterProcess(str(tmp_path / "my_engine")) as apart:
         assert apart.face == ("my_engine", ("process",))
-        told = {law: outcome for law, outcome, _ in apart.try_laws("process", ["friction_torque", "lift_off"])}
-    assert told["lift_off"] == "refused"
+        sent = {law: outcome for law, outcome, _ in apart.try_laws("process", ["friction_torque", "lift_off"])}
+    assert sent["lift_off"] == "refused"
 
 
 # --- every way to fail ------------------------------------------------------------------------------------------------

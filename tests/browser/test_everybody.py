@@ -80,7 +80,7 @@ def test_print_has_every_chapter_and_figure_and_cuts_no_table(open_page, page_fi
     page.heard.asked.clear()
 
 
-# In the dark the page is the same but for its colours. What passes is not told: that takes longer than to check it.
+# The dark page differs in its colours only. Rules that pass are not listed: a list takes longer than the check.
 RULES = {
     "light": {"resultTypes": ["violations"]},
     "dark": {"resultTypes": ["violations"], "runOnly": ["color-contrast", "link-in-text-block"]},

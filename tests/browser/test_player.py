@@ -80,15 +80,15 @@ def test_the_plate_stands_where_the_truth_has_it_and_ghosts_move_away_as_they_ar
     page.locator(f"{player} .mode").nth(1).click()
     motion = reference.simulate(cases.load(CASES[0]), rtol=1e-10)
     truth = motion(motion.transitions[0].time)
-    told = [float(n) for n in re.findall(r"-?[\d.]+(?:e-?\d+)?", page.get_attribute(f"{player} .plate", "transform"))]
+    drawn = [float(n) for n in re.findall(r"-?[\d.]+(?:e-?\d+)?", page.get_attribute(f"{player} .plate", "transform"))]
     # Numbers travel with 16 bits of mantissa: 1e-5 of a pose of 1 m.
-    assert told[:2] == pytest.approx([truth.x, truth.y], abs=1e-5)
+    assert drawn[:2] == pytest.approx([truth.x, truth.y], abs=1e-5)
     ghost = f"{player} .ghost[data-solver=pymunk]"
     near = page.get_attribute(ghost, "transform")
     page.eval_on_selector(f"{player} .larger", "e => { e.value = 3; e.dispatchEvent(new Event('input')); }")
     far = page.get_attribute(ghost, "transform")
     one, other = ([float(n) for n in re.findall(r"-?[\d.]+(?:e-?\d+)?", text)[:2]] for text in (near, far))
-    off, large = (max(abs(a - b) for a, b in zip(text, told, strict=False)) for text in (one, other))
+    off, large = (max(abs(a - b) for a, b in zip(text, drawn, strict=False)) for text in (one, other))
     assert large == pytest.approx(1000 * off, rel=1e-3) and off > 0.0
 
 

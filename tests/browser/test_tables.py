@@ -191,9 +191,9 @@ def test_a_point_of_the_precision_plot_tells_its_setting_and_command(open_page):
     assert page.locator(".precision circle").count() == 2
     assert page.locator(".precision .work").input_value() == "call_s"
     page.hover(".precision circle >> nth=1")
-    told = page.inner_text(".precision .details")
-    assert "h=0.001" in told and "0.01 % off" in told and "1.1 s a whole call" in told
-    assert 'python -m reports.build --case "a case" --solver pymunk' in told
+    details = page.inner_text(".precision .details")
+    assert "h=0.001" in details and "0.01 % off" in details and "1.1 s a whole call" in details
+    assert 'python -m reports.build --case "a case" --solver pymunk' in details
     page.focus(".precision svg")
     page.keyboard.press("ArrowLeft")
     assert "h=0.01:" in page.inner_text(".precision .details")

@@ -79,7 +79,7 @@ def test_slow_disc_turns_about_the_edge_and_lands_after_its_throw(v, mu):
 
 @pytest.mark.parametrize("law", ["newton", "poisson", "moreau"])
 def test_plate_lands_on_its_corner_and_starts_to_turn(law):
-    """Without friction P = (1 + e) v/(1/m + a²/J), ω = a P/J, with the corner at the distance a beside the centre."""
+    """Without friction P = (1 + e) v/(1/m + a²/J) and ω = a P/J, the corner a horizontal distance a from the centre."""
     plate, e, tilt, height = Plate.rectangle(0.3, 0.1, 2.0), 0.4, 0.5, 0.2
     case = on(
         library.line(),
