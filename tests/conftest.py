@@ -1,4 +1,4 @@
-"""Fixtures: `accuracy`, a cross-check told when pytest ends, and `any_case`, every case of the catalogue."""
+"""Fixtures: `accuracy`, a cross-check printed when pytest ends, and `any_case`, every case of the catalogue."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def pytest_terminal_summary(terminalreporter, config):
     """The worst margin of each claim, a claim being a test with all its scenes, and one verdict; with --case-file every
     number. Before it what the fuzz tried."""
     tried = sorted(row[1:] for row in _noted(terminalreporter, "fuzz"))
-    if tried:  # what did neither is a failure, and told as one
+    if tried:  # what did neither is a failure, and reported as one
         tried.append(("all", *(sum(row[i] for row in tried) for i in (1, 2, 3, 4))))
         terminalreporter.section("fuzz")
         _write_table(terminalreporter, ("kind", "tried", "ran", "refused", "else"), [tuple(map(str, r)) for r in tried])
@@ -171,8 +171,8 @@ def _noted(terminalreporter, wanted: str) -> list[tuple]:
 def _tell_margins(terminalreporter, rows: list[tuple], every: bool) -> None:
     terminalreporter.section("accuracy")
     if every:
-        told = [(*row[1:5], f"{row[5]:.1e}", f"{row[6]:.0e}") for row in sorted(rows, key=lambda row: row[1:5])]
-        _write_table(terminalreporter, _COLUMNS, told)
+        output = [(*row[1:5], f"{row[5]:.1e}", f"{row[6]:.0e}") for row in sorted(rows, key=lambda row: row[1:5])]
+        _write_table(terminalreporter, _COLUMNS, output)
     worst: dict[str, tuple[float, int, tuple]] = {}
     for row in rows:
         claim = row[0].partition("[")[0].rpartition("/")[2].replace(".py::", ": ")
@@ -181,7 +181,7 @@ def _tell_margins(terminalreporter, rows: list[tuple], every: bool) -> None:
         worst[claim] = (min(own, margin), count + 1, row if not own >= margin else where)
     else:
         claims = sorted(worst.items(), key=lambda item: item[1][0])
-        told = [
+        output = [
             (
                 claim,
                 str(count),
@@ -192,7 +192,7 @@ def _tell_margins(terminalreporter, rows: list[tuple], every: bool) -> None:
             )
             for claim, (margin, count, row) in claims
         ]
-        _write_table(terminalreporter, ("claim", "checks", "margin", "error", "tolerance", "where it is worst"), told)
+        _write_table(terminalreporter, ("claim", "checks", "margin", "error", "tolerance", "where it is worst"), output)
     broken = sum(not abs(row[5]) <= row[6] for row in rows)
     least, (margin, _, row) = min(worst.items(), key=lambda item: item[1][0])
     verdict = f"{broken} of {len(rows)} checks fail" if broken else f"all {len(rows)} checks are within their tolerance"

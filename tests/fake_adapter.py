@@ -196,10 +196,10 @@ def install(folder: Path, settings: list[str], name: str = NAME, works: bool = T
     shutil.copy(__file__, folder / f"{module}.py")
     if not works:
         (folder / f"{module}.py").write_text("import no_such_engine\n")
-    told = folder / f"{module}-1.0.dist-info"
-    told.mkdir()
-    (told / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
-    (told / "entry_points.txt").write_text(f"[slip_to_roll.adapters]\n{name} = {module}\n")
+    output = folder / f"{module}-1.0.dist-info"
+    output.mkdir()
+    (output / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.0\n")
+    (output / "entry_points.txt").write_text(f"[slip_to_roll.adapters]\n{name} = {module}\n")
     ladder_is(folder, settings)
 
 

@@ -175,8 +175,8 @@ def test_a_strangers_report_says_nothing_that_a_terminal_acts_on(tmp_path):
         (tmp_path / name / "manifest.json").write_text(json.dumps({"machine": said}))
         (tmp_path / name / "tables" / "truth.csv").write_text(f"case,event,time\na,1,0.1{said}\n")
     one, other = tmp_path / "one", tmp_path / "other"
-    told = compare_builds.summary_lines(compare_builds.compare(one, other), one, other)
-    assert "machine" in told and "0.1" in told and "\x1b" not in told
+    output = compare_builds.summary_lines(compare_builds.compare(one, other), one, other)
+    assert "machine" in output and "0.1" in output and "\x1b" not in output
 
 
 def test_a_folder_with_an_odd_manifest_is_somebodys(tmp_path):

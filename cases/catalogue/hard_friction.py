@@ -51,7 +51,7 @@ def nearly_smooth(mu=1e-6, amplitude=1.0, R=1.0, r=0.1, m=1.0, g=9.81, duration=
 @case(
     variants=[dict(mu=1.0), dict(mu=3.0), dict(mu=10.0)],
     hard="friction many times the normal force: what slips jams within milliseconds, or pole-vaults",
-    outcome="slips for an instant and rolls; where the plate is long, the paradox or a lift-off is told with its place",
+    outcome="slips for an instant, then rolls; a long plate meets the paradox or leaves, reported with its place",
 )
 def sticky_ellipse(mu=3.0, a=0.15, b=0.1, slip=-1.0, omega=0.0, tilt=0.4, m=1.0, g=9.81, duration=0.6):
     """An elliptic plate thrown along a level line with very much friction.
@@ -71,7 +71,7 @@ def sticky_ellipse(mu=3.0, a=0.15, b=0.1, slip=-1.0, omega=0.0, tilt=0.4, m=1.0,
 @case(
     variants=[dict(mu=1.0), dict(mu=1.34), dict(mu=5.0), dict(mu=10.0), dict(mu=2.0)],
     hard="Painlevé: above μ = 4/3 there are angles at which rigid Coulomb contact has no unique force",
-    outcome="below 4/3 it slides on or sticks; above, it leaves the line, or the paradox is told with its place",
+    outcome="below 4/3 it slides on or sticks; above, it leaves the line or meets the paradox, reported with its place",
 )
 def rod_into_the_paradox(mu=2.0, angle=0.1, omega=5.0, v0=10.0, length=1.0, tip=1e-3, m=1.0, g=9.81, duration=0.5):
     """Painlevé's rod, its tip leading, turning up from a flat angle towards the angles of the paradox, tan φ = 2.

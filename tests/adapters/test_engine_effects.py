@@ -72,7 +72,7 @@ def test_perfectly_rough_disc_rolls_down_any_incline(name, route, tolerance, eff
     pull = 9.81 * sin(slope) / ROLLING
     assert moved.xi1[-1] == pytest.approx(0.5 * pull * 0.5**2, abs=tolerance)
     assert moved.omega[-1] == pytest.approx(-pull * 0.5 / 0.1, abs=tolerance / 0.01)
-    # A constraint leaves the rounding of some thousand steps; pymunk is told what changes in a step, after the first.
+    # A constraint leaves the rounding of some thousand steps; pymunk learns what changes in a step, after the first.
     assert np.abs(moved.slip[2:]).max() <= max(moved.slip_resolution, 1e-7 if name == "pymunk" else 1e-11)
     assert np.median(moved.normal_force) == pytest.approx(2.0 * 9.81 * cos(slope), abs=1e-6)
     friction = 2.0 * (pull - 9.81 * sin(slope))

@@ -83,9 +83,9 @@ def test_exudyns_spring_gives_a_disc_the_same_impact():
 ])  # fmt: skip
 def test_an_adapter_says_for_which_cases_its_law_is_another(name, plate, e, law, differs):
     pytest.importorskip(f"adapters.{name}")
-    told = other_laws(engine(name), thrown(plate, -pi / 2, 0.5, 0.0, e, law), "native")
-    assert bool(told) is differs
-    assert all(phrase.startswith("Impact by another law: ") for phrase in told)
+    output = other_laws(engine(name), thrown(plate, -pi / 2, 0.5, 0.0, e, law), "native")
+    assert bool(output) is differs
+    assert all(phrase.startswith("Impact by another law: ") for phrase in output)
 
 
 @pytest.mark.parametrize("name", engines())

@@ -285,8 +285,8 @@ def test_what_an_engine_does_not_tell_is_neither_kept_nor_broken(column):
     silent = spoiled(**{column: lambda m: np.full_like(m.t, np.nan)})
     laws = ["cone[disc in a circle]", "friction_opposes_slip[disc in a circle]", "momentum_balance[disc in a circle]"]
     verdicts = list(judge(silent, [*laws, "friction_torque", "no_friction_no_spin"], ["assisted"]))
-    told = f"it reports no {column.replace('_', ' ')}"
-    assert [(v.outcome, v.reason) for v in verdicts[:3]] == [("not reported", told)] * 3
+    output = f"it reports no {column.replace('_', ' ')}"
+    assert [(v.outcome, v.reason) for v in verdicts[:3]] == [("not reported", output)] * 3
     assert [v.outcome for v in verdicts[3:]] == ["kept", "kept"]
 
 

@@ -119,8 +119,8 @@ def test_adapter_is_found_as_a_module_too(adapter_file, monkeypatch):
 def test_what_is_not_known_is_one_sentence_and_status_2(words, sentence, adapter_file, capsys):
     words = [adapter_file(1.0) if word == "FILE" else word for word in words]
     assert main(words) == 2
-    told = capsys.readouterr()
-    assert told.err.startswith(f"adapters.laws: {sentence}") and told.err.count("\n") == 1 and not told.out
+    output = capsys.readouterr()
+    assert output.err.startswith(f"adapters.laws: {sentence}") and output.err.count("\n") == 1 and not output.out
 
 
 def test_file_that_fails_or_is_no_adapter_is_refused(tmp_path):

@@ -283,12 +283,12 @@ def test_force_read_from_the_momentum_is_the_engines_own_impulse():
     adapter.run(model)
     # The plate touches in the first step, of h/2. The second, of h, begins with twice that impulse and reports it once:
     # its velocity changes by 3.184e-7 m/s, of which the engine tells 1.592e-7.
-    told = np.hypot(*np.sum([*impulses, impulses[0]], axis=0))
+    output = np.hypot(*np.sum([*impulses, impulses[0]], axis=0))
     moved = adapter.read(model)
     kicks = np.full(len(moved.t), model.h)
     kicks[0] /= 2
     force = moved.normal_force * case.track.normal(moved.xi1) + moved.friction_force * case.track.tangent(moved.xi1)
-    assert np.hypot(*np.sum(kicks * force, axis=1)) == pytest.approx(told, rel=1e-9)
+    assert np.hypot(*np.sum(kicks * force, axis=1)) == pytest.approx(output, rel=1e-9)
 
 
 # --- other curves and plates -----------------------------------------------------------------------------------------

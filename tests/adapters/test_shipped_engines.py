@@ -220,8 +220,8 @@ def test_what_it_was_not_told_is_refused_in_a_sentence(engine, pool):
 
 @every_engine
 def test_its_version_is_the_engine_s_own_and_the_file_s(engine):
-    told = lookup.engine(engine).version()
-    assert engine in told and "sha256" in told
+    output = lookup.engine(engine).version()
+    assert engine in output and "sha256" in output
 
 
 def test_an_engine_that_is_not_there_says_what_to_install(monkeypatch, tmp_path):

@@ -74,8 +74,8 @@ def test_check_notices_a_plate_on_the_wrong_side(desk, capsys, effects, says):
     text = TEMPLATE.format(name="my_valley").replace(", Unilateral()", f", {effects}")
     turned = text.replace("(s, -depth", "(-s, -depth").replace("xi1=-1.0", "xi1=1.0")
     assert turned != text
-    for file, told in (("my_valley", text), ("turned", turned.replace("def my_valley", "def turned"))):
-        (desk / f"{file}.py").write_text(told)
+    for file, output in (("my_valley", text), ("turned", turned.replace("def my_valley", "def turned"))):
+        (desk / f"{file}.py").write_text(output)
         status, out, _ = run(capsys, "check", file)
         assert status == 0 and ("Note: the plate lies on the left" in out) == (says in out) == (file == "turned"), out
 
@@ -170,9 +170,9 @@ def test_a_mistake_in_a_file_is_told_in_one_line_with_its_place(desk, capsys, be
     text = TEMPLATE.format(name="my_valley")
     assert before in text
     (desk / "my_valley.py").write_text(text.replace(before, after))
-    told = refused(capsys, "check", "my_valley.py")
-    assert says in told and "my_valley.py" in told
-    assert bool(re.search(r"my_valley\.py:\d+", told)) == line
+    output = refused(capsys, "check", "my_valley.py")
+    assert says in output and "my_valley.py" in output
+    assert bool(re.search(r"my_valley\.py:\d+", output)) == line
 
 
 # Files of an author who makes a mistake of the more surprising kind: what they hold, and what is said of them.
@@ -310,18 +310,18 @@ def test_a_function_that_a_file_has_not_is_named_with_those_it_has(desk, capsys)
 
 def test_the_list_is_printed_on_a_terminal_that_knows_no_letter_beyond_ascii():
     plain = {**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-    told = subprocess.run([sys.executable, "-m", "cases"], env=plain, capture_output=True, text=True)
-    names = [line for line in told.stdout.splitlines() if not line.startswith(" ")]
-    assert told.returncode == 0 and told.stderr == "" and len(names) == len(cases.names())
+    output = subprocess.run([sys.executable, "-m", "cases"], env=plain, capture_output=True, text=True)
+    names = [line for line in output.stdout.splitlines() if not line.startswith(" ")]
+    assert output.returncode == 0 and output.stderr == "" and len(names) == len(cases.names())
 
 
 @pytest.mark.parametrize("module", ["cases", "reports.build"])
 def test_a_shell_without_address_space_is_told_so_at_once(module, tmp_path):
     """In 0.9 GB the BLAS of SciPy waits for ever for its buffers."""
     words = f"ulimit -v 900000; exec {sys.executable} -m {module} {'show disc_on_line' if module == 'cases' else ''}"
-    told = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert told.returncode == 2 and told.stderr.count("\n") == 1 and list(tmp_path.iterdir()) == []
-    assert told.stderr.endswith(
+    output = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert output.returncode == 2 and output.stderr.count("\n") == 1 and list(tmp_path.iterdir()) == []
+    assert output.stderr.endswith(
         "the shell limits the address space to 0.86 GB, and 2 GB are needed; type: ulimit -v unlimited\n"
     )
 

@@ -62,9 +62,9 @@ def level(effects, **start):
     ],
 )
 def test_nonsense_is_refused_in_one_sentence_that_names_it(make, says):
-    with pytest.raises((BadValue, DoesNotFit)) as told:
+    with pytest.raises((BadValue, DoesNotFit)) as output:
         make()
-    assert says in str(told.value) and "\n" not in str(told.value)
+    assert says in str(output.value) and "\n" not in str(output.value)
 
 
 def test_load_is_a_number_a_text_or_an_expression():

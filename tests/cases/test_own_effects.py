@@ -212,6 +212,6 @@ class Failing(ContactEffect):
     ],
 )
 def test_a_wrong_effect_gets_one_line(effect, words):
-    with pytest.raises(BadValue, match=words) as told:
+    with pytest.raises(BadValue, match=words) as output:
         in_circle(effect)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(output.value)

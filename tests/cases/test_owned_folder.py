@@ -149,8 +149,8 @@ def test_a_cache_loses_only_files_with_a_name_of_its_own(tmp_path):
 def test_the_list_is_one_that_sha256sum_checks(tmp_path):
     report = made(tmp_path, ["index.html", "tables/µ 1.csv"])
     assert report.names() == ["index.html", "tables/µ 1.csv"]
-    told = subprocess.run(["sha256sum", "-c", "--strict", LIST], cwd=tmp_path, capture_output=True, text=True)
-    assert told.returncode == 0 and told.stdout.count(": OK") == 2, told.stderr
+    output = subprocess.run(["sha256sum", "-c", "--strict", LIST], cwd=tmp_path, capture_output=True, text=True)
+    assert output.returncode == 0 and output.stdout.count(": OK") == 2, output.stderr
 
 
 def test_a_folder_of_the_users_is_not_taken_over(tmp_path):

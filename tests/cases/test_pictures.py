@@ -139,6 +139,6 @@ def test_what_cannot_be_filmed_is_told_in_a_sentence(tmp_path, monkeypatch, caps
         MOTION.animate().save("film.avi")
     monkeypatch.setattr(animation.movies.FFMpegWriter, "isAvailable", lambda: False)
     assert animate.main(["disc_on_line", "mu=0.1", "--out", "film.mp4"]) == 2
-    told = capsys.readouterr().err
-    assert "ffmpeg is not installed" in told and told.count("\n") == 1
+    output = capsys.readouterr().err
+    assert "ffmpeg is not installed" in output and output.count("\n") == 1
     assert list(tmp_path.iterdir()) == []

@@ -88,9 +88,9 @@ def test_links_lead_somewhere():
 
 
 def test_the_site_leaves_no_page_out():
-    told = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    outcome_text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     for page in (ROOT / "docs").iterdir():
-        assert page.suffix not in (".md", ".ipynb") or f": {page.name}\n" in told, page.name
+        assert page.suffix not in (".md", ".ipynb") or f": {page.name}\n" in outcome_text, page.name
 
 
 def test_the_page_on_reports_lists_every_value_of_reached_and_names_columns_and_tables_that_exist():

@@ -198,8 +198,8 @@ def _agrees(case):
         rates = np.array(now.system.rates_of_numbers(TIME, y, now.parameters))
         scale = 1e-12 * (1 + max(*forces, *np.abs(rates))) * max(1.0, np.linalg.cond(matrix) * 1e-3)
         assert np.array(literal.rates_of_numbers(TIME, y)) == pytest.approx(rates, abs=scale)
-        told = ContactQuantities(*(float(column[0]) for column in literal.outputs_of_arrays(*_at_once(y))))
-        assert told == pytest.approx([observed[name] for name in ContactQuantities._fields], abs=scale)
+        output = ContactQuantities(*(float(column[0]) for column in literal.outputs_of_arrays(*_at_once(y))))
+        assert output == pytest.approx([observed[name] for name in ContactQuantities._fields], abs=scale)
         # The paradox's guard has another scale (1 without friction) and the same sign; all others are the same number.
         theirs = dict(zip(now.system.guards, now.system.guards_of_numbers(TIME, y, now.parameters), strict=True))
         ours = dict(zip(literal.guards, literal.guards_of_numbers(TIME, y), strict=True))

@@ -126,7 +126,7 @@ def test_one_witness_alone_certifies_nothing(monkeypatch):
 
 
 def disagreeing(monkeypatch, change) -> str:
-    """What is told where the last witness of a disc on a line says something else."""
+    """What the certificate says where the last witness of a disc on a line says something else."""
     able, missing = witnesses.witnesses(BOWLED)
     monkeypatch.setattr(certification, "witnesses", lambda case: ([*able[:-1], change(able[-1])], missing))
     with pytest.raises(NotCertified) as error:

@@ -317,8 +317,8 @@ LARGE = {
 def test_what_is_too_large_or_too_small_ends_in_a_sentence(make, method):
     try:
         motion = reference.simulate(make(), method=method)
-    except CaseError as told:
-        assert "\n" not in str(told)
+    except CaseError as output:
+        assert "\n" not in str(output)
         return
     assert motion.reason.count(".") >= 1
     assert all(np.isfinite(getattr(motion, name)).all() for name in ("x", "y", "theta", "vx", "vy", "omega"))

@@ -7,7 +7,7 @@ import pytest
 import reference
 from cases import CoulombFriction, Gravity, Load, PerfectlyRough, RollingResistance, Unilateral
 from tests.reference.test_random_effects import check_physics, with_effects
-from tests.reference.test_two_formulations import bouncing, check_agreement, told
+from tests.reference.test_two_formulations import bouncing, check_agreement, output
 from tests.scenes.elliptic import ellipse_in_ellipse
 
 
@@ -305,5 +305,7 @@ def test_both_formulations_agree_on_what_was_found(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_all_methods_agree_on_what_was_found(name):
-    first, *others = [told(reference.simulate(SCENES[name], rtol=1e-11, method=method)) for method in reference.METHODS]
+    first, *others = [
+        output(reference.simulate(SCENES[name], rtol=1e-11, method=method)) for method in reference.METHODS
+    ]
     assert all(other == first for other in others)

@@ -1,4 +1,4 @@
-"""The same scene told differently: other units, another direction, another parametrisation, another hand."""
+"""The same scene in other units, another direction, another parametrisation, and its mirror image."""
 
 from dataclasses import replace
 from math import cos, pi, sin, sqrt

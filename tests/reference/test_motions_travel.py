@@ -55,8 +55,8 @@ def test_simulate_maps_over_cases_in_another_process(elsewhere, chosen):
 
 def test_a_motion_is_the_same_in_another_process(elsewhere, chosen):
     motions = [reference.simulate(case) for case in chosen]
-    for motion, told in zip(motions, elsewhere.map(bits.of_motion, motions), strict=True):
-        assert told == bits.of_motion(motion), motion
+    for motion, output in zip(motions, elsewhere.map(bits.of_motion, motions), strict=True):
+        assert output == bits.of_motion(motion), motion
 
 
 @pytest.mark.parametrize("method", [*METHODS, "augmented"])

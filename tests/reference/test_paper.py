@@ -28,9 +28,9 @@ def rows_below(heading: str) -> list[list[str]]:
 
 def test_every_numbered_equation_of_the_paper_has_its_line():
     assert [line.number for line in LINES] == list(range(1, 36))
-    told = [[f"({n})", says, ", ".join(f"`{place}`" for place in places)] for n, says, places in LINES]
-    assert rows_below("Equations") == told
-    assert [[row["equation"], row["says"]] for row in study.equation_rows()] == [line[:2] for line in told]
+    output = [[f"({n})", says, ", ".join(f"`{place}`" for place in places)] for n, says, places in LINES]
+    assert rows_below("Equations") == output
+    assert [[row["equation"], row["says"]] for row in study.equation_rows()] == [line[:2] for line in output]
 
 
 @pytest.mark.parametrize("place", sorted({place for line in LINES for place in line.places}))
@@ -50,10 +50,10 @@ def test_other_code_that_the_page_names_exists():
 
 
 def test_the_page_has_every_misprint_with_its_residual():
-    told = rows_below("Misprints")
+    output = rows_below("Misprints")
     known = [row for row in errata() if isnan(row.claim)]
-    assert [cells[0] for cells in told] == [row.where for row in known]
-    for (_, printed, corrected, residual, rest, _), row in zip(told, known, strict=True):
+    assert [cells[0] for cells in output] == [row.where for row in known]
+    for (_, printed, corrected, residual, rest, _), row in zip(output, known, strict=True):
         assert (printed, corrected) == (row.printed, row.corrected)
         assert residual == ("no value" if isnan(row.printed_residual) else f"{row.printed_residual:.2g}")
         assert row.corrected_residual < {"0": 1e-15, "rounding": 1e-14, "below 1e-9": 1e-9}[rest]
@@ -61,9 +61,9 @@ def test_the_page_has_every_misprint_with_its_residual():
 
 def test_the_page_has_the_claim_for_each_coefficient():
     rows = study.claim_rows()
-    told = rows_below("The claim that rolling follows")
-    assert [float(cells[0]) for cells in told] == [row["mu"] for row in rows]
-    for (_, time, xi1, needed, then, beyond), row in zip(told, rows, strict=True):
+    output = rows_below("The claim that rolling follows")
+    assert [float(cells[0]) for cells in output] == [row["mu"] for row in rows]
+    for (_, time, xi1, needed, then, beyond), row in zip(output, rows, strict=True):
         assert float(time) == pytest.approx(row["time_unitless"], abs=1e-6)
         assert float(xi1) == pytest.approx(row["xi1"], abs=1e-6)
         assert float(needed) == pytest.approx(row["demand"], rel=1e-3)

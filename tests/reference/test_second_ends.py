@@ -52,10 +52,10 @@ def test_work_is_bounded_and_what_was_done_is_the_motions_beginning(name, monkey
     short = contact_frame.solve(case)
     assert short.status == "unfinished" and 0.0 < short.end < case.duration
     times = short.end * np.array([0.0, 0.51, 0.996, 1.01])
-    told = contact_frame.solve(case, times=times).motions
+    output = contact_frame.solve(case, times=times).motions
     monkeypatch.undo()
     whole = contact_frame.solve(case, times=times, until=1.02 * short.end)
     assert whole.status == "completed"
     assert [t for t in whole.transitions if t.time <= short.end] == list(short.transitions)
-    assert told[:6, :3] == pytest.approx(whole.motions[:6, :3], rel=1e-9, abs=1e-9)
-    assert np.isfinite(told[:6, :3]).all() and np.isnan(told[:, 3]).all()
+    assert output[:6, :3] == pytest.approx(whole.motions[:6, :3], rel=1e-9, abs=1e-9)
+    assert np.isfinite(output[:6, :3]).all() and np.isnan(output[:, 3]).all()

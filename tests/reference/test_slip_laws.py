@@ -194,9 +194,9 @@ def test_friction_that_grows_as_the_slip_falls_ends_in_painleves_paradox():
     ],
 )
 def test_a_wrong_law_gets_one_line_that_says_what_to_write(mu, words):
-    with pytest.raises(BadValue, match="mu of CoulombFriction") as told:
+    with pytest.raises(BadValue, match="mu of CoulombFriction") as output:
         CoulombFriction(mu)
-    assert words in str(told.value) and "\n" not in str(told.value)
+    assert words in str(output.value) and "\n" not in str(output.value)
 
 
 def test_static_friction_below_the_law_at_rest_is_rejected():

@@ -369,9 +369,9 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
     ],
 )
 def test_what_supports_cannot_be_is_said_in_one_line(make, message):
-    with pytest.raises((BadValue, DoesNotFit), match=message.replace("(", r"\(").replace(")", r"\)")) as told:
+    with pytest.raises((BadValue, DoesNotFit), match=message.replace("(", r"\(").replace(")", r"\)")) as output:
         make()
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(output.value)
 
 
 def _belt() -> tuple:

@@ -47,8 +47,8 @@ def in_threads(asked: Sequence[Callable[[], str]], rounds: int) -> list[list[str
         return [(i, asked[i]()) for i in order]
 
     with ThreadPoolExecutor(THREADS) as pool:
-        told = [pair for some in pool.map(work, range(THREADS)) for pair in some]
-    return [[answer for i, answer in told if i == number] for number in range(len(asked))]
+        output = [pair for some in pool.map(work, range(THREADS)) for pair in some]
+    return [[answer for i, answer in output if i == number] for number in range(len(asked))]
 
 
 def same_in_threads(asked: Sequence[Callable[[], str]], rounds: int) -> None:

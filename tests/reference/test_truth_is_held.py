@@ -59,10 +59,10 @@ def test_a_damaged_row_is_rejected_with_what_to_type(copy, damage):
     text = copy.read_text()
     copy.write_text(DAMAGES[damage](text))
     assert copy.read_text() != text
-    with pytest.raises(DamagedTruth) as told:
+    with pytest.raises(DamagedTruth) as output:
         stored_or_new(cases.load("disc_on_line", mu=0.1))  # whole rows of a damaged file are not used either
-    assert str(told.value).startswith("truth.json is damaged: the digest of disc_in_circle[mu=0.")
-    assert "python -m reference --only" in str(told.value) and "restore the file" in str(told.value)
+    assert str(output.value).startswith("truth.json is damaged: the digest of disc_in_circle[mu=0.")
+    assert "python -m reference --only" in str(output.value) and "restore the file" in str(output.value)
     with pytest.raises(DamagedTruth):
         fingerprint.truth_key.__wrapped__()
 
@@ -121,10 +121,10 @@ def _package_with(tmp_path: Path, truth: str) -> Path:
 
 
 def test_an_exported_case_has_the_kept_certificate():
-    told = export.truth(cases.load("disc_in_circle", mu=0.2))
+    output = export.truth(cases.load("disc_in_circle", mu=0.2))
     kept = read()[LABEL]
-    assert [row["time"] for row in told["transitions"]] == [row[2]._asdict() for row in kept.transitions]
-    assert (told["status"], told["end"]) == (kept.status, kept.end._asdict())
+    assert [row["time"] for row in output["transitions"]] == [row[2]._asdict() for row in kept.transitions]
+    assert (output["status"], output["end"]) == (kept.status, kept.end._asdict())
 
 
 # --- a certificate that the motion contradicts ------------------------------------------------------------------------
@@ -167,8 +167,8 @@ def test_every_kept_certificate_and_motion_agree(method):
 def test_a_changed_digit_is_contradicted():
     first = read()[LABEL].transitions[0]
     for by in (1e-3, -1e-6, 1e-10):  # the last is ten thousand bars
-        told = said(changed(0, time=moved(first[2], by)))
-        assert told.startswith(f"the time of transition 1 (to roll) is {first[2].value + by:.15g} ±"), told
+        output = said(changed(0, time=moved(first[2], by)))
+        assert output.startswith(f"the time of transition 1 (to roll) is {first[2].value + by:.15g} ±"), output
     assert said(changed(1, xi1=moved(read()[LABEL].transitions[1][3], 1e-9))).startswith("xi1 of transition 2")
     # What lies within the bars does not count, nor a whole turn on a closed track.
     assert said(changed(0, time=moved(first[2], 0.5 * first[2].bar))) == ""

@@ -32,7 +32,7 @@ def ill_conditioned(case: Case, by: float = 1e-9) -> bool:
     return not sequences[0] == sequences[1] == sequences[2]
 
 
-def told(answer) -> tuple:
+def output(answer) -> tuple:
     """What is to be the same: the sequence of transitions and how the motion ended."""
     return sequence(answer.transitions), answer.status
 
@@ -48,14 +48,14 @@ def check_agreement(case: Case) -> bool:
     """Asserts agreement; true if the sequences differ because the scene is ill-conditioned."""
     ours = reference.simulate(case, rtol=1e-11)
     theirs = contact_frame.solve(case, rtol=1e-11)
-    if told(ours) != told(theirs) or differ(ours, theirs):
+    if output(ours) != output(theirs) or differ(ours, theirs):
         # The second formulation sees events at its steps' ends only; a closer look costs more and misses less.
         theirs = contact_frame.solve(case, rtol=1e-11, steps_per_turn=2000)
     if sequence(ours.transitions) == sequence(theirs.transitions):
         assert ours.status == theirs.status
         assert not differ(ours, theirs)
         return False
-    assert ill_conditioned(case), (told(ours), told(theirs))
+    assert ill_conditioned(case), (output(ours), output(theirs))
     return True
 
 

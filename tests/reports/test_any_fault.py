@@ -157,9 +157,9 @@ def test_every_fault_is_a_row_of_a_study(which, installed):
     broken = installed(FATES)
     words = ["--case", fake_adapter.CASE] if "case" in studies.study(which).TAKES else []
     assert study.main([which, *words, "--solver", "sound", *broken]) == 0
-    told = pd.read_csv(Path(which) / f"{which}.csv", keep_default_na=False)
-    assert set(told["solver"]) == {"sound", *broken} - {"file_missing"}
-    assert set(told[told["solver"] == "sound"]["outcome"]) <= {"answered", "done"}
+    output = pd.read_csv(Path(which) / f"{which}.csv", keep_default_na=False)
+    assert set(output["solver"]) == {"sound", *broken} - {"file_missing"}
+    assert set(output[output["solver"] == "sound"]["outcome"]) <= {"answered", "done"}
 
 
 @pytest.mark.slow
@@ -179,5 +179,5 @@ def test_laws_tell_of_every_fault(installed, capsys):
     for name in installed(FATES):
         # No adapter to judge (2), a law not kept (1), or all well (0): never the adapter's own status.
         assert laws.main([name, "--law", law]) in (0, 1, 2), name
-        told = "".join(capsys.readouterr())
-        assert name in told or "native  " in told, name
+        output = "".join(capsys.readouterr())
+        assert name in output or "native  " in output, name

@@ -70,16 +70,16 @@ LINUX = pytest.mark.skipif(sys.platform != "linux", reason="no /proc")
 def test_nonsense_is_told_in_one_line_and_nothing_is_written(argv, hint, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert build.main(argv) == 2
-    told = capsys.readouterr()
-    assert told.out == "" and told.err.count("\n") == 1 and hint in told.err
+    output = capsys.readouterr()
+    assert output.out == "" and output.err.count("\n") == 1 and hint in output.err
     assert list(tmp_path.iterdir()) == []
 
 
 def test_failing_case_file_is_told_in_one_line(case_file, tmp_path, capsys):
     out = tmp_path / "out"
     assert build.main(["--case-file", case_file, "--out", str(out)]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1 and "ZeroDivisionError" in told and not out.exists()
+    output = capsys.readouterr().err
+    assert output.count("\n") == 1 and "ZeroDivisionError" in output and not out.exists()
 
 
 @pytest.mark.parametrize("manifest", [None, "[]", "{", '{"made_by": "someone else", "files": ["mine.txt"]}'])
@@ -101,14 +101,14 @@ def test_out_that_is_a_file_is_left_alone(tmp_path, capsys):
 
 def test_list_tells_of_a_case_that_fails_and_goes_on(case_file, capsys):
     assert build.main(["--list", "--case-file", case_file]) == 0
-    told = capsys.readouterr().out
-    assert "ZeroDivisionError" in told and "disc_in_circle[mu=0.2]" in told
+    output = capsys.readouterr().out
+    assert "ZeroDivisionError" in output and "disc_in_circle[mu=0.2]" in output
 
 
 def test_list_names_every_case_and_solver(capsys):
     assert build.main(["--list"]) == 0
-    told = capsys.readouterr().out
-    assert all(name in told for name in (*cases.names(), "reference", "exudyn", "pymunk", "disc_in_circle[mu=0.2]"))
+    output = capsys.readouterr().out
+    assert all(name in output for name in (*cases.names(), "reference", "exudyn", "pymunk", "disc_in_circle[mu=0.2]"))
 
 
 def test_what_is_listed_is_read_from_code_and_no_engine_is_imported():
@@ -116,8 +116,8 @@ def test_what_is_listed_is_read_from_code_and_no_engine_is_imported():
         "import sys; from reports.build import main; assert main(sys.argv[1:]) == 0;"
         "assert not {'exudyn', 'pymunk', 'pandas', 'matplotlib'} & set(sys.modules)"
     )
-    told = subprocess.run([sys.executable, "-c", listed, "--list"], capture_output=True, text=True, check=True).stdout
-    assert "  pymunk: native, assisted\n" in told and "  exudyn: native, integrator\n" in told
+    output = subprocess.run([sys.executable, "-c", listed, "--list"], capture_output=True, text=True, check=True).stdout
+    assert "  pymunk: native, assisted\n" in output and "  exudyn: native, integrator\n" in output
 
 
 def test_ladders_are_thinned_in_quick_reports_and_in_the_breadth_of_the_catalogue():
@@ -305,7 +305,7 @@ def test_a_report_takes_the_place_of_an_older_one_and_draws_nothing_twice(report
     capsys.readouterr()
     with in_process():
         assert build.main(argv) == 0
-    assert "store: 1 figure and " in (told := capsys.readouterr().out) and "nothing made now" in told
+    assert "store: 1 figure and " in (output := capsys.readouterr().out) and "nothing made now" in output
     assert {p.name: p.read_bytes() for p in (out / "figures").iterdir()} == before
 
 
@@ -337,9 +337,9 @@ def kill_when_told(pid: Path) -> None:
     deadline, ended = time.monotonic() + 120.0, [""]
     while len(ended) < 3:
         assert time.monotonic() < deadline, "no worker came as far as being killed"
-        if pid.exists() and (told := pid.read_text()) not in ended:
-            os.kill(int(told), signal.SIGKILL)
-            ended.append(told)
+        if pid.exists() and (output := pid.read_text()) not in ended:
+            os.kill(int(output), signal.SIGKILL)
+            ended.append(output)
         time.sleep(0.02)
 
 
@@ -369,9 +369,9 @@ def test_every_failure_is_a_row_told_as_what_it_was(failing):
 
 
 def test_a_report_of_failures_is_complete(failing):
-    told = json.loads((failing / "manifest.json").read_text())
+    output = json.loads((failing / "manifest.json").read_text())
     assert holds(failing) == {*report_folder.of_report(failing).names(), LIST}
-    assert told["solvers"] == {"fake": "1.0", "ghost": "not_installed: no_such_engine"}
+    assert output["solvers"] == {"fake": "1.0", "ghost": "not_installed: no_such_engine"}
     page = (failing / "index.html").read_text()
     for _, reason in FATES.values():
         assert escape(reason) in page
@@ -389,9 +389,9 @@ def test_what_is_not_installed_is_a_line_and_the_command_that_adds_it():
 
 
 def test_what_came_from_outside_is_not_kept(failing):
-    told = json.loads((failing / "manifest.json").read_text())
+    output = json.loads((failing / "manifest.json").read_text())
     # Six settings came to an end of their own or to that of their time; one was killed, one not tried.
-    assert told["store"]["kept"]["run"] == 6 and told["store"]["taken"] == {}
+    assert output["store"]["kept"]["run"] == 6 and output["store"]["taken"] == {}
 
 
 @pytest.mark.parametrize(("outcome", "status"), [("answered", 0), ("unsupported", 3), ("crashed", 3)])

@@ -29,8 +29,8 @@ def test_a_wrong_word_is_told_the_right_one(capsys):
 
 def test_help_names_every_command(capsys):
     assert cli.main([]) == 0
-    told = capsys.readouterr().out
-    assert all(f"\n  {name} " in told for name in cli.COMMANDS)
+    output = capsys.readouterr().out
+    assert all(f"\n  {name} " in output for name in cli.COMMANDS)
     assert cli.main(["--version"]) == 0
     assert capsys.readouterr().out == f"slip-to-roll {cases.__version__}\n"
 
@@ -118,6 +118,6 @@ slip-to-roll() {{ {sys.executable} -m reports.cli "$@"; }}
 COMP_WORDS=(slip-to-roll com); COMP_CWORD=1; _slip_to_roll; echo "${{COMPREPLY[@]}}"
 COMP_WORDS=(slip-to-roll report --case disc_in_cir); COMP_CWORD=3; _slip_to_roll; echo "${{COMPREPLY[@]}}"
 """
-    told = subprocess.run(["bash", "-c", asked], capture_output=True, text=True, check=True).stdout.splitlines()
-    assert told[0].split() == ["compare", "compare-builds", "completion"]
-    assert "disc_in_circle" in told[1].split()
+    output = subprocess.run(["bash", "-c", asked], capture_output=True, text=True, check=True).stdout.splitlines()
+    assert output[0].split() == ["compare", "compare-builds", "completion"]
+    assert "disc_in_circle" in output[1].split()

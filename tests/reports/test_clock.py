@@ -203,7 +203,7 @@ def test_a_neighbour_is_seen():
     from pathlib import Path
 
     if not Path("/proc/loadavg").exists():
-        pytest.skip("the load is told by Linux alone")
+        pytest.skip("only Linux reports the load")
     busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(clock.os.cpu_count() or 1)]
     try:
         time.sleep(0.5)
@@ -267,7 +267,7 @@ def test_two_passes_rank_alike_and_agree_within_their_intervals():
     assert first.keys() == second.keys() and len(first) >= 15
     for pair, (low, _, high) in first.items():
         again_low, _, again_high = second[pair]
-        # No pair is told apart one way in one pass and the other way in the other.
+        # No pair is ordered one way in one pass and the other way in the other.
         assert not (high < 1.0 < again_low or again_high < 1.0 < low), pair
     # Of ten passes two by two 99.9 % of all pairs agreed, and in the worst two 97 %.
     agree = [low <= second[pair][2] and second[pair][0] <= high for pair, (low, _, high) in first.items()]

@@ -63,8 +63,8 @@ def test_calls_have_the_answers_they_have_here(within):
     answers = [dict(pool.run(operator.call, WAYS, 0.3)) for pool in (here, within)]
     here.close()
     assert [answers[1][i].outcome for i in range(6)] == ["done", "raised", "died", "timed_out", "done", "raised"]
-    told = [[(i, a.outcome, a.value, a.reason) for i, a in sorted(some.items())] for some in answers]
-    assert told[0] == told[1]
+    output = [[(i, a.outcome, a.value, a.reason) for i, a in sorted(some.items())] for some in answers]
+    assert output[0] == output[1]
 
 
 def test_a_worker_that_was_not_asked_makes_nothing():
@@ -196,10 +196,10 @@ def without(tmp_path, package: str) -> str:
 
 def with_version(tmp_path, package: str) -> str:
     """A folder in which a package says that it has another version."""
-    told = tmp_path / "other" / f"{package}-0.1.dist-info"
-    told.mkdir(parents=True)
-    (told / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 0.1\n")
-    return str(told.parent)
+    output = tmp_path / "other" / f"{package}-0.1.dist-info"
+    output.mkdir(parents=True)
+    (output / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: 0.1\n")
+    return str(output.parent)
 
 
 @pytest.mark.slow

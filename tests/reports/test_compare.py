@@ -1,4 +1,4 @@
-"""A trajectory from a file is judged like any solver's, and a file that cannot be judged is told in a sentence."""
+"""A trajectory from a file is judged like any solver's; a file that cannot be judged gives one sentence."""
 
 import re
 
@@ -302,7 +302,7 @@ def test_plate_that_leaves_its_track_ends_there(tmp_path, monkeypatch, capsys):
     cases.load_file(tmp_path / "hill.py")
     motion = reference.simulate(cases.load("hilltop"), rtol=1e-12)
     frame, end = table(motion=motion), motion.t[-1]
-    # The flight, told as a solver would that goes on without contact.
+    # The flight, written as a solver would that goes on without contact.
     later = np.linspace(end, 1.0, 200)[1:]
     last = motion(end)
     flight = pd.DataFrame(dict(
@@ -327,13 +327,13 @@ def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
     motion = reference.simulate(case, rtol=1e-12)
     frame = table(columns, motion, samples=3001)
     frame.to_csv(tmp_path / "bounces.csv", index=False)
-    told = motion_file.trajectory_of(case, motion_file.read_table(tmp_path / "bounces.csv"))
-    assert told.status == "completed" and len(told.t) == 3001
-    flying = np.isnan(motion(told.t).slip)
+    output = motion_file.trajectory_of(case, motion_file.read_table(tmp_path / "bounces.csv"))
+    assert output.status == "completed" and len(output.t) == 3001
+    flying = np.isnan(motion(output.t).slip)
     # Within a hundredth of its size the plate counts as touching: 1 mm, which it crosses in some samples.
-    assert np.mean(np.isnan(told.slip) != flying) < 0.02
+    assert np.mean(np.isnan(output.slip) != flying) < 0.02
     gap = np.where(flying, 1.0, 0.0)
-    assert residuals.broken_laws(case, told, gap) == []
+    assert residuals.broken_laws(case, output, gap) == []
 
 
 # Rebounds too low for a pose to tell from lying on the track, a landing that sticks at once, a lift-off at the end.
@@ -379,9 +379,9 @@ def test_landing_without_impact_ends_the_motion(tmp_path):
     t = np.linspace(0.0, 0.5, 501)
     y = np.maximum(0.4 - 4.905 * t**2, 0.1)
     pd.DataFrame(dict(t=t, x=0.0 * t, y=y, theta=0.0 * t)).to_csv(tmp_path / "fall.csv", index=False)
-    told = motion_file.trajectory_of(case, motion_file.read_table(tmp_path / "fall.csv"))
-    assert told.status == "landing"
-    assert told.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)
+    output = motion_file.trajectory_of(case, motion_file.read_table(tmp_path / "fall.csv"))
+    assert output.status == "landing"
+    assert output.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)
 
 
 def test_unknown_case_or_file_is_told(tmp_path, capsys):

@@ -1,4 +1,4 @@
-"""Two reports compared: what changed is told, what only the day decides is not."""
+"""Two reports compared: what changed is listed; what varies from day to day is not."""
 
 import shutil
 
@@ -117,8 +117,8 @@ def test_ratios_differ_only_outside_both_intervals(report, tmp_path):
         return frame.solver == "b"
 
     near = changed(report, tmp_path, "time_to_accuracy", ["ratio_low", "ratio", "ratio_high"], ["3.4", "4", "5"], of_b)
-    told = compare_builds.compare(report, near)
-    assert told.same and told.ratio_count == 2
+    output = compare_builds.compare(report, near)
+    assert output.same and output.ratio_count == 2
     shutil.rmtree(near)
     far = changed(report, tmp_path, "time_to_accuracy", ["ratio_low", "ratio", "ratio_high"], ["3.6", "4", "5"], of_b)
     ((_, row, _, one, other),) = compare_builds.compare(report, far).ratios
@@ -139,8 +139,8 @@ def test_ranks_that_changed_are_told(report, tmp_path):
 
 def test_a_folder_without_a_report_is_told_in_one_line(report, tmp_path, capsys):
     assert compare_builds.main([str(report), str(tmp_path)]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1 and "contains no report" in told
+    output = capsys.readouterr().err
+    assert output.count("\n") == 1 and "contains no report" in output
 
 
 @pytest.mark.slow
@@ -150,12 +150,12 @@ def test_two_builds_of_the_same_commit_give_the_same_accuracies_and_alike_times(
         argv = ["--case", CASE, "--solver", "reference", "pymunk", "--fresh"]
         argv += ["--out", str(tmp_path / name), "--store", str(tmp_path / f"store of {name}")]
         assert build.main(argv) == 0
-    told = compare_builds.compare(tmp_path / "one", tmp_path / "two")
-    assert told.results == [] and told.levels == []
-    if told.ratio_count < 10:
+    output = compare_builds.compare(tmp_path / "one", tmp_path / "two")
+    assert output.results == [] and output.levels == []
+    if output.ratio_count < 10:
         pytest.skip("the machine was disturbed")
     # Of two processes 99.9 % of the ratios agree on a quiet machine, in the worst two 97 %.
-    assert len(told.ratios) <= 0.05 * told.ratio_count
+    assert len(output.ratios) <= 0.05 * output.ratio_count
 
 
 def test_two_solvers_of_a_report_are_compared_as_one(report, tmp_path, capsys):
@@ -197,5 +197,5 @@ def test_a_report_that_is_none_is_one_sentence_and_status_2(file, content, sente
     if content is not None:
         (other / file).write_text(content)
     assert compare_builds.main([str(report), str(other)]) == 2
-    told = capsys.readouterr()
-    assert sentence in told.err and told.err.count("\n") == 1 and not told.out
+    output = capsys.readouterr()
+    assert sentence in output.err and output.err.count("\n") == 1 and not output.out

@@ -57,8 +57,8 @@ def test_where_no_order_can_be_fitted_the_table_says_why():
 @pytest.mark.parametrize("cause", ["truth", "reading", "rounding"])
 def test_ladder_within_a_known_limit_saturates_for_that_reason(cause):
     errors = [1e-3, 1e-5, 1e-8, 2e-8]
-    told = convergence.saturation(ladder(errors, **{"truth": 1e-15, cause: 3e-9}))
-    assert told == (cause, "n=400", 1e-8)
+    output = convergence.saturation(ladder(errors, **{"truth": 1e-15, cause: 3e-9}))
+    assert output == (cause, "n=400", 1e-8)
 
 
 def test_level_ladder_far_from_every_known_limit_is_the_model_s():
@@ -80,6 +80,6 @@ def test_falling_ladder_does_not_saturate(errors):
 
 
 def test_rungs_without_an_error_are_left_out():
-    told = convergence.saturation(ladder([1e-3, np.nan, 1e-5, 1e-5, np.nan, 1.1e-5]))
-    assert told == ("model", "n=400", 1e-5)
+    output = convergence.saturation(ladder([1e-3, np.nan, 1e-5, 1e-5, np.nan, 1.1e-5]))
+    assert output == ("model", "n=400", 1e-5)
     assert convergence.saturation(ladder([np.nan])) == convergence.saturation([])

@@ -54,9 +54,9 @@ def report(tmp_path_factory, without_figures):
         for name, seconds in (("BUDGET", 6.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
             patch.setattr(timings, name, seconds)
         patch.setattr(which_engine, "MEASURED", (cost_conclusions.LEVEL,))
-        with redirect_stdout(io.StringIO()) as told, without_figures():
+        with redirect_stdout(io.StringIO()) as output, without_figures():
             assert build.main(["--case", CASE, "--solver", "reference", "pymunk", "--out", str(out)]) == 0
-    (out.parent / "terminal.txt").write_text(told.getvalue())
+    (out.parent / "terminal.txt").write_text(output.getvalue())
     return out
 
 
@@ -69,11 +69,11 @@ def read(report, name: str) -> pd.DataFrame:
 
 def test_a_level_is_reached_only_if_no_finer_setting_or_doubt_contradicts_it(report):
     """By the order of the runs themselves, and their off and doubt."""
-    told, runs = read(report, "time_to_accuracy"), read(report, "trajectories")
-    assert set(told.level) == set(LEVELS) and set(told.reached) <= {
+    output, runs = read(report, "time_to_accuracy"), read(report, "trajectories")
+    assert set(output.level) == set(LEVELS) and set(output.reached) <= {
         "reached", "one setting", "not reached", "not known", "not timed", "disturbed"
     }  # fmt: skip
-    for row in told.itertuples():
+    for row in output.itertuples():
         mine = runs[(runs.case == row.case) & (runs.solver == row.solver) & (runs.route == row.route)]
         ladder = mine[~mine.setting.str.startswith("rung=defaults") & mine.off.notna()]
         worth = ladder.off + ladder.off_doubt
@@ -86,16 +86,16 @@ def test_a_level_is_reached_only_if_no_finer_setting_or_doubt_contradicts_it(rep
             assert worth.iloc[-1] <= row.level, row
         else:
             assert worth.iloc[-1] > row.level and pd.isna(row.cpu_s) and pd.isna(row.setting), row
-    assert {"reached", "not reached"} <= set(told.reached)
+    assert {"reached", "not reached"} <= set(output.reached)
 
 
 def test_the_table_of_levels_has_all_settings_and_the_same_words(report):
-    told, every = read(report, "time_to_accuracy"), read(report, "levels")
+    output, every = read(report, "time_to_accuracy"), read(report, "levels")
     words = {
         tuple(row[:4]): row[4] for row in every[["case", "solver", "route", "level", "reached"]].itertuples(index=False)
     }
-    assert len(words) == len(every) >= len(told)
-    for row in told.itertuples():
+    assert len(words) == len(every) >= len(output)
+    for row in output.itertuples():
         word = words[row.case, row.solver, row.route, row.level]
         assert word == row.reached or row.reached in ("not timed", "disturbed"), row
 
@@ -108,10 +108,10 @@ def spent(row, runs: int) -> float:
 
 
 def test_answers_are_the_cheapest_of_each_side(report):
-    told, answers = read(report, "time_to_accuracy"), read(report, "which_engine")
+    output, answers = read(report, "time_to_accuracy"), read(report, "which_engine")
     assert [(row.level, row.runs) for row in answers.itertuples()] == [(a, n) for a in LEVELS for n in (1, 1000)]
     for answer in answers.itertuples():
-        level = told[(told.level == answer.level) & told.first_call_s.notna()]
+        level = output[(output.level == answer.level) & output.first_call_s.notna()]
         for name, seconds, ours in (
             (answer.engine, answer.engine_total_s, False),
             (answer.reference, answer.reference_total_s, True),
@@ -154,8 +154,8 @@ def test_first_sentence_is_true_by_the_tables_beside_it(report):
     page = (report / "index.html").read_text()
     section = page[page.index('<section class="chapter" id="cost">') :]
     sentence = unescape(re.search(r'<p class="cheapest"><strong>(.*?)</strong></p>', section)[1])
-    told = read(report, "time_to_accuracy")
-    level = told[(told.level == cost_conclusions.LEVEL) & told.first_call_s.notna()]
+    output = read(report, "time_to_accuracy")
+    level = output[(output.level == cost_conclusions.LEVEL) & output.first_call_s.notna()]
     sides = [level[(level.solver == "reference") == ours] for ours in (True, False)]
     assert all(len(side) for side in sides)
     assert sentence.startswith(f"Called from Python, within 1 % in {CASE}: ")
@@ -174,8 +174,8 @@ def test_first_sentence_is_true_by_the_tables_beside_it(report):
 
 
 def test_the_parts_of_an_engines_runs_are_in_the_table(report):
-    told = read(report, "time_to_accuracy")
-    rows = told[told.engine_s.notna() & (told.solver == "pymunk")]
+    output = read(report, "time_to_accuracy")
+    rows = output[output.engine_s.notna() & (output.solver == "pymunk")]
     assert len(rows)
     parts = rows[["engine_s", "binding_s", "callback_s", "notes_s"]]
     # That they add up to the whole is measured in `test_parts`.
@@ -243,34 +243,34 @@ def test_a_column_without_words_is_not_written(tmp_path):
 
 def test_tables_for_reading_are_short(report):
     for file in (report / "tables").glob("*.md"):
-        told = file.read_text()
-        rows = [line for line in told.splitlines() if line.startswith("|")]
+        output = file.read_text()
+        rows = [line for line in output.splitlines() if line.startswith("|")]
         assert len(rows) <= text.TOP_ROWS + 2, file
         # Where rows are left out it is said which file has them.
         if len(rows) == text.TOP_ROWS + 2 and len(tables(report)[file.stem]) > text.TOP_ROWS + 1:
-            assert f"[{file.stem}.csv]" in told
+            assert f"[{file.stem}.csv]" in output
 
 
 # --- numbers for people -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    "value, told",
+    "value, output",
     [
         (0.17, "170 ms"), (0.5, "0.5 s"), (3.4e-4, "340 µs"), (9.996e-4, "1 ms"), (0.4499, "450 ms"), (1.0, "1 s"),
         (2.46, "2.5 s"), (99.6, "100 s"), (1234.0, "1,200 s"), (nan, "unknown"), (0.0, "0 µs"),
     ],
 )  # fmt: skip
-def test_times_are_told_with_two_digits_and_no_power_of_ten(value, told):
-    assert number_format.seconds(value) == told
+def test_times_are_told_with_two_digits_and_no_power_of_ten(value, output):
+    assert number_format.seconds(value) == output
 
 
 @pytest.mark.parametrize(
-    "value, told",
+    "value, output",
     [(660.3, "660 ×"), (1560.0, "1,600 ×"), (9.96, "10 ×"), (0.29, "0.29 ×"), (8.04, "8 ×"), (0.3, "0.3 ×")],
 )
-def test_ratios_are_told_with_two_digits_and_no_power_of_ten(value, told):
-    assert number_format.times(value) == told
+def test_ratios_are_told_with_two_digits_and_no_power_of_ten(value, output):
+    assert number_format.times(value) == output
 
 
 def test_levels_are_written_shortly():

@@ -32,7 +32,7 @@ def made_up(error, steps=(4.0, 2.0, 1.0), facets=(10, 20, 40), **extra) -> list[
     return cells
 
 
-def told(cells: list[ErrorCell], h: float, n: int, quantity: str = "first_transition_time") -> dict:
+def output(cells: list[ErrorCell], h: float, n: int, quantity: str = "first_transition_time") -> dict:
     """The row of one setting."""
     rows = error_parts.rows(cells)
     return next(r for r in rows if r["quantity"] == quantity and str(r["setting"]) == f"h={h:g} facets={n}")
@@ -40,7 +40,7 @@ def told(cells: list[ErrorCell], h: float, n: int, quantity: str = "first_transi
 
 def test_parts_of_a_separable_error_are_its_terms():
     cells = made_up(lambda h, n: 3e-3 * h**2 - 1.0 / n)
-    row = told(cells, 4.0, 10)
+    row = output(cells, 4.0, 10)
     assert row["step_part"] == pytest.approx(3e-3 * (4.0**2 - 1.0))
     assert row["model_part"] == pytest.approx(-1 / 10 + 1 / 40)
     assert row["finest_error"] == pytest.approx(3e-3 - 1 / 40)
@@ -60,7 +60,7 @@ def test_parts_of_a_distance_are_told_along_it():
     for cell in cells:
         h, n = cell.setting["h"], cell.setting["facets"]
         cell.errors["final_centre"] = np.array([0.3 * h, 4.0 / n])
-    row = told(cells, 4.0, 10, "final_centre")
+    row = output(cells, 4.0, 10, "final_centre")
     assert row["total"] == pytest.approx(np.hypot(1.2, 0.4))
     along = np.array([1.2, 0.4]) / row["total"]
     assert row["step_part"] == pytest.approx(0.9 * along[0])
@@ -69,28 +69,28 @@ def test_parts_of_a_distance_are_told_along_it():
 
 def test_knob_to_turn_is_the_one_whose_notch_helps_most():
     cells = made_up(lambda h, n: h + 1.0 / n)
-    assert told(cells, 4.0, 10)["turn_next"] == "h"
-    assert told(cells, 1.0, 10)["turn_next"] == "facets"
-    assert told(cells, 1.0, 40)["turn_next"] == "none"
+    assert output(cells, 4.0, 10)["turn_next"] == "h"
+    assert output(cells, 1.0, 10)["turn_next"] == "facets"
+    assert output(cells, 1.0, 40)["turn_next"] == "none"
 
 
 def test_knob_that_makes_it_worse_is_named_and_not_advised():
     cells = made_up(lambda h, n: h * n)
-    row = told(cells, 4.0, 10)
+    row = output(cells, 4.0, 10)
     assert (row["turn_next"], row["makes_worse"]) == ("h", "facets")
     cells = made_up(lambda h, n: abs(np.log2(h) - np.log2(40 / n)) + 0.1 * h)
-    row = told(cells, 4.0, 10)
+    row = output(cells, 4.0, 10)
     assert (row["turn_next"], row["makes_worse"]) == ("all", "h facets")
 
 
 def test_failed_run_is_a_row_and_no_advice():
     cells = made_up(lambda h, n: h if (h, n) != (2.0, 10) else np.nan)
     cells[3] = ErrorCell("case", "engine", "native", cells[3].setting, "crashed", "It blew up.")
-    row = told(cells, 2.0, 10)
+    row = output(cells, 2.0, 10)
     assert (row["outcome"], row["reason"], row["turn_next"]) == ("crashed", "It blew up.", "none")
     assert np.isnan(row["total"])
     # The notch towards the failed run is neither good nor bad.
-    assert told(cells, 4.0, 10)["turn_next"] == "all"
+    assert output(cells, 4.0, 10)["turn_next"] == "all"
 
 
 def test_refused_route_is_one_row_with_its_reason():

@@ -65,8 +65,8 @@ def test_trajectory_gets_rows_figures_and_a_verdict_of_its_own(report):
     assert {"mine", "theirs"} <= set(pd.read_csv(report / "tables" / "headline.csv").solver)
     # Where it agrees to the last digit there is no distance to draw: that of poses alone is.
     assert "theirs, file" in (report / "figures" / "headline.svg").read_text()
-    told = json.loads((report / "manifest.json").read_text())["solvers"]["mine"]
-    assert told.startswith("a trajectory from mine.csv (sha256 ")
+    output = json.loads((report / "manifest.json").read_text())["solvers"]["mine"]
+    assert output.startswith("a trajectory from mine.csv (sha256 ")
 
 
 @pytest.mark.parametrize("table", ["work_precision", "time_to_accuracy"])
@@ -123,7 +123,7 @@ def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "output"),
     [
         ("mine", "give --trajectory NAME=FILE.csv"),
         ("=mine.csv", "give --trajectory NAME=FILE.csv"),
@@ -136,7 +136,7 @@ def test_trajectory_of_a_case_without_truth_is_refused(file, nothing_yet):
     ],
 )
 def test_unusable_trajectory_is_told_in_one_line_before_anything_runs(
-    text, told, tmp_path, motion, monkeypatch, capsys
+    text, output, tmp_path, motion, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)
     motion.to_csv("mine.csv", index=False)
@@ -146,7 +146,7 @@ def test_unusable_trajectory_is_told_in_one_line_before_anything_runs(
     before = sorted(tmp_path.iterdir())
     assert build.main(["--case", LABEL, "--trajectory", text]) == 2
     said = capsys.readouterr()
-    assert said.out == "" and said.err.count("\n") == 1 and told in said.err
+    assert said.out == "" and said.err.count("\n") == 1 and output in said.err
     assert sorted(tmp_path.iterdir()) == before
 
 

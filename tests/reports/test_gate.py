@@ -63,8 +63,8 @@ def test_formats_for_programs(tmp_path, capsys):
     old = report(tmp_path / "old", RUN, other)
     new = report(tmp_path / "new", RUN, other | {"outcome": "crashed", "off": "", "off_doubt": ""})
     assert gate.main(["--baseline", old, new, "--format", "json"]) == 1
-    told = json.loads(capsys.readouterr().out)
-    assert told["counts"] == {"same": 1, "worse": 1} and told["runs"][1]["now"] is None
+    output = json.loads(capsys.readouterr().out)
+    assert output["counts"] == {"same": 1, "worse": 1} and output["runs"][1]["now"] is None
     assert gate.main(["--baseline", old, new, "--format", "junit"]) == 1
     suite = ElementTree.fromstring(capsys.readouterr().out)
     assert (suite.get("tests"), suite.get("failures")) == ("2", "1")
@@ -87,8 +87,8 @@ def test_invalid_input_is_one_sentence(words, sentence, tmp_path, capsys):
     old = report(tmp_path / "old", RUN)
     words = words if words[0].startswith("no") else [old, *words]
     assert gate.main(["--baseline", old, *words]) == 2
-    told = capsys.readouterr()
-    assert sentence in told.err and told.err.count("\n") == 1 and not told.out
+    output = capsys.readouterr()
+    assert sentence in output.err and output.err.count("\n") == 1 and not output.out
 
 
 def test_reports_without_a_common_run_cannot_be_compared(tmp_path, capsys):

@@ -75,9 +75,9 @@ def test_releases_count_what_became_better_and_worse_and_versions_that_were_not_
     assert [row["version"] for row in rows] == ["6.0", "6.9", "7.0", "7.1"]
     assert (rows[2]["changed"], rows[2]["better"], rows[2]["worse"]) == (2, 1, 1)
     assert rows[0]["note"] == "no wheel" and rows[0]["runs"] == 0 and rows[3]["worse"] == 1
-    told = history.summary(rows)
-    assert "pymunk: 3 versions run, 6.9 to 7.1" in told and "6.0: not run: no wheel" in told
-    assert "7.0: 2 answers changed, 1 better, 1 worse" in told
+    output = history.summary(rows)
+    assert "pymunk: 3 versions run, 6.9 to 7.1" in output and "6.0: not run: no wheel" in output
+    assert "7.0: 2 answers changed, 1 better, 1 worse" in output
 
 
 def test_versions_without_a_change_between_them_share_a_column_of_the_page():
@@ -137,8 +137,8 @@ def test_an_index_that_cannot_be_reached_is_a_sentence(index, monkeypatch):
 )
 def test_invalid_input_is_one_sentence(words, sentence, capsys):
     assert cli.main(["history", *words]) == 2
-    told = capsys.readouterr()
-    assert sentence in told.err and told.err.count("\n") == 1
+    output = capsys.readouterr()
+    assert sentence in output.err and output.err.count("\n") == 1
 
 
 @pytest.mark.slow

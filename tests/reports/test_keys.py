@@ -84,8 +84,8 @@ def test_a_case_file_edited_under_the_same_name_is_another_case(changes, tmp_pat
 
 
 def test_every_case_of_the_catalogue_can_be_told_from_every_other():
-    told = [fingerprint.content(case) for name in cases.names() for case in cases.select(name)]
-    assert None not in told and len(set(told)) == len(told)
+    output = [fingerprint.content(case) for name in cases.names() for case in cases.select(name)]
+    assert None not in output and len(set(output)) == len(output)
 
 
 def test_words_in_a_case_file_decide_nothing(tmp_path, monkeypatch):
@@ -256,13 +256,13 @@ def test_code_is_told_apart_by_what_it_does_not_by_its_layout(tmp_path, monkeypa
     point = EntryPoint("an_engine_of_tests", "an_engine_of_tests.adapter", source_code.GROUP)
     monkeypatch.setattr(source_code, "entry_points", lambda group, name=None: [point])
 
-    def told() -> str:
+    def output() -> str:
         for cached in (fingerprint.adapter_sources, source_code.of, source_code.tree_of):
             cached.cache_clear()
         return fingerprint.adapter_sources("an_engine_of_tests")
 
-    before = told()
+    before = output()
     (package / "_knobs.py").write_text("# ten centimetres\nh   =   0.1\n")
-    assert told() == before
+    assert output() == before
     (package / "_knobs.py").write_text("h = 0.2\n")
-    assert told() != before
+    assert output() != before

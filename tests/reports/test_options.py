@@ -23,12 +23,12 @@ SLOW = {"exudyn", "pymunk", "heyoka", "pybullet", "matplotlib", "pandas", "scipy
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_imports_nothing_slow_and_writes_nothing(command, tmp_path):
-    told = subprocess.run(
+    output = subprocess.run(
         [sys.executable, "-X", "importtime", "-m", command, "--help"],
         cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=True,
     )  # fmt: skip
-    assert re.search("python -m |slip-to-roll", told.stdout) and list(tmp_path.iterdir()) == []
-    imported = {line.rpartition("|")[2].strip().partition(".")[0] for line in told.stderr.splitlines()}
+    assert re.search("python -m |slip-to-roll", output.stdout) and list(tmp_path.iterdir()) == []
+    imported = {line.rpartition("|")[2].strip().partition(".")[0] for line in output.stderr.splitlines()}
     assert not imported & SLOW
 
 
@@ -39,8 +39,8 @@ def test_help_imports_nothing_slow_and_writes_nothing(command, tmp_path):
 def test_every_command_refuses_what_it_does_not_know_in_one_sentence(main, words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(words) == 2
-    told = capsys.readouterr()
-    assert told.out == "" and told.err.count("\n") == 1 and list(tmp_path.iterdir()) == []
+    output = capsys.readouterr()
+    assert output.out == "" and output.err.count("\n") == 1 and list(tmp_path.iterdir()) == []
 
 
 def show_main(words) -> int:
@@ -104,13 +104,13 @@ def test_cases_made_by_hand_in_a_script_are_reported(tmp_path):
     import pandas as pd
 
     (tmp_path / "script.py").write_text(SCRIPT)
-    told = subprocess.run(
+    output = subprocess.run(
         [sys.executable, "script.py"], cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True, text=True,
     )  # fmt: skip
-    assert told.returncode == 0, told.stderr
-    assert told.stdout.startswith("begins\n") and told.stdout.count("begins") == 1
-    assert told.stdout.endswith(f"{tmp_path}/report/index.html\n")
+    assert output.returncode == 0, output.stderr
+    assert output.stdout.startswith("begins\n") and output.stdout.count("begins") == 1
+    assert output.stdout.endswith(f"{tmp_path}/report/index.html\n")
     rows = pd.read_csv(tmp_path / "report" / "tables" / "transitions.csv")
     for name, v in (("bowled_by_hand", 1.0), ("disc_on_line", 0.8)):
         own = rows[(rows.case == name) & (rows.solver == "reference")]

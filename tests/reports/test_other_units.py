@@ -55,8 +55,8 @@ def judged(case: Case, table: pd.DataFrame, length: float, time: float):
     )
     numbers = [value / units.get(name, 1.0) for name, value in own._asdict().items()]
     gap = motion_file.follow_contact(case, motion_file.columns_of(table))[2]
-    told = [*residuals.broken_laws(case, motion, gap), *validation.jumps(case, motion, truth, own.centre_max)]
-    return [(t.before, t.after) for t in read], [t.time / time for t in read], numbers, len(told)
+    output = [*residuals.broken_laws(case, motion, gap), *validation.jumps(case, motion, truth, own.centre_max)]
+    return [(t.before, t.after) for t in read], [t.time / time for t in read], numbers, len(output)
 
 
 @pytest.mark.parametrize("how", OTHERWISE)
@@ -65,9 +65,9 @@ def test_a_motion_is_judged_alike_in_other_units_and_by_other_parameters(name, h
     case = cases.select(name)[0]
     table = as_an_engine_tells_it(motion_of(case))
     change, length, time = OTHERWISE[how]
-    modes, times, numbers, told = judged(case, table, 1.0, 1.0)
+    modes, times, numbers, output = judged(case, table, 1.0, 1.0)
     other, when, others, tells = judged(change(case), in_units(table, length, time), length, time)
-    assert (other, tells) == (modes, told) and modes
+    assert (other, tells) == (modes, output) and modes
     # Zeros of polynomials through samples, whose digits round otherwise.
     assert when == pytest.approx(times, abs=1e-9)
     assert others == pytest.approx(numbers, rel=1e-7, abs=1e-9, nan_ok=True)

@@ -75,21 +75,21 @@ def test_engine_and_binding_take_as_long_by_profile_as_with_an_empty_callback():
 @pytest.mark.parametrize("route", ["native", "assisted"])
 def test_parts_by_difference_are_the_whole(route):
     setting = adapter.ladder(CIRCLE, route)[3]
-    told = time_breakdown.parts(Contestant(CIRCLE, "pymunk", route, setting, 0.1), time.perf_counter() + 2.0)
-    assert sum(told) == pytest.approx(1.0, abs=0.1)  # differences of measured times, none below zero
+    output = time_breakdown.parts(Contestant(CIRCLE, "pymunk", route, setting, 0.1), time.perf_counter() + 2.0)
+    assert sum(output) == pytest.approx(1.0, abs=0.1)  # differences of measured times, none below zero
     # The assisted route's callback is Python of ours and the most of it; the native one has none.
-    assert told.callback > 0.7 if route == "assisted" else told.callback < 0.1
-    assert 0.0 < told.engine < (0.1 if route == "assisted" else 0.7)
+    assert output.callback > 0.7 if route == "assisted" else output.callback < 0.1
+    assert 0.0 < output.engine < (0.1 if route == "assisted" else 0.7)
 
 
 @pytest.mark.timed
 @pytest.mark.skipif("taylor" not in reference.METHODS, reason="needs heyoka")
 def test_a_profile_tells_an_engine_from_the_python_it_calls_back():
     """heyoka's own steps are less than half of a Taylor run of a few milliseconds."""
-    told = time_breakdown.parts(
+    output = time_breakdown.parts(
         Contestant(CIRCLE, "reference", "taylor", Setting.of(rtol=1e-9), 0.1), time.perf_counter() + 1.0
     )
-    assert 0.0 < told.engine < 0.9 and told.engine + told.callback == 1.0 and isnan(told.binding)
+    assert 0.0 < output.engine < 0.9 and output.engine + output.callback == 1.0 and isnan(output.binding)
 
 
 def test_python_alone_has_no_engine():
@@ -122,5 +122,5 @@ def test_a_call_from_cold_that_has_nothing_left_to_import_is_a_repeat(monkeypatc
     who = [Contestant(CIRCLE, "pymunk", "native", setting, 0.1)]
     cold_start.first_calls(who, 60.0)
     made.clear()
-    ((told, why),) = cold_start.first_calls(who, 60.0).values()
-    assert told.repeats <= cold_start.LEAST_REPEATS == len(made) and not why  # of which a busy machine disturbs some
+    ((output, why),) = cold_start.first_calls(who, 60.0).values()
+    assert output.repeats <= cold_start.LEAST_REPEATS == len(made) and not why  # of which a busy machine disturbs some

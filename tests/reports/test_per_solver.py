@@ -193,18 +193,18 @@ def clean(written):
         return rows_of_others(written(patch))
 
 
-def check(report: Path, told: str, clean: dict[str, list]) -> set[str]:
+def check(report: Path, output: str, clean: dict[str, list]) -> set[str]:
     """Nothing but rows of the spoilt engines is missing; those that are left out, everywhere the same."""
     assert (report / "index.html").stat().st_size > 100_000
     assert rows_of_others(report) == clean
     manifest = json.loads((report / "manifest.json").read_text())
     if not (report / "tables" / "left_out.csv").exists():
-        assert manifest["left_out"] == [] and "made without" not in told
+        assert manifest["left_out"] == [] and "made without" not in output
         return set()
     left = pd.read_csv(report / "tables" / "left_out.csv", dtype=str, keep_default_na=False)
     assert all(left["item"]) and all(left["reason"]) and all(left["solver"].str.startswith(SPOILT))
     assert [one["item"] for one in manifest["left_out"]] == list(left["item"])
-    assert f"{left['item'][0]} made without {left['solver'][0]}: {left['reason'][0]}" in told.splitlines()
+    assert f"{left['item'][0]} made without {left['solver'][0]}: {left['reason'][0]}" in output.splitlines()
     assert "Tables and figures without the results of a solver" in (report / "index.html").read_text()
     return set(left["solver"])
 
@@ -225,8 +225,8 @@ def test_each_row_that_no_table_can_show_costs_no_other_solver_a_row(change, wri
 
 def test_a_sound_report_says_nothing_of_this(written, monkeypatch, capsys):
     report = written(monkeypatch)
-    told = capsys.readouterr().out
-    assert not (report / "tables" / "left_out.csv").exists() and "made without" not in told
+    output = capsys.readouterr().out
+    assert not (report / "tables" / "left_out.csv").exists() and "made without" not in output
     assert "without the results of a solver" not in (report / "index.html").read_text()
 
 

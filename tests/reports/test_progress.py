@@ -12,8 +12,8 @@ def test_the_time_left_is_that_of_the_whole_at_the_pace_seen(monkeypatch):
     """Steps of 100, 200 and 100 s as a rule, on a machine half as fast."""
     now = [0.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
-    display, told = Display({"a": 100.0, "b": 200.0, "c": 100.0}), []
-    monkeypatch.setattr(display, "_show", lambda step, done, total, left: told.append((step, done, left)))
+    display, output = Display({"a": 100.0, "b": 200.0, "c": 100.0}), []
+    monkeypatch.setattr(display, "_show", lambda step, done, total, left: output.append((step, done, left)))
 
     def slowly(count, seconds):
         for i in range(count):
@@ -24,7 +24,7 @@ def test_the_time_left_is_that_of_the_whole_at_the_pace_seen(monkeypatch):
         assert list(display("a", 4, slowly(4, 50.0))) == [0, 1, 2, 3]
         assert list(display("b (3 more from the store)", 4, slowly(4, 100.0))) == [0, 1, 2, 3]
         list(display("c", 2, slowly(2, 100.0)))
-    left = {(step, done): seconds for step, done, seconds in told}
+    left = {(step, done): seconds for step, done, seconds in output}
     assert abs(left["b (3 more from the store)", 2] - (200.0 + 200.0)) < 20.0
     assert abs(left["c", 1] - 100.0) < 10.0 and left["c", 2] == 0.0
 

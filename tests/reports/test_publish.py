@@ -80,9 +80,9 @@ def test_the_readme_begins_with_its_picture_and_its_numbers():
     of_disc = table("truth").query("case == 'disc_in_circle[mu=0.2]' and event == 1").iloc[0]
     assert when == pytest.approx(of_disc["time"], abs=5e-10) and bar == float(f"{of_disc['truth_error_bar']:.0e}")
     rows = table("headline").query("case == 'disc_in_circle[mu=0.2]' and route == 'native'").set_index("solver")
-    told = re.findall(r"(pymunk|Exudyn) is ([\d.]+) % off", " ".join(part.split()))
-    assert [name.lower() for name, _ in told] == ["pymunk", "exudyn"]
-    for name, percent in told:
+    output = re.findall(r"(pymunk|Exudyn) is ([\d.]+) % off", " ".join(part.split()))
+    assert [name.lower() for name, _ in output] == ["pymunk", "exudyn"]
+    for name, percent in output:
         assert float(percent) == float(f"{100 * rows.loc[name.lower(), 'default_off']:.2g}")
 
 
@@ -93,9 +93,9 @@ def test_what_is_cited_and_packed_is_the_last_release():
     assert re.search(r'^date-released: "(.*)"$', cited, flags=re.M)[1] == date == RELEASED
     packed = (ROOT / "Dockerfile").read_text(encoding="utf-8")
     assert f"docs/results/{LAST.name}/constraints.txt" in packed
-    told = (LAST / "constraints.txt").read_text(encoding="utf-8")
+    output = (LAST / "constraints.txt").read_text(encoding="utf-8")
     for name, version in MANIFEST["packages"].items():
-        assert f"\n{name}=={version}\n" in told
+        assert f"\n{name}=={version}\n" in output
 
 
 # --- the command ------------------------------------------------------------------------------------------------------
@@ -114,13 +114,13 @@ def report(signed_report, tmp_path):
 
 def made_report(made: Path) -> Path:
     """A copy of the published report as a build would have left it, of the version that runs here."""
-    told = {name: value for name, value in MANIFEST.items() if name not in ("sha256", "licence", "files")}
-    told["solvers"] |= {"reference": cases.__version__}
-    told["format"] = FORMAT
-    told["cases"] = {case.label: {} for name in cases.names(hard=False) for case in cases.select(name)}
+    output = {name: value for name, value in MANIFEST.items() if name not in ("sha256", "licence", "files")}
+    output["solvers"] |= {"reference": cases.__version__}
+    output["format"] = FORMAT
+    output["cases"] = {case.label: {} for name in cases.names(hard=False) for case in cases.select(name)}
     with report_folder.of_report(made).staging(whole=True) as place:
         shutil.copytree(LAST, place, dirs_exist_ok=True, ignore=shutil.ignore_patterns("constraints.txt", LIST))
-        (place / "manifest.json").write_text(json.dumps(told))
+        (place / "manifest.json").write_text(json.dumps(output))
         # The last release has no grades: these are made up.
         grid = {"default_off": 0.3, "default_off_best": 0.1, "default_off_worst": 0.7, "default_settings": 6}
         table("headline").assign(**grid).to_csv(place / "tables" / "headline.csv", index=False)
@@ -164,8 +164,8 @@ def test_a_page_loses_its_links_to_figures_that_are_left_out_and_nothing_else():
     page += '<p><a href="figures/c.svg">c</a>, <a href="figures/d.svg">d</a>, as separate figures.</p>'
     page += '<div class="printed"><img src="figures/c.svg"></div>'
     assert ", as separate figures.</p>" in (ROOT / "reports/page/templates/pieces.html").read_text()
-    told = publish._by_itself(page, ["tables/a.csv"])
-    assert told == f'<a href="tables/a.csv">a</a>{picture}{publish._INSTEAD}'
+    output = publish._by_itself(page, ["tables/a.csv"])
+    assert output == f'<a href="tables/a.csv">a</a>{picture}{publish._INSTEAD}'
     with pytest.raises(cases.BadValue, match="refers to figures/e.svg"):
         publish._by_itself('<img src="figures/e.svg">', ["tables/a.csv"])
 
@@ -191,9 +191,9 @@ def test_what_may_not_stand_for_a_release_is_told_in_one_sentence(change, said, 
 def refused(report: Path, tmp_path: Path, capsys) -> str:
     """The sentence with which a report is refused; nothing is published."""
     assert publish.main([str(report), "--out", str(tmp_path / "results")]) == 2
-    told = capsys.readouterr().err
-    assert told.count("\n") == 1 and not list((tmp_path / "results").glob("*/*"))
-    return told
+    output = capsys.readouterr().err
+    assert output.count("\n") == 1 and not list((tmp_path / "results").glob("*/*"))
+    return output
 
 
 # --- a report from anybody --------------------------------------------------------------------------------------------
@@ -222,14 +222,14 @@ ODD = [None, True, 3, -1.5e300, "", "\ud800", "a\nb==1", [], [[]], ["x"], {}, {"
 @pytest.mark.parametrize("odd_values", [ODD[::4], pytest.param(ODD, marks=pytest.mark.slow)], ids=["few", "all"])
 @pytest.mark.parametrize("name", [*publish._TYPES, "made_by"])
 def test_odd_values_of_a_manifest_give_one_sentence(name, odd_values, report, tmp_path, capsys):
-    told = json.loads((report / "manifest.json").read_text())
+    output = json.loads((report / "manifest.json").read_text())
     right = {"options": [""], "cases": [], "lost": [[]]}.get(name, [])
     for odd in odd_values:
         if odd in right or isinstance(odd, str) and odd.isprintable() and name in ("python", "command", "made_at"):
             continue
-        changed(report, "manifest.json", json.dumps(told | {name: odd}))
+        changed(report, "manifest.json", json.dumps(output | {name: odd}))
         refused(report, tmp_path, capsys)
-    changed(report, "manifest.json", json.dumps({key: value for key, value in told.items() if key != name}))
+    changed(report, "manifest.json", json.dumps({key: value for key, value in output.items() if key != name}))
     refused(report, tmp_path, capsys)
 
 
@@ -309,8 +309,8 @@ def other_machine() -> str:
     from reports.page.manifest import manifest
 
     here = manifest({})
-    for told in (here, there := dict(MANIFEST)):
-        told["machine"] = re.findall(r"x86_64|aarch64|arm64|glibc[\d.]+|, .*", told["machine"])
+    for output in (here, there := dict(MANIFEST)):
+        output["machine"] = re.findall(r"x86_64|aarch64|arm64|glibc[\d.]+|, .*", output["machine"])
     different = (name for name in ("python", "packages", "machine") if here[name] != there[name])
     return next((f"{name}: {here[name]} here, {there[name]} there" for name in different), "")
 

@@ -95,22 +95,22 @@ def test_fresh_runs_all_again_and_keeps_it(fake):
 
 def test_what_ran_out_of_time_is_run_again_only_when_it_has_more(fake):
     fake(["wait 2"])  # truth has the same limit: here it has time, and is kept
-    first = fake(["until told", "wait 1"], limit=1.0)
-    (fake.folder / "told").touch()
-    again = fake(["until told", "wait 1"], limit=1.0)
+    first = fake(["until touched", "wait 1"], limit=1.0)
+    (fake.folder / "touched").touch()
+    again = fake(["until touched", "wait 1"], limit=1.0)
     for runs in (first, again):
         assert [run.outcome for run in runs.values()] == ["timed_out", "timed_out"]
-        assert "still running after 1 s" in runs["until told"].reason and "not tried" in runs["wait 1"].reason
+        assert "still running after 1 s" in runs["until touched"].reason and "not tried" in runs["wait 1"].reason
     assert fake_adapter.runs_in(fake.folder) == ["wait 2"]
-    longer = fake(["until told", "wait 1"], limit=30.0)
+    longer = fake(["until touched", "wait 1"], limit=30.0)
     assert [run.outcome for run in longer.values()] == ["answered", "answered"]
 
 
 def test_a_crash_is_kept_and_what_the_machine_lacked_is_not(fake):
     settings = ["segfault", "gives up", "no library"]
-    told = {setting: (run.outcome, run.reason) for setting, run in fake(settings).items()}
-    assert all(outcome == "crashed" for outcome, _ in told.values())
-    assert "SIGSEGV" in told["segfault"][1] and "libfake.so" in told["no library"][1]
+    output = {setting: (run.outcome, run.reason) for setting, run in fake(settings).items()}
+    assert all(outcome == "crashed" for outcome, _ in output.values())
+    assert "SIGSEGV" in output["segfault"][1] and "libfake.so" in output["no library"][1]
     kept = [setting_of(path) for path in fake.store.glob("run-*")]
     assert sorted(kept) == ["gives up", "segfault"]
 
@@ -218,8 +218,8 @@ class Builds:
             assert time.monotonic() < deadline and build.poll() is None, build.communicate()
             time.sleep(0.02)
         build.send_signal(how)
-        _, told = build.communicate(timeout=60.0)
-        return build.returncode, told.strip().splitlines()[-1]
+        _, output = build.communicate(timeout=60.0)
+        return build.returncode, output.strip().splitlines()[-1]
 
     def kept(self) -> list[str]:
         """Settings in the store."""
@@ -244,9 +244,9 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(
     assert status == -signal.SIGKILL
     after_kill = builds.kept()
     (tmp_path / "second").touch()
-    status, told = builds.stopped(signal.SIGINT, kept=2)
+    status, output = builds.stopped(signal.SIGINT, kept=2)
     assert status == 130
-    assert told.startswith("reports.build: stopped; ") and "the same command continues from there" in told
+    assert output.startswith("reports.build: stopped; ") and "the same command continues from there" in output
     after_stop = builds.kept()
     assert after_kill == ["wait 0"] and sorted(after_stop) == ["until second", "wait 0"]
     assert not (tmp_path / "report").exists() and list(tmp_path.glob("*.partial")) == []

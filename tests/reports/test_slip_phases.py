@@ -96,12 +96,12 @@ def test_curved_branches_are_read_to_the_documented_error(circle, accuracy, mu, 
     rows = ledger.match(exact.transitions, slip_phases.read_transitions(sampled(exact, count), mu))
     assert [row.pairing for row in rows] == ["paired"] * len(exact.transitions)
     worst = max((row.error for row in rows), key=abs)
-    told = f"transitions read from {count} samples / s"
+    output = f"transitions read from {count} samples / s"
     accuracy(
         case=f"disc_in_circle[mu={mu}]",
         solver="reading",
         route="samples",
-        quantity=told,
+        quantity=output,
         error=worst,
         tolerance=bound,
     )

@@ -82,9 +82,9 @@ def test_the_same_motions_untouched_are_excellent(monkeypatch, line):  # noqa: F
 def accusations(case, folder) -> list[str]:
     """What the reference's own motion, written to a file with all digits and read back, is accused of."""
     table(FULL, reference.simulate(case, rtol=1e-12), samples=1501).to_csv(folder / "own.csv", index=False)
-    told = motion_file.trajectory_of(case, motion_file.read_table(folder / "own.csv"))
-    gap = motion_file.follow_contact(case, {name: getattr(told, name) for name in motion_file.REQUIRED_COLUMNS})[2]
-    return residuals.broken_laws(case, told, gap)
+    output = motion_file.trajectory_of(case, motion_file.read_table(folder / "own.csv"))
+    gap = motion_file.follow_contact(case, {name: getattr(output, name) for name in motion_file.REQUIRED_COLUMNS})[2]
+    return residuals.broken_laws(case, output, gap)
 
 
 # At rest, without weight, at constant speed, on its way: all that a residual can be small beside.

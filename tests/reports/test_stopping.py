@@ -78,8 +78,8 @@ def interrupted(folder: Path, words: list[str], after: float, begun=lambda comma
     time.sleep(after)
     if command.poll() is None:
         os.killpg(command.pid, signal.SIGINT)
-    _, told = command.communicate(timeout=120.0)
-    return command.returncode, told
+    _, output = command.communicate(timeout=120.0)
+    return command.returncode, output
 
 
 @pytest.fixture
@@ -93,11 +93,13 @@ def folder(tmp_path):
 
 
 def check_interrupt(folder: Path, command: str, after: float, **begun) -> None:
-    status, told = interrupted(folder, COMMANDS[command], after, **begun)
-    assert "Traceback" not in told, told
+    status, output = interrupted(folder, COMMANDS[command], after, **begun)
+    assert "Traceback" not in output, output
     if status in (130, -signal.SIGINT):
         # It may have come to an end of its own just before.
-        assert told.strip().splitlines()[-1].startswith((f"{NAMES[command]}: ", "cases: ", "truth_elsewhere: ")), told
+        assert output.strip().splitlines()[-1].startswith((f"{NAMES[command]}: ", "cases: ", "truth_elsewhere: ")), (
+            output
+        )
 
 
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="the system does not tell what a process has loaded")
@@ -156,8 +158,8 @@ def test_killed_anywhere_a_build_goes_on_to_identical_tables_and_leaves_nothing(
     words += ["--store", str(folder / ".slip-to-roll")]
     whole = started(folder, words)
     began = time.monotonic()
-    _, told = whole.communicate(timeout=300.0)
-    assert whole.returncode == 0, told
+    _, output = whole.communicate(timeout=300.0)
+    assert whole.returncode == 0, output
     took, expected = time.monotonic() - began, tables(folder)
     for _ in range(KILLS // 2):
         for path in (folder / ".slip-to-roll").glob("*.npz"):
@@ -172,15 +174,15 @@ def test_killed_anywhere_a_build_goes_on_to_identical_tables_and_leaves_nothing(
                 os.kill(victim, signal.SIGKILL)
             except ProcessLookupError:
                 continue
-        _, told = command.communicate(timeout=300.0)
+        _, output = command.communicate(timeout=300.0)
         if command.returncode == -signal.SIGKILL:
             # The old report stands or the new one, as a whole; for an instant, while one takes the other's place, none.
             assert not (folder / "report" / "index.html").exists() or is_whole(folder / "report")
         else:
-            assert command.returncode == 0, told
+            assert command.returncode == 0, output
         again = started(folder, words)
-        _, told = again.communicate(timeout=300.0)
-        assert again.returncode == 0, told
+        _, output = again.communicate(timeout=300.0)
+        assert again.returncode == 0, output
         for name, frame in tables(folder).items():
             pd.testing.assert_frame_equal(frame, expected[name], obj=name)
         assert left(folder) == []
@@ -203,5 +205,5 @@ print("went on")
 
 
 def test_an_interrupt_that_python_ignores_in_a_callback_stops_the_command():
-    told = subprocess.run([sys.executable, "-c", IN_A_CALLBACK], capture_output=True, text=True, timeout=60)
-    assert (told.stdout, told.stderr) == ("", "\na command: stopped\n")
+    output = subprocess.run([sys.executable, "-c", IN_A_CALLBACK], capture_output=True, text=True, timeout=60)
+    assert (output.stdout, output.stderr) == ("", "\na command: stopped\n")

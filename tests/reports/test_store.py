@@ -86,7 +86,7 @@ def with_member(path: Path, name: str, content: bytes) -> None:
 
 def with_object_array(path: Path) -> None:
     array = pickle.dumps([Trap(path.parent / "sprung")])
-    with_record(path, lambda told: told["record"].update(samples=[["t", [0, "|O", [len(array) // 8]]]]))
+    with_record(path, lambda output: output["record"].update(samples=[["t", [0, "|O", [len(array) // 8]]]]))
     with_member(path, "0", array)
 
 
@@ -102,16 +102,16 @@ class Trap:
 
 def with_record(path: Path, change) -> None:
     with zipfile.ZipFile(path) as archive:
-        told = json.loads(archive.read("record.json"))
-    change(told)
-    with_member(path, "record.json", json.dumps(told).encode())
+        output = json.loads(archive.read("record.json"))
+    change(output)
+    with_member(path, "record.json", json.dumps(output).encode())
 
 
 def without_arrays(path: Path) -> None:
     with zipfile.ZipFile(path) as archive:
-        told = archive.read("record.json")
+        output = archive.read("record.json")
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("record.json", told)
+        archive.writestr("record.json", output)
 
 
 def flipped(path: Path) -> None:
@@ -128,18 +128,18 @@ DAMAGE = {
     "no arrays": without_arrays,
     "an array cut short": lambda path: with_member(path, "0", b"12345678"),
     "an array of text": lambda path: with_record(
-        path, lambda told: told["record"]["samples"][0][1].__setitem__(1, "<U2")
+        path, lambda output: output["record"]["samples"][0][1].__setitem__(1, "<U2")
     ),
     "an array of another shape": lambda path: with_record(
-        path, lambda told: told["record"]["samples"][0][1].__setitem__(2, [10**12])
+        path, lambda output: output["record"]["samples"][0][1].__setitem__(2, [10**12])
     ),
     "nested beyond all bounds": lambda path: with_member(path, "record.json", b"[" * 200_000),
-    "of another key": lambda path: with_record(path, lambda told: told["key"].update(case="d")),
-    "another record": lambda path: with_record(path, lambda told: told.update(record={"a": 1})),
-    "a field missing": lambda path: with_record(path, lambda told: told["record"].pop("samples")),
-    "a field more": lambda path: with_record(path, lambda told: told["record"].update(more=1)),
-    "wrong type": lambda path: with_record(path, lambda told: told["record"].update(outcome=3)),
-    "no record": lambda path: with_record(path, lambda told: told.clear()),
+    "of another key": lambda path: with_record(path, lambda output: output["key"].update(case="d")),
+    "another record": lambda path: with_record(path, lambda output: output.update(record={"a": 1})),
+    "a field missing": lambda path: with_record(path, lambda output: output["record"].pop("samples")),
+    "a field more": lambda path: with_record(path, lambda output: output["record"].update(more=1)),
+    "wrong type": lambda path: with_record(path, lambda output: output["record"].update(outcome=3)),
+    "no record": lambda path: with_record(path, lambda output: output.clear()),
     "pickled array": with_object_array,
 }
 
@@ -150,8 +150,8 @@ def test_a_damaged_file_is_told_in_one_line_and_mended_by_running_it_again(damag
     damage(kept_file(tmp_path))
     store = Store(tmp_path)
     assert store.get("run", KEY, Run) is None
-    (told,) = store.trouble()
-    assert told.startswith("could not be read, and were made again: 1, such as run-") and "\n" not in told
+    (output,) = store.trouble()
+    assert output.startswith("could not be read, and were made again: 1, such as run-") and "\n" not in output
     store.put("run", KEY, RUN, Run)
     mended = Store(tmp_path)
     assert identical(mended.get("run", KEY, Run), RUN) and mended.trouble() == []
@@ -161,8 +161,8 @@ def test_a_damaged_file_is_told_in_one_line_and_mended_by_running_it_again(damag
 def test_a_few_kilobytes_that_unfold_to_more_than_any_record_holds_are_not_unfolded(tmp_path, monkeypatch):
     Store(tmp_path).put("run", KEY, RUN, Run)
     with zipfile.ZipFile(kept_file(tmp_path)) as archive:
-        told = archive.read("record.json")
-    with_member(kept_file(tmp_path), "record.json", told + b" " * 10_000_000)
+        output = archive.read("record.json")
+    with_member(kept_file(tmp_path), "record.json", output + b" " * 10_000_000)
     assert kept_file(tmp_path).stat().st_size < 50_000 and Store(tmp_path).get("run", KEY, Run) is not None
     monkeypatch.setattr("reports.running.storage.result_store._MOST_BYTES", 10_000_000)
     store = Store(tmp_path)
@@ -176,7 +176,7 @@ def test_kinds_are_kept_apart_and_what_is_taken_is_told(tmp_path):
     first.put("truth", KEY, TRUTH, Truth)
     first.put("run", {"another": 1}, RUN, Run)
     for path, when in zip(sorted(tmp_path.glob("*-*.npz")), ("2021", "2020", "2022"), strict=True):
-        with_record(path, lambda told, when=when: told.update(when=when))
+        with_record(path, lambda output, when=when: output.update(when=when))
     store = Store(tmp_path)
     assert identical(store.get("truth", KEY, Truth), TRUTH) and identical(store.get("run", KEY, Run), RUN)
     assert store.get("run", {"another": 1}, Run) is not None and store.get("run", {"a third": 1}, Run) is None
@@ -243,8 +243,8 @@ def test_a_place_that_cannot_be_written_is_told_and_stops_nothing(tmp_path):
     store = Store(tmp_path / "file" / "store")
     store.put("run", KEY, RUN, Run)
     assert store.get("run", KEY, Run) is None
-    (told,) = store.trouble()
-    assert told.startswith("could not be stored: 1")
+    (output,) = store.trouble()
+    assert output.startswith("could not be stored: 1")
     assert "cannot be stored: NotADirectoryError" in store.problem() and Store(tmp_path / "good").problem() == ""
     assert store.kept_words() == "no result was stored"
 
@@ -273,8 +273,8 @@ def test_who_stops_a_fresh_build_is_told_to_go_on_without_it(tmp_path):
 def test_what_could_not_be_read_back_is_not_kept_and_told(change, tmp_path):
     store = Store(tmp_path)
     store.put("run", KEY, replace(RUN, **change), Run)
-    (told,) = store.trouble()
-    assert told.startswith("could not be stored: 1") and not list(tmp_path.glob("run-*"))
+    (output,) = store.trouble()
+    assert output.startswith("could not be stored: 1") and not list(tmp_path.glob("run-*"))
 
 
 def test_room_is_made_by_removing_what_was_longest_unused_but_nothing_of_this_build(tmp_path):

@@ -102,8 +102,8 @@ def test_a_bar_is_passed_failed_or_not_timed():
     bar = reference_cost.BARS[0]
     for cpu_s, outcome in ((bar.limit, "pass"), (bar.limit * 1.01, "fail"), (nan, "not timed")):
         hot = [{"contestant": bar.contestant, "cpu_s": cpu_s}, {"contestant": bar.baseline, "cpu_s": 1.0}]
-        told = reference_cost.bars(reference_cost.CostRows(hot, [], []))
-        assert told[0]["outcome"] == outcome and {row["outcome"] for row in told[1:]} == {"not timed"}
+        output = reference_cost.bars(reference_cost.CostRows(hot, [], []))
+        assert output[0]["outcome"] == outcome and {row["outcome"] for row in output[1:]} == {"not timed"}
 
 
 @pytest.mark.parametrize(("longest", "outcome"), [(0.5, "pass"), (1.014, "pass"), (1.3, "fail")])
@@ -133,9 +133,9 @@ def test_what_the_reference_costs():
         found = reference_cost.run(studies.Request(full=True), calls)
     assert [row for row in found.hot if row["reason"]] == [] and [row for row in found.cold if row["reason"]] == []
     assert {row["status"] for row in found.growth} == {"completed"}
-    told = reference_cost.bars(found)
-    assert len(found.cold) == len(cases.names()) and "not timed" not in {row["outcome"] for row in told}
-    missed = {row["what"]: row for row in told if row["measured"] > 2.0 * row["limit"]}
+    output = reference_cost.bars(found)
+    assert len(found.cold) == len(cases.names()) and "not timed" not in {row["outcome"] for row in output}
+    missed = {row["what"]: row for row in output if row["measured"] > 2.0 * row["limit"]}
     # What is known to miss its bar, and why, stands in the study's own words.
     assert not missed.keys() - reference_cost.EXPLANATIONS.keys()
 

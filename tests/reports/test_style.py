@@ -16,8 +16,8 @@ def test_a_figure_is_well_formed_and_says_how_it_is_made(tmp_path):
         ax.text(0.5, 0.5, "")
         drawn = figure_files.save(figure, tmp_path, "figure", "case", "Title", "Words")
     figure_files.embed_command(tmp_path, drawn, "python -m reports.build --case a<b")
-    told = ET.parse(tmp_path / "figure.svg").getroot()
-    assert "--case a<b" in next(child.text or "" for child in told if child.tag.endswith("desc"))
+    output = ET.parse(tmp_path / "figure.svg").getroot()
+    assert "--case a<b" in next(child.text or "" for child in output if child.tag.endswith("desc"))
 
 
 def test_an_empty_group_stays_closed():

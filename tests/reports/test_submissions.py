@@ -55,9 +55,9 @@ def creeping(poses):
 
 def test_an_exact_motion_is_excellent(hand_in, poses, capsys):
     assert submit.main([str(hand_in(poses))]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith("mine 1.0, by Somebody\n")
-    assert re.search(rf"{re.escape(CASE.label)} +answered +excellent ", told)
+    output = capsys.readouterr().out
+    assert output.startswith("mine 1.0, by Somebody\n")
+    assert re.search(rf"{re.escape(CASE.label)} +answered +excellent ", output)
 
 
 def test_a_wrong_motion_is_a_result(hand_in, poses):
@@ -80,8 +80,8 @@ def test_creep_counts_as_rolling_declared_or_not(hand_in, poses, tmp_path):
 def test_a_mirrored_motion_is_told(hand_in, poses, capsys):
     folder = hand_in(poses.assign(x=-poses.x, theta=2 * poses.theta.iloc[0] - poses.theta))
     status = submit.main([str(folder)])
-    told = capsys.readouterr()
-    assert "mirror" in (told.out + told.err) and (status == 2 or "unusable" in told.out or "poor" in told.out)
+    output = capsys.readouterr()
+    assert "mirror" in (output.out + output.err) and (status == 2 or "unusable" in output.out or "poor" in output.out)
 
 
 def test_millimetres_are_told(hand_in, poses, capsys):
@@ -105,8 +105,8 @@ def test_millimetres_are_told(hand_in, poses, capsys):
 )
 def test_a_head_out_of_form_is_one_sentence(hand_in, poses, head, said, capsys):
     assert submit.main([str(hand_in(poses, **head))]) == 2
-    told = capsys.readouterr().err
-    assert said in told and told.count("\n") == 1
+    output = capsys.readouterr().err
+    assert said in output and output.count("\n") == 1
 
 
 def test_a_folder_out_of_form_is_one_sentence(hand_in, poses, tmp_path):

@@ -77,8 +77,8 @@ def test_a_worker_without_heyoka_is_left_out_and_the_reason_told(loopback, exact
     loopback.start_worker(path=str(other.parent))
     loopback.start_worker()
     assert rows(asked(loopback)).equals(exact)
-    told = capsys.readouterr().err
-    assert "method of the reference is dop853, not taylor" in told
+    output = capsys.readouterr().err
+    assert "method of the reference is dop853, not taylor" in output
 
 
 def test_where_nobody_fits_it_is_said_in_a_sentence(loopback, tmp_path):

@@ -78,8 +78,8 @@ def test_a_fresh_sweep_deletes_its_own_files_and_none_of_the_users(tmp_path, mon
         (out / name).write_text("precious")
         capsys.readouterr()
         assert sweep.main([*few, "--fresh"]) == 2
-        told = capsys.readouterr().err
-        assert f"{name} was not written by this command, or has changed since; move it, or give another --out" in told
+        output = capsys.readouterr().err
+        assert f"{name} was not written by this command, or has changed since; move it, or give another --out" in output
         assert (out / name).read_text() == "precious" and rows_of(out).num_rows == 4
         (out / name).unlink()
 
@@ -130,8 +130,8 @@ def test_what_makes_no_sense_is_said_in_one_line_before_anything_runs(words, sen
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear friend")
     assert sweep.main(words) == 2
-    told = capsys.readouterr()
-    assert sentence in told.err and told.err.count("\n") == 1 and not told.out
+    output = capsys.readouterr()
+    assert sentence in output.err and output.err.count("\n") == 1 and not output.out
     assert {file.name for file in tmp_path.iterdir()} == {"mine"}
 
 
@@ -210,8 +210,8 @@ def test_refinement_finds_the_whole_boundary(accuracy):
 
 
 def resident() -> int:
-    with open("/proc/self/statm") as told:
-        return int(told.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    with open("/proc/self/statm") as output:
+        return int(output.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def cost(number: int) -> tuple[float, int]:

@@ -33,12 +33,12 @@ G, R = 9.81, 0.1
 FALL = np.array([0.0, -G])
 
 
-def kinds(told: slip_phases.Reading) -> list[tuple[Mode, Mode]]:
-    return [(event.before, event.after) for event in told.transitions]
+def kinds(output: slip_phases.Reading) -> list[tuple[Mode, Mode]]:
+    return [(event.before, event.after) for event in output.transitions]
 
 
-def times(told: slip_phases.Reading) -> list[float]:
-    return [event.time for event in told.transitions]
+def times(output: slip_phases.Reading) -> list[float]:
+    return [event.time for event in output.transitions]
 
 
 def sampled(exact: Trajectory, count: int) -> Trajectory:
@@ -73,8 +73,8 @@ EXACT = {
 def test_exact_motion_is_read_back(name, count, accuracy):
     case = cases.load(name)
     exact, bounds = motion_of(case), EXACT[name, count]
-    told = transitions.read_motion(case, sampled(exact, count))
-    assert told.first_mode is exact.first_mode
+    output = transitions.read_motion(case, sampled(exact, count))
+    assert output.first_mode is exact.first_mode
     gap = float(exact.t[-1]) / (count - 1)
     ends = [*(event.time for event in exact.transitions[1:]), float(exact.t[-1])]
     # Rebounds that fly for less than samples resolve are not read.
@@ -83,8 +83,8 @@ def test_exact_motion_is_read_back(name, count, accuracy):
         for event, end in zip(exact.transitions, ends, strict=True)
         if not event.before is event.after is FLIGHT or end - event.time >= slip_phases.RESOLVABLE_GAPS * gap
     ]
-    assert kinds(told) == [(event.before, event.after) for event in seen]
-    for found, true in zip(told.transitions, seen, strict=True):
+    assert kinds(output) == [(event.before, event.after) for event in seen]
+    for found, true in zip(output.transitions, seen, strict=True):
         what, bound = "branch", bounds.get("branch", 0.0)
         if found.before is FLIGHT:
             # The last landing of a bouncing whose ratio is not constant lies somewhere in its gap, or in that before.
@@ -95,8 +95,8 @@ def test_exact_motion_is_read_back(name, count, accuracy):
 
 def test_rough_contact_rolls():
     case = cases.load("rough_disc_in_circle")
-    told = transitions.read_motion(case, sampled(motion_of(case), 501))
-    assert told.first_mode is ROLL and told.transitions == ()
+    output = transitions.read_motion(case, sampled(motion_of(case), 501))
+    assert output.first_mode is ROLL and output.transitions == ()
 
 
 # --- made-up motions --------------------------------------------------------------------------------------------------
@@ -129,9 +129,9 @@ def bounce(t, at: float, down: float, up: float, pull: float = G) -> tuple[np.nd
 @pytest.mark.parametrize("at", [0.31, 0.3141592, 0.319999])
 def test_impact_between_samples_is_where_two_parabolas_meet(at):
     t = np.linspace(0.0, 0.6, 61)
-    told = transitions.read_motion(thrown(), motion(t, *bounce(t, at, 3.0, 1.5)))
-    assert told.first_mode is FLIGHT and kinds(told) == [(FLIGHT, FLIGHT)]
-    assert times(told) == pytest.approx([at], abs=1e-14)
+    output = transitions.read_motion(thrown(), motion(t, *bounce(t, at, 3.0, 1.5)))
+    assert output.first_mode is FLIGHT and kinds(output) == [(FLIGHT, FLIGHT)]
+    assert times(output) == pytest.approx([at], abs=1e-14)
 
 
 def test_impact_on_a_doubled_sample_is_there():
@@ -139,16 +139,16 @@ def test_impact_on_a_doubled_sample_is_there():
     y, v = bounce(t, 0.30, 3.0, 1.5)
     v[np.flatnonzero(np.diff(t) == 0.0)[0]] = -3.0
     # An engine's positions are off its parabola; the doubled time is its own landing all the same.
-    told = transitions.read_motion(thrown(), motion(t, y + 1e-3 * np.sin(50 * t), v))
-    assert kinds(told) == [(FLIGHT, FLIGHT)] and times(told) == [t[np.flatnonzero(np.diff(t) == 0.0)[0]]]
+    output = transitions.read_motion(thrown(), motion(t, y + 1e-3 * np.sin(50 * t), v))
+    assert kinds(output) == [(FLIGHT, FLIGHT)] and times(output) == [t[np.flatnonzero(np.diff(t) == 0.0)[0]]]
 
 
 def test_one_contact_sample_between_two_flights_is_an_impact():
     t = np.linspace(0.0, 0.6, 61)
     y, v = bounce(t, 0.302, 3.0, 1.5)
-    told = transitions.read_motion(thrown(), motion(t, y, v, contact=np.arange(61) == 31))
-    assert kinds(told) == [(FLIGHT, FLIGHT)]
-    assert times(told) == pytest.approx([0.302], abs=1e-14)
+    output = transitions.read_motion(thrown(), motion(t, y, v, contact=np.arange(61) == 31))
+    assert kinds(output) == [(FLIGHT, FLIGHT)]
+    assert times(output) == pytest.approx([0.302], abs=1e-14)
 
 
 def test_flight_without_jump_has_no_impact_even_under_a_strong_load():
@@ -156,8 +156,8 @@ def test_flight_without_jump_has_no_impact_even_under_a_strong_load():
     case = thrown(Gravity(G), Load(fy="-2*vy"), Impact(0.5), duration=3.0)
     t = np.linspace(0.0, 3.0, 31)
     end, decay = G / 2.0, np.exp(-2.0 * t)
-    told = transitions.read_motion(case, motion(t, 50.0 - end * t + end / 2.0 * (1.0 - decay), -end * (1.0 - decay)))
-    assert told.first_mode is FLIGHT and told.transitions == ()
+    output = transitions.read_motion(case, motion(t, 50.0 - end * t + end / 2.0 * (1.0 - decay), -end * (1.0 - decay)))
+    assert output.first_mode is FLIGHT and output.transitions == ()
 
 
 def test_impact_without_gravity_is_seen_and_rounding_is_none():
@@ -165,9 +165,9 @@ def test_impact_without_gravity_is_seen_and_rounding_is_none():
     t = np.linspace(0.0, 0.6, 61)
     y, v = bounce(t, 0.3141, 3.0, 1.5, pull=0.0)
     rounding = 1e-7 * np.random.default_rng(1).standard_normal(61)
-    told = transitions.read_motion(case, motion(t, y, v + rounding))
-    assert kinds(told) == [(FLIGHT, FLIGHT)]
-    assert times(told) == pytest.approx([0.3141], abs=1e-7)
+    output = transitions.read_motion(case, motion(t, y, v + rounding))
+    assert kinds(output) == [(FLIGHT, FLIGHT)]
+    assert times(output) == pytest.approx([0.3141], abs=1e-7)
 
 
 def test_impact_that_closes_too_slowly_for_the_listing_is_not_listed():
@@ -181,9 +181,9 @@ def test_impact_that_closes_too_slowly_for_the_listing_is_not_listed():
         y[again], v[again] = (row[again] for row in bounce(t, second, up, 0.9 * up))
         down = t >= second + 1.8 * up / G
         y[down], v[down] = R, 0.0
-        told = transitions.read_motion(thrown(), motion(t, y, v, contact=down))
-        assert kinds(told) == [(FLIGHT, FLIGHT)] * listed + [(FLIGHT, ROLL)]
-        assert times(told)[-1] == pytest.approx(second + 1.8 * up / G, abs=1e-5)
+        output = transitions.read_motion(thrown(), motion(t, y, v, contact=down))
+        assert kinds(output) == [(FLIGHT, FLIGHT)] * listed + [(FLIGHT, ROLL)]
+        assert times(output)[-1] == pytest.approx(second + 1.8 * up / G, abs=1e-5)
 
 
 def test_impact_without_a_rebound_is_listed_where_the_plate_flies_on():
@@ -193,9 +193,9 @@ def test_impact_without_a_rebound_is_listed_where_the_plate_flies_on():
     y, v = bounce(t, 0.3, 3.0, 0.0)
     up = t > 0.3
     y[up], v[up] = R + 0.5 * G * (t[up] - 0.3) ** 2, G * (t[up] - 0.3)
-    told = transitions.read_motion(case, motion(t, y, v))
-    assert kinds(told) == [(FLIGHT, FLIGHT)]
-    assert times(told) == pytest.approx([0.3], abs=1e-2)
+    output = transitions.read_motion(case, motion(t, y, v))
+    assert kinds(output) == [(FLIGHT, FLIGHT)]
+    assert times(output) == pytest.approx([0.3], abs=1e-2)
 
 
 def test_landing_without_rebound_is_where_the_fall_meets_the_floor():
@@ -203,9 +203,9 @@ def test_landing_without_rebound_is_where_the_fall_meets_the_floor():
     y, v = bounce(t, 0.3141592, 3.0, 0.0)
     down = t > 0.3141592
     y[down], v[down] = R, 0.0
-    told = transitions.read_motion(thrown(), motion(t, y, v, contact=down))
-    assert kinds(told) == [(FLIGHT, ROLL)]
-    assert times(told) == pytest.approx([0.3141592], abs=1e-14)
+    output = transitions.read_motion(thrown(), motion(t, y, v, contact=down))
+    assert kinds(output) == [(FLIGHT, ROLL)]
+    assert times(output) == pytest.approx([0.3141592], abs=1e-14)
 
 
 def test_contacts_between_flights_are_read_each_for_itself():
@@ -216,18 +216,18 @@ def test_contacts_between_flights_are_read_each_for_itself():
     slip = np.where(np.arange(len(t)) < second, np.maximum(0.2 - t, 0.0), np.maximum(0.7 - t, 0.0))
     made = motion(t, R, np.where(contact, 0.0, -G * (t - 0.4)), contact=contact, slip=slip)
     made = replace(made, normal_force=np.where(contact & (t < 0.45), 40.0 * (0.4 - t), made.normal_force))
-    told = transitions.read_motion(thrown(), made)
-    assert told.first_mode is FORWARD
-    assert kinds(told) == [(FORWARD, ROLL), (ROLL, FLIGHT), (FLIGHT, FORWARD), (FORWARD, ROLL)]
-    assert times(told) == pytest.approx([0.2, 0.4, 0.5, 0.7], abs=1e-12)
+    output = transitions.read_motion(thrown(), made)
+    assert output.first_mode is FORWARD
+    assert kinds(output) == [(FORWARD, ROLL), (ROLL, FLIGHT), (FLIGHT, FORWARD), (FORWARD, ROLL)]
+    assert times(output) == pytest.approx([0.2, 0.4, 0.5, 0.7], abs=1e-12)
 
 
 def test_landing_that_ends_the_motion_is_no_contact():
     case = Case(line(), disc(R, 1.0), (Gravity(G), Unilateral(), Flight()), Start(0.0, gap=1.0), 1.0)
     t = np.append(np.linspace(0.0, 0.3, 31), 0.3)
     y, v = bounce(t, 0.3, 3.0, 0.0)
-    told = transitions.read_motion(case, motion(t, y, v, contact=np.arange(32) == 31, status="landing"))
-    assert told.first_mode is FLIGHT and told.transitions == ()
+    output = transitions.read_motion(case, motion(t, y, v, contact=np.arange(32) == 31, status="landing"))
+    assert output.first_mode is FLIGHT and output.transitions == ()
 
 
 # --- turning ----------------------------------------------------------------------------------------------------------
@@ -245,39 +245,41 @@ def turning(omega, slip=0.0, count: int = 201, **how) -> Trajectory:
 
 @pytest.mark.parametrize("friction", [CoulombFriction(0.3), PerfectlyRough()])
 def test_roll_that_stops_sticks(friction):
-    told = transitions.read_motion(resisted(friction), turning(lambda t: np.minimum(0.4 * (t - 1.234), 0.0)))
-    assert told.first_mode is ROLL and kinds(told) == [(ROLL, STICK)]
-    assert times(told) == pytest.approx([1.234], abs=1e-13)
+    output = transitions.read_motion(resisted(friction), turning(lambda t: np.minimum(0.4 * (t - 1.234), 0.0)))
+    assert output.first_mode is ROLL and kinds(output) == [(ROLL, STICK)]
+    assert times(output) == pytest.approx([1.234], abs=1e-13)
 
 
 def test_stick_that_gives_way_rolls():
-    told = transitions.read_motion(resisted(), turning(lambda t: 3.0 * np.maximum(t - 0.777, 0.0) ** 2))
-    assert told.first_mode is STICK and kinds(told) == [(STICK, ROLL)]
-    assert times(told) == pytest.approx([0.777], abs=1e-12)
+    output = transitions.read_motion(resisted(), turning(lambda t: 3.0 * np.maximum(t - 0.777, 0.0) ** 2))
+    assert output.first_mode is STICK and kinds(output) == [(STICK, ROLL)]
+    assert times(output) == pytest.approx([0.777], abs=1e-12)
 
 
 def test_roll_that_turns_around_is_a_roll():
-    told = transitions.read_motion(resisted(), turning(lambda t: t - 1.0))
-    assert told.first_mode is ROLL and told.transitions == ()
+    output = transitions.read_motion(resisted(), turning(lambda t: t - 1.0))
+    assert output.first_mode is ROLL and output.transitions == ()
 
 
 def test_slip_of_a_plate_that_does_not_turn_ends_in_stick():
     t = np.linspace(0.0, 2.0, 201)
-    told = transitions.read_motion(resisted(), turning(np.zeros_like, slip=np.maximum(0.7 - t, 0.0)))
-    assert told.first_mode is FORWARD and kinds(told) == [(FORWARD, STICK)]
-    assert times(told) == pytest.approx([0.7], abs=1e-13)
+    output = transitions.read_motion(resisted(), turning(np.zeros_like, slip=np.maximum(0.7 - t, 0.0)))
+    assert output.first_mode is FORWARD and kinds(output) == [(FORWARD, STICK)]
+    assert times(output) == pytest.approx([0.7], abs=1e-13)
 
 
 def test_creep_and_spin_below_the_resolution_are_stick():
     noise = np.random.default_rng(1).uniform(-1.0, 1.0, 201)
-    told = transitions.read_motion(resisted(), turning(lambda t: 1e-3 * noise, slip=1e-4 * noise, slip_resolution=1e-4))
-    assert told.first_mode is STICK and told.transitions == ()
+    output = transitions.read_motion(
+        resisted(), turning(lambda t: 1e-3 * noise, slip=1e-4 * noise, slip_resolution=1e-4)
+    )
+    assert output.first_mode is STICK and output.transitions == ()
 
 
 def test_without_rolling_resistance_nothing_sticks():
     case = replace(resisted(), effects=(Gravity(G), CoulombFriction(0.3), Unilateral()))
-    told = transitions.read_motion(case, turning(np.zeros_like))
-    assert told.first_mode is ROLL and told.transitions == ()
+    output = transitions.read_motion(case, turning(np.zeros_like))
+    assert output.first_mode is ROLL and output.transitions == ()
 
 
 # --- engines ----------------------------------------------------------------------------------------------------------
@@ -291,12 +293,12 @@ def test_bounces_of_an_engine_are_read(name):
     if refusal:
         pytest.skip(refusal)
     setting = adapter.ladder(case, "native")[3]
-    told = transitions.read_motion(case, tasks.run_on_clock(adapter, case, "native", setting))
-    rows = ledger.match(motion_of(case).transitions, told.transitions)
-    assert told.first_mode is FLIGHT
+    output = transitions.read_motion(case, tasks.run_on_clock(adapter, case, "native", setting))
+    rows = ledger.match(motion_of(case).transitions, output.transitions)
+    assert output.first_mode is FLIGHT
     # The first five flights last more than ten of the engines' steps; what they make of the last ones is theirs.
     assert [row.pairing for row in rows if row.reference_time < 0.9] == ["paired"] * 4
-    assert kinds(told)[-1][1] == ROLL  # exudyn's regularised friction may slip for a step after the last impact
+    assert kinds(output)[-1][1] == ROLL  # exudyn's regularised friction may slip for a step after the last impact
     # An impact may come a step late, and leave with the speed of that step; the next comes later by twice as much.
     first = next(row for row in rows if row.pairing == "paired")
     assert abs(first.error) <= setting["h"]

@@ -200,8 +200,8 @@ def test_every_file_of_the_users_survives(name, made, monkeypatch, capsys, befor
         monkeypatch.setattr(options, "STORE", ".slip-to-roll" if command.inside == "x" else str(root / "store"))
         ended = command.main(command.words)
         event(f"{name}: status {ended}")
-        told = capsys.readouterr().err
-        assert ended == 0 or told.count("\n") <= 2 and "Traceback" not in told
+        output = capsys.readouterr().err
+        assert ended == 0 or output.count("\n") <= 2 and "Traceback" not in output
         after = contents(root)
         lost = [path.relative_to(root) for path in there if path not in free and after.get(path) != there[path]]
         assert not lost, f"{name}: {lost}"

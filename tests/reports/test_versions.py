@@ -34,9 +34,9 @@ def cache(tmp_path, monkeypatch):
 def pretended(cache):
     """The environment of a pymunk that there never was."""
     packages = versions._packages(versions._folder("pymunk@6.99"))
-    told = cache.__class__(packages, "pymunk-6.99.dist-info")
-    told.mkdir(parents=True)
-    (told / "METADATA").write_text("Metadata-Version: 2.1\nName: pymunk\nVersion: 6.99\n")
+    output = cache.__class__(packages, "pymunk-6.99.dist-info")
+    output.mkdir(parents=True)
+    (output / "METADATA").write_text("Metadata-Version: 2.1\nName: pymunk\nVersion: 6.99\n")
     return packages
 
 
@@ -104,8 +104,8 @@ def test_a_version_that_the_index_does_not_have_is_told_with_the_nearest():
     [(OFFLINE, "cannot be reached"), ("ERROR: no space left", "no space left"), ("", "it printed nothing")],
 )
 def test_another_failure_of_pip_is_a_sentence(said, hint):
-    told = versions._why(Requirement("pymunk==7.2.9"), said)
-    assert hint in told and "\n" not in told
+    output = versions._why(Requirement("pymunk==7.2.9"), said)
+    assert hint in output and "\n" not in output
 
 
 def test_a_failure_is_a_row_and_another_try_is_made(cache, monkeypatch, in_process):
@@ -150,9 +150,9 @@ def test_a_clock_has_one_version_in_its_process():
 
 def test_tables_of_solvers_tell_their_versions():
     frame = pd.DataFrame({"case": ["a"] * 3, "solver": ["x@1", "x@2", "x@3"], "error": [0.0] * 3})
-    told = with_version(frame, {"x@1": "1 (beta)", "x@2": "not_installed: x", "x@3": ""})
-    assert list(told.columns) == ["case", "solver", "version", "error"]
-    assert list(told["version"]) == ["1 (beta)", "", ""]
+    output = with_version(frame, {"x@1": "1 (beta)", "x@2": "not_installed: x", "x@3": ""})
+    assert list(output.columns) == ["case", "solver", "version", "error"]
+    assert list(output["version"]) == ["1 (beta)", "", ""]
     assert with_version(frame[["case"]], {}).columns == ["case"]
 
 

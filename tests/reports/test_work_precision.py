@@ -60,8 +60,8 @@ def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Cos
         row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + error, 0.3, error, "paired")
         distance = Distance(*9 * (abs(error),))
         score = Score(abs(error), 0.0, abs(error), 0.0, 0.0, nan, 0.0, 1e-3, False)
-        told = dict(outcome="answered", ledger=(row,), cost=Cost(steps=10 * 4**place), distance=distance, score=score)
-        runs.append(Run(case.label, solver, "r", rung(setting), 1, **told))
+        output = dict(outcome="answered", ledger=(row,), cost=Cost(steps=10 * 4**place), distance=distance, score=score)
+        runs.append(Run(case.label, solver, "r", rung(setting), 1, **output))
         if cpu is not None:
             times[case.label, solver, "r", rung(setting)] = timing(cpu)
     null = {"motion": "never moves", **dict.fromkeys(quantities.UNITS, 3e-3)}
@@ -70,8 +70,8 @@ def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Cos
 
 
 def disturb(measured: CostMeasurements, *solvers: str) -> CostMeasurements:
-    told = {who: replace(t, disturbed=t.disturbed or who[1] in solvers) for who, t in measured.timings.items()}
-    return measured._replace(timings=told)
+    output = {who: replace(t, disturbed=t.disturbed or who[1] in solvers) for who, t in measured.timings.items()}
+    return measured._replace(timings=output)
 
 
 def first(rows, level: float) -> dict[str, dict]:
@@ -90,8 +90,8 @@ def test_cheapest_setting_that_is_accurate_enough_counts():
     rows = accuracy_rows(("a", "coarse", 5e-2, 1.0), ("a", "fine", -1e-9, 4.0), ("b", "only", 5e-4, 2.0))
     assert first(rows, 0.1)["a"]["setting"] == rung("coarse") and first(rows, 1e-3)["a"]["setting"] == rung("fine")
     assert first(rows, 1e-3)["a"]["ratio"] == 2.0 and first(rows, 1e-3)["b"]["ratio"] == 1.0
-    told = first(rows, 1e-3)["a"]
-    assert told["ratio_low"] < told["ratio"] < told["ratio_high"]
+    output = first(rows, 1e-3)["a"]
+    assert output["ratio_low"] < output["ratio"] < output["ratio_high"]
     assert [first(rows, 0.1)[name]["reached"] for name in "ab"] == ["reached", "one setting"]
     assert first(rows, 1e-4)["b"]["reached"] == "not reached" and isnan(first(rows, 1e-4)["b"]["cpu_s"])
 
@@ -249,8 +249,8 @@ def test_two_builds_give_the_same_accuracies_to_the_last_digit():
 
 def test_null_scores_of_bowling_are_the_textbook_ones():
     v0, mu, g = 1.0, 0.1, 9.81
-    told = null_scores.baseline(cases.load("disc_on_line", mu=mu))
-    scores = {row["motion"]: row for row in told.rows}
+    output = null_scores.baseline(cases.load("disc_on_line", mu=mu))
+    scores = {row["motion"]: row for row in output.rows}
     turn = v0 / (3 * mu * g)
     # It lasts twice as long: it slows down to 2/3 v0 and takes up spin, evenly, and then rolls.
     travelled = v0 * turn - mu * g * turn**2 / 2 + (2 / 3) * v0 * turn
@@ -269,17 +269,17 @@ def test_null_scores_of_bowling_are_the_textbook_ones():
 
 
 def test_a_null_motion_that_makes_no_sense_is_told():
-    told = null_scores.baseline(cases.load("frictionless_pendulum"))
-    rows = {row["motion"]: row for row in told.rows}
+    output = null_scores.baseline(cases.load("frictionless_pendulum"))
+    rows = {row["motion"]: row for row in output.rows}
     assert isnan(rows["no friction"]["final_pose"]) and rows["no friction"]["note"]
     assert isfinite(rows["never moves"]["final_pose"])
 
 
 def test_second_method_witnesses_what_is_not_certified():
-    told = null_scores.baseline(cases.load("frictionless_pendulum"))
-    assert told.witness_errors.keys() == set(quantities.DISTANCES)
+    output = null_scores.baseline(cases.load("frictionless_pendulum"))
+    assert output.witness_errors.keys() == set(quantities.DISTANCES)
     # Two integrators at rtol 1e-13 over a second and a half of a pendulum.
-    assert all(0.0 <= far < 1e-11 for far in told.witness_errors.values())
+    assert all(0.0 <= far < 1e-11 for far in output.witness_errors.values())
 
 
 # --- in words and pictures --------------------------------------------------------------------------------------------
@@ -291,9 +291,9 @@ def answered(*points, disturbed: tuple[str, ...] = (), cold: dict[str, float] | 
     measured = disturb(measured, *disturbed)
     firsts = {key: ColdStart((cold or {}).get(key[1], 1.0), 0.0, 0.0, 3, False) for key in measured.timings}
     parts = {key: TimeBreakdown(share, 0.0, 1.0 - share, 0.0) for key in measured.timings}
-    told = time_to_accuracy.rows(experiment, measured._replace(cold=firsts, parts=parts))
-    answers = which_engine.rows(told)
-    return cost_conclusions.headline(answers, told), answers, told
+    output = time_to_accuracy.rows(experiment, measured._replace(cold=firsts, parts=parts))
+    answers = which_engine.rows(output)
+    return cost_conclusions.headline(answers, output), answers, output
 
 
 REFERENCE, ENGINE = ("reference", "s", 1e-13, 0.001), ("a", "s", 1e-7, 0.1)
@@ -380,8 +380,8 @@ def test_figures_that_fail_are_told_in_their_place(tmp_path, in_process):
 
     experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
     with in_process(), Calls(1) as calls:
-        (told,) = case_figures.draw(experiment, tmp_path, calls)
-    assert told.name == "" and told.case == experiment.cases[0].label and "could not be drawn" in told.caption
+        (output,) = case_figures.draw(experiment, tmp_path, calls)
+    assert output.name == "" and output.case == experiment.cases[0].label and "could not be drawn" in output.caption
 
 
 def drawn_heights(figure) -> list[float]:
@@ -404,7 +404,7 @@ def test_figures_draw_nothing_below_ten_bars_of_the_truth(tmp_path):
 
 def points_of(path: str) -> list[tuple[float, float]]:
     """The corners of a path of M, L, l and z, by the rules of SVG."""
-    told, command, here = [], "", (0.0, 0.0)
+    output, command, here = [], "", (0.0, 0.0)
     numbers: list[float] = []
     for word in re.findall(r"[MLlz]|-?[0-9.]+(?:e-?[0-9]+)?", path):
         if word.isalpha():
@@ -414,18 +414,18 @@ def points_of(path: str) -> list[tuple[float, float]]:
         if len(numbers) == 2:
             x, y = numbers
             here = (here[0] + x, here[1] + y) if command == "l" else (x, y)
-            told.append(here)
+            output.append(here)
             numbers.clear()
-    return told
+    return output
 
 
 @settings(deadline=None)  # a busy machine is no failure
 @given(st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)), min_size=2, max_size=100))
 def test_small_paths_go_through_the_same_points(points):
     text = "M " + " \nL ".join(f"{x:.6f} {y:.6f}" for x, y in points) + " \nz\n"
-    told = figure_files._path(text)
-    drawn, given_points = np.array(points_of(told)), np.array(points)
-    assert told.endswith("z") and np.abs(drawn[[0, -1]] - given_points[[0, -1]]).max() <= 0.06
+    output = figure_files._path(text)
+    drawn, given_points = np.array(points_of(output)), np.array(points)
+    assert output.endswith("z") and np.abs(drawn[[0, -1]] - given_points[[0, -1]]).max() <= 0.06
     if len(points) < 30:
         assert np.abs(drawn - given_points).max() <= 0.06
         return
@@ -461,11 +461,11 @@ def test_small_files_keep_their_picture():
         '  <path d="M 0.125 3 \nC 1 2 3 4.56789 5 6" style="fill: none"/>\n  <use xlink:href="#m7f" x="1.239"/>\n'
         "  <text style=\"font: 9px 'DejaVu Sans', sans-serif; text-anchor: end\">0.123456</text>\n </g>\n</svg>\n"
     )
-    told = figure_files.minify(svg)
-    assert 'd="M1.23 0l1.27 0 0.5-1"' in told and 'd="M0.1 3C1 2 3 4.6 5 6"' in told
-    assert '<use xlink:href="#i0" x="1.2"/>' in told and 'id="i0"' in told
-    assert ">0.123456<" in told and "line2d_1" not in told and "<?xml" not in told
-    assert told.count("fill: none") == 1 and told.count('class="c0"') == 2
+    output = figure_files.minify(svg)
+    assert 'd="M1.23 0l1.27 0 0.5-1"' in output and 'd="M0.1 3C1 2 3 4.6 5 6"' in output
+    assert '<use xlink:href="#i0" x="1.2"/>' in output and 'id="i0"' in output
+    assert ">0.123456<" in output and "line2d_1" not in output and "<?xml" not in output
+    assert output.count("fill: none") == 1 and output.count('class="c0"') == 2
 
 
 def test_a_solver_has_the_same_colour_whoever_else_takes_part():

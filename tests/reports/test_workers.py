@@ -1,4 +1,4 @@
-"""Calls in processes of their own: told apart, bounded, and nothing left behind."""
+"""Calls in processes of their own: distinguished, bounded, and nothing left behind."""
 
 import os
 import platform
@@ -74,8 +74,8 @@ def test_what_forks_and_comes_back_twice_answers_once_and_under_its_own_key(answ
 
 
 def test_text_of_a_failure_fits_in_every_file(answers):
-    told = answers["mumbles"].reason
-    assert len(told) < 3000 and told.encode("utf-8") and told.isprintable()
+    outcome_text = answers["mumbles"].reason
+    assert len(outcome_text) < 3000 and outcome_text.encode("utf-8") and outcome_text.isprintable()
 
 
 def test_a_call_works_in_an_empty_folder_that_is_gone_afterwards(answers):
@@ -124,8 +124,10 @@ def test_a_worker_whose_arithmetic_a_call_has_changed_answers_no_other():
 
 def test_calls_of_unlike_groups_never_share_a_worker():
     calls = [("a", n) for n in range(6)]
-    told = {i: answer.value for i, answer in run(whose, calls, jobs=2, groups=["", "engines"] * 3)}
-    assert {told[0], told[2], told[4]}.isdisjoint({told[1], told[3], told[5]})
+    outcome_text = {i: answer.value for i, answer in run(whose, calls, jobs=2, groups=["", "engines"] * 3)}
+    assert {outcome_text[0], outcome_text[2], outcome_text[4]}.isdisjoint(
+        {outcome_text[1], outcome_text[3], outcome_text[5]}
+    )
 
 
 @pytest.mark.parametrize(("times", "outcome"), [(1, "done"), (2, "died")])
@@ -177,8 +179,8 @@ def test_calls_on_one_thing_go_to_one_worker_and_nobody_is_left_idle(tmp_path):
     order = [("a", 1), ("a", 2), ("b", 1), ("a", 3), ("b", 2), ("b", 3)]
     other = {"a": "b", "b": "a"}
     calls = [(thing, f"{thing}{n}", f"{other[thing]}{n}", tmp_path) for thing, n in order]
-    told = {order[i]: answer.value for i, answer in run(meet, calls, jobs=2)}
-    of_a, of_b = ({told[thing, n] for n in (1, 2, 3)} for thing in other)
+    outcome_text = {order[i]: answer.value for i, answer in run(meet, calls, jobs=2)}
+    of_a, of_b = ({outcome_text[thing, n] for n in (1, 2, 3)} for thing in other)
     assert len(of_a) == len(of_b) == 1 and of_a != of_b
     alone = [("a", f"{n}", f"{n ^ 1}", tmp_path) for n in range(6)]
     assert len({answer.value for _, answer in run(meet, alone, jobs=2)}) == 2
@@ -192,19 +194,25 @@ def test_rungs_finer_than_one_that_ran_out_of_time_are_not_tried():
     elsewhere = ("c", "s", "q", "h=1", 0, None)
     slow = [ladder[1]]
     assert experiment.hopeless(ladder[0], slow) is None and experiment.hopeless(elsewhere, slow) is None
-    told = experiment.hopeless(ladder[2], slow)
-    assert told is not None and told.outcome == "timed_out" and "h=2 had timed out" in told.reason
-    assert not told.lasting
+    outcome_text = experiment.hopeless(ladder[2], slow)
+    assert (
+        outcome_text is not None and outcome_text.outcome == "timed_out" and "h=2 had timed out" in outcome_text.reason
+    )
+    assert not outcome_text.lasting
 
 
 def test_a_worker_that_was_started_ahead_makes_the_calls_and_few_brief_ones_start_no_other():
     pool = workers.WorkerPool(2)
     try:
         pool.begin(["", "engines"])
-        told = [answer.value for _, answer in pool.run(prepared, [(i,) for i in range(6)], groups=[""] * 6, brief=True)]
-        assert len(set(told)) == 1 and told[0][1]
+        outcome_text = [
+            answer.value for _, answer in pool.run(prepared, [(i,) for i in range(6)], groups=[""] * 6, brief=True)
+        ]
+        assert len(set(outcome_text)) == 1 and outcome_text[0][1]
         # Others may take longer: the second is not left waiting.
-        told = [answer.value[0] for _, answer in pool.run(waits, [(0.05, i) for i in range(4)], groups=[""] * 4)]
-        assert len(set(told)) == 2
+        outcome_text = [
+            answer.value[0] for _, answer in pool.run(waits, [(0.05, i) for i in range(4)], groups=[""] * 4)
+        ]
+        assert len(set(outcome_text)) == 2
     finally:
         pool.close()

@@ -30,10 +30,10 @@ def environment(tmp_path_factory) -> Environment:
 
 
 def test_every_command_of_every_page_is_walked_or_says_why_not():
-    told = {page.name: commands(page) for page in PAGES if commands(page)}
-    assert told.keys() == WALK.keys() and len(told) > 10
+    output = {page.name: commands(page) for page in PAGES if commands(page)}
+    assert output.keys() == WALK.keys() and len(output) > 10
     for name, page in WALK.items():
-        assert [step.command for step in page.steps] == told[name], name
+        assert [step.command for step in page.steps] == output[name], name
 
 
 def test_a_step_that_is_left_out_has_a_reason_and_one_that_is_run_says_what_it_prints():
@@ -72,17 +72,17 @@ def _check(step: Step, environment: Environment, desk: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in desk.rglob("*")}
     if step.clone:
         # The tests are the clone's, and so is the environment that has pytest.
-        told = subprocess.run(
+        output = subprocess.run(
             [sys.executable, "-m", *step.command.replace("=", f"={desk}/").split(), "-p", "no:cacheprovider"],
             cwd=ROOT, capture_output=True, text=True,
         )  # fmt: skip
     else:
-        told = environment.run(step.command, desk)
-    said = f"$ {step.command}\n{told.stdout}\n{told.stderr}"
-    assert told.returncode == 0 and "Traceback" not in said, said
+        output = environment.run(step.command, desk)
+    said = f"$ {step.command}\n{output.stdout}\n{output.stderr}"
+    assert output.returncode == 0 and "Traceback" not in said, said
     place = 0
     for pattern in step.prints:
-        found = re.compile(pattern, re.M).search(told.stdout, place)
+        found = re.compile(pattern, re.M).search(output.stdout, place)
         assert found, f"not printed (or not after what is expected before it): {pattern}\n{said}"
         place = found.start()
     for pattern in step.writes:
@@ -93,11 +93,11 @@ def _check(step: Step, environment: Environment, desk: Path) -> None:
 
 @pytest.mark.slow
 def test_what_is_installed_is_the_wheel_alone(environment, tmp_path):
-    told = environment.run("python -c 'import reports; print(reports.__file__)'; slip-to-roll --version", tmp_path)
-    place, version = told.stdout.splitlines()
+    output = environment.run("python -c 'import reports; print(reports.__file__)'; slip-to-roll --version", tmp_path)
+    place, version = output.stdout.splitlines()
     assert Path(place).is_relative_to(environment.folder) and version == f"slip-to-roll {cases.__version__}"
-    told = environment.run("python -m pip check", tmp_path)
-    assert told.returncode == 0, told.stdout
+    output = environment.run("python -m pip check", tmp_path)
+    assert output.returncode == 0, output.stdout
 
 
 @pytest.mark.slow
@@ -112,9 +112,9 @@ def test_the_code_of_the_readme_gives_what_its_comments_say(environment, tmp_pat
     shown = [line.partition("  # ") for line in lines if "  # " in line and "=" not in line.partition("  # ")[0]]
     code = "\n".join(lines) + "\n" + "\n".join(f"print(repr(({expression})))" for expression, _, _ in shown)
     (tmp_path / "readme.py").write_text(code)
-    told = environment.run("python readme.py", tmp_path)
-    assert told.returncode == 0, told.stderr
-    values = dict(zip([expression for expression, _, _ in shown], told.stdout.splitlines(), strict=True))
+    output = environment.run("python readme.py", tmp_path)
+    assert output.returncode == 0, output.stderr
+    values = dict(zip([expression for expression, _, _ in shown], output.stdout.splitlines(), strict=True))
     comments = {expression: comment for expression, _, comment in shown}
     first = "motion.transitions[0]"
     assert values[first] == comments[first]
@@ -142,10 +142,10 @@ def test_every_module_and_every_data_file_is_in_the_wheel():
 @pytest.mark.slow
 def test_the_source_distribution_holds_the_tests_too(tmp_path):
     """What `git` knows of, but for files of the forge and of editors."""
-    told = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
-    if told.returncode:
+    output = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    if output.returncode:
         pytest.skip("this is no clone")
-    known = {name for name in told.stdout.splitlines() if not name.startswith((".git", ".pre-commit"))}
+    known = {name for name in output.stdout.splitlines() if not name.startswith((".git", ".pre-commit"))}
     for name in known:
         (tmp_path / "source" / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / "source" / name)

@@ -124,9 +124,9 @@ def points(closed: bool):
 
 
 def motion(path: Path):
-    told = motion_file.trajectory_of(line(), motion_file.read_table(path))
-    assert validation.sound(told)
-    return told
+    output = motion_file.trajectory_of(line(), motion_file.read_table(path))
+    assert validation.sound(output)
+    return output
 
 
 def case_file(path: Path):
