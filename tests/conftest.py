@@ -6,7 +6,7 @@ import gc
 import os
 import tempfile
 from collections.abc import Callable
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -21,9 +21,9 @@ _PROPERTY = "accuracy"
 _COLUMNS = ("case", "solver", "route", "quantity", "error", "tolerance")
 
 
-def pytest_addoption(parser):
+def pytest_addoption(parser, pluginmanager):
     """--case-file=FILE (with the =, else pytest takes FILE for a test file): test its cases, and nothing else."""
-    with suppress(ValueError):  # the installed plugin, `pytest_slip_to_roll`, has the option
+    if not pluginmanager.hasplugin("slip_to_roll"):  # the installed plugin has the option
         parser.addoption("--case-file", action="append", default=[], metavar="FILE", help="test the cases of this file")
 
 
@@ -37,7 +37,7 @@ QUICK = ("not slow and not timed and not builds", "builds and not slow and not t
 
 
 def pytest_configure(config):
-    """Choose what is drawn; load the case files, and tell in one line what is wrong with one."""
+    """Choose what is drawn; load the case files; one line says what is wrong with one."""
     os.environ.setdefault(cache_folder.VARIABLE, cache_folder.OFF)
     gc.disable()  # what is collected stays to the end: looking through it for garbage finds none and takes seconds
     quick = config.option.markexpr in QUICK and config.getoption("--hypothesis-seed", None) is None
