@@ -1,6 +1,7 @@
 """The first formulation for a plate that touches its track in several places: modes by enumeration, Taylor's method."""
 
-from .march import from_start, supports, touches_at_start, until_end
+from .limitations import supports
+from .motion_start import from_start, touches_at_start, until_end
 from .output import AllContacts, observe
 from .regimes import SeveralPhase, regime_of
 

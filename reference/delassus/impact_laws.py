@@ -1,0 +1,62 @@
+"""Velocities after an impact at one contact or several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cases import Impact
+
+from ..contact_frame.equations import ContactScene
+from ..contact_frame.impact import ImpactWithoutSolution, creates_energy, hit
+from .complementarity import solutions
+from .contacts import PairState, PlateDynamics, frictions
+from .plate_state import MOVES, PlateState, SimulationEnd
+
+
+def velocities(state: PlateState, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
+    """Velocities after an impact, and which contacts do not slip."""
+    velocity, laws = state.body[3:], [pair.contact.effect(Impact) for pair in some]
+    restitution = np.array([law.restitution if law else 0.0 for law in laws])
+    if len(some) == 1:
+        law = laws[0]
+        assert law is not None
+        pair, scene = some[0], ContactScene(some[0].contact)
+        q = scene.place(pair.xi1, pair.xi2)
+        try:
+            result = hit(scene, law, q, pair.slip, pair.lift, float(velocity[2]))
+        except ImpactWithoutSolution:
+            raise SimulationEnd("paradox") from None
+        if effect.law == "newton" and creates_energy(result):
+            raise SimulationEnd("energy_gain")
+        rows = np.array([pair.slip_row, pair.lift_row, [0.0, 0.0, 1.0]])
+        return np.linalg.solve(rows, np.array([result.slip, result.lift, result.spin])), [result.slip == 0.0]
+    if effect.law != "poisson":
+        after, _ = complementary(state.dynamics, velocity, some, restitution, np.zeros(len(some)))
+    else:
+        nothing = np.zeros(len(some))
+        after, impulses = complementary(state.dynamics, velocity, some, nothing, nothing)
+        if restitution.any():
+            after, _ = complementary(state.dynamics, after, some, nothing, restitution * impulses)
+    mu, _ = frictions(some)
+    slips = [abs(float(pair.slip_row @ after)) <= MOVES * state.speed and mu[i] > 0.0 for i, pair in enumerate(some)]
+    return after, slips
+
+
+def complementary(
+    dynamics: PlateDynamics,
+    velocity: np.ndarray,
+    some: Sequence[PairState],
+    restitution: np.ndarray,
+    least: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and normal impulses of Coulomb's law between impulses and velocities after the impact."""
+    delassus, rows = dynamics.delassus(some)
+    before = rows @ velocity
+    free = before + np.concatenate([restitution * before[: len(some)], np.zeros(len(some))])
+    mu, _ = frictions(some)
+    answers = solutions(delassus, free, [None] * len(some), mu, mu, least)
+    if len(answers) != 1:
+        raise SimulationEnd("not_unique")
+    return velocity + dynamics.inverse * (rows.T @ answers[0]), answers[0][: len(some)]

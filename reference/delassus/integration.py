@@ -1,0 +1,208 @@
+"""Integration of one phase to its first event: guards at places of each step, and contacts at other places."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
+
+from cases import Case
+from cases.contact_pairs import PairCase, pairs
+from cases.overlap import first_overlap
+
+from .contacts import all_pairs, pair_at
+from .phase import SeveralContactPhase
+from .plate_state import PlateState, SimulationEnd
+from .small_impacts import SmallImpacts
+
+EPS = float(np.finfo(float).eps)
+# Guards are evaluated at this many places of each step; steps are at most this part of the plate's turn.
+LOOKS, STEPS_PER_TURN = 4, 60
+# Guards that are zero when a phase begins, or negative by rounding, count from where they have risen above this part of
+# their scale.
+RISEN = 1e-11
+MOST_STEPS = 200_000
+# An open contact whose clearance has fallen to this part of its value is not watched any more.
+FORGOTTEN = 0.5
+# The guard of a slip that has just begun is ignored for this part of the motion's time scale: an instant located to
+# rounding may still lie inside the cone, where the slip would first go back by far less than the resolution.
+BLIND = 1e-6
+# Points of an open contact that move this many times as far as their rate between two looks allows have jumped.
+JUMP = 4.0
+
+
+class DenseStep(NamedTuple):
+    """A step's dense output with its phase: times from `start` to `end`, s."""
+
+    start: float
+    end: float
+    states: Callable[[float], np.ndarray]
+    phase: SeveralContactPhase
+
+
+class PhaseIntegration(PlateState):
+    """A plate that is integrated phase by phase, with the dense output of all steps."""
+
+    def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray, rtol: float):
+        super().__init__(case, t, body)
+        self.rtol, self.steps = max(rtol, 1e-13), 0
+        self.stretches: list[DenseStep] = []
+        self.impacts = SmallImpacts()
+        self.clearances: dict[str, float] = {}
+        self.beginning: set[str] = set()
+        self.searched = [pair for pair in pairs(case) if not pair.has_unique_points]
+
+    def pace(self, phase: SeveralContactPhase) -> float:
+        """How fast the plate moves or begins to, 1/s."""
+        size = self.case.plate.gyration
+        speeds = np.abs(self.body[3:]) / np.array([size, size, 1.0])
+        accelerations = np.abs(phase.forces(self.t, self.body).acceleration) / np.array([size, size, 1.0])
+        return max(float(speeds.max()), sqrt(float(accelerations.max())))
+
+    def integrate(self, phase: SeveralContactPhase) -> list[tuple[str, str]]:
+        """Integrate to the first zero of a guard; returns the guards that vanish there, none at the end."""
+        end = self.case.duration
+        scales = self.scales(phase)
+        values = phase.guards(self.t, self.body)
+        positive = {name: value > RISEN * scales[name[0]] for name, value in values.items()}
+        pace = self.pace(phase)
+        blind = self.t + (BLIND / pace if pace else 0.0)
+        solver = DOP853(
+            phase.rates, self.t, self.body, end, rtol=self.rtol, atol=1e-2 * self.rtol,
+            max_step=2.0 * pi / (STEPS_PER_TURN * pace) if pace else end, first_step=None,
+        )  # fmt: skip
+        while solver.status == "running":
+            solver.step()
+            self.steps += 1
+            if solver.status == "failed" or not np.isfinite(solver.y).all():
+                raise SimulationEnd("breakdown")
+            if self.steps > MOST_STEPS:
+                raise SimulationEnd("unfinished")
+            dense = solver.dense_output()
+            looks = np.linspace(solver.t_old, solver.t, LOOKS + 1)[1:]
+            if not any(positive.values()) or solver.t_old == self.t:
+                looks = np.union1d(looks, solver.t_old + (solver.t - solver.t_old) * np.geomspace(1e-8, 0.2, 24))
+            before = solver.t_old
+            for look in looks.tolist():
+                if look > before and self.is_lost(phase, before, look, dense):
+                    # At the last look the points were still the nearest ones.
+                    self.stretches.append(DenseStep(solver.t_old, before, dense, phase))
+                    if before > solver.t_old and self.elsewhere(solver.t_old, before, dense):
+                        return [("meeting", "")]
+                    self.t, self.body = before, np.array(dense(before))
+                    return [("forget", "")]
+                values = phase.guards(look, dense(look))
+                if look <= blind:
+                    values = {n: v for n, v in values.items() if n[0] != "slip" or n[1] not in self.beginning}
+                zeros = [
+                    name for name, value in values.items()
+                    if value <= (0.0 if positive[name] else -100.0 * RISEN * scales[name[0]])
+                ]  # fmt: skip
+                if zeros:
+                    return self.locate(phase, dense, before, look, zeros, positive)
+                for name, value in values.items():
+                    positive[name] |= value > RISEN * scales[name[0]]
+                before = look
+            self.stretches.append(DenseStep(solver.t_old, solver.t, dense, phase))
+            if self.elsewhere(solver.t_old, solver.t, dense):
+                return [("meeting", "")]
+        self.t, self.body = solver.t, solver.y
+        raise SimulationEnd("completed")
+
+    def is_lost(self, phase: SeveralContactPhase, before: float, look: float, dense) -> bool:
+        """Whether an open contact's points are no longer surely the nearest ones: the clearance has fallen, or they
+        have moved farther between two looks than their rate allows."""
+        earlier, now = phase.pairs(dense(before)), phase.pairs(dense(look))
+        for contact, was, pair in zip(phase.contacts, earlier, now, strict=True):
+            if contact.is_closed or contact.case.has_unique_points:
+                continue
+            farthest = JUMP * max(abs(was.xi1_rate), abs(pair.xi1_rate)) * (look - before) + JUMP * EPS
+            jumps = abs(pair.xi1 - was.xi1) > farthest + JUMP * EPS * abs(pair.xi1)
+            if jumps or pair.clearance < FORGOTTEN * self.clearances[contact.name]:
+                return True
+        return False
+
+    def locate(self, phase, dense, before: float, look: float, zeros, positive) -> list[tuple[str, str]]:
+        """The earliest zero between two looks."""
+        roots = {}
+        for name in zeros:
+
+            def value(t: float, name=name) -> float:
+                return phase.guards(t, dense(t))[name]
+
+            falls = positive[name] and value(before) > 0.0
+            roots[name] = float(brentq(value, before, look, xtol=1e-15, rtol=8.9e-16)) if falls else before
+        first = min(roots.values())
+        self.stretches.append(DenseStep(self.stretches[-1].end if self.stretches else self.t, first, dense, phase))
+        self.stretches[-1] = self.stretches[-1]._replace(start=min(before, first))
+        if self.elsewhere(before, first, dense):
+            return [("meeting", "")]
+        self.t, self.body = first, dense(first)
+        return [name for name, root in roots.items() if root - first <= 1e-11 * max(1.0, first)]
+
+    def scales(self, phase: SeveralContactPhase) -> dict[str, float]:
+        """The sizes of the guards of each kind."""
+        force = max(
+            float(np.abs(self.dynamics.torsor(self.t, self.body) / self.dynamics.units).max()),
+            float(np.abs(phase.forces(self.t, self.body).normal).max(initial=0.0)),
+        )
+        speed = max(self.speed, float(np.abs(self.body[3:]).max()), 1e-300)
+        return {"gap": 1e-2 * self.size(), "slip": speed, "normal": force, "cone+": force, "cone-": force}
+
+    # --- contacts at other places -------------------------------------------------------------------------------------
+
+    def elsewhere(self, start: float, end: float, dense) -> bool:
+        """Whether the plate overlaps its track at a place that is not watched; if so, the motion goes back to where it
+        met it, and the contact is added."""
+        looks = np.linspace(start, end, LOOKS + 1)[1:]
+        poses = np.array([dense(t)[:3] for t in looks]).T
+        earliest: tuple[int, PairCase, float] | None = None
+        for case in self.searched:
+            first = next((c.pair[0] for c in self.contacts if c.case is case), case.start.xi1)
+            near = np.full(len(looks), first)
+            overlap = first_overlap(case.track, case.plate.outline, poses[0], poses[1], poses[2], near)
+            if overlap is not None and (earliest is None or overlap[0] < earliest[0]):
+                earliest = overlap[0], case, overlap[1]
+        if earliest is None:
+            return False
+        number, case, xi1 = earliest
+        time = float(looks[number])
+        pair = self.deepest(case, dense(time), xi1)
+        if pair is None:
+            return False
+
+        def gap(t: float) -> float:
+            stretch = next(s for s in reversed(self.stretches) if s.start <= t or s is self.stretches[0])
+            return pair_at(case, stretch.states(t), pair).gap
+
+        after = time
+        for stretch in reversed(self.stretches):
+            if stretch.start < after and gap(stretch.start) > 0.0:
+                root = float(brentq(gap, stretch.start, min(after, stretch.end), xtol=1e-15, rtol=8.9e-16))
+                break
+            after = min(after, stretch.start)
+        else:
+            return False
+        while self.stretches and self.stretches[-1].start >= root:
+            self.stretches.pop()
+        last = self.stretches[-1]
+        self.stretches[-1] = last._replace(end=root)
+        self.impacts.cut(root)
+        self.t, self.body, self.contacts = root, np.array(last.states(root)), list(last.phase.contacts)
+        self.add(case, pair)
+        return True
+
+    def deepest(self, case: PairCase, body: np.ndarray, xi1: float) -> tuple[float, float] | None:
+        """The pair of points at an overlap that is not watched."""
+        known = [pair_at(case, body, contact.pair) for contact in self.contacts if contact.case == case]
+        reach = self.case.plate.reach
+        for pair in all_pairs(case, body, xi1):
+            place = case.track.point(pair[0])
+            is_new = all(np.hypot(*(place - case.track.point(k.xi1))) > 1e-3 * reach for k in known)
+            if is_new and pair_at(case, body, pair).gap < 0.0:
+                return pair
+        return None

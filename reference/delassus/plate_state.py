@@ -1,0 +1,95 @@
+"""A plate with its watched contacts in numbers: which touch, and the removal of roundings from gaps and velocities."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cases import Case, Mode
+from cases.contact_pairs import PairCase, contact_name
+
+from .contacts import PairState, PlateDynamics, pair_at
+from .phase import WatchedContact
+
+# A contact touches if its gap is below this part of the plate's size; it closes, slips or accelerates if the speed or
+# acceleration exceeds this part of the motion's.
+TOUCHES, MOVES = 1e-11, 1e-10
+# The names of contacts that have not touched yet begin with this.
+OPEN_NAME = "open "
+
+
+class SimulationEnd(Exception):
+    """The motion ends with a status."""
+
+
+class PlateState:
+    """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip."""
+
+    def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray):
+        self.case, self.dynamics = case, PlateDynamics(case)
+        self.t, self.body = t, np.array(body, dtype=float)
+        self.contacts: list[WatchedContact] = []
+        self.speed = 0.0
+        self.touching: set[str] = set()
+        self.stuck: set[str] = set()
+
+    def pairs(self) -> list[PairState]:
+        """All contacts in this state; their points are updated."""
+        now = [pair_at(contact.case, self.body, contact.pair) for contact in self.contacts]
+        self.contacts = [c._replace(pair=(p.xi1, p.xi2)) for c, p in zip(self.contacts, now, strict=True)]
+        return now
+
+    def size(self) -> float:
+        """The size of the poses' numbers, m."""
+        return float(abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach)
+
+    def add(self, case: PairCase, pair: tuple[float, float]) -> None:
+        """Add a contact that touches."""
+        name = self.free_name(case)
+        self.contacts.append(WatchedContact(name, case, pair, Mode.FLIGHT))
+        self.touching.add(name)
+
+    def free_name(self, case: PairCase) -> str:
+        """The name of a further contact with that support."""
+        used = {contact.name for contact in self.contacts}
+        names = (contact_name(case.support, i) for i in range(1, len(used) + 2))
+        return next(name for name in names if name not in used)
+
+    def name_touching(self) -> None:
+        """Contacts that touch for the first time get their names, in the order of their pairs."""
+        for k, contact in enumerate(self.contacts):
+            if contact.name in self.touching and contact.name.startswith(OPEN_NAME):
+                name = self.free_name(contact.case)
+                self.contacts[k] = contact._replace(name=name)
+                for names in (self.touching, self.stuck):
+                    if contact.name in names:
+                        names.discard(contact.name)
+                        names.add(name)
+
+    def close_gaps(self) -> None:
+        """Move the plate so that the touching contacts have no gap."""
+        for _ in range(4):
+            now = self.pairs()
+            some = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.touching]
+            if some:
+                rows = np.array([p.lift_row for p in some]) / self.dynamics.units
+                step = np.linalg.lstsq(rows, np.array([p.gap for p in some]), rcond=1e-10)[0]
+                self.body[:3] -= step / self.dynamics.units
+
+    def hold(self) -> None:
+        """No velocity along the rows that are held."""
+        now = self.pairs()
+        touching = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.touching]
+        sticking = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.stuck & self.touching]
+        rows = np.array([p.lift_row for p in touching] + [p.slip_row for p in sticking])
+        if not rows.size:
+            return
+        rows = rows / self.dynamics.units
+        if np.linalg.matrix_rank(rows, tol=1e-9) == 3:
+            self.body[3:] = 0.0
+            return
+        velocity = self.body[3:] * self.dynamics.units
+        for _ in range(2):
+            velocity = velocity - np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)[0]
+        self.body[3:] = velocity / self.dynamics.units

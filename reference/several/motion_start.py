@@ -1,0 +1,78 @@
+"""Where a motion with several contacts begins: at a second contact of a motion with one, or at a case's start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from cases import Case, DoesNotFit, Mode, Transition
+from cases.contact import start_motion
+from cases.contact_pairs import contact_name, pairs
+from cases.supports import TRACK
+from cases.trajectory import CONTACT
+
+from ..minimal.integrators.segment import Segment
+from ..minimal.phase_end import Ending
+from .geometry import places
+from .march import SeveralSimulation
+from .watched_plate import OPEN_NAME, TOUCHES, WatchState
+
+# Two contacts are different ones if their points on the track are farther apart than this part of the plate's size.
+APART = 1e-6
+
+
+def touches_at_start(case: Case, pair: tuple[float, float]) -> bool:
+    """Whether the plate touches its track at that pair, too, in its start, to rounding."""
+    if not case.start.in_contact:
+        return False
+    begin = start_motion(case)
+    try:
+        at = places(pairs(case)[:1], [begin.x, begin.y, begin.theta], [pair])[0]
+    except DoesNotFit:  # it is far away
+        return False
+    off = case.track.point(at.xi1) - case.track.point(begin.xi1)
+    if float(np.hypot(*off)) <= APART * case.plate.reach:
+        return False  # Newton's method has come to the start's own contact
+    return abs(at.gap) <= TOUCHES * (abs(begin.x) + abs(begin.y) + case.plate.reach)
+
+
+def until_end(
+    case: Case, t: float, body: Sequence[float], own: tuple[float, float], mode: Mode, other: tuple[float, float],
+    rtol: float, integrate: Callable[..., Segment],
+) -> tuple[list[Segment], list[Transition], Ending]:  # fmt: skip
+    """Continue a motion whose plate (x, y, θ, vx, vy, ω) has a contact at the pair `own`, in that mode, and meets its
+    track at the pair `other`: (segments, transitions, (status, sentence))."""
+    track, further = pairs(case)[0], contact_name(TRACK, 2)
+    watches = [WatchState(CONTACT, track, own, mode, 0.0), WatchState(further, track, other, Mode.FLIGHT, 0.0)]
+    march = SeveralSimulation(case, rtol, integrate, t, list(body), watches)
+    march.touching = {CONTACT, further}
+    march.begins = t == 0.0
+    if mode is Mode.ROLL:
+        march.stuck = {CONTACT}
+    ending = march.simulate()
+    return march.segments, march.transitions, ending
+
+
+def from_start(
+    case: Case, rtol: float, integrate: Callable[..., Segment]
+) -> tuple[list[Segment], list[Transition], Ending]:
+    """The motion of a case whose contacts are pairs of a support and a feature from its start on: (segments,
+    transitions, (status, sentence))."""
+    begin = start_motion(case)
+    body = [float(v) for v in (begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega)]
+    watches, size = list[WatchState](), abs(body[0]) + abs(body[1]) + case.plate.reach
+    for pair in pairs(case):
+        points = pair.guess(*body[:3])
+        if not pair.has_unique_points:
+            try:
+                gap = places([pair], body, [points])[0].gap
+            except DoesNotFit:
+                continue
+            if abs(gap) > TOUCHES * size:
+                continue
+        watches.append(WatchState(f"{OPEN_NAME}{pair.number}", pair, points, Mode.FLIGHT, 0.0))
+    march = SeveralSimulation(case, rtol, integrate, 0.0, body, watches)
+    march.begins = True
+    ending = march.simulate()
+    return march.segments, march.transitions, ending

@@ -1,0 +1,196 @@
+"""A plate with its watched contacts at one instant: poses without roundings, and impacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cases import Case, Impact, Mode
+from cases.contact_pairs import PairCase, contact_name
+from cases.supports import TRACK
+
+from ..minimal.flight_end import REBOUND_ROUNDINGS
+from ..minimal.phase_end import CAUSES, ENERGY, Ending
+from ..minimal.series import EPS
+from .decision import DecisionInstant, load_at
+from .geometry import ContactPlace, places, project, without_velocity
+from .hops import ImpactSeries
+from .impact import NoImpact, impact
+from .regimes import LOST, join
+
+# A contact touches if its gap is below this part of the plate's size: the rounding of an event's pose.
+TOUCHES = 1e-12
+# A contact closes if it does so faster than this part of the largest speed so far; slower is rounding.
+CLOSES = 1e-10
+# The names of contacts that have not touched yet begin with this.
+OPEN_NAME = "open "
+
+
+class MotionEnds(Exception):
+    """The motion ends, with a status and a sentence."""
+
+    def __init__(self, ending: Ending):
+        super().__init__(ending[1])
+        self.ending = ending
+
+
+@dataclass
+class WatchState:
+    """A watched contact: its name, its pair of a support and a feature, its pair of points and mode, and the clearance
+    (1/m) at which it is lost while open."""
+
+    name: str
+    contact: PairCase
+    pair: tuple[float, float]
+    mode: Mode
+    limit: float
+
+
+@dataclass
+class WatchedPlate:
+    """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip."""
+
+    case: Case
+    t: float
+    body: list[float]
+    watches: list[WatchState]
+    speed: float = 0.0
+    causes: dict[str, str] = field(default_factory=dict)
+    stuck: set[str] = field(default_factory=set)
+    touching: set[str] = field(default_factory=set)
+    hops: ImpactSeries = field(default_factory=ImpactSeries)
+
+    def places(self) -> list[ContactPlace]:
+        """The places of all watched contacts; their pairs are updated."""
+        now = places(self.contacts(), self.body, [watch.pair for watch in self.watches])
+        for watch, at in zip(self.watches, now, strict=True):
+            watch.pair = at.xi1, at.xi2
+        return now
+
+    def contacts(self) -> list[PairCase]:
+        """The pairs of all watched contacts."""
+        return [watch.contact for watch in self.watches]
+
+    def instant(self) -> DecisionInstant:
+        """What a decision about the modes needs."""
+        now = self.places()
+        touching = tuple(k for k, watch in enumerate(self.watches) if watch.name in self.touching)
+        names, limits = tuple(watch.name for watch in self.watches), tuple(watch.limit for watch in self.watches)
+        pairs = [(at.xi1, at.xi2) for at in now]
+        return DecisionInstant(self.t, join(self.body, pairs), now, names, limits, touching, self.speed)
+
+    def new_watch(self, contact: PairCase, pair: tuple[float, float]) -> WatchState:
+        """Watch an open contact, too."""
+        watch = WatchState(self._free_name(contact), contact, pair, Mode.FLIGHT, 0.0)
+        self.watches.append(watch)
+        return watch
+
+    def settle(self, stuck: set[str] | None = None, struck: bool = False) -> None:
+        """Remove roundings from the state: no gap at contacts that touch, and no velocity where there is none.
+
+        `struck`: a contact may have closed with a velocity, which is an impact."""
+        stuck = set(stuck or ())
+        if struck:
+            self._add_touching()
+        stuck = self._name_touching(stuck)
+        indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
+        self.body, now = project(self.case, self.contacts(), self.body, [watch.pair for watch in self.watches], indices)
+        for watch, at in zip(self.watches, now, strict=True):
+            watch.pair = at.xi1, at.xi2
+        for k in indices:
+            self.watches[k].limit = 0.0 if self.watches[k].contact.has_unique_points else LOST * now[k].clearance
+        self.speed = max(self.speed, self.present_speed())
+        if struck:
+            stuck = self._impact(now, indices, stuck)
+            indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
+        sticking = [k for k in indices if self.watches[k].name in stuck]
+        self.body = without_velocity(self.case, self.body, now, indices, sticking)
+
+    def _name_touching(self, stuck: set[str]) -> set[str]:
+        """Name the contacts that touch for the first time by their order; returns `stuck` with their names."""
+        for watch in self.watches:
+            if watch.name in self.touching and watch.name.startswith(OPEN_NAME):
+                old = watch.name
+                watch.name = self._free_name(watch.contact)
+                self.touching = {watch.name if name == old else name for name in self.touching}
+                stuck = {watch.name if name == old else name for name in stuck}
+        return stuck
+
+    def _free_name(self, contact: PairCase) -> str:
+        """The name of a further contact of that support."""
+        used = {watch.name for watch in self.watches}
+        return next(name for i in range(1, len(used) + 2) if (name := contact_name(contact.support, i)) not in used)
+
+    def _add_touching(self) -> None:
+        size = abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach
+        for watch, at in zip(self.watches, self.places(), strict=True):
+            if at.gap <= TOUCHES * size:
+                self.touching.add(watch.name)
+
+    def _impact(self, now: Sequence[ContactPlace], indices: list[int], stuck: set[str]) -> set[str]:
+        """Apply an impact if a touched contact closes; returns the names of contacts that do not slip after it (`stuck`
+        before it), and leaves the ones that open out of `touching`."""
+        velocity = np.array(self.body[3:])
+        lifts = {k: float(now[k].lift_row @ velocity) for k in indices}
+        closing = [k for k in indices if lifts[k] < -CLOSES * self.speed]
+        if not closing:
+            self.touching = {self.watches[k].name for k in indices if lifts[k] <= CLOSES * self.speed}
+            return stuck | {self.watches[k].name for k in indices if self._is_still(now[k], velocity)}
+        if self.case.effect(Impact) is None:
+            raise MotionEnds(
+                (
+                    "second_contact",
+                    f"The plate meets {self._which(closing[0])}, xi1 = {now[closing[0]].xi1:.9g}, at t = "
+                    f"{self.t:.9g} s, and the case names no Impact; add Flight() and Impact(0.0) to go on.",
+                )
+            )
+        places_hit = [k for k in indices if lifts[k] <= CLOSES * self.speed]
+        try:
+            outcome = impact(self.case, self.body[3:], [now[k] for k in places_hit], self.speed)
+        except NoImpact as problem:
+            raise MotionEnds(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
+        self._check_energy(outcome.velocity)
+        self.body[3:] = outcome.velocity.tolist()
+        self.hops.strike(self.t, self.body[2], max(-lifts[k] for k in closing))
+        self.touching, sticks = set(), set[str]()
+        for i, k in enumerate(places_hit):
+            watch, lift = self.watches[k], float(outcome.lift[i])
+            if k in closing:
+                self.causes[watch.name] = CAUSES["landing"]
+            if lift > 0.0 and not self._is_unresolved(now[k], lift):
+                continue
+            if lift > 0.0:
+                self.causes[watch.name] = CAUSES["rest"]
+            self.touching.add(watch.name)
+            if outcome.slip[i] == 0.0:
+                sticks.add(watch.name)
+        return sticks
+
+    def _which(self, k: int) -> str:
+        support = self.watches[k].contact.support
+        return "its track in a second place" if support == TRACK else f"the support {support!r}"
+
+    def _check_energy(self, after: np.ndarray) -> None:
+        """Newton's law may create energy, which ends the motion."""
+        weights = np.array([1.0, 1.0, self.case.plate.gyration**2])
+        before = np.array(self.body[3:])
+        law = self.case.effect(Impact)
+        if law is not None and law.law == "newton" and weights @ after**2 > (1.0 + 1e-12) * (weights @ before**2):
+            raise MotionEnds(ENERGY)
+
+    def _is_still(self, at: ContactPlace, velocity: np.ndarray) -> bool:
+        return abs(float(at.slip_row @ velocity)) <= 1e-11 * self.speed
+
+    def _is_unresolved(self, at: ContactPlace, lift: float) -> bool:
+        """Whether a rebound rises no higher than positions' rounding."""
+        load = load_at(self.case, self.t, self.body)
+        weights = 1.0 / np.array([1.0, 1.0, self.case.plate.gyration**2]) / self.case.plate.mass
+        pull = max(-float(at.lift_row @ (weights * load)), 0.0)
+        rounding = REBOUND_ROUNDINGS * EPS * (abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach)
+        return lift * lift <= 2.0 * pull * rounding
+
+    def present_speed(self) -> float:
+        """The largest of the plate's speeds, m/s; that of the spin at the radius of gyration."""
+        return float(np.abs(np.array(self.body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max())
