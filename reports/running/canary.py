@@ -51,7 +51,7 @@ class Canary:
     def change(self) -> str:
         """What has changed, as a phrase; "" if nothing has."""
         for place, name, value, known_as in self._attributes:
-            if place.get(name) is not value:
+            if _is_replaced(place, name, value):
                 return f"{known_as} was replaced"
         new_attributes = self._new_attributes()
         for _, _, value, known_as in new_attributes:
@@ -92,6 +92,14 @@ def _attributes(known_as: str, module: ModuleType, methods: bool) -> Iterator[_A
             for inner, method in list(vars(value).items()):
                 if callable(method) or isinstance(method, property):
                     yield vars(value), inner, method, f"{known_as}.{name}.{inner}"
+
+
+def _is_replaced(place: Any, name: str, value: Any) -> bool:
+    """Whether another object has the name now; a name imported at each use may also have been stored as it is."""
+    now = place.get(name)
+    if value is None and now is not None:
+        return now is not place["__getattr__"](name)
+    return now is not value
 
 
 def _known_run() -> tuple[bytes, ...]:

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import cases
+import reference
 from reports.running import experiment, solvers, tasks
 from reports.running.calls import Calls
 from reports.running.canary import Canary
@@ -101,6 +102,11 @@ def test_a_replaced_function_is_named(place, name, canary, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(f"{owner}.{attribute}", lambda *given: None)
         assert canary.change().endswith(f"{name} was replaced")
+    assert canary.change() == ""
+
+
+def test_a_late_import_that_is_stored_as_it_is_is_no_replacement(canary, monkeypatch):
+    monkeypatch.setitem(vars(reference), "simulate", reference.simulate)
     assert canary.change() == ""
 
 
