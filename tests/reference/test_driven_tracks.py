@@ -30,6 +30,7 @@ from cases import (
 from cases.library import circle, line
 from cases.moving_frame import in_track_frame, relative_case
 from reference.paper.kinematics import kinematics, slip_vector, slip_vector_of_plate
+from reports.studies.published.oscillating import BALL, BALL_STEP, ball
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
 
 
@@ -111,24 +112,6 @@ def test_track_that_drops_away_leaves_a_plate_in_free_fall():
     assert motion(0.5).normal_force == pytest.approx(M * (G + 4.0), abs=10 * EXACT)
 
 
-# Siconos' BallOnMovingPlane.ref: time (s), height of the ball, place and velocity of the plane (m, m/s).
-SICONOS_BALL = (
-    (0.2, 0.8038, 0.5892253173599042, 2.951056516295154),
-    (0.5, 2.370911848981931, 1.442655844074644, 2.707106781186547),
-    (1.0, 3.735194565451696, 2.629116499871870, 2.0),
-    (1.5, 3.952167607230420, 3.442655844074646, 1.292893218813453),
-    (2.0, 4.835824307798360, 3.992500000000001, 1.0),
-    (3.0, 5.426244905838504, 5.355883500128130, 2.0),
-    (4.0, 8.511493380218548, 7.992500000000003, 3.0),
-    (5.0, 10.65510808470837, 10.62911649987188, 2.0),
-    (6.0, 12.12898347073914, 11.99250000000001, 1.0),
-    (7.0, 13.49215817306292, 13.35588350012814, 2.0),
-    (8.0, 16.03620765230527, 15.99250000000001, 3.0),
-    (9.0, 18.64826944210841, 18.62911649987186, 2.0),
-    (10.0, 19.99325651020532, 19.99249999999999, 1.0),
-)
-
-
 def test_ball_on_the_moving_plane_of_siconos():
     """A ball falls on a plane that rises with 2 + cos(π t/2) m/s, restitution 0.9.
 
@@ -137,22 +120,20 @@ def test_ball_on_the_moving_plane_of_siconos():
     has no velocity, so that it lies h·3/2 lower from the first step on. An impact may come one step late, which moves
     what follows by at most h times the jump of the velocity. (All 2,001 rows were compared so.)
     """
-    h, low, fall = 5e-3, 7.5e-3, 1.0
-    plane = f"2*t + 2/pi*sin(pi*t/2) - {low}"
-    effects = (Drive(y=plane), Flight(), Impact(0.9, "newton"))
-    motion = reference.simulate(on_line(*effects, gap=fall + low, gap_rate=-3.0, duration=10.0), rtol=1e-12)
+    h, low = BALL_STEP, 7.5e-3
+    motion = reference.simulate(ball(), rtol=1e-12)
     impacts = np.array([t.time for t in motion.transitions if t.after is Mode.FLIGHT])
     # A microsecond before and after.
     jumps = np.abs(motion(np.minimum(impacts + 1e-6, 10.0)).vy - motion(impacts - 1e-6).vy)
-    for time, height, place, velocity in SICONOS_BALL:
+    for time, height, place, velocity in BALL:
         # Sums of the scheme, h/2 (v + v'), have its error of h²/12 times the change of the plane's acceleration.
         assert 2 * time + 2 / np.pi * np.sin(np.pi * time / 2) - low == pytest.approx(place, abs=5e-6)
         assert 2 + np.cos(np.pi * time / 2) == pytest.approx(velocity, abs=1e-14)
         before = impacts < time
         allowed = h * float(jumps[before].sum()) + 1e-12
         assert abs(motion(time).y - R - height) <= allowed
-    assert motion(0.2).y - R == pytest.approx(SICONOS_BALL[0][1], abs=1e-14)
-    assert max(abs(motion(t).y - R - height) for t, height, *_ in SICONOS_BALL) < 0.07
+    assert motion(0.2).y - R == pytest.approx(BALL[0][1], abs=1e-14)
+    assert max(abs(motion(t).y - R - height) for t, height, *_ in BALL) < 0.07
 
 
 def test_paper_kinematics_with_a_moving_track():

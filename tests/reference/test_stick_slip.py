@@ -17,6 +17,7 @@ import reference
 from cases import Case, CoulombFriction, Gravity, Load, Mode, RollingResistance, Start, Unilateral, disc
 from cases.library import line
 from reference import contact_frame
+from reports.studies.published.oscillating import OSCILLATOR, OSCILLATOR_STEP, oscillator
 from tests.scenes.motions import energy, work_done
 from tests.scenes.slip_laws import HYPERBOLIC, STRIBECK
 
@@ -55,24 +56,6 @@ def test_the_friction_oscillator_of_siconos_stops_after_its_arc_and_seven_half_t
     assert u == pytest.approx([sqrt(205.0) - 1.0, 15.0 - sqrt(205.0)], abs=1e-12)
 
 
-# Siconos' FrictionOscillator.ref: number of the row (h = 10 ms), place (m), velocity (m/s).
-SICONOS_OSCILLATOR = (
-    (10, 12.53405075505686, 4.672201853467469),
-    (20, 12.93287600060600, 3.297721387827922),
-    (30, 13.19249087298684, 1.890291728857106),
-    (43, 13.31777943672665, 0.03452537107654159),
-    (200, 1.044495491694369, -12.31774745658930),
-    (500, -2.501948714282954, 10.20794801547121),
-    (800, 3.373448597209874, -7.972099567461602),
-    (1200, 2.403788884076841, 5.322613153382251),
-    (1500, -0.7861911397169753, -3.931146536335745),
-    (1800, -0.3568996069829933, 2.226951812446628),
-    (2100, 0.9558869680782145, -0.3148787080157046),
-    (2400, 0.6820441351954105, 0.0),
-    (9999, 0.6820441351954105, 0.0),
-)
-
-
 def test_rows_of_the_friction_oscillator_of_siconos():
     """x'' + x = −sign(x') as above, by siconos-tutorials, examples/mechanics/FrictionOscillator/FrictionOscillator.ref.
 
@@ -80,12 +63,9 @@ def test_rows_of_the_friction_oscillator_of_siconos():
     end: where the velocity reverses, it is off by at most 2 h. Exact motions from two states do not separate, so after
     n reversals the rows are within 2 h n. (All 10,000 rows were compared so.)
     """
-    h = 0.01
-    effects = (Gravity(1.0), Load(fx="-x"), CoulombFriction(1.0), Unilateral())
-    case = Case(line(), disc(RADIUS, 1.0, inf), effects, Start(12.0, slip=6.0), 100.0)
-    motion = reference.simulate(case, 1e-13)
+    h, motion = OSCILLATOR_STEP, reference.simulate(oscillator(), 1e-13)
     reversals = np.array([t.time for t in motion.transitions])
-    for number, place, velocity in SICONOS_OSCILLATOR:
+    for number, place, velocity in OSCILLATOR:
         time = 2 * number * atan(h / 2)
         state = motion(time)
         distance = np.hypot(state.x - place, state.vx - velocity)
