@@ -42,6 +42,9 @@ _RESTS = 1e-12
 # The time in a wrong mode is measured against this part of the motion at least: else the score of a case that changes
 # its mode for an instant would depend on that instant alone.
 _LEAST_TIME = 0.25
+# The slip is measured against a mean slip that moves the plate by this part of the nearest null motion's pose error at
+# least: else the score of a case that slips for an instant only would depend on that instant alone.
+_LEAST_SLIP = 0.01
 # Slip below this part of the fastest of the truth and of its nearest null motion may count as none, whatever the
 # engine's creep is: as an error of slip it makes no more than about this part of a score.
 _MOST_CREEP = 0.01
@@ -127,7 +130,10 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
     pose = real[nearest][0] if nearest else case.plate.reach
     return Scale(
         pose=pose,
-        slip=_slip_scale(real, nearest, _SAME * fastest_slip) or fastest_slip,
+        slip=max(
+            _slip_scale(real, nearest, _SAME * fastest_slip) or fastest_slip,
+            _LEAST_SLIP * pose / (end or case.duration),
+        ),
         time=(max(others, _LEAST_TIME * end) if others > 0.0 else end) or case.duration,
         end=end,
         phases=phases,

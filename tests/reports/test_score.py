@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import cases
+import reference
 from cases import Mode, State, Transition
-from reports.judging import friction_sensitivity, grades
+from reports.judging import friction_sensitivity, grades, null_motions
 from reports.judging.grades import Grade, grade, sequence_note
 from tests.scenes import planted_engines as planted
 from tests.scenes.motions import sampled
@@ -102,6 +103,22 @@ def test_the_scale_of_slip_is_that_of_the_nearest_null_motion():
     rough = replace(truth.truth, dense=None, first_mode=None)
     chatter = 0.001 * np.resize([1.0, -1.0], len(rough.t))
     assert truth.score(replace(rough, slip=rough.slip + chatter)).off < 0.25
+
+
+def test_slip_in_the_last_instant_is_no_scale_of_its_own():
+    """A block tips for a second and slips in its last 1.4 ms, 39 nm altogether: the null motion never slips, and the
+    truth's 0.04 µm/s would be as bad as ignoring friction. With 1 % less friction it slips some 0.4 ms earlier."""
+    truth = planted.judged(cases.load("block_on_incline", slope=0.6, mu=0.9))
+    (event,) = truth.truth.transitions
+    less = planted.with_friction(truth.case, 0.99)
+    score = truth.score(less)
+    assert truth.scale.null_motion == "never moves"
+    # The slip moves the plate by 1 % of the null motion's error of place at most, if it lasts for the whole time.
+    assert truth.scale.slip * truth.scale.end == pytest.approx(0.01 * truth.scale.pose)
+    assert score.pose < 1e-7 and score.slip < 1e-4
+    other = reference.simulate(null_motions.with_friction(truth.case, mu=0.99 * 0.9)).transitions
+    assert truth.sensitivity == pytest.approx(abs(other[0].time - event.time) / truth.scale.time, rel=1e-3)
+    assert 1e-3 < truth.sensitivity < 2e-3
 
 
 def test_a_case_that_an_engine_s_step_decides_is_not_ranked():
