@@ -75,6 +75,24 @@ def decide(
 ) -> SeveralDecision:
     """The regime that follows. `fixed` limits the modes of some contacts, by their places; `error` is the relative
     error of the state; a rest whose limit is reached may not go on. Raises Undecidable."""
+    motions = consistent_motions(case, now, error, fixed, may_rest)
+    if not motions:
+        return SeveralDecision(None, ())
+    if len(motions) > 1 and len(now.touching) > 1:
+        return SeveralDecision(None, tuple(regimes[0].modes for regimes in motions))
+    best = max(motions[0], key=lambda r: (r.rests, len(r.closed), _sticking(r)))
+    return SeveralDecision(best, (best.modes,))
+
+
+def consistent_motions(
+    case: Case,
+    now: DecisionInstant,
+    error: float,
+    fixed: dict[int, tuple[Mode, ...]] | None = None,
+    may_rest: bool = True,
+) -> list[list[SeveralRegime]]:
+    """All motions that rigid Coulomb contact allows, each with every regime that gives its accelerations. Arguments as
+    of `decide`. Raises Undecidable."""
     motions: list[tuple[SeveralRegime, np.ndarray]] = []
     for modes in product(*_options(now, fixed or {})):
         regime = SeveralRegime(modes, now.names, now.limits, now.pairs)
@@ -92,13 +110,7 @@ def decide(
         # With static friction a contact that may stick does.
         most = max((_sticking(regime) for regime, _ in motions), default=0)
         motions = [(regime, a) for regime, a in motions if _sticking(regime) == most]
-    clusters = _clusters(case, now, motions)
-    if not clusters:
-        return SeveralDecision(None, ())
-    if len(clusters) > 1 and len(now.touching) > 1:
-        return SeveralDecision(None, tuple(cluster[0].modes for cluster in clusters))
-    best = max(clusters[0], key=lambda r: (r.rests, len(r.closed), _sticking(r)))
-    return SeveralDecision(best, (best.modes,))
+    return _clusters(case, now, motions)
 
 
 def _sticking(regime: SeveralRegime) -> int:
