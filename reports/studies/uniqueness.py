@@ -6,7 +6,8 @@ linear in N_A (floor) and N_B (wall); eliminating them gives the boundaries of `
 
 The floor alone is Painlevé's problem; its bounds are those of `painleve_rod`. (That with a floor alone either no motion
 or several follow beyond it is known from Hogan & Kristiansen, Proc. R. Soc. A 473, 2017, doi 10.1098/rspa.2016.0773,
-abstract looked up. The boundaries are derived here, those with a wall for the first time as far as we know.)
+abstract looked up.
+The boundaries are derived here.)
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from math import cos, pi, sin, sqrt
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -87,9 +88,9 @@ def wall_mu(theta: np.ndarray, spin: float) -> np.ndarray:
 
 
 BOUNDARIES = (
-    Boundary("the floor's force is not unique (Painlevé)", (FLOOR, BOTH), painleve_mu),
-    Boundary("both contacts have no inertia, μ = √2", (BOTH,), locking_mu),
-    Boundary("the wall's force vanishes", (BOTH,), wall_mu),
+    Boundary("Painlevé's bound", (FLOOR, BOTH), painleve_mu),
+    Boundary("μ = √2", (BOTH,), locking_mu),
+    Boundary("no force at the wall", (BOTH,), wall_mu),
 )
 
 
@@ -161,19 +162,25 @@ def rows(findings: list[StateRow]) -> dict[str, list[dict[str, Any]]]:
 def draw(findings: list[StateRow], folder: Path) -> Iterator[FigureEntry]:
     """Write the figure: a panel for each scene and Ω; yields its entry."""
     from matplotlib import pyplot as plt
+    from matplotlib.artist import Artist
     from matplotlib.colors import ListedColormap
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Rectangle
 
     from ..drawing.style import AREAS, STYLE
 
-    colours, lines = (AREAS[1], "white", AREAS[0]), ("-", "--", ":")
+    colours = AREAS[1], "white", AREAS[0]
+    styles: tuple[Literal["-", "--", ":", "-."], ...] = ("-", "--", ":", "-.")
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(2, len(SPINS), figsize=(9.6, 5.8), sharex=True, sharey=True, layout="constrained")
         for ax, (scene, spin) in zip(axes.flat, [(a, b) for a in (FLOOR, BOTH) for b in SPINS], strict=True):
             counts = {(r.mu, r.theta): len(r.motions) for r in findings if (r.scene, r.spin) == (scene, spin)}
-            grid = np.array([[counts[mu, theta] for theta in ANGLES.tolist()] for mu in MUS.tolist()])
-            ax.pcolormesh(np.degrees(ANGLES), MUS, grid, cmap=ListedColormap(colours), vmin=-0.5, vmax=2.5, rasterized=True)
+            grid = np.array([[counts.get((mu, theta), np.nan) for theta in ANGLES.tolist()] for mu in MUS.tolist()])
+            ax.pcolormesh(
+                np.degrees(ANGLES), MUS, grid, cmap=ListedColormap(colours), vmin=-0.5, vmax=2.5, rasterized=True
+            )
             theta = np.linspace(0.01, 0.5 * pi - 0.01, 400)
-            for boundary, style in zip(BOUNDARIES, lines, strict=True):
+            for boundary, style in zip(BOUNDARIES, styles, strict=False):
                 if scene in boundary.scenes:
                     mu = boundary.mu(theta, spin)
                     ax.plot(np.degrees(theta), np.where(mu < 4.0, mu, np.nan), "k", linestyle=style, linewidth=1.0)
@@ -181,10 +188,10 @@ def draw(findings: list[StateRow], folder: Path) -> Iterator[FigureEntry]:
                 ax.axvline(np.degrees(np.arcsin(1.0 / spin)), color="black", linestyle="-.", linewidth=1.0)
             ax.set_title(f"{scene}, Ω = {spin:g}")
             ax.set_ylim(0.0, 3.0)
-        handles = [plt.Rectangle((0, 0), 1, 1, facecolor=colour, edgecolor="black") for colour in colours]
-        handles += [plt.Line2D([], [], color="black", linestyle=style) for style in (*lines, "-.")]
-        labels = ["no motion", "one", "two", *(boundary.name for boundary in BOUNDARIES), "the free end lifts off"]
-        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        handles: list[Artist] = [Rectangle((0, 0), 1, 1, facecolor=colour, edgecolor="black") for colour in colours]
+        handles += [Line2D([], [], color="black", linestyle=style) for style in styles]
+        labels = ["no motion", "one", "two", *(boundary.name for boundary in BOUNDARIES), "Ω sin θ = 1"]
+        figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
         figure.supxlabel("angle θ between rod and floor / °")
         figure.supylabel("friction coefficient μ at both ends")
         yield save(figure, folder, "uniqueness", "", TITLE, _CAPTION)
@@ -193,6 +200,7 @@ def draw(findings: list[StateRow], folder: Path) -> Iterator[FigureEntry]:
 _CAPTION = (
     "A homogeneous rod slides with its lower end away from the wall, at 720 states per panel; Ω = ω² h/g with the "
     "angular velocity ω and half the length h. Colours: number of motions by enumeration of all modes. Lines: exact "
-    "boundaries. Floor alone: unique for every μ ≤ 4/3 (Painlevé's rod). Floor and wall: unique for every μ ≤ 4/3, too, "
-    "and above √2 at every angle flatter than Painlevé's steeper bound none or two motions are left."
+    "boundaries; at Ω sin θ = 1 a rod without forces would leave the floor. The motion is unique for every μ ≤ 4/3, "
+    "with a wall and without (Painlevé's rod). With a wall and μ > √2, every angle flatter than Painlevé's steeper bound "
+    "has none or two."
 )

@@ -18,7 +18,7 @@ from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, Truth
 from reports.running.timing.clock import NO_TIMING
-from reports.studies import meanings, paper
+from reports.studies import meanings, paper, uniqueness
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.formulations import measure as formulations
@@ -60,6 +60,7 @@ FOUND = {
     "stability": stability.Stability(
         (CASE,), {CASE.label: SCENE}, ((ROW, Residuals()),), (Bracket.failure(CASE, "engine", "native", "It hung."),)
     ),
+    "uniqueness": [uniqueness.StateRow(uniqueness.FLOOR, 0.5, 0.0625, 0.1, ("floor",))],
 }  # fmt: skip
 
 

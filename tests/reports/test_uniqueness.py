@@ -1,0 +1,92 @@
+"""The map of uniqueness: counts against a complementarity problem of two contacts, and boundaries that are exact."""
+
+from itertools import product
+from math import atan, cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import cases
+from cases import Mode
+from reference.several.uniqueness import motions_in
+from reports.studies import uniqueness
+from reports.studies.uniqueness import BOTH, BOUNDARIES, FLOOR, count, locking_mu, painleve_mu, sliding_rod, wall_mu
+
+
+def complementary_solutions(scene: str, spin: float, mu: float, theta: float) -> int:
+    """Solutions of w = M z + q, w ≥ 0, z ≥ 0, wᵀ z = 0 for a rod of half length, mass and gravity 1 that slides, one
+    for each of the 2ⁿ choices of zeros: z are the normal forces, w the accelerations of the ends from the supports."""
+    s, c = sin(theta), cos(theta)
+    # Normal force N_A at (c, −s) along y with friction −μ N_A along x; N_B at (−c, s) along x, with μ N_B along y.
+    push = np.array([[-mu, 1.0, c - mu * s], [1.0, mu, -s - mu * c]])
+    away = np.array([[0.0, 1.0, c], [1.0, 0.0, -s]])  # rows of the ends' velocities along the normals
+    compliance = np.array([1.0, 1.0, 3.0])
+    matrix = away @ (compliance[:, None] * push.T)
+    right = np.array([spin * s - 1.0, spin * c])
+    if scene == FLOOR:
+        matrix, right = matrix[:1, :1], right[:1]
+    solutions = 0
+    for chosen in product((False, True), repeat=len(right)):
+        on = np.flatnonzero(chosen)
+        z = np.zeros(len(right))
+        z[on] = np.linalg.solve(matrix[np.ix_(on, on)], -right[on])
+        solutions += bool((z >= 0.0).all() and (np.delete(matrix @ z + right, on) >= 0.0).all())
+    return solutions
+
+
+def test_counts_are_those_of_a_complementarity_problem():
+    numbers, counts = np.random.default_rng(1), []
+    for scene in (FLOOR, BOTH):
+        for _ in range(12):
+            spin, mu = float(numbers.uniform(0.0, 3.0)), float(numbers.uniform(0.1, 3.0))
+            angles = numbers.uniform(0.05, 0.5 * pi - 0.05, 5).tolist()
+            for row in count(scene, spin, [mu], angles):
+                assert len(row.motions) == complementary_solutions(*row[:4]), row
+                counts.append(len(row.motions))
+    assert min(counts.count(n) for n in (0, 1, 2)) > 5
+
+
+def test_the_motions_change_at_the_boundaries_and_nowhere_else():
+    """A part of 1e-6 to either side of each boundary the motions differ; along μ they change at boundaries only."""
+    numbers = np.random.default_rng(2)
+    changed = dict.fromkeys((boundary.name for boundary in BOUNDARIES), 0)
+    for scene, spin in product((FLOOR, BOTH), (0.5, 1.5)):
+        for theta in numbers.uniform(0.1, 1.4, 4).tolist():
+            own = [b for b in BOUNDARIES if scene in b.scenes]
+            at = {b.name: float(b.mu(np.array(theta), spin)) for b in own}
+            bounds = sorted(mu for mu in at.values() if 0.0 < mu < 5.0)
+            mus = [mu * factor for mu in bounds for factor in (1.0 - 1e-6, 1.0 + 1e-6)]
+            motions = [row.motions for row in count(scene, spin, [0.01, *mus, 5.0], [theta])]
+            assert motions[0::2] == motions[1::2], (scene, spin, theta)
+            for name, mu in at.items():
+                if mu in bounds:
+                    i = 2 * bounds.index(mu)
+                    changed[name] += motions[i] != motions[i + 2]
+    assert min(changed.values()) > 1
+
+
+def test_known_values_of_the_boundaries():
+    assert painleve_mu(np.array(atan(2.0))) == pytest.approx(4.0 / 3.0, rel=1e-15)  # its least value
+    assert (painleve_mu(np.linspace(0.05, 1.5, 999)) >= 4.0 / 3.0 - 1e-15).all()
+    assert locking_mu(np.array(1.0)) == pytest.approx(sqrt(2.0))
+    # Without friction Ω = (3/2) (sin θ₀ − sin θ) by the energy, and the wall's force vanishes at sin θ = (2/3) sin θ₀.
+    start = sin(1.2)
+    leaves = np.arcsin(2.0 / 3.0 * start)
+    assert wall_mu(leaves - 1e-9, 1.5 * (start - sin(leaves))) == pytest.approx(0.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.9, 1.6, 3.0])
+def test_a_rod_at_rest_has_one_motion_and_is_held_as_in_statics(mu):
+    """Equal coefficients hold a homogeneous rod if tan θ ≥ (1 − μ²)/(2 μ)."""
+    case = cases.load("ladder_at_wall", mu=mu, mu_wall=mu)
+    for theta in np.linspace(0.2, 1.4, 7).tolist():
+        (modes,) = motions_in(case, sliding_rod(BOTH, 0.0, theta))
+        held = set(modes.values()) == {Mode.ROLL}
+        assert held == (np.tan(theta) >= (1.0 - mu * mu) / (2.0 * mu)), theta
+
+
+def test_the_table_counts_every_state():
+    states = [row for scene in (FLOOR, BOTH) for row in count(scene, 1.5, [0.5, 2.0], [0.4, 1.0])]
+    table = uniqueness.rows(states)["uniqueness"]
+    assert sum(row["states"] for row in table) == len(states) == 8
+    assert {(row["motions"], row["modes"]) for row in table} >= {(1, "floor"), (2, "floor; none")}
