@@ -6,8 +6,7 @@ linear in N_A (floor) and N_B (wall); eliminating them gives the boundaries of `
 
 The floor alone is Painlevé's problem; its bounds are those of `painleve_rod`. (That with a floor alone either no motion
 or several follow beyond it is known from Hogan & Kristiansen, Proc. R. Soc. A 473, 2017, doi 10.1098/rspa.2016.0773,
-abstract looked up.
-The boundaries are derived here.)
+abstract looked up. The boundaries are derived here.)
 """
 
 from __future__ import annotations
@@ -201,6 +200,6 @@ _CAPTION = (
     "A homogeneous rod slides with its lower end away from the wall, at 720 states per panel; Ω = ω² h/g with the "
     "angular velocity ω and half the length h. Colours: number of motions by enumeration of all modes. Lines: exact "
     "boundaries; at Ω sin θ = 1 a rod without forces would leave the floor. The motion is unique for every μ ≤ 4/3, "
-    "with a wall and without (Painlevé's rod). With a wall and μ > √2, every angle flatter than Painlevé's steeper bound "
-    "has none or two."
+    "with a wall and without (Painlevé's rod). With a wall and μ > √2, every angle flatter than Painlevé's steeper "
+    "bound has none or two."
 )
