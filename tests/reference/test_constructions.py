@@ -116,6 +116,8 @@ def test_an_outline_by_integrals_is_simulated_by_dop853():
     ends = [reference.simulate(case, 1e-12, "dop853")(1.0) for case in cases]
     assert ends[0].x == pytest.approx(ends[1].x, abs=1e-11)
     assert reference.simulate(cases[0], 1e-12)(1.0).x == ends[0].x  # what `simulate` chooses
+    if "taylor" not in reference.METHODS:
+        return
     with pytest.raises(NotSupported, match="give method='dop853'"):
         reference.simulate(cases[0], method="taylor")
 
