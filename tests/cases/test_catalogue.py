@@ -153,7 +153,9 @@ def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
         energies = energy(any_case, motion)
         # Rounding of sums of a few terms; DOP853's errors over a phase are some hundred times that.
         share = {"taylor": 8 * np.finfo(float).eps, "dop853": 1e-12}[reference.METHODS[0]]
-        assert np.all(np.diff(energies) <= 1e-9 * np.ptp(energies) + share * np.abs(energies).max()), "no impact and no mode adds energy"
+        assert np.all(np.diff(energies) <= 1e-9 * np.ptp(energies) + share * np.abs(energies).max()), (
+            "no impact and no mode adds energy"
+        )
         return
     gained = energy(any_case, motion(float(motion.t[-1]))) - energy(any_case, motion(0.0))
     state = motion(times_of(any_case))
