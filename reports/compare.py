@@ -77,6 +77,8 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
         for r in run.ledger
     ]
     head = ("event", "before", "after", "time", "reference_time", "error", "seen_at", "pairing")
+    # Of a difference of two times fewer digits are certain than of the times.
+    digits = (".9g", ".9g", ".9g", ".9g", ".9g", ".7g", ".9g", ".9g")
     distance = [(name, value) for name, value in run.distance._asdict().items()]
     total = energy(case, motion)
     energies = [
@@ -89,7 +91,7 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
     return "\n\n".join(
         (
             f"{run.solver} on {case.label}: {grades.summary(run.score, run.friction_factor, run.reason)}",
-            "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=".9g") if ledger else "none, as in the truth"),
+            "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=digits) if ledger else "none, as in the truth"),
             "Distance from the reference (m, rad, m/s)\n" + tabulate(distance, floatfmt=".3g"),
             "Energy\n" + tabulate(energies, floatfmt=".6g"),
             "Laws broken\n" + ("\n".join(violations) if violations else "none"),

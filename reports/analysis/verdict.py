@@ -26,7 +26,8 @@ from .number_format import seconds
 from .time_to_accuracy import WITH_TIMES, cost
 
 HOLDS = (
-    "How far each route is from the truth, over the cases that depend on friction's law; engines by themselves first"
+    "How far each route is from the truth, over the cases that depend on friction's law (1: as bad as ignoring it); "
+    "engines by themselves first"
 )
 COLUMNS = (
     "digits_rank", "solver", "route", "our_part", "friction_cases", "answered", "unsupported", "crashed", "timed_out",
@@ -275,17 +276,23 @@ def _in_terminal(table: Sequence[Mapping[str, Any]], lines: Sequence[Mapping[str
     names = [f"{row['solver']} {row['route']}" for row in table]
     ranks = [f"{row['digits_rank']:.0f}. " if isfinite(row["digits_rank"]) else "" for row in table]
 
-    def text(names: Sequence[str]) -> str:
+    def text(names: Sequence[str], is_dense: bool) -> str:
         labels = [{"engine": rank + name} for rank, name in zip(ranks, names, strict=True)]
         pairs = [label | dict(line) for label, line in zip(labels, lines, strict=True)]
-        return tabulate(pairs, headers="keys", tablefmt="plain", disable_numparse=True, stralign="right")
+        options: dict[str, Any] = dict(tablefmt="plain", disable_numparse=True, stralign="right")
+        if is_dense:  # tabulate pads columns with a heading by two more spaces
+            return tabulate([list(pairs[0]), *(list(pair.values()) for pair in pairs)], **options)
+        return tabulate(pairs, headers="keys", **options)
 
-    excess = max(map(len, text(names).splitlines()), default=0) - WIDTH
-    if excess <= 0:
-        return text(names)
+    def excess(text: str) -> int:
+        return max(map(len, text.splitlines()), default=0) - WIDTH
+
+    if excess(text(names, False)) <= 0:
+        return text(names, False)
     # The engines' names are the only cells without a bound.
-    longest = max(len(rank + name) for rank, name in zip(ranks, names, strict=True)) - excess
-    return text([_shorten(name, longest - len(rank)) for rank, name in zip(ranks, names, strict=True)])
+    longest = max(len(rank + name) for rank, name in zip(ranks, names, strict=True))
+    longest -= max(0, excess(text(names, True)))
+    return text([_shorten(name, longest - len(rank)) for rank, name in zip(ranks, names, strict=True)], True)
 
 
 def _shorten(name: str, longest: int) -> str:

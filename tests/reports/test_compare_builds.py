@@ -158,6 +158,17 @@ def test_two_builds_of_the_same_commit_give_the_same_accuracies_and_alike_times(
     assert len(output.ratios) <= 0.05 * output.ratio_count
 
 
+@pytest.mark.slow
+def test_two_builds_of_the_same_commit_have_the_same_verdict_in_every_row(tmp_path):
+    """All engines on the cases of a quick report, nothing from a store, with one worker process and with two."""
+    for jobs in ("1", "2"):
+        argv = ["--quick", "--jobs", jobs, "--out", str(tmp_path / jobs), "--store", str(tmp_path / f"store of {jobs}")]
+        assert build.main(argv) == 0
+    rows = len(pd.read_csv(tmp_path / "1" / "tables" / "trajectories.csv"))
+    output = compare_builds.compare(tmp_path / "1", tmp_path / "2")
+    assert rows >= 30 and output.results == [] and output.levels == []
+
+
 def test_two_solvers_of_a_report_are_compared_as_one(report, tmp_path, capsys):
     def both(table, column):
         frame = pd.read_csv(report / "tables" / f"{table}.csv")

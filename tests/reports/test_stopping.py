@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pandas as pd
@@ -117,15 +118,40 @@ def test_an_interrupt_is_one_sentence_in_every_command_at_any_time(command, afte
 
 # --- kills ------------------------------------------------------------------------------------------------------------
 
-KILLS = 100
+# Builds that are killed, one in each part of equal CPU time from the first import to the page. A trial costs about 10 s
+# of CPU time: half a build without stored results, and the build that goes on.
+KILLS = 12
+# No build takes so long, however busy the machine is.
+MOST_SECONDS = 900.0
 
 
 def children(process: int) -> list[int]:
-    """The processes that a process has started and that still run (Linux)."""
+    """The processes that a process and its children have started and that still run (Linux)."""
     try:
-        return [int(word) for word in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+        found = [int(word) for word in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
     except OSError:
         return []
+    return [*found, *(below for child in found for below in children(child))]
+
+
+def cpu_seconds(process: int) -> float:
+    """CPU time of a process, its children and those of them that have ended (Linux)."""
+    ticks = 0
+    for one in (process, *children(process)):
+        try:
+            fields = Path(f"/proc/{one}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        ticks += sum(int(field) for field in fields[11:15])
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def wait_for_cpu(command: subprocess.Popen, seconds: float) -> None:
+    """Wait until a command has taken so much CPU time, or has ended."""
+    deadline = time.monotonic() + MOST_SECONDS
+    while command.poll() is None and cpu_seconds(command.pid) < seconds:
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
 
 
 def tables(folder: Path) -> dict[str, pd.DataFrame]:
@@ -156,36 +182,38 @@ def test_killed_anywhere_a_build_goes_on_to_identical_tables_and_leaves_nothing(
     rng = random.Random(20)
     words = ["reports.build", *(["--quick"] if effort == "--quick" else []), "--case", CASE, "--solver", "fake"]
     words += ["--store", str(folder / ".slip-to-roll")]
-    whole = started(folder, words)
-    began = time.monotonic()
-    _, output = whole.communicate(timeout=300.0)
-    assert whole.returncode == 0, output
-    took, expected = time.monotonic() - began, tables(folder)
-    for _ in range(KILLS // 2):
+    took, expected, killed = whole_build(folder, words), tables(folder), 0
+    for part in range(KILLS):
         for path in (folder / ".slip-to-roll").glob("*.npz"):
-            if rng.random() < 0.5:
-                path.unlink()
+            path.unlink()
         command = started(folder, words)
-        time.sleep(rng.uniform(0.2, 0.8 * took))
-        victims = [command.pid, *children(command.pid)]
-        victim = rng.choice(victims)
+        wait_for_cpu(command, took * (part + rng.random()) / KILLS)
+        victim = rng.choice([command.pid, *children(command.pid)])
         if command.poll() is None:
-            try:
+            with suppress(ProcessLookupError):  # a worker may have ended meanwhile
                 os.kill(victim, signal.SIGKILL)
-            except ProcessLookupError:
-                continue
-        _, output = command.communicate(timeout=300.0)
+                killed += 1
+        _, output = command.communicate(timeout=MOST_SECONDS)
         if command.returncode == -signal.SIGKILL:
             # The old report stands or the new one, as a whole; for an instant, while one takes the other's place, none.
             assert not (folder / "report" / "index.html").exists() or is_whole(folder / "report")
         else:
             assert command.returncode == 0, output
-        again = started(folder, words)
-        _, output = again.communicate(timeout=300.0)
-        assert again.returncode == 0, output
+        whole_build(folder, words)
         for name, frame in tables(folder).items():
             pd.testing.assert_frame_equal(frame, expected[name], obj=name)
         assert left(folder) == []
+    assert killed >= KILLS // 2
+
+
+def whole_build(folder: Path, words: list[str]) -> float:
+    """Run a build to its end; returns its CPU time, s."""
+    before = os.times()
+    command = started(folder, words)
+    _, output = command.communicate(timeout=MOST_SECONDS)
+    assert command.returncode == 0, output
+    now = os.times()
+    return now.children_user + now.children_system - before.children_user - before.children_system
 
 
 # The handler is set because a process that a shell starts in the background ignores the signal.

@@ -165,6 +165,14 @@ def test_every_line_of_the_terminal_fits_80_characters(name):
     assert "two native" in verdict.in_terminal(rows)  # only the names that do not fit are shortened
 
 
+def test_narrower_columns_come_before_a_shorter_name():
+    rows = table(
+        run("a", "my_engine 2.1.0", "submission", 1e-9), run("a", "two", "native", 0.2), run("a", "two", "native", 1e-9)
+    )
+    assert "my_engine 2.1.0 submission" in verdict.in_terminal(rows)
+    assert max(map(len, verdict.in_terminal(rows).splitlines())) <= 80
+
+
 def test_an_adapter_says_what_of_its_routes_is_not_its_engines_own():
     adapter = SimpleNamespace(NAME="mine")
     assert our_part(adapter, "native") == our_part(adapter, "process") == ""

@@ -354,7 +354,7 @@ WALK = {
             ),
             Step(
                 "pytest --slip-to-roll-engine ./my_engine",
-                (r"^1 passed, 6 skipped",),
+                (r"\b1 passed, 6 skipped in ",),
                 needs="node",
                 before="python -m pip install --quiet --disable-pip-version-check pytest",
             ),
