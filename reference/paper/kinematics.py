@@ -65,14 +65,26 @@ class Kinematics:
         return c_ddot + self.track.swing * (U @ (self.R - c)) - self.track.spin**2 * (self.R - c)
 
 
+def track_jet(case: Case, xi1: float, track: TrackPlace | None) -> np.ndarray:
+    """R, R_p, R_s, R_t of (1) in the fixed frame, shape (4, 2)."""
+    jet = np.array(case.track.jet(xi1)).reshape(4, 2)
+    if track is None:
+        return jet
+    Q = np.array([[cos(track.angle), -sin(track.angle)], [sin(track.angle), cos(track.angle)]])
+    return np.array([Q @ jet[0] + (track.x, track.y), *(Q @ derivative for derivative in jet[1:])])
+
+
 def kinematics(case: Case, xi1: float, xi2: float, xi1_dot: float, xi2_dot: float, time: float = 0.0) -> Kinematics:
     """All of (1)–(9) at one state in independent coordinates; `time` (s) is for driven tracks."""
-    R, Rp, Rs, Rt = np.array(case.track.jet(xi1)).reshape(4, 2)  # (1)
     drive = case.effect(Drive)
-    track = drive.at(time) if drive else None
-    if track is not None:
-        Q = np.array([[cos(track.angle), -sin(track.angle)], [sin(track.angle), cos(track.angle)]])
-        R, Rp, Rs, Rt = Q @ R + (track.x, track.y), Q @ Rp, Q @ Rs, Q @ Rt
+    return kinematics_on(case, xi1, xi2, xi1_dot, xi2_dot, drive.at(time) if drive else None)
+
+
+def kinematics_on(
+    case: Case, xi1: float, xi2: float, xi1_dot: float, xi2_dot: float, track: TrackPlace | None
+) -> Kinematics:
+    """Same as `kinematics`, with the place of the track; None if it is fixed."""
+    R, Rp, Rs, Rt = track_jet(case, xi1, track)  # (1)
     r, rp, rs, rt = np.array(case.plate.outline.jet(xi2)).reshape(4, 2)  # (2)
     theta = atan2(Rp[1], Rp[0]) - atan2(rp[1], rp[0])  # (6), and of its two solutions the one with parallel tangents
     c, s = cos(theta), sin(theta)

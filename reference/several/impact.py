@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import product
 from math import inf
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -31,11 +31,33 @@ class NoImpact(ArithmeticError):
 
 
 class ImpactVelocities(NamedTuple):
-    """Velocities (vx, vy, ω) after an impact, and lift and slip velocity of every touched contact, zeros exact."""
+    """Velocities (vx, vy, ω) of each body after an impact, and lift and slip velocity of every touched contact, zeros
+    exact."""
 
     velocity: np.ndarray
     lift: np.ndarray
     slip: np.ndarray
+
+
+class TouchedContact(Protocol):
+    """What the law of impact needs of a contact: the rows of its lift and slip velocity, and its coefficients."""
+
+    @property
+    def lift_row(self) -> np.ndarray: ...
+    @property
+    def slip_row(self) -> np.ndarray: ...
+    @property
+    def mu(self) -> float: ...
+    @property
+    def restitution(self) -> float: ...
+
+
+class Inertia(NamedTuple):
+    """Of all velocities: the inverse masses, in units of one of them, and the lengths (m; 1 for translations) by which
+    they are compared."""
+
+    inverse: np.ndarray
+    lengths: np.ndarray
 
 
 class _ImpactLaw(NamedTuple):
@@ -54,15 +76,25 @@ def impact(case: Case, velocity: Sequence[float], places_hit: Sequence[ContactPl
     before = np.array(velocity, dtype=float)
     if len(places_hit) == 1:
         return _one_contact(before, places_hit[0])
-    mu, nothing = [at.mu for at in places_hit], np.zeros(len(places_hit))
-    restitution = np.array([at.restitution for at in places_hit])
-    if law.law != "poisson":
-        return _collide(case, before, places_hit, _ImpactLaw(restitution, nothing, mu), speed)[0]
-    compressed, impulses = _collide(case, before, places_hit, _ImpactLaw(nothing, nothing, mu), speed)
+    gyration = case.plate.gyration
+    plate = Inertia(1.0 / np.array([1.0, 1.0, gyration**2]), np.array([1.0, 1.0, gyration]))
+    return impact_of_all(law.law, plate, before, places_hit, speed)
+
+
+def impact_of_all(
+    law: str, inertia: Inertia, before: np.ndarray, contacts: Sequence[TouchedContact], speed: float
+) -> ImpactVelocities:
+    """The velocities of one or several bodies after an impact at all touched contacts: by Newton's, Moreau's or
+    Poisson's law ("newton", "moreau", "poisson") for whole impulses. Arguments and errors as of `impact`."""
+    mu, nothing = [at.mu for at in contacts], np.zeros(len(contacts))
+    restitution = np.array([at.restitution for at in contacts])
+    if law != "poisson":
+        return _collide(inertia, before, contacts, _ImpactLaw(restitution, nothing, mu), speed)[0]
+    compressed, impulses = _collide(inertia, before, contacts, _ImpactLaw(nothing, nothing, mu), speed)
     if not restitution.any():
         return compressed
     second = _ImpactLaw(nothing, restitution * impulses, mu)
-    return _collide(case, compressed.velocity, places_hit, second, speed)[0]
+    return _collide(inertia, compressed.velocity, contacts, second, speed)[0]
 
 
 def _one_contact(before: np.ndarray, at: ContactPlace) -> ImpactVelocities:
@@ -77,18 +109,17 @@ def _one_contact(before: np.ndarray, at: ContactPlace) -> ImpactVelocities:
 
 
 def _collide(
-    case: Case, before: np.ndarray, places_hit: Sequence[ContactPlace], law: _ImpactLaw, speed: float
+    inertia: Inertia, before: np.ndarray, places_hit: Sequence[TouchedContact], law: _ImpactLaw, speed: float
 ) -> tuple[ImpactVelocities, np.ndarray]:
-    """The outcome by enumeration, and the normal impulses per mass."""
-    compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
+    """The outcome by enumeration, and the normal impulses, of a plate per mass."""
     options = [
         [OPEN, FORWARD] if mu == 0.0 else [OPEN, STICK] if mu == inf else [STICK, FORWARD, BACKWARD, OPEN]
         for mu in law.mu
     ]
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
     for modes in product(*options):
-        one = _in_modes(modes, before, places_hit, law, compliance, speed)
-        if one is not None and all(_differ(one[0], other[0], case.plate.gyration, speed) for other in solutions):
+        one = _in_modes(modes, before, places_hit, law, inertia.inverse, speed)
+        if one is not None and all(_differ(one[0], other[0], inertia.lengths, speed) for other in solutions):
             solutions.append(one)
     if len(solutions) != 1:
         count = "no" if not solutions else f"{len(solutions)} different"
@@ -96,8 +127,8 @@ def _collide(
     return solutions[0]
 
 
-def _differ(one: ImpactVelocities, other: ImpactVelocities, gyration: float, speed: float) -> bool:
-    off = np.abs((one.velocity - other.velocity) * np.array([1.0, 1.0, gyration])).max()
+def _differ(one: ImpactVelocities, other: ImpactVelocities, lengths: np.ndarray, speed: float) -> bool:
+    off = np.abs((one.velocity - other.velocity) * lengths).max()
     return bool(off > 1e-8 * speed)
 
 
@@ -108,7 +139,7 @@ def _in_modes(
     lift = np.array([at.lift_row @ before for at in places_hit])
     slip = np.array([at.slip_row @ before for at in places_hit])
     rows, columns, goals, which = [], [], [], []
-    change = np.zeros(3)
+    change = np.zeros(len(before))
     for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
         ratio = -SIGN.get(mode, 0.0) * law.mu[k] if law.mu[k] and mode in SIGN else 0.0
         if mode == OPEN:
@@ -136,7 +167,7 @@ def _with_least(
     their slip, and for stick."""
     opening = [k for k, mode in enumerate(modes) if mode == OPEN and law.mu[k] > 0.0]
     for senses in product((1.0, -1.0, 0.0), repeat=len(opening)):
-        rows, columns, goals, which, change = [], [], [], [], np.zeros(3)
+        rows, columns, goals, which, change = [], [], [], [], np.zeros(len(before))
         for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
             if mode == OPEN and k not in opening:
                 change = change + law.least[k] * at.lift_row

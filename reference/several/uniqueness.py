@@ -26,11 +26,11 @@ def motions_in(case: Case, body: Sequence[float]) -> list[dict[str, Mode]]:
     every = [pair for pair in pairs(case) if pair.has_unique_points]
     at = places(every, body, [pair.guess(*body[:3]) for pair in every])
     size = TOUCHES * (abs(body[0]) + abs(body[1]) + case.plate.reach)
-    touched = [one for one in at if abs(one.gap) <= size]
-    names = tuple(contact_name(one.contact.support, 1) for one in touched)
+    touching = [one for one in at if abs(one.gap) <= size]
+    names = tuple(contact_name(one.contact.support, 1) for one in touching)
     speed = max(abs(body[3]), abs(body[4]), abs(body[5]) * case.plate.gyration)
-    state = join(body, [(one.xi1, one.xi2) for one in touched])
-    now = DecisionInstant(0.0, state, touched, names, (0.0,) * len(names), tuple(range(len(names))), speed)
+    state = join(body, [(one.xi1, one.xi2) for one in touching])
+    now = DecisionInstant(0.0, state, touching, names, (0.0,) * len(names), tuple(range(len(names))), speed)
     motions = consistent_motions(case, now, ERROR)
     most = [max(regimes, key=lambda regime: len(regime.closed)) for regimes in motions]
     return [dict(zip(names, regime.modes, strict=True)) for regime in most]

@@ -30,7 +30,7 @@ from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
 from reference.delassus import complementarity
 from reference.delassus.contacts import PlateDynamics, frictions, pair_at
-from reference.paper.several import solve_several
+from reference.paper.bodies import BodyContact, solve_bodies
 from reference.several.decision import DecisionInstant, decide
 from reference.several.geometry import project
 from reference.several.regimes import SeveralRegime, join, several_phase
@@ -242,8 +242,9 @@ def test_the_papers_matrix_with_a_block_for_each_contact_gives_the_same_accelera
         outputs = phase.system.outputs_of_numbers(0.0, now.state, phase.parameters)
         states = [(*now.state[3 + 2 * k : 5 + 2 * k], *rates[3 + 2 * k : 5 + 2 * k]) for k in closed]
         motion = 0.0, *now.state[:3], *now.state[-3:]
-        paper = solve_several([pairs(case)[0]] * len(closed), [regime.modes[k] for k in closed], states, motion)
-        assert paper.q1_ddot == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
+        some = [BodyContact(pairs(case)[0], regime.modes[k], y) for k, y in zip(closed, states, strict=True)]
+        paper = solve_bodies([case], some, [motion])
+        assert paper.q1_ddot[0] == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
         for i, k in enumerate(closed):
             forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
             assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)

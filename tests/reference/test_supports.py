@@ -36,7 +36,7 @@ from cases.contact_pairs import pairs
 from cases.library import circle, line, parabola
 from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
-from reference.paper.several import solve_several
+from reference.paper.bodies import BodyContact, solve_bodies
 from reference.several.regimes import contacts_of, regime_of
 
 G = 9.81
@@ -312,8 +312,10 @@ def test_the_papers_matrix_with_corners_gives_the_same_accelerations_and_forces(
             outputs = segment.phase.system.outputs_of_numbers(t, tuple(y), segment.phase.parameters)
             states = [(*y[3 + 2 * k : 5 + 2 * k], *rates[3 + 2 * k : 5 + 2 * k]) for k in regime.closed]
             contacts = [contacts_of(case, regime)[k] for k in regime.closed]
-            paper = solve_several(contacts, [regime.modes[k] for k in regime.closed], states, (t, *y[:3], *y[-3:]))
-            assert paper.q1_ddot == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
+            modes = [regime.modes[k] for k in regime.closed]
+            some = list(map(BodyContact, contacts, modes, states))
+            paper = solve_bodies([case], some, [(t, *y[:3], *y[-3:])])
+            assert paper.q1_ddot[0] == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
             for i, k in enumerate(regime.closed):
                 forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
                 assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)

@@ -1,0 +1,337 @@
+"""Several bodies: the paper's matrix and Coulomb's law in the contacts' frames, at instants with exact answers.
+
+Discs of radius r; the angle φ of a contact is that of the line of centres from the vertical, to the right.
+"""
+
+from functools import lru_cache
+from math import acos, atan2, cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
+from cases.library import ellipse, hill, line
+from reference.delassus import complementarity
+from reference.delassus.bodies import BodiesSystem, ContactOfBodies, bodies_system
+from reference.paper.bodies import BodiesSolution, BodyContact, solve_bodies
+from reference.several.impact import Inertia, impact_of_all
+
+G = 9.81
+LINE = line()
+STILL = 1e-9  # a slip velocity below this is none: states are given to rounding, with speeds of 0.1 to 5 m/s
+
+
+@lru_cache(maxsize=256)
+def body(plate: Plate, track: Curve = LINE, mu: float = 0.0, down: float = -pi / 2) -> Case:
+    """A plate with weight in that direction, and friction where it lies on that track."""
+    friction = (CoulombFriction(mu),) if mu else ()
+    return Case(track, plate, (Gravity(G, down), Unilateral(), *friction), Start(0.0, 0.0), 1.0)
+
+
+class Pile:
+    """Discs (radius, mass, x, y, vx, vy, ω) with closed contacts: (base, body), base None: the level floor y = 0."""
+
+    def __init__(self, discs, contacts, mus, down: float = -pi / 2):
+        self.plates = [disc(r, m) for r, m, *_ in discs]
+        self.states = [(x, y, 0.3 * i, vx, vy, omega) for i, (_, _, x, y, vx, vy, omega) in enumerate(discs)]
+        self.bodies = [body(plate, down=down) for plate in self.plates]
+        self.contacts, self.mus, self.radii = contacts, mus, [r for r, *_ in discs]
+
+    def pair(self, k: int) -> Case:
+        base, own = self.contacts[k]
+        return body(self.plates[own], LINE if base is None else hill(self.radii[base]), self.mus[k])
+
+    def parameters(self, k: int) -> tuple[float, float, float, float]:
+        """(ξ₁, ξ₂) of a contact and their rates."""
+        base, own = self.contacts[k]
+        x, y, theta, vx, vy, omega = self.states[own]
+        if base is None:
+            return x, -pi / 2 - theta, vx, -omega  # along a level line; the lowest point of the circle
+        bx, by, base_theta, bvx, bvy, base_omega = self.states[base]
+        (dx, dy), (dvx, dvy) = (x - bx, y - by), (vx - bvx, vy - bvy)
+        phi, rate = atan2(dx, dy), (dvx * dy - dvy * dx) / (dx * dx + dy * dy)
+        # `hill` counts from its top to the right in the base's frame, the circle from its own x axis.
+        return phi + base_theta, -pi / 2 - phi - theta, rate + base_omega, -rate - omega
+
+    def literal(self, modes) -> BodiesSolution:
+        """The paper's matrix in those modes."""
+        contacts = [
+            BodyContact(self.pair(k), mode, self.parameters(k), own, base)
+            for k, ((base, own), mode) in enumerate(zip(self.contacts, modes, strict=True)) if mode is not Mode.FLIGHT
+        ]  # fmt: skip
+        return solve_bodies(self.bodies, contacts, [(0.0, *state) for state in self.states])
+
+    def frames(self) -> BodiesSystem:
+        """The contacts' frames."""
+        contacts = [
+            ContactOfBodies(self.pair(k), *self.parameters(k)[:2], own, base)
+            for k, (base, own) in enumerate(self.contacts)
+        ]
+        return bodies_system(self.bodies, contacts, 0.0, self.states)
+
+
+def on_top(phi: float, spins=(0.0, 0.0), speed: float = 0.0, rate: float = 0.0, masses=(1.0, 1.0), radii=(0.5, 0.4)):
+    """Two discs: the lower one on the floor with that speed, the upper one on it at φ with φ̇ = `rate`."""
+    far = sum(radii)
+    x, y = far * sin(phi), radii[0] + far * cos(phi)
+    upper = radii[1], masses[1], x, y, speed + far * rate * cos(phi), -far * rate * sin(phi), spins[1]
+    return (radii[0], masses[0], 0.0, radii[0], speed, 0.0, spins[0]), upper
+
+
+BOTH = ((None, 0), (0, 1))
+
+
+# --- two discs --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("masses", [(1.0, 1.0), (3.0, 0.5), (0.2, 2.0)])
+def test_a_disc_leaves_a_free_disc_where_the_contact_force_vanishes(masses):
+    """Without friction: cos φ at release solves κ c³ − 3 c + 2 = 0, κ = m₂/(m₁ + m₂).
+
+    Momentum: (m₁ + m₂) V = −m₂ L φ̇ cos φ; energy: ½ L² φ̇² (1 − κ c²) = g L (1 − c) per m₂; N = 0 where the base has no
+    acceleration and L φ̇² = g c. Eliminating φ̇: c (1 − κ c²) = 2 (1 − c)."""
+    kappa, far = masses[1] / sum(masses), 0.9
+    (c,) = [float(z.real) for z in np.roots([kappa, 0.0, -3.0, 2.0]) if abs(z.imag) < 1e-12 and 0.0 < z.real < 0.9]
+    for _ in range(3):
+        c -= (kappa * c**3 - 3.0 * c + 2.0) / (3.0 * kappa * c**2 - 3.0)  # to the last bit
+    rate = sqrt(2.0 * G * (1.0 - c) / (far * (1.0 - kappa * c * c)))
+    assert rate == pytest.approx(sqrt(G * c / far), rel=1e-12)
+    at_release = Pile(on_top(acos(c), speed=-kappa * far * rate * c, rate=rate, masses=masses), BOTH, (0.0, 0.0))
+    weight = G * masses[1]
+    solution = at_release.literal((Mode.SLIDE, Mode.SLIDE))
+    assert abs(solution.normal_force[1]) < 1e-12 * weight
+    assert solution.q1_ddot == pytest.approx(np.array([[0.0, 0.0, 0.0], [0.0, -G, 0.0]]), abs=1e-11)
+    (force,) = complementarity.solutions(*_problem(at_release.frames()))
+    assert abs(force[1]) < 1e-12 * weight
+    # Earlier the discs press against each other, by N = m₂ (g c − L φ̇²)/(1 + (m₂/m₁) s²).
+    phi = 0.5
+    rate = sqrt(2.0 * G * (1.0 - cos(phi)) / (far * (1.0 - kappa * cos(phi) ** 2)))
+    earlier = Pile(on_top(phi, speed=-kappa * far * rate * cos(phi), rate=rate, masses=masses), BOTH, (0.0, 0.0))
+    normal = (weight * cos(phi) - masses[1] * far * rate**2) / (1.0 + masses[1] / masses[0] * sin(phi) ** 2)
+    assert earlier.literal((Mode.SLIDE, Mode.SLIDE)).normal_force[1] == pytest.approx(normal, rel=1e-12)
+
+
+def test_two_discs_that_do_not_slip_have_lagranges_accelerations():
+    """Lagrange's equations for (x of the lower disc, φ) at rest, M q̈ = −∂V/∂q, with the spins that rolling gives."""
+    phi, (r1, r2), (m1, m2) = 0.4, (0.5, 0.4), (1.5, 0.7)
+    far = r1 + r2
+    # Velocities by (ẋ, φ̇): the points that touch have equal velocities along the tangent (cos φ, −sin φ).
+    # lower: ẋ cos φ − ω₁ r₁; upper: ẋ cos φ + L φ̇ + ω₂ r₂.
+    spin1 = np.array([-1.0 / r1, 0.0])
+    spin2 = (-spin1 * r1 - np.array([0.0, far])) / r2
+    columns = np.array([[1.0, far * cos(phi)], [0.0, -far * sin(phi)]])
+    mass = np.diag([m1, 0.0]) + m2 * columns.T @ columns
+    mass += 0.5 * m1 * r1**2 * np.outer(spin1, spin1) + 0.5 * m2 * r2**2 * np.outer(spin2, spin2)
+    x_ddot, phi_ddot = np.linalg.solve(mass, [0.0, m2 * G * far * sin(phi)])
+    expected = np.array(
+        [
+            [x_ddot, 0.0, spin1 @ (x_ddot, phi_ddot)],
+            [x_ddot + far * cos(phi) * phi_ddot, -far * sin(phi) * phi_ddot, spin2 @ (x_ddot, phi_ddot)],
+        ]
+    )
+    pile = Pile(on_top(phi, masses=(m1, m2)), BOTH, (2.0, 2.0))
+    solution = pile.literal((Mode.ROLL, Mode.ROLL))
+    assert solution.q1_ddot == pytest.approx(expected, rel=1e-12, abs=1e-12)
+    system = pile.frames()
+    (force,) = complementarity.solutions(*_problem(system))
+    assert system.accelerations(force) == pytest.approx(expected, rel=1e-11, abs=1e-11)
+
+
+# --- a pile -----------------------------------------------------------------------------------------------------------
+
+
+def pile_of_three(mu_ground: float, mu: float) -> Pile:
+    """Two discs on the floor that touch, and one on both."""
+    r, high = 0.5, 0.5 + sqrt(3.0) * 0.5
+    discs = [(r, 1.0, -r, r, 0.0, 0.0, 0.0), (r, 1.0, r, r, 0.0, 0.0, 0.0), (r, 1.0, 0.0, high, 0.0, 0.0, 0.0)]
+    return Pile(discs, ((None, 0), (None, 1), (0, 2), (1, 2), (0, 1)), (mu_ground, mu_ground, mu, mu, mu))
+
+
+def test_a_pile_of_three_discs_needs_two_coefficients_of_friction():
+    """2 − √3 between discs and (2 − √3)/3 at the ground.
+
+    A lower disc has forces (T, N) at the ground and those of the upper disc at 30° from the vertical. Moments about its
+    centre: the two friction forces are equal, T. Moments about its ground point: the upper force passes through it, so
+    it is inclined by half of 30° to the line of centres: T/N₂ = tan 15° = 2 − √3. The ground carries 3/2 of a weight,
+    half a weight is the upper force's vertical part; its horizontal part is T: T = ½ m g tan 15°, T/N = (2 − √3)/3."""
+    needed, ground = 2.0 - sqrt(3.0), (2.0 - sqrt(3.0)) / 3.0
+    modes = (Mode.ROLL,) * 4 + (Mode.FLIGHT,)
+    solution = pile_of_three(1.0, 1.0).literal(modes)
+    assert np.abs(solution.q1_ddot).max() < 1e-12 * G
+    ratios = np.abs(np.array(solution.friction_force) / solution.normal_force)
+    assert ratios == pytest.approx([ground, ground, needed, needed], rel=1e-12)
+    assert solution.normal_force[0] == pytest.approx(1.5 * G, rel=1e-12)
+    # By Coulomb's law without modes: it stands just above both thresholds, and moves just below either.
+    for factors, stands in (((1.001, 1.001), True), ((0.999, 1.001), False), ((1.001, 0.999), False)):
+        system = pile_of_three(ground * factors[0], needed * factors[1]).frames()
+        motions = complementarity.solutions(*_problem(system))
+        still = [np.abs(system.accelerations(force)).max() < 1e-7 * G for force in motions]
+        assert any(still) == stands, factors
+
+
+# --- both formulations ------------------------------------------------------------------------------------------------
+
+
+def _problem(system: BodiesSystem):
+    count = len(system.mu)
+    slips = [None if abs(v) < STILL else float(np.sign(v)) for v in system.velocities[count:]]
+    return system.delassus, system.free, slips, system.mu, system.stick
+
+
+def _random_pile(seed: int) -> Pile:
+    """A disc on a disc on the floor, in motion with closed contacts, on an incline; one slip in three is zero."""
+    numbers = np.random.default_rng(seed)
+    radii, masses = numbers.uniform(0.2, 1.0, 2), numbers.uniform(0.3, 3.0, 2)
+    phi, speed, rate = numbers.uniform(-1.2, 1.2), numbers.uniform(-2.0, 2.0), numbers.uniform(-1.5, 1.5)
+    spins, down = numbers.uniform(-5.0, 5.0, 2), float(numbers.uniform(-2.2, -0.9))
+    if numbers.random() < 1 / 3:
+        spins[0] = -speed / radii[0]
+    if numbers.random() < 1 / 3:
+        spins[1] = -(sum(radii) * rate + spins[0] * radii[0]) / radii[1]
+    discs = on_top(float(phi), tuple(spins.tolist()), speed, rate, tuple(masses.tolist()), tuple(radii.tolist()))
+    return Pile(discs, BOTH, tuple(numbers.uniform(0.05, 1.2, 2).tolist()), down)
+
+
+def _modes(system: BodiesSystem, force: np.ndarray) -> list[Mode]:
+    """The modes that belong to forces of Coulomb's law."""
+    count, rates, modes = len(system.mu), system.delassus @ force + system.free, []
+    size = np.abs(system.free).max()
+    for k in range(count):
+        slip = system.velocities[count + k] if abs(system.velocities[count + k]) >= STILL else 0.0
+        slip = slip or (rates[count + k] if abs(rates[count + k]) > 1e-9 * size else 0.0)
+        if force[k] <= 0.0:
+            modes.append(Mode.FLIGHT)
+        else:
+            modes.append(Mode.ROLL if slip == 0.0 else Mode.SLIP_FORWARD if slip > 0.0 else Mode.SLIP_BACKWARD)
+    return modes
+
+
+def _compare(seeds) -> dict[Mode, int]:
+    counts = dict.fromkeys((Mode.ROLL, Mode.FLIGHT, Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD), 0)
+    for seed in seeds:
+        pile = _random_pile(seed)
+        system = pile.frames()
+        count = len(system.mu)
+        assert np.abs(system.velocities[:count]).max() < 1e-12  # the gaps keep to zero
+        for force in complementarity.solutions(*_problem(system)):
+            modes = _modes(system, force)
+            literal = pile.literal(modes)
+            size = np.abs(literal.q1_ddot).max()
+            assert np.abs(literal.q1_ddot - system.accelerations(force)).max() < 1e-9 * size, seed
+            closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
+            assert literal.normal_force == pytest.approx(force[closed], rel=1e-9, abs=1e-9), seed
+            assert literal.friction_force == pytest.approx(force[count:][closed], rel=1e-9, abs=1e-9), seed
+            for mode in modes:
+                counts[mode] += 1
+    return counts
+
+
+def test_both_formulations_agree_at_random_states_of_two_bodies():
+    assert min(_compare(range(60)).values()) > 5
+
+
+@pytest.mark.slow
+def test_both_formulations_agree_at_two_thousand_states_of_two_bodies():
+    assert min(_compare(range(2000)).values()) > 200
+
+
+def test_bodies_need_not_be_round():
+    """An ellipse on an ellipse, both turning and slipping: both formulations, and momentum without outer forces."""
+    lower, upper = Plate(ellipse(0.5, 0.3), 2.0, 0.3), Plate(ellipse(0.4, 0.25), 1.0, 0.08)
+    backward = Curve(_clockwise)  # the boundary of the lower one, run through clockwise
+    numbers = np.random.default_rng(3)
+    for _ in range(5):
+        xi1, angle, base_angle = numbers.uniform(-3.0, 3.0, 3)
+        pair = body(upper, backward, 0.3)
+        c, s = cos(base_angle), sin(base_angle)
+        turn = np.array([[c, -s], [s, c]])
+        point, tangent = turn @ backward.point(xi1), turn @ backward.tangent(xi1)
+        # ξ₂ where the outline's tangent has the direction of the track's.
+        local = np.array([[cos(angle), sin(angle)], [-sin(angle), cos(angle)]]) @ tangent
+        xi2 = atan2(-local[0] / 0.4, local[1] / 0.25)
+        arm = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]]) @ upper.outline.point(xi2)
+        centre, normal = point - arm, np.array([-tangent[1], tangent[0]])
+        spins, base_velocity = numbers.uniform(-3.0, 3.0, 2), numbers.uniform(-1.0, 1.0, 2)
+        # A velocity with slip 1 m/s along the tangent and none along the normal.
+        carried = base_velocity + spins[0] * np.array([-point[1], point[0]]) + tangent
+        velocity = carried - spins[1] * np.array([-arm[1], arm[0]])
+        states = [(0.0, 0.0, base_angle, *base_velocity, spins[0]), (*centre, angle, *velocity, spins[1])]
+        system = bodies_system([body(lower), body(upper)], [ContactOfBodies(pair, xi1, xi2, 1, 0)], 0.0, states)
+        assert system.velocities == pytest.approx([0.0, 1.0], abs=1e-12)
+        normal_force = -system.free[0] / (system.delassus[0] @ (1.0, -0.3))
+        rate = np.array(_rates(pair, xi1, xi2, spins[1] - spins[0], 1.0))
+        contact = BodyContact(pair, Mode.SLIP_FORWARD, (xi1, xi2, *rate), 1, 0)
+        literal = solve_bodies([body(lower), body(upper)], [contact], [(0.0, *state) for state in states])
+        expected = system.accelerations(normal_force * np.array([1.0, -0.3]))
+        assert literal.q1_ddot == pytest.approx(expected, rel=1e-10, abs=1e-10)
+        momentum = 2.0 * literal.q1_ddot[0, :2] + literal.q1_ddot[1, :2]
+        assert momentum == pytest.approx([0.0, -3.0 * G], abs=1e-10)
+        assert normal @ centre > 0.0
+
+
+def _clockwise(s):
+    from cases.curves import cos as cosine
+    from cases.curves import sin as sine
+
+    return 0.5 * sine(s), 0.3 * cosine(s)
+
+
+def _rates(pair: Case, xi1: float, xi2: float, spin: float, slip: float) -> tuple[float, float]:
+    """ξ̇₁ and ξ̇₂ as the base sees them: from the turning of both tangents, and the slip along them."""
+    bend, own = float(pair.track.curvature(xi1)), float(pair.plate.outline.curvature(xi2))
+    along = (own * slip - spin) / (own - bend)
+    return along / float(pair.track.speed(xi1)), (along - slip) / float(pair.plate.outline.speed(xi2))
+
+
+# --- impacts ----------------------------------------------------------------------------------------------------------
+
+
+class Touch:
+    """What the law of impact needs of a contact."""
+
+    def __init__(self, system: BodiesSystem, k: int, restitution: float):
+        self.lift_row, self.slip_row = system.rows[k], system.rows[len(system.mu) + k]
+        self.mu, self.restitution = float(system.mu[k]), restitution
+
+
+def cradle(speeds, touching, restitution: float = 1.0, law: str = "moreau", mu: float = 0.0) -> np.ndarray:
+    """Speeds after an impact of equal discs in a row at the contacts `touching`, (left, right) each."""
+    # Contacts as of a body on the right of its base.
+    discs = [(0.5, 1.0, float(i), 0.5, v, 0.0, 0.0) for i, v in enumerate(speeds)]
+    system = Pile(discs, tuple(touching), (mu,) * len(touching)).frames()
+    inertia = Inertia(np.tile([1.0, 1.0, 8.0], len(discs)), np.tile([1.0, 1.0, sqrt(0.125)], len(discs)))
+    before = np.array([value for disc_ in discs for value in disc_[4:]])
+    touched = [Touch(system, k, restitution) for k in range(len(touching))]
+    return impact_of_all(law, inertia, before, touched, 1.0).velocity.reshape(-1, 3)
+
+
+def test_newtons_cradle_passes_its_momentum_on_by_pairs():
+    """Discs a gap apart collide two at a time: the last one has all momentum and energy, for one and two at once."""
+    for first, last in (((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)), ((1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 1.0))):
+        speeds, impacts = list(first), 0
+        while any(a > b for a, b in zip(speeds, speeds[1:], strict=False)):
+            i = max(i for i in range(3) if speeds[i] > speeds[i + 1])
+            after = cradle(speeds, [(i, i + 1)])
+            assert np.abs(after[:, 1:]).max() < 1e-14
+            assert after[:, 0].sum() == pytest.approx(sum(speeds), abs=1e-15)
+            speeds, impacts = np.round(after[:, 0], 15).tolist(), impacts + 1
+        assert speeds == pytest.approx(last, abs=1e-14)
+        assert impacts == (3 if sum(first) == 1.0 else 4)
+
+
+@pytest.mark.parametrize("law", ["moreau", "newton", "poisson"])
+def test_three_discs_that_touch_part_otherwise(law):
+    """At once, e = 1: each contact rebounds as it closed (Newton, Moreau), or both impulses are doubled (Poisson).
+
+    The first contact closes with 1 and opens with 1, the second stays closed: v = (−1/3, 2/3, 2/3). Momentum and energy
+    are conserved, as they are by (0, 0, 1), which engines give that solve pair after pair."""
+    after = cradle((1.0, 0.0, 0.0), [(0, 1), (1, 2)], law=law)[:, 0]
+    assert after == pytest.approx([-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0], abs=1e-12)
+    assert (after.sum(), after @ after) == pytest.approx((1.0, 1.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.4])
+def test_an_impact_of_two_discs_is_central(restitution):
+    """v₁ = (1 − e)/2, v₂ = (1 + e)/2 for equal masses; the energy falls by (1 − e²)/4."""
+    after = cradle((1.0, 0.0), [(0, 1)], restitution)[:, 0]
+    assert after == pytest.approx([0.5 * (1.0 - restitution), 0.5 * (1.0 + restitution)], abs=1e-14)
