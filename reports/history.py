@@ -1,4 +1,4 @@
-"""`python -m reports.history ENGINE…`: the answers of an engine over its released versions, as a page and tables.
+"""`python -m reports.history ENGINE…`: the answers of an engine over its released versions, as pages and tables.
 
 Every version that the package index has and the adapter supports is installed into an environment of its own
 (`running.versions`) and runs the same scenes, with default settings and with one fine setting. Finished runs are stored
@@ -8,8 +8,10 @@ the reason, or is compiled with --from-source.
 
 from __future__ import annotations
 
+import platform
 import sys
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -139,16 +141,16 @@ def _install(engines: Sequence[str], from_source: bool) -> tuple[list[str], dict
 
 
 def _write(lines: Sequence[HistoryLine], releases: Sequence[Row], out: Path, about: dict[str, Any]) -> None:
-    """Write page, tables and manifest."""
+    """Write pages, tables and manifest."""
     import pandas as pd
 
     from .analysis import version_history
-    from .page import dictionary, history_page, text
+    from .page import dictionary, history_page, history_text, text
 
-    words = version_history.TABLES
+    words, line_rows = version_history.TABLES, version_history.line_rows(lines)
     frames = {
         "history_releases": pd.DataFrame(releases),
-        "history_lines": pd.DataFrame(version_history.line_rows(lines)),
+        "history_lines": pd.DataFrame(line_rows),
         "history": pd.DataFrame(version_history.run_rows(lines)),
     }
     with report_folder.of_history(out).staging(whole=True) as place:
@@ -156,7 +158,15 @@ def _write(lines: Sequence[HistoryLine], releases: Sequence[Row], out: Path, abo
         text.write(frames, words, tables, about["command"])
         dictionary.write(frames, words, tables, about["command"])
         (place / report_folder.PAGE).write_text(history_page.render(lines, releases, about), encoding="utf-8")
+        markdown = history_text.render(line_rows, releases, _made(), about["command"])
+        (place / report_folder.HISTORY).write_text(markdown, encoding="utf-8")
         report_folder.sign(place, about)
+
+
+def _made() -> str:
+    """When and where the runs were made, in words."""
+    today = datetime.now(tz=UTC)
+    return f"{today:%B} {today.year}, {platform.system()}, CPython {platform.python_version()}"
 
 
 def summary(releases: Sequence[Row]) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 from cases.owned_folder import OwnedFolder
 
 MADE_BY = "slip-to-roll report"
-PAGE, MANIFEST = "index.html", "manifest.json"
+PAGE, MANIFEST, HISTORY = "index.html", "manifest.json", "history.md"
 TABLES = ("csv", "md", "tex", "json")
 FIGURES = ("svg", "png", "pdf")
 
@@ -21,7 +21,7 @@ def of_report(path: Path, kind: str = "report") -> OwnedFolder:
 
 def of_history(path: Path) -> OwnedFolder:
     """The folder of the history of engines."""
-    return of_report(path, "history")
+    return OwnedFolder(path, "history", (PAGE, MANIFEST, HISTORY, "tables/*"), (PAGE, MANIFEST))
 
 
 def of_study(path: Path) -> OwnedFolder:

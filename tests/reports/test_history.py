@@ -1,7 +1,9 @@
 """`reports.history`: which release changed an answer, the page, and the versions of a package."""
 
+import csv
 import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -12,12 +14,13 @@ from reports import cli, history
 from reports.analysis import version_history
 from reports.judging.ledger import LedgerRow
 from reports.judging.score import Score
-from reports.page import history_page
+from reports.page import history_page, history_text
 from reports.running import versions
 from reports.running.records import Run
 from reports.running.storage import source_code
 
 CASE, H = "disc_on_line[mu=0.1]", Setting.of(h=1e-3)
+DOCS = Path(__file__).parents[2] / "docs"
 EVENT = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.34, 0.34, 1e-5, "paired")
 
 
@@ -93,6 +96,32 @@ def test_the_lines_of_the_table_have_the_answers_at_each_change():
     assert (row["oldest"], row["changes"], row["digits"]) == ("2 %", "7.0: 50 %", "6.10")
 
 
+def test_a_release_s_cause_and_versions_that_were_not_run_are_in_the_text():
+    lines = version_history.lines([run("6.9"), run("7.0", 0.5)])
+    missing = {
+        "pymunk@6.0": "the package index has no pymunk==6.0",
+        "pymunk@6.1": "the package index has no pymunk==6.1",
+    }
+    releases = version_history.release_rows(lines, missing)
+    output = history_text.render(version_history.line_rows(lines), releases, "May 2026", "slip-to-roll history pymunk")
+    assert "2 versions were run: 6.9, 7.0. Not run: 6.0, 6.1 (no wheel for this Python)." in output
+    assert "- **7.0**: 1 answers changed, 0 better, 1 worse. The cause was not looked for." in output
+    assert f"| `{CASE}` | native |  | 2 %; **7.0: 50 %** |" in output
+
+
+def test_the_page_in_the_documentation_is_that_of_its_tables():
+    tables = [
+        list(csv.DictReader((DOCS / "engine_history" / f"{name}.csv").read_text().splitlines()))
+        for name in ("history_lines", "history_releases")
+    ]
+    page = (DOCS / "engine_history.md").read_text()
+    made = page.partition("The runs are of ")[2].partition(". With")[0]
+    command = page.partition("```sh\n")[2].partition("\n")[0]
+    assert history_text.render(*tables, " ".join(made.split()), command) == page
+    for key in history_text.CAUSES:
+        assert key in {(row["engine"], row["version"]) for row in tables[1] if int(row["changed"])}
+
+
 def test_every_scene_of_a_history_is_a_case():
     assert len(set(history.SCENES)) == 20
     for scene in history.SCENES:
@@ -149,3 +178,4 @@ def test_the_history_of_two_versions_as_a_page(tmp_path, monkeypatch, capsys):
     assert "pymunk: 2 versions run, 7.2.0 to 7.3.1\n  no release changed an answer" in capsys.readouterr().out
     assert (tmp_path / "h" / "tables" / "history_lines.csv").is_file()
     assert "7.2.0 to 7.3.1" in (tmp_path / "h" / "index.html").read_text()
+    assert "2 versions were run: 7.2.0, 7.3.1." in (tmp_path / "h" / "history.md").read_text()
