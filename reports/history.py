@@ -158,12 +158,12 @@ def _write(lines: Sequence[HistoryLine], releases: Sequence[Row], out: Path, abo
         text.write(frames, words, tables, about["command"])
         dictionary.write(frames, words, tables, about["command"])
         (place / report_folder.PAGE).write_text(history_page.render(lines, releases, about), encoding="utf-8")
-        markdown = history_text.render(line_rows, releases, _made(), about["command"])
+        markdown = history_text.render(line_rows, releases, _origin(), about["command"])
         (place / report_folder.HISTORY).write_text(markdown, encoding="utf-8")
         report_folder.sign(place, about)
 
 
-def _made() -> str:
+def _origin() -> str:
     """When and where the runs were made, in words."""
     today = datetime.now(tz=UTC)
     return f"{today:%B} {today.year}, {platform.system()}, CPython {platform.python_version()}"

@@ -19,25 +19,25 @@ _WIDTH = 125
 _SMALL = re.compile(r"\b0\.0000\d+ %")
 
 
-def render(lines: Sequence[Mapping[str, Any]], releases: Sequence[Mapping[str, Any]], made: str, command: str) -> str:
-    """The page from the rows of the tables `history_lines` and `history_releases`, which may be text; `made`: when and
+def render(lines: Sequence[Mapping[str, Any]], releases: Sequence[Mapping[str, Any]], origin: str, command: str) -> str:
+    """The page from the rows of the tables `history_lines` and `history_releases`, which may be text; `origin`: when and
     where the runs were made."""
     engines = list(dict.fromkeys(row["engine"] for row in releases))
     names = [TITLES.get(engine, engine) for engine in engines]
-    listed = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    subject = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
     scenes = len({row["case"] for row in lines})
     intro = (
-        f"Which release of {listed} changed an answer: {scenes} scenes, with default settings and with one fine "
+        f"Which release of {subject} changed an answer: {scenes} scenes, with default settings and with one fine "
         "setting, on each route, with the same adapter. Numbers are the error (off) in percent of the error of "
         "ignoring friction's law. A release changed an answer if the outcome or the sequence of transitions is another "
         "one, or if off differs by more than one percent of it."
     )
     note = (
-        f"makes this page, an HTML page and the tables. The runs are of {made}. With `--from-source`, versions without "
+        f"makes this page, an HTML page and the tables. The runs are of {origin}. With `--from-source`, versions without "
         "a wheel for this Python are compiled. The tables: [every line](engine_history/history_lines.csv), "
         "[every release](engine_history/history_releases.csv)."
     )
-    parts = ["# Engines over their versions", _folded(intro), f"```sh\n{command}\n```", _folded(note)]
+    parts = ["# Engines over their versions", _fold(intro), f"```sh\n{command}\n```", _fold(note)]
     for engine in engines:
         of_engine = [row for row in releases if row["engine"] == engine]
         parts += _engine(engine, [row for row in lines if row["engine"] == engine], of_engine)
@@ -54,7 +54,7 @@ def _engine(engine: str, lines: Sequence[Mapping[str, Any]], releases: Sequence[
     if not changes:
         digits = sum(int(row["digits"]) for row in ran)
         text += " No release changed an answer." if digits else " No release changed a single digit of an answer."
-    parts = [f"## {TITLES.get(engine, engine)}", _folded(text)]
+    parts = [f"## {TITLES.get(engine, engine)}", _fold(text)]
     parts += ["\n".join(_change(engine, row) for row in changes)] if changes else []
     cells: dict[tuple[str, str], dict[str, str]] = {}
     for row in lines:
@@ -69,7 +69,7 @@ def _engine(engine: str, lines: Sequence[Mapping[str, Any]], releases: Sequence[
 def _change(engine: str, row: Mapping[str, Any]) -> str:
     text = f"- **{row['version']}**: {row['changed']} answers changed, {row['better']} better, {row['worse']} worse"
     text += f"; {row['digits']} more changed in digits." if int(row["digits"]) else "."
-    return _folded(f"{text} {CAUSES.get((engine, row['version']), 'The cause was not looked for.')}", "  ")
+    return _fold(f"{text} {CAUSES.get((engine, row['version']), 'The cause was not looked for.')}", "  ")
 
 
 def _reason(note: str) -> str:
@@ -77,5 +77,5 @@ def _reason(note: str) -> str:
     return "no wheel for this Python" if note.startswith("the package index has no") else note
 
 
-def _folded(text: str, indent: str = "") -> str:
+def _fold(text: str, indent: str = "") -> str:
     return fill(text, _WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)

@@ -115,9 +115,9 @@ def test_the_page_in_the_documentation_is_that_of_its_tables():
         for name in ("history_lines", "history_releases")
     ]
     page = (DOCS / "engine_history.md").read_text()
-    made = page.partition("The runs are of ")[2].partition(". With")[0]
+    origin = page.partition("The runs are of ")[2].partition(". With")[0]
     command = page.partition("```sh\n")[2].partition("\n")[0]
-    assert history_text.render(*tables, " ".join(made.split()), command) == page
+    assert history_text.render(*tables, " ".join(origin.split()), command) == page
     for key in history_text.CAUSES:
         assert key in {(row["engine"], row["version"]) for row in tables[1] if int(row["changed"])}
 
