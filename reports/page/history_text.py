@@ -20,8 +20,8 @@ _SMALL = re.compile(r"\b0\.0000\d+ %")
 
 
 def render(lines: Sequence[Mapping[str, Any]], releases: Sequence[Mapping[str, Any]], origin: str, command: str) -> str:
-    """The page from the rows of the tables `history_lines` and `history_releases`, which may be text; `origin`: when and
-    where the runs were made."""
+    """The page from the rows of the tables `history_lines` and `history_releases`, which may be text; `origin`: when
+    and where the runs were made."""
     engines = list(dict.fromkeys(row["engine"] for row in releases))
     names = [TITLES.get(engine, engine) for engine in engines]
     subject = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
@@ -33,8 +33,8 @@ def render(lines: Sequence[Mapping[str, Any]], releases: Sequence[Mapping[str, A
         "one, or if off differs by more than one percent of it."
     )
     note = (
-        f"makes this page, an HTML page and the tables. The runs are of {origin}. With `--from-source`, versions without "
-        "a wheel for this Python are compiled. The tables: [every line](engine_history/history_lines.csv), "
+        f"makes this page, an HTML page and the tables. The runs are of {origin}. With `--from-source`, versions "
+        "without a wheel for this Python are compiled. The tables: [every line](engine_history/history_lines.csv), "
         "[every release](engine_history/history_releases.csv)."
     )
     parts = ["# Engines over their versions", _fold(intro), f"```sh\n{command}\n```", _fold(note)]
