@@ -216,13 +216,24 @@ class Trajectory:
             return self
         now = self._columns(contact, None)
         transitions = tuple(t for t in self.transitions if t.contact == contact)
-        is_first = contact == self.contact_names[0]
         return replace(
             self, slip=now.slip, normal_force=now.normal_force, friction_force=now.friction_force, xi1=now.xi1,
-            xi2=now.xi2, transitions=transitions, first_mode=self.first_mode if is_first else Mode.FLIGHT,
+            xi2=now.xi2, transitions=transitions, first_mode=self._first_mode_of(contact, transitions, now.slip),
             dense=self.dense and _OneContact(self.dense, self.contact_columns, contact),
             contact_names=(contact,), contact_columns=None,
         )  # fmt: skip
+
+    def _first_mode_of(self, contact: str, transitions: tuple[Transition, ...], slip: np.ndarray) -> Mode | None:
+        """The first mode of one contact: what its first transition leaves, or the mode that it has all the time."""
+        if self.first_mode is None or contact == self.contact_names[0]:
+            return self.first_mode
+        if transitions:
+            return transitions[0].before
+        if np.isnan(slip[0]):
+            return Mode.FLIGHT
+        if self.first_mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD):
+            return Mode.SLIP_FORWARD if np.nansum(slip) > 0.0 else Mode.SLIP_BACKWARD
+        return Mode.ROLL if self.first_mode is Mode.FLIGHT else self.first_mode
 
     def _columns(self, contact: str, times: np.ndarray | None) -> ContactColumns:
         if self.contact_columns is not None:

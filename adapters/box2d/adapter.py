@@ -48,7 +48,7 @@ from cases.contact import start_motion
 from cases.errors import unknown_name
 from cases.mechanics import gravity
 
-from ..common import driven_tracks, facets, half_steps, several_contacts
+from ..common import driven_tracks, facets, half_steps, support_contacts
 from ..interface import Setting
 from . import shapes
 
@@ -59,6 +59,8 @@ KNOWN = "pyb2d3>=0.5"
 
 # Routes that report each contact of a plate that touches its track in several places.
 SEVERAL_CONTACTS = ("native",)
+# Routes that have further fixed curves.
+SUPPORTS = ("native",)
 
 # The engine's numbers are of single precision.
 ROUNDING = float(np.finfo(np.float32).eps)
@@ -102,19 +104,23 @@ def refuses(case: Case, route: str) -> str | None:
         return "box2d's contacts only push, and this case has a bilateral guide (no Unilateral)."
     if facets.has_hollow_corners(outline):
         return "box2d's shapes are convex, and this outline has corners that point inwards."
-    if not facets.sees_all(outline):
+    if not shapes.is_one_polygon(outline) and not facets.sees_all(outline):
         return "box2d's shapes are convex, and no fan of them gives this outline: its centre does not see all of it."
     belt = case.effect(Belt)
     if belt and belt.constant is None:
         return "box2d's shapes have a constant tangent speed, and this belt's speed changes with time."
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles only, and this outline is none."
+    if case.supports and (problem := support_contacts.refuses(case)):
+        return problem
+    if any(own != whole for own, whole in shapes.restitutions(case)):
+        return "box2d takes the larger restitution of both shapes, and a support here has its own."
     return driven_tracks.refuses(case)
 
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return several_contacts.supports(case)
+    return support_contacts.refuses_several(case)
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
@@ -170,10 +176,11 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
     if impact and "hertz" in knobs:
         # The steps cannot resolve a rebound slower than the velocity that gravity gives in a step.
         world.restitution_threshold = float(np.hypot(*pull)) * h
-    material = shapes.material(case)
+    material = shapes.plate_material(case)
     belt = shapes.belt_material(case, scale)
     track = shapes.track_body(case, world, scale)
     shapes.add_track(case, track, belt, scale, knobs.get("facets", 1))
+    shapes.add_supports(case, track, scale)
     place = scale * start.x, scale * start.y
     plate = world.create_dynamic_body(position=place, rotation=shapes.rotation(start.theta))
     shapes.add_plate(case, plate, material, scale, knobs.get("vertices", 1))

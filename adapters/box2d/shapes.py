@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from math import atan2, cos, sin
 
 import numpy as np
 import pyb2d3
 
-from cases import Belt, Case, CoulombFriction, Drive, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, PerfectlyRough, RollingResistance
+from cases.corner import Edge
 from cases.shapes import as_circle, as_line
 
 from ..common import facets
@@ -44,6 +46,16 @@ def corners(case: Case, h: float | None) -> dict[str, int]:
     return counts
 
 
+def is_one_polygon(outline: Curve) -> bool:
+    """Whether the outline is a convex polygon that the engine has as one shape."""
+    return (
+        isinstance(outline, Chain)
+        and all(isinstance(piece, Edge) for piece in outline.pieces)
+        and facets.is_convex(outline)
+        and len(outline.pieces) <= MOST_CORNERS
+    )
+
+
 def material(case: Case) -> pyb2d3.SurfaceMaterial:
     """The surface material of both shapes."""
     friction, rolling, impact = case.effect(CoulombFriction), case.effect(RollingResistance), case.effect(Impact)
@@ -64,6 +76,42 @@ def belt_material(case: Case, scale: float) -> pyb2d3.SurfaceMaterial:
     if belt:
         surface.tangent_speed = scale * (belt.constant or 0.0)
     return surface
+
+
+def plate_material(case: Case) -> pyb2d3.SurfaceMaterial:
+    """The surface material of the plate. With supports its friction is 1, and that of each support is mu², so that
+    their geometric mean is mu."""
+    surface = material(case)
+    if case.supports:
+        surface.friction = 1.0
+    return surface
+
+
+def restitutions(case: Case) -> list[tuple[float, float]]:
+    """The restitution of each further support, and that of the case."""
+    own = (replace(case, effects=support.acting(case.effects), supports=()) for support in case.supports)
+    return [(material(each).restitution, material(case).restitution) for each in own]
+
+
+def add_supports(case: Case, body: pyb2d3.Body, scale: float) -> None:
+    """Add a segment of a chain for each further support."""
+    for support in case.supports:
+        line = as_line(support.curve)
+        assert line is not None, "refuses() accepts straight supports only"
+        own = replace(case, effects=support.acting(case.effects), supports=())
+        _add_line(body, facets.ends(case, line), _squared(material(own)), scale)
+
+
+def _squared(surface: pyb2d3.SurfaceMaterial) -> pyb2d3.SurfaceMaterial:
+    surface.friction = surface.friction**2
+    return surface
+
+
+def _add_line(body: pyb2d3.Body, ends: np.ndarray, surface: pyb2d3.SurfaceMaterial, scale: float) -> None:
+    """Add a segment that pushes to its left: the inner one of a chain in reverse order."""
+    along = ends[1] - ends[0]
+    corners = np.array([ends[0] - along, *ends, ends[1] + along])
+    body.create_chain(pyb2d3.chain_def(points=scale * corners[::-1], material=surface, is_loop=False))
 
 
 def rotation(angle: float) -> pyb2d3.Rot:
@@ -108,7 +156,10 @@ def track_follower(case: Case, body: pyb2d3.Body, h: float, scale: float) -> Cal
 
 def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
     """Add a circle, or `count` segments whose corners the engine smooths."""
-    circle, kind = as_circle(case.track), facets.track_kind(case)
+    circle, line, kind = as_circle(case.track), as_line(case.track), facets.track_kind(case)
+    if case.supports and line:
+        _add_line(body, facets.ends(case, line), _squared(material), scale)
+        return
     if kind == "hill" and circle:
         shape = pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius)
         body.create_shape(pyb2d3.shape_def(material=material), shape)

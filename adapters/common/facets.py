@@ -15,7 +15,7 @@ from cases import Belt, Case, Chain, Curve, Drive, Flight, Load
 from cases.contact import pose, start_motion
 from cases.mechanics import gravity, kinetic_energy
 from cases.moving_frame import relative_case
-from cases.shapes import Circle, as_circle, as_line
+from cases.shapes import Circle, Line, as_circle, as_line
 
 
 class Stretch(NamedTuple):
@@ -170,6 +170,15 @@ def visible_span(case: Case) -> tuple[float, float]:
         return track.span
     part, far = stretch(case), FAR * case.plate.reach / float(track.speed(xi1))
     return max(part.low, xi1 - far), min(part.high, xi1 + far)
+
+
+def ends(case: Case, line: Line) -> np.ndarray:
+    """Two points (m) of a straight support, shape (2, 2), beyond what the plate reaches within the duration."""
+    start, pull = start_motion(case), float(np.hypot(*gravity(case)))
+    speed = float(np.hypot(start.vx, start.vy)) + abs(start.omega) * case.plate.reach
+    way = 2.0 * (case.plate.reach + speed * case.duration + 0.5 * pull * case.duration**2)
+    middle = line.point + line.direction * float(line.direction @ ((start.x, start.y) - line.point))
+    return np.array([middle - way * line.direction, middle + way * line.direction])
 
 
 def chain(case: Case, count: int, behind: float = 0.0) -> np.ndarray:

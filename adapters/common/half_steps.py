@@ -26,6 +26,7 @@ from .driven_tracks import rows_from_track, to_fixed_frame
 from .facets import sway, track_kind, visible_span
 from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights, lands_for_good
 from .several_contacts import may_touch_twice, with_contacts
+from .support_contacts import with_supports
 
 
 @dataclass(frozen=True)
@@ -119,6 +120,8 @@ def _from_track(record: StepRecord) -> StepRecord:
 
 
 def _read(record: StepRecord) -> Trajectory:
+    if record.case.supports:
+        return _read_on_supports(record)
     case, samples = record.case, _samples(record)
     hop = _hop(record, samples)
     stretches = flights(samples.gap, samples.pushing, hop)
@@ -142,6 +145,25 @@ def _read(record: StepRecord) -> Trajectory:
     return with_contacts(case, motion, partial(_clear, record)) if _may_touch_twice(record) else motion
 
 
+def _read_on_supports(record: StepRecord) -> Trajectory:
+    """The motion of a plate on several supports, whose contacts follow from its poses and its change of momentum."""
+    case, h, rows = record.case, record.h, record.rows
+    _check_rows(record)
+    before, torsor = _velocities_before(record), _torsor(record)
+    (x, y, theta), (vx, vy, omega) = rows[:, :3].T, rates_at_poses(before, rows[:, 3:], case.plate.reach, record.rest).T
+    nothing = np.full(len(rows), nan)
+    t = np.linspace(0.0, case.duration, record.steps + 1)[: len(rows)]
+    motion = Trajectory(*(t, x, y, theta, vx, vy, omega, nothing, nothing, nothing, nothing, nothing), case=case)
+    clear = max(1e-6, 1e3 * record.rounding) * case.plate.inner + 2.0 * float(np.hypot(*gravity(case))) * h**2
+    motion = with_supports(case, motion, clear + 4.0 * record.rough, torsor, record.lever)
+    # Friction acts on the levers of a step's beginning, whose change in a step is the spin's.
+    friction, plate = case.effect(CoulombFriction), case.plate
+    scatter = 0.5 * _usual(np.abs(np.diff(np.hypot(*torsor[:, :2].T))))
+    missing = h * (friction.at_rest if friction else 0.0) * scatter * (1 / plate.mass + plate.reach**2 / plate.inertia)
+    lag = 0.0 if plate.radius else 0.5 * h * float(np.max(omega**2)) * plate.reach
+    return replace(motion, slip_resolution=missing + lag, cost=Cost(steps=len(rows)))
+
+
 def _may_touch_twice(record: StepRecord) -> bool:
     """Whether contacts are searched on the whole track: the engine finds them, and the disc may touch in two places."""
     return record.contacts is None and track_kind(record.case) == "chain" and may_touch_twice(record.case)
@@ -162,21 +184,11 @@ def _clear(record: StepRecord, xi1: np.ndarray) -> np.ndarray:
 
 def _samples(record: StepRecord) -> _MotionSamples:
     """All samples at the poses' times, up to the first pose without contact; `aloft` is still False everywhere."""
-    case, h, rows = record.case, record.h, record.rows
-    if len(rows) < 3:
-        raise EngineFailure("The engine returned fewer than three steps.")
-    if not np.isfinite(rows).all():
-        when = h * int(np.argmin(np.isfinite(rows).all(axis=1)))
-        raise EngineFailure(f"The engine's numbers are not finite from {when:.4g} s on.")
-    start, pose, after = start_motion(case), rows[:, :3], rows[:, 3:]
-    before = np.vstack([[start.vx, start.vy, start.omega], after[:-1]])
-    late, ahead = np.full((len(rows), 1), record.rest * h), h * (1.0 - record.rest)
-    late[0] = 0.0
-    turns = case.plate.turns  # otherwise no moment changes the spin, which is zero
-    inertia = np.array([case.plate.mass, case.plate.mass, case.plate.inertia if turns else 1.0])
-    load = np.zeros(3) if record.load is None else record.load * np.array([1.0, 1.0, float(turns)])
-    external = np.append(gravity(case), 0.0) * inertia + load
-    force = (case.plate.mass * (after - before) / (late + ahead) - external)[:, :2]
+    case, rows = record.case, record.rows
+    _check_rows(record)
+    pose, after, before = rows[:, :3], rows[:, 3:], _velocities_before(record)
+    late, ahead = _spans(record)
+    inertia, external, force = _inertia(case), _external(record), _torsor(record)[:, :2]
     rates = rates_at_poses(before, after, case.plate.reach, record.rest)
     contacts = (record.contacts or _follow(case, pose))[: len(rows)]
     # As one flat sequence: NumPy takes nine times as long to convert named tuples.
@@ -188,6 +200,48 @@ def _samples(record: StepRecord) -> _MotionSamples:
         after=after[length], force=force[length], pushing=_pushing(record, force, rates)[length],
         xi1=xi1, xi2=xi2, gap=gap, aloft=np.zeros(len(gap), dtype=bool),
     )  # fmt: skip
+
+
+def _check_rows(record: StepRecord) -> None:
+    """Raise EngineFailure for rows that are no motion."""
+    if len(record.rows) < 3:
+        raise EngineFailure("The engine returned fewer than three steps.")
+    if not np.isfinite(record.rows).all():
+        when = record.h * int(np.argmin(np.isfinite(record.rows).all(axis=1)))
+        raise EngineFailure(f"The engine's numbers are not finite from {when:.4g} s on.")
+
+
+def _velocities_before(record: StepRecord) -> np.ndarray:
+    """The velocities before each row's pose, shape (n, 3): the start's, then those after the previous pose."""
+    start = start_motion(record.case)
+    return np.vstack([[start.vx, start.vy, start.omega], record.rows[:-1, 3:]])
+
+
+def _spans(record: StepRecord) -> tuple[np.ndarray, float]:
+    """The times (s) from the velocities before each pose to it, shape (n, 1), and from it to those after it."""
+    late = np.full((len(record.rows), 1), record.rest * record.h)
+    late[0] = 0.0
+    return late, record.h * (1.0 - record.rest)
+
+
+def _inertia(case: Case) -> np.ndarray:
+    """Mass, mass and moment of inertia; 1 for a plate that does not turn, whose spin no moment changes."""
+    return np.array([case.plate.mass, case.plate.mass, case.plate.inertia if case.plate.turns else 1.0])
+
+
+def _external(record: StepRecord) -> np.ndarray:
+    """Gravity and load in each step: force (N) and moment (N m), shape (n, 3) or (3,)."""
+    turns = np.array([1.0, 1.0, float(record.case.plate.turns)])
+    load = np.zeros(3) if record.load is None else record.load * turns
+    return np.append(gravity(record.case), 0.0) * _inertia(record.case) + load
+
+
+def _torsor(record: StepRecord) -> np.ndarray:
+    """Force (N) and moment (N m) of the contacts in each step, shape (n, 3): the momentum that it adds, over its
+    length, without gravity and load."""
+    late, ahead = _spans(record)
+    change = record.rows[:, 3:] - _velocities_before(record)
+    return _inertia(record.case) * change / (late + ahead) - _external(record)
 
 
 def rates_at_poses(before: np.ndarray, after: np.ndarray, size: float, rest: float = 0.5) -> np.ndarray:

@@ -80,13 +80,13 @@ def with_contacts(case: Case, motion: Trajectory, clear: Callable[[np.ndarray], 
     columns = {name: _columns(case, motion, place, closed[name], count, force) for name, place in places.items()}
     return replace(
         motion,
-        **_first_closed(motion, columns, closed),
+        **first_closed(motion, columns, closed),
         contact_names=tuple(columns),
         contact_columns=SampledContacts(motion.t, columns),
     )
 
 
-def _first_closed(
+def first_closed(
     motion: Trajectory, columns: dict[str, ContactColumns], closed: dict[str, np.ndarray]
 ) -> dict[str, Any]:
     """Slip, both forces and both parameters of the first closed contact; NaN and forces of 0 in flight."""

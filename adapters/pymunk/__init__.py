@@ -5,6 +5,7 @@ from .adapter import (
     NAME,
     SEVERAL_CONTACTS,
     SLIP_LAWS,
+    SUPPORTS,
     bare_run,
     build,
     default_grid,
@@ -21,6 +22,6 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
-    "CORNERS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SLIP_LAWS", "build", "default_grid", "grid", "ladder", "read",
-    "refuses", "refuses_several_contacts", "routes", "run", "bare_run", "version", "wide_grid",
+    "CORNERS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SLIP_LAWS", "SUPPORTS", "build", "default_grid", "grid",
+    "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run", "bare_run", "version", "wide_grid",
 ]  # fmt: skip

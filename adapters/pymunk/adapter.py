@@ -34,7 +34,7 @@ from cases import (
 from cases.contact import start_motion
 from cases.moving_frame import relative_case
 
-from ..common import driven_tracks, facets, half_steps, several_contacts
+from ..common import driven_tracks, facets, half_steps, support_contacts
 from ..interface import EngineFailure, Setting
 from . import assisted, native, older_versions
 from .load import LoadInSteps
@@ -68,6 +68,8 @@ SLIP_LAWS = ("assisted",)
 CORNERS = ("native",)
 # Routes that report each contact of a plate that touches its track in several places.
 SEVERAL_CONTACTS = ("native",)
+# Routes that have further fixed curves.
+SUPPORTS = ("native",)
 
 
 def version() -> str:
@@ -93,12 +95,14 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return several_contacts.supports(case)
+    return support_contacts.refuses_several(case)
 
 
 def _refuses_natively(case: Case) -> str | None:
     if facets.has_hollow_corners(case.plate.outline):
         return "pymunk's polygons are convex, and this outline has corners that point inwards."
+    if case.supports and (problem := support_contacts.refuses(case)):
+        return problem
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
     belt = case.effect(Belt)

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import count, pairwise, product
 
 import numpy as np
@@ -29,7 +30,7 @@ from cases.mechanics import gravity
 from cases.shapes import Circle, Line, as_circle, as_line
 
 from ..common.driven_tracks import PrescribedSteps
-from ..common.facets import chain, is_convex, polygon, rim, round_plate, stretch, track_kind
+from ..common.facets import chain, ends, is_convex, polygon, rim, round_plate, stretch, track_kind
 from ..interface import Setting
 
 # The space's knobs that differ between rungs; everything else is the engine's default.
@@ -142,11 +143,13 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
     shapes = _track_shapes(case, space, track, setting)
     impact = case.effect(Impact)
     for shape in plate:
-        shape.friction = friction_coefficient(case)
+        shape.friction = 1.0 if case.supports else friction_coefficient(case)
         shape.elasticity = impact.restitution if impact else 0.0
     for shape in shapes:
         # The engine multiplies the two shapes' coefficients.
-        shape.friction = shape.elasticity = 1.0
+        shape.friction = friction_coefficient(case) if case.supports else 1.0
+        shape.elasticity = 1.0
+    shapes += _support_segments(case, space, setting)
     belt = case.effect(Belt)
     if belt:
         _run_surface(shapes, belt.constant or 0.0)
@@ -154,6 +157,21 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
     random.Random(0).shuffle(shapes)
     space.add(body, *plate, *([track] if case.effect(Drive) else []), *shapes)
     return space, body
+
+
+def _support_segments(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
+    """One segment for each further support, with its friction and its restitution as a multiple of the case's."""
+    segments, whole = list[pymunk.Shape](), case.effect(Impact)
+    for support in case.supports:
+        line, own = as_line(support.curve), replace(case, effects=support.acting(case.effects), supports=())
+        assert line is not None, "refuses() accepts straight supports only"
+        segment = _line_segment(case, space, space.static_body, line, setting["thickness"], ends(case, line))
+        impact = own.effect(Impact)
+        segment.friction, segment.elasticity = friction_coefficient(own), 1.0
+        if impact and whole and whole.restitution > 0.0:
+            segment.elasticity = impact.restitution / whole.restitution
+        segments.append(segment)
+    return segments
 
 
 def drive_track(case: Case, space: pymunk.Space, h: float) -> None:
@@ -206,7 +224,11 @@ def _track_shapes(case: Case, space: pymunk.Space, body: pymunk.Body, setting: S
     if kind == "hill" and circle:
         return [_track_circle(body, circle)]
     if line:
-        return [_line_segment(case, space, body, line, setting["thickness"])]
+        part = stretch(case)
+        own = np.array([case.track.point(s) for s in (part.low, part.high)])
+        return [
+            _line_segment(case, space, body, line, setting["thickness"], ends(case, line) if case.supports else own)
+        ]
     return _chain(case, body, setting)
 
 
@@ -215,15 +237,16 @@ def _track_circle(body: pymunk.Body, circle: Circle) -> pymunk.Shape:
     return pymunk.Circle(body, circle.radius, (float(x), float(y)))
 
 
-def _line_segment(case: Case, space: pymunk.Space, body: pymunk.Body, line: Line, thickness: float) -> pymunk.Shape:
-    """One segment along the stretch, its surface above the line by half the slop that the engine allows.
+def _line_segment(
+    case: Case, space: pymunk.Space, body: pymunk.Body, line: Line, thickness: float, ends: np.ndarray
+) -> pymunk.Shape:
+    """One segment between its ends, its surface above the line by half the slop that the engine allows.
 
     The engine detects a contact only where shapes overlap: without that overlap the plate would fall for one step.
     """
-    part = stretch(case)
     normal = np.array([-line.direction[1], line.direction[0]])
     lift = normal * (0.5 * min(space.collision_slop, 1e-6 * case.plate.inner) - thickness)
-    (ax, ay), (bx, by) = (case.track.point(s) + lift for s in (part.low, part.high))
+    (ax, ay), (bx, by) = (end + lift for end in ends)
     return pymunk.Segment(body, (float(ax), float(ay)), (float(bx), float(by)), thickness)
 
 

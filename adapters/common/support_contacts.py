@@ -1,0 +1,196 @@
+"""Contacts of a plate on straight supports, from the poses and velocities of a motion alone.
+
+Each pair of a support and a feature of the outline (a corner, an arc, a whole circle) has one gap in every pose. It is
+closed while the gap is below what the engine's step leaves, and, where other contacts of the same motion are closed
+too, while these alone could not give the plate its change of momentum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+from scipy.optimize import nnls
+
+from cases import Case, CoulombFriction, PerfectlyRough, Trajectory
+from cases.contact_pairs import PairCase, contact_name, pairs
+from cases.corner import Corner, turning
+from cases.sampled_contacts import SampledContacts
+from cases.shapes import as_circle, as_line
+from cases.trajectory import ContactColumns
+
+from . import several_contacts
+
+# A contact force below this part of the whole is none: noise of a step's momentum in engines of single precision.
+_UNNEEDED = 1e-3
+# The angle of a cone that no force leaves.
+_ROUGH = 1e6
+
+
+def refuses(case: Case) -> str | None:
+    """Why the contacts of a case with supports do not follow from its poses here, in one sentence, or None."""
+    for pair in pairs(case):
+        if as_line(pair.track) is None or pair.track.domain is not None:
+            return f"Supports are straight lines without ends here, and {pair.support!r} is none."
+        if not isinstance(pair.plate.outline, Corner) and as_circle(pair.plate.outline) is None:
+            return "A plate on supports is round or has corners here, and this outline is another."
+    return None
+
+
+def refuses_several(case: Case) -> str | None:
+    """Why the several contacts of a case, on supports or on its track, do not follow from its poses, or None."""
+    return refuses(case) if case.supports else several_contacts.supports(case)
+
+
+@dataclass(frozen=True)
+class _Contact:
+    """One pair along a motion, arrays of n samples: gap (m), contact point relative to the centre of mass, (2, n), the
+    parameter of the support's curve, and unit tangent and normal of the support."""
+
+    pair: PairCase
+    gap: np.ndarray
+    lever: np.ndarray
+    xi1: np.ndarray
+    tangent: np.ndarray
+    normal: np.ndarray
+
+    def slip(self, motion: Trajectory) -> np.ndarray:
+        """The slip velocity, m/s."""
+        u = motion.vx - motion.omega * self.lever[1]
+        v = motion.vy + motion.omega * self.lever[0]
+        return self.tangent[0] * u + self.tangent[1] * v
+
+    @property
+    def cone(self) -> np.ndarray:
+        """The two edges of the friction cone, shape (2, 2)."""
+        friction = self.pair.effect(CoulombFriction)
+        mu = _ROUGH if self.pair.effect(PerfectlyRough) else friction.at_rest if friction else 0.0
+        return np.array([self.normal + mu * self.tangent, self.normal - mu * self.tangent]) / np.hypot(1.0, mu)
+
+
+def with_supports(
+    case: Case, motion: Trajectory, clear: float, torsor: np.ndarray | None = None, slip_lever: float = 0.0
+) -> Trajectory:
+    """The motion with the columns of each contact that closes at some time, in the order in which they first do.
+
+    `clear`: the gap (m) below which a contact is closed. `torsor`: force (N) and moment (N m) of all contacts at the
+    samples, shape (n, 3); with it, contacts that do not push are open, and the only closed contact has its force. The
+    engine's friction acts at the share `slip_lever` of the gap from the plate.
+    """
+    every = [_contact(pair, motion, slip_lever) for pair in pairs(case)]
+    closed = [one.gap <= clear for one in every]
+    touching = [i for i in range(len(every)) if closed[i].any()]
+    order = sorted(touching, key=lambda i: (int(np.argmax(closed[i])), i))
+    if not order:
+        return motion
+    contacts, is_closed = [every[i] for i in order], [closed[i] for i in order]
+    if torsor is not None:
+        is_closed = _pushing(contacts, is_closed, torsor, case.plate.reach)
+    columns, names = dict[str, ContactColumns](), list[str]()
+    count = np.sum(is_closed, axis=0)
+    for one, shut in zip(contacts, is_closed, strict=True):
+        number = 1 + sum(name.split()[0] == contact_name(one.pair.support, 1) for name in names)
+        names.append(contact_name(one.pair.support, number))
+        columns[names[-1]] = _columns(one, motion, shut, count, torsor)
+    named = dict(zip(names, is_closed, strict=True))
+    return _with_columns(motion, columns, named)
+
+
+def _with_columns(motion: Trajectory, columns: dict[str, ContactColumns], closed: dict[str, np.ndarray]) -> Trajectory:
+    return replace(
+        motion,
+        **several_contacts.first_closed(motion, columns, closed),
+        contact_names=tuple(columns),
+        contact_columns=SampledContacts(motion.t, columns),
+    )
+
+
+def _contact(pair: PairCase, motion: Trajectory, slip_lever: float) -> _Contact:
+    line, feature = as_line(pair.track), pair.plate.outline
+    assert line is not None, "checked by refuses()"
+    tangent = line.direction
+    normal = np.array([-tangent[1], tangent[0]])
+    circle = None if isinstance(feature, Corner) else as_circle(feature)
+    radius = circle.radius if circle else 0.0
+    u, v = circle.centre if circle else (feature.x, feature.y)  # type: ignore[attr-defined]
+    c, s = np.cos(motion.theta), np.sin(motion.theta)
+    arm = np.array([c * u - s * v, s * u + c * v])
+    place = arm + np.array([motion.x, motion.y]) - np.asarray(line.point)[:, None]
+    gap = normal @ place - radius
+    low = float(pair.track.span[0])
+    start = np.asarray(pair.track.point(low)) - line.point
+    xi1 = low + (tangent @ (place - start[:, None])) / float(pair.track.speed(low))
+    return _Contact(pair, gap, arm - normal[:, None] * (radius + slip_lever * gap), xi1, tangent, normal)
+
+
+def _columns(
+    one: _Contact, motion: Trajectory, closed: np.ndarray, count: np.ndarray, torsor: np.ndarray | None
+) -> ContactColumns:
+    alone = closed & (count == 1)
+    forces = []
+    for axis in (one.normal, one.tangent):
+        force = np.where(closed, np.nan, 0.0)
+        if torsor is not None:
+            force[alone] = torsor[alone, :2] @ axis
+        forces.append(force)
+    return ContactColumns(
+        gap=one.gap,
+        slip=np.where(closed, one.slip(motion), np.nan),
+        normal_force=forces[0],
+        friction_force=forces[1],
+        xi1=one.xi1,
+        xi2=_outline_parameter(one, motion.theta),
+        normal_range=np.array([forces[0], forces[0]]),
+        friction_range=np.array([forces[1], forces[1]]),
+    )
+
+
+def _outline_parameter(one: _Contact, theta: np.ndarray) -> np.ndarray:
+    """The whole outline's parameter where its tangent is the support's, by (6); a circle's is its angle."""
+    feature = one.pair.plate.outline
+    middle = 0.5 * sum(feature.span)
+    rate = turning(feature, middle)
+    turned = np.arctan2(one.tangent[1], one.tangent[0]) - theta - float(feature.tangent_angle(middle))
+    whole_turns = turned - 2.0 * pi * np.round(turned / (2.0 * pi))
+    return np.asarray(one.pair.whole_xi2(middle + whole_turns / rate))
+
+
+def _pushing(
+    contacts: Sequence[_Contact], closed: list[np.ndarray], torsor: np.ndarray, size: float
+) -> list[np.ndarray]:
+    """Which of the contacts with small gaps are closed: from their first push to their last one.
+
+    A contact pushes unless the others alone give the torsor, with forces in their cones; moments are divided by the
+    plate's `size` (m). In between a contact that is detected by its overlap may push in some steps only.
+    """
+    scaled = torsor / np.array([1.0, 1.0, size])
+    usual = float(np.median(np.linalg.norm(scaled, axis=1)))
+    pushing = [shut.copy() for shut in closed]
+    for i in np.flatnonzero(np.sum(closed, axis=0) > 1):
+        wanted = scaled[i]
+        least = _UNNEEDED * max(usual, float(np.linalg.norm(wanted)))
+        here = [k for k in range(len(contacts)) if closed[k][i]]
+        edges = {k: _edges(contacts[k], int(i), size) for k in here}
+        for k in here:
+            others = np.hstack([edges[other] for other in here if other != k])
+            pushing[k][i] = nnls(others, wanted)[1] > least
+    return [_from_first_to_last(*each) for each in zip(closed, pushing, strict=True)]
+
+
+def _from_first_to_last(closed: np.ndarray, pushing: np.ndarray) -> np.ndarray:
+    """Each range of samples with a small gap, without what is before its first push and after its last one."""
+    result = np.zeros(len(closed), dtype=bool)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], closed, [False]]).astype(int)))
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        pushes = start + np.flatnonzero(pushing[start:stop])
+        if len(pushes):
+            result[pushes[0] : pushes[-1] + 1] = True
+    return result
+
+
+def _edges(contact: _Contact, sample: int, size: float) -> np.ndarray:
+    """The edges of a contact's friction cone as torsors, columns of shape (3, 2)."""
+    lever = contact.lever[:, sample]
+    return np.array([[fx, fy, (lever[0] * fy - lever[1] * fx) / size] for fx, fy in contact.cone]).T
