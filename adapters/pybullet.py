@@ -36,7 +36,7 @@ MEANINGS = (
     Meaning(
         CoulombFriction,
         "lateralFriction of both bodies, multiplied; here mu and 1",
-        "Coulomb's cone for the impulses of a step, one coefficient for slip and stick",
+        "Coulomb's cone for the impulses of a step, one coefficient for slip and stick; mu(v) is not supported",
     ),
     Meaning(Impact, "restitution; this adapter does not set it", "not supported"),
     Meaning(Belt, "none", "not supported"),

@@ -107,8 +107,13 @@ def refuses(case: Case, route: str) -> str | None:
     if not shapes.is_one_polygon(outline) and not facets.sees_all(outline):
         return "box2d's shapes are convex, and no fan of them gives this outline: its centre does not see all of it."
     belt = case.effect(Belt)
-    if belt and belt.constant is None:
-        return "box2d's shapes have a constant tangent speed, and this belt's speed changes with time."
+    if belt and belt.constant is None and case.effect(Drive):
+        return "box2d's kinematic bodies carry a belt whose speed changes with time, or a driven track, not both."
+    if belt and belt.constant is None and not shapes.moves_itself(case):
+        return (
+            "box2d's shapes keep the tangent speed that they are made with, and this belt's speed changes with time; "
+            "only lines and circles can move along themselves instead."
+        )
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles only, and this outline is none."
     if case.supports and (problem := support_contacts.refuses(case)):

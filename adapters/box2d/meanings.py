@@ -14,8 +14,8 @@ def _differs(case: Case) -> bool:
 MEANINGS = (
     Meaning(
         CoulombFriction,
-        "friction, the geometric mean of both shapes' values; here mu and mu",
-        "Coulomb's cone for the impulses of a substep, one coefficient for slip and stick",
+        "friction, the geometric mean of both shapes' values; here mu and mu, with supports 1 and mu^2",
+        "Coulomb's cone for the impulses of a substep, one coefficient for slip and stick; mu(v) is not supported",
     ),
     Meaning(PerfectlyRough, "friction", "Coulomb's cone with a coefficient of 1e6"),
     Meaning(
@@ -30,7 +30,11 @@ MEANINGS = (
         "rolling_resistance, the larger of both shapes' values, times the circle's radius; here arm/r",
         "a couple of at most this lever arm times the normal impulse; circles only",
     ),
-    Meaning(Belt, "tangent_speed of the track's shapes", "Coulomb's law for the slip on that surface; constant speeds"),
+    Meaning(
+        Belt,
+        "tangent_speed of the track's shapes; where the speed changes with time, a line or circle on a kinematic body",
+        "Coulomb's law for the slip on that surface; a kinematic body moves with the speed in the middle of each step",
+    ),
     Meaning(
         Drive,
         "a kinematic body, its place and velocities set in each step",

@@ -73,9 +73,14 @@ def material(case: Case) -> pyb2d3.SurfaceMaterial:
 def belt_material(case: Case, scale: float) -> pyb2d3.SurfaceMaterial:
     """The surface material of the track: that of both shapes, running with the belt's speed."""
     surface, belt = material(case), case.effect(Belt)
-    if belt:
-        surface.tangent_speed = scale * (belt.constant or 0.0)
+    if belt and belt.constant is not None:
+        surface.tangent_speed = scale * belt.constant
     return surface
+
+
+def moves_itself(case: Case) -> bool:
+    """Whether the track's shape does not change when the track moves along itself."""
+    return as_line(case.track) is not None or as_circle(case.track) is not None
 
 
 def plate_material(case: Case) -> pyb2d3.SurfaceMaterial:
@@ -129,7 +134,9 @@ def angle(body: pyb2d3.Body) -> float:
 
 def track_body(case: Case, world: pyb2d3.World, scale: float) -> pyb2d3.Body:
     """The track's body: static, or for a driven track kinematic, at its place at t = 0."""
-    drive = case.effect(Drive)
+    drive, belt = case.effect(Drive), case.effect(Belt)
+    if drive is None and belt and belt.constant is None:
+        return world.create_kinematic_body()
     if drive is None:
         return world.create_static_body()
     at = drive.at(0.0)
@@ -139,7 +146,9 @@ def track_body(case: Case, world: pyb2d3.World, scale: float) -> pyb2d3.Body:
 def track_follower(case: Case, body: pyb2d3.Body, h: float, scale: float) -> Callable[[int], None]:
     """A function that puts a driven track where it is at the beginning of a step of h (s), with the velocities that
     move it to its place at the next one; for a track at rest it does nothing."""
-    drive = case.effect(Drive)
+    drive, belt = case.effect(Drive), case.effect(Belt)
+    if belt and belt.constant is None:
+        return _belt_follower(case, belt, body, h, scale)
     if drive is None:
         return lambda step: None
     motion = PrescribedSteps(drive, h)
@@ -150,6 +159,25 @@ def track_follower(case: Case, body: pyb2d3.Body, h: float, scale: float) -> Cal
         # The first step is shorter than h, and the engine's numbers are rounded: the place would drift.
         body.set_transform((scale * x, scale * y), rotation(turn))
         body.linear_velocity, body.angular_velocity = (scale * vx, scale * vy), spin
+
+    return follow
+
+
+def _belt_follower(case: Case, belt: Belt, body: pyb2d3.Body, h: float, scale: float) -> Callable[[int], None]:
+    """A function that lets the track move along itself during each step, as its belt does in the middle of the step,
+    and puts it back before the next one: the engine's shapes keep the tangent speed that they are made with."""
+    line, circle = as_line(case.track), as_circle(case.track)
+
+    def follow(step: int) -> None:
+        speed = float(belt.at((step + 0.5) * h)[0])
+        body.set_transform((0.0, 0.0), rotation(0.0))
+        if line:
+            body.linear_velocity = _pair(scale * speed * line.direction)
+            return
+        assert circle is not None, "refuses() accepts lines and circles only"
+        spin = speed / circle.radius * (1.0 if circle.left else -1.0)
+        x, y = circle.centre
+        body.linear_velocity, body.angular_velocity = _pair(scale * spin * np.array([y, -x])), spin
 
     return follow
 

@@ -81,8 +81,8 @@ def with_supports(
     """
     every = [_contact(pair, motion, slip_lever) for pair in pairs(case)]
     closed = [one.gap <= clear for one in every]
-    touching = [i for i in range(len(every)) if closed[i].any()]
-    order = sorted(touching, key=lambda i: (int(np.argmax(closed[i])), i))
+    first_ones = [i for i in range(len(every)) if closed[i].any()]
+    order = sorted(first_ones, key=lambda i: (int(np.argmax(closed[i])), i))
     if not order:
         return motion
     contacts, is_closed = [every[i] for i in order], [closed[i] for i in order]
@@ -94,8 +94,8 @@ def with_supports(
         number = 1 + sum(name.split()[0] == contact_name(one.pair.support, 1) for name in names)
         names.append(contact_name(one.pair.support, number))
         columns[names[-1]] = _columns(one, motion, shut, count, torsor)
-    named = dict(zip(names, is_closed, strict=True))
-    return _with_columns(motion, columns, named)
+    by_name = dict(zip(names, is_closed, strict=True))
+    return _with_columns(motion, columns, by_name)
 
 
 def _with_columns(motion: Trajectory, columns: dict[str, ContactColumns], closed: dict[str, np.ndarray]) -> Trajectory:
@@ -152,9 +152,9 @@ def _outline_parameter(one: _Contact, theta: np.ndarray) -> np.ndarray:
     feature = one.pair.plate.outline
     middle = 0.5 * sum(feature.span)
     rate = turning(feature, middle)
-    turned = np.arctan2(one.tangent[1], one.tangent[0]) - theta - float(feature.tangent_angle(middle))
-    whole_turns = turned - 2.0 * pi * np.round(turned / (2.0 * pi))
-    return np.asarray(one.pair.whole_xi2(middle + whole_turns / rate))
+    turn = np.arctan2(one.tangent[1], one.tangent[0]) - theta - float(feature.tangent_angle(middle))
+    part = turn - 2.0 * pi * np.round(turn / (2.0 * pi))
+    return np.asarray(one.pair.whole_xi2(middle + part / rate))
 
 
 def _pushing(
@@ -165,17 +165,17 @@ def _pushing(
     A contact pushes unless the others alone give the torsor, with forces in their cones; moments are divided by the
     plate's `size` (m). In between a contact that is detected by its overlap may push in some steps only.
     """
-    scaled = torsor / np.array([1.0, 1.0, size])
-    usual = float(np.median(np.linalg.norm(scaled, axis=1)))
+    torsors = torsor / np.array([1.0, 1.0, size])
+    usual = float(np.median(np.linalg.norm(torsors, axis=1)))
     pushing = [shut.copy() for shut in closed]
     for i in np.flatnonzero(np.sum(closed, axis=0) > 1):
-        wanted = scaled[i]
-        least = _UNNEEDED * max(usual, float(np.linalg.norm(wanted)))
+        target = torsors[i]
+        least = _UNNEEDED * max(usual, float(np.linalg.norm(target)))
         here = [k for k in range(len(contacts)) if closed[k][i]]
         edges = {k: _edges(contacts[k], int(i), size) for k in here}
         for k in here:
             others = np.hstack([edges[other] for other in here if other != k])
-            pushing[k][i] = nnls(others, wanted)[1] > least
+            pushing[k][i] = nnls(others, target)[1] > least
     return [_from_first_to_last(*each) for each in zip(closed, pushing, strict=True)]
 
 

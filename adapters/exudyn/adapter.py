@@ -141,8 +141,6 @@ def refuses(case: Case, route: str) -> str | None:
     belt = case.effect(Belt)
     if belt and route == "native":
         return "Exudyn's contact objects have no surface that runs along a track at rest."
-    if belt and belt.constant is None:
-        return "This route's contact law knows belts of constant speed only."
     problem = driven_tracks.refuses(case) or (native.refuses(case) if route == "native" else None)
     if problem or route == "native":
         return problem

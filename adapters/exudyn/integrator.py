@@ -57,14 +57,14 @@ class PenaltyContact:
         friction = case.effect(CoulombFriction)
         self.by_speed = friction.at if friction and friction.by_speed else None
         self.load, belt = case.effect(Load), case.effect(Belt)
-        self.belt = (belt.constant or 0.0) if belt else 0.0
+        self.belt = belt.at if belt else None
         self.rough = rough_friction(case) if case.effect(PerfectlyRough) else 0.0
         self.unilateral = case.effect(Unilateral) is not None
         self.follower = Follower(case)
         # At the last evaluation.
         self.slip = case.start.slip
 
-    def touch(self, pose, velocity) -> PenaltyState:
+    def touch(self, time: float, pose, velocity) -> PenaltyState:
         """The contact of a state; raises one of BEYOND where there is none."""
         x, y, theta = pose
         vx, vy, omega = velocity
@@ -75,7 +75,9 @@ class PenaltyContact:
         speed = hypot(Xp, Yp)
         tx, ty, ax, ay = Xp / speed, Yp / speed, X - x, Y - y
         ux, uy = vx - omega * ay, vy + omega * ax
-        slip, parting = ux * tx + uy * ty - self.belt, uy * tx - ux * ty
+        slip, parting = ux * tx + uy * ty, uy * tx - ux * ty
+        if self.belt:
+            slip -= self.belt(time)[0]
         normal_force = -self.k * gap - self.damping * parting
         if self.unilateral and (gap >= 0.0 or normal_force < 0.0):
             normal_force = 0.0
@@ -102,15 +104,15 @@ class PenaltyContact:
 
     def force(self, _system, time, _object, pose, velocity) -> list[float]:
         """The engine's call for the generalised forces (F_x, F_y, M): the contact's and the load's."""
-        contact = self.contact_force(pose, velocity)
+        contact = self.contact_force(time, pose, velocity)
         if self.load is None:
             return contact
         return [a + b for a, b in zip(contact, self.load.at(time, *pose, *velocity), strict=True)]
 
-    def contact_force(self, pose, velocity) -> list[float]:
+    def contact_force(self, time: float, pose, velocity) -> list[float]:
         """The contact's part of the generalised forces; zero for a plate that has lost its track."""
         try:
-            touch = self.touch(pose, velocity)
+            touch = self.touch(time, pose, velocity)
         except BEYOND:
             return [0.0, 0.0, 0.0]
         self.slip = touch.slip
@@ -118,14 +120,14 @@ class PenaltyContact:
         fx, fy = T * touch.tx - N * touch.ty, T * touch.ty + N * touch.tx
         return [fx, fy, touch.ax * fy - touch.ay * fx]
 
-    def jacobian(self, _system, _time, _object, pose, velocity, by_pose, by_velocity) -> np.ndarray:
+    def jacobian(self, _system, time, _object, pose, velocity, by_pose, by_velocity) -> np.ndarray:
         """The engine's call for −(by_pose ∂f/∂q + by_velocity ∂f/∂q̇), to first order in the penetration.
 
         It neglects the motion of the contact point and the turn of the tangent, which are smaller by penetration over
         radius, and saves the engine four fifths of the evaluations that differences need.
         """
         try:
-            touch = self.touch(pose, velocity)
+            touch = self.touch(time, pose, velocity)
         except BEYOND:
             return np.zeros((3, 3))
         N, ax, ay, tx, ty = touch.normal_force, touch.ax, touch.ay, touch.tx, touch.ty
@@ -158,7 +160,7 @@ class PenaltyContact:
             if configuration == now:
                 return self.slip
             pose, velocity = state.GetODE2Coordinates(configuration), state.GetODE2Coordinates_t(configuration)
-            return self.touch(pose.tolist(), velocity.tolist()).slip
+            return self.touch(state.GetTime(configuration), pose.tolist(), velocity.tolist()).slip
 
         return slip
 
@@ -167,8 +169,8 @@ class PenaltyContact:
         self.follower = Follower(self.case)
         rows, failure = [], None
         try:
-            for q, v in zip(data.pose.tolist(), data.velocity.tolist(), strict=True):
-                touch = self.touch(q, v)
+            for t, q, v in zip(data.t.tolist(), data.pose.tolist(), data.velocity.tolist(), strict=True):
+                touch = self.touch(t, q, v)
                 force = touch.normal_force, self.friction_force(touch)
                 rows.append((touch.xi1, touch.xi2, touch.gap, touch.slip, *force))
         except BEYOND as problem:

@@ -12,13 +12,14 @@ MEANINGS = (
     Meaning(
         CoulombFriction,
         "dynamicFriction of the contact; frictionProportionalZone (m/s)",
-        "Coulomb's law, regularised: below the zone's slip velocity friction is proportional to it, so stick creeps",
+        "Coulomb's law, regularised: below the zone's slip velocity friction is proportional to it, so stick creeps; "
+        "mu(v) is not supported",
         routes=("native",),
     ),
     Meaning(
         CoulombFriction,
         "none: this suite supplies the contact law",
-        "the same form, computed in Python; the engine only integrates it",
+        "the same form, with mu or mu(v), computed in Python; the engine only integrates it",
         routes=("integrator",),
     ),
     Meaning(PerfectlyRough, "a constraint on lines (ObjectJointRollingDisc), else unbounded friction", "no slip"),

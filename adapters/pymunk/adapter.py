@@ -106,13 +106,7 @@ def _refuses_natively(case: Case) -> str | None:
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
     belt = case.effect(Belt)
-    if belt and belt.constant is None:
-        return "pymunk's shapes have a constant surface velocity, and this belt's speed changes with time."
-    if belt and facets.track_kind(case) == "hill":
-        return "A pymunk shape has one surface velocity for all of its directions; it cannot run around a circle."
     drive = case.effect(Drive)
-    if belt and drive and drive.is_turning:
-        return "A pymunk shape's surface velocity does not turn with its body, and this belt's track turns."
     endless = not case.track.period and not case.track.domain
     if belt and endless and facets.track_kind(case) == "chain":
         return (
@@ -233,6 +227,8 @@ def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkM
         drive = LoadInSteps(case, body, h) if with_load else None
         rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
         model = PymunkModel(case, engine_case, space, body, h, steps, drive, rough)
+        if case.effect(Belt) and not native.belt_runs_as_shapes(case):
+            model.note = native.BeltInSteps(case, space, body, h).counting(model.note)
     else:
         space, body, drive, guide = assisted.build(engine_case, setting, h)
         model = PymunkModel(case, engine_case, space, body, h, steps, drive, guide=guide)

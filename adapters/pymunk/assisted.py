@@ -87,13 +87,13 @@ class ContactGuide:
         # With the predicted velocities the plate would be off the track by the gap: the target corrects for it.
         ux, uy = vx - omega * (Y - y), vy + omega * (X - x)
         target = ux * -ty + uy * tx - ahead.gap / h
-        # The slip is that of the middle of the step; the engine uses the step's beginning, so it gets the change.
+        # Slip and belt are those of the middle of the step; the engine uses its beginning, so it gets the change.
         middle_x, middle_y, along_x, along_y = _frame(track, 0.5 * (contact.xi1 + ahead.xi1))
         # The plate is there off the middle of its chord, by an eighth of the displacement by the step's change.
         (ax, ay), half = self._bend(), 0.5 * h
         lever_x, lever_y = middle_x - x - half * vx + ax, middle_y - y - half * vy + ay
         change = (vx - omega * lever_y) * along_x + (vy + omega * lever_x) * along_y - (ux * tx + uy * ty)
-        belt = self._belt.at(h * (len(self.contacts) - 1))[0] if self._belt else 0.0
+        belt = self._belt.at(h * (len(self.contacts) - 0.5))[0] if self._belt else 0.0
         change -= belt
         velocity = Vec2d(change * tx - target * -ty, change * ty - target * tx)
         point, normal = Vec2d(X, Y), Vec2d(-ty, tx)

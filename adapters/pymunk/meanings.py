@@ -12,8 +12,15 @@ from ..interface import Meaning
 MEANINGS = (
     Meaning(
         CoulombFriction,
-        "friction of both shapes, multiplied; here mu and 1 (assisted: where mu depends on v, that of each step)",
-        "Coulomb's cone for the impulses of a step, one coefficient for slip and stick",
+        "friction of both shapes, multiplied; here mu and 1, with supports 1 and mu",
+        "Coulomb's cone for the impulses of a step, one coefficient for slip and stick; mu(v) is not supported",
+        routes=("native",),
+    ),
+    Meaning(
+        CoulombFriction,
+        "friction of both shapes, multiplied; here mu and 1; mu(v) is friction of the contact, set in each step",
+        "Coulomb's cone for the impulses of a step, with mu at the slip velocity predicted for its middle",
+        routes=("assisted",),
     ),
     Meaning(PerfectlyRough, "friction", "Coulomb's cone with a coefficient of 1e9"),
     Meaning(
@@ -27,11 +34,17 @@ MEANINGS = (
         differs=not_moreaus,
     ),
     Meaning(RollingResistance, "none", "not supported"),
-    Meaning(Belt, "surface_velocity of the segments", "Coulomb's law for the slip on that surface", routes=("native",)),
+    Meaning(
+        Belt,
+        "surface_velocity of the segments; of each contact where the speed changes with time, on a hill, or on a "
+        "track that turns",
+        "Coulomb's law for the slip on that surface, its speed in the middle of each step",
+        routes=("native",),
+    ),
     Meaning(
         Belt,
         "surface_velocity of the contact",
-        "Coulomb's law for the slip on that surface, its speed at each step's pose",
+        "Coulomb's law for the slip on that surface, its speed in the middle of each step",
         routes=("assisted",),
     ),
     Meaning(

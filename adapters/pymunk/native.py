@@ -18,7 +18,7 @@ both, with what the step loses, fall back; 200 lose 7 % and pass. No chaos, but 
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count, pairwise, product
 
@@ -32,10 +32,14 @@ from cases.shapes import Circle, Line, as_circle, as_line
 from ..common.driven_tracks import PrescribedSteps
 from ..common.facets import chain, ends, is_convex, polygon, rim, round_plate, stretch, track_kind
 from ..interface import Setting
+from . import older_versions
 
 # The space's knobs that differ between rungs; everything else is the engine's default.
 KNOBS = ("collision_slop", "collision_bias", "iterations")
 
+
+# The engine's collision types.
+_TRACK, _PLATE = 1, 2
 
 # A coefficient that no contact here needs: a millionth of a newton would hold a plate of a tonne on a wall.
 ROUGH = 1e9
@@ -151,7 +155,7 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
         shape.elasticity = 1.0
     shapes += _support_segments(case, space, setting)
     belt = case.effect(Belt)
-    if belt:
+    if belt and belt_runs_as_shapes(case):
         _run_surface(shapes, belt.constant or 0.0)
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(shapes)
@@ -191,6 +195,39 @@ def drive_track(case: Case, space: pymunk.Space, h: float) -> None:
     body.position, body.angle = (x - 0.5 * h * vx, y - 0.5 * h * vy), angle - 0.5 * h * spin
     body.velocity, body.angular_velocity = (vx, vy), spin
     body.velocity_func = follow
+
+
+def belt_runs_as_shapes(case: Case) -> bool:
+    """Whether the belt is a surface velocity of the track's shapes: a constant one, along segments that do not turn."""
+    belt, drive = case.effect(Belt), case.effect(Drive)
+    is_turning = drive is not None and drive.is_turning
+    return belt is not None and belt.constant is not None and track_kind(case) != "hill" and not is_turning
+
+
+class BeltInSteps:
+    """A belt as the surface velocity of each contact, along its own tangent, with the belt's speed in each step."""
+
+    def __init__(self, case: Case, space: pymunk.Space, plate: pymunk.Body, h: float):
+        belt = case.effect(Belt)
+        assert belt is not None, "only a case with a belt has one"
+        self._at, self._h, self._step = belt.at, h, 0
+        for shape in space.shapes:
+            shape.collision_type = _PLATE if shape.body is plate else _TRACK
+        older_versions.on_collision(space, _TRACK, _PLATE, self._pre_solve)
+
+    def counting(self, note: Callable[[], None]) -> Callable[[], None]:
+        """The function that records a step, which also counts it."""
+
+        def count_and_note() -> None:
+            self._step += 1
+            note()
+
+        return count_and_note
+
+    def _pre_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
+        # The velocities after a step are those of its middle; the normal points to the plate.
+        speed, normal = self._at((self._step + 0.5) * self._h)[0], arbiter.contact_point_set.normal
+        arbiter.surface_velocity = pymunk.Vec2d(-speed * normal.y, speed * normal.x)
 
 
 def _run_surface(shapes: Sequence[pymunk.Shape], speed: float) -> None:

@@ -16,7 +16,7 @@ from .readings import at, height
 _TUTORIALS = "github.com/siconos/siconos-tutorials, examples/mechanics/"
 _COMMIT = ", commit b6c9bfd"
 # Rounding of a hundred steps of a double.
-_ROUNDED = 1e-12
+_ROUNDING = 1e-12
 
 # FrictionOscillator.ref: number of the row, place (m), velocity (m/s).
 OSCILLATOR = (
@@ -79,7 +79,7 @@ def _siconos_oscillator() -> Publication:
     for row, place, velocity in OSCILLATOR:
         # Its midpoint rule turns the plane of place and velocity by exactly 2 atan(h/2) in a step.
         time = 2 * row * atan(h / 2)
-        accuracy = 2 * h * sum(reversal < time + h for reversal in reversals) + _ROUNDED
+        accuracy = 2 * h * sum(reversal < time + h for reversal in reversals) + _ROUNDING
         numbers += [
             Number(f"place in row {row} / m", place, at(time, "x"), accuracy),
             Number(f"velocity in row {row} / (m/s)", velocity, at(time, "vx"), accuracy),
@@ -105,7 +105,7 @@ def _siconos_ball() -> Publication:
         "may act a step late",
         ball,
         tuple(
-            Number(f"height at {time:g} s / m", above, height(time, 0.1), BALL_STEP * jumps + _ROUNDED)
+            Number(f"height at {time:g} s / m", above, height(time, 0.1), BALL_STEP * jumps + _ROUNDING)
             for (time, above, *_), jumps in zip(BALL, _JUMPS, strict=True)
         ),
         whole=True,
