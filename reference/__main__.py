@@ -1,17 +1,62 @@
 """`python -m reference` rebuilds the stored truth of the catalogue; with `--prove NAME` it proves a case's motion."""
 
+from __future__ import annotations
+
+import os
 import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from cases import BadValue
+from cases.command_line import Parser, status
+from cases.errors import whole
 
 
-def main(argv: list[str]) -> int:
-    if any(word == "--prove" or word.startswith("--prove=") for word in argv):
+def parser() -> Parser:
+    """The options with which certificates are made again."""
+    result = Parser(
+        prog="python -m reference",
+        description="Certify the cases of the catalogue again and store their truth (truth.json).",
+        epilog='Example: python -m reference --only disc_in_circle "sliding_loop[ratio=5.1]"\n'
+        "To prove a case's motion instead: python -m reference --prove NAME --help",
+    )
+    result.add_argument(
+        "--only",
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        help='cases: a name (all its variants) or "name[parameter=value,…]"; rows of others stay (default: all)',
+    )
+    result.add_argument("--jobs", metavar="N", help="number of parallel processes (default: one per core)")
+    return result
+
+
+def main(argv: Sequence[str] | None = None, path: Path | None = None) -> int:
+    """Run the command on the file of certificates (default: that of the package); returns its exit status: 0, 1 if an
+    ordinary case has no certificate or a proof is incomplete, 2 for invalid arguments, 130 if it was interrupted."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    if any(word == "--prove" or word.startswith("--prove=") for word in words):
         from .proofs import command
 
-        return command.main(argv)
-    from .certification.rebuild import main as rebuild
+        return command.main(words)
+    return status("reference", lambda rest: _rebuild(rest, path), words)
 
-    return rebuild(argv)
+
+def _rebuild(words: list[str], path: Path | None) -> int:
+    options = parser().parse_args(words)
+    jobs = _jobs(options.jobs)
+    from .certification import TRUTH, rebuild  # with SymPy, which help does not need
+
+    return rebuild.certify_cases(options.only, jobs, path or TRUTH)
+
+
+def _jobs(text: str | None) -> int:
+    cores = os.cpu_count() or 1
+    try:
+        return cores if text is None else whole("--jobs", int(text), 1, 1000)
+    except ValueError as problem:
+        raise BadValue(f"--jobs is {text!r}; give a whole number, for example {cores}") from problem
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -48,3 +48,11 @@ def test_the_list_read_from_source_is_the_catalogue():
 def test_the_list_of_cases_is_printed_without_numpy_or_sympy():
     code = "import sys, cases.commands as c; c.main([]); sys.exit(bool({'numpy', 'sympy'} & sys.modules.keys()))"
     subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, cwd=ROOT)
+
+
+@pytest.mark.parametrize("words", [("--help",), ("--jobs", "many"), ("--prove", "disc_on_line", "--help")])
+def test_help_and_wrong_options_of_the_reference_need_no_sympy(words):
+    code = f"import sys, reference.__main__ as m; m.main({list(words)})"
+    check = "import atexit, sys; atexit.register(lambda: print('sympy' in sys.modules))\n"
+    answer = subprocess.run([sys.executable, "-c", check + code], capture_output=True, text=True, cwd=ROOT)
+    assert answer.stdout.rstrip().endswith("False") and "Traceback" not in answer.stderr

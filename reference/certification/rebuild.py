@@ -1,4 +1,4 @@
-"""The command `python -m reference`: certify the catalogue's cases again and store the certificates in truth.json.
+"""Certify the catalogue's cases again and store the certificates in truth.json, as `python -m reference` does.
 
 Each certificate is stored as soon as it is computed, so an interrupted rebuild keeps all finished ones. Rows of cases
 that were not named stay unchanged.
@@ -7,65 +7,26 @@ that were not named stay unchanged.
 from __future__ import annotations
 
 import multiprocessing
-import os
 import signal
-import sys
 from collections.abc import Iterator, Sequence
 from multiprocessing import resource_tracker
 from pathlib import Path
 
 import cases
-from cases import BadValue, CaseError
-from cases.command_line import Parser
-from cases.errors import whole
 
 from .certificate import Certificate, NotCertified, certify
-from .truth_file import TRUTH, DamagedTruth, damage, read, sound, write
+from .truth_file import DamagedTruth, damage, read, sound, write
 
 
-def parser() -> Parser:
-    """The command's options."""
-    result = Parser(
-        prog="python -m reference",
-        description="Certify the cases of the catalogue again and store their truth (truth.json).",
-        epilog='Example: python -m reference --only disc_in_circle "sliding_loop[ratio=5.1]"\n'
-        "To prove a case's motion instead: python -m reference --prove NAME --help",
-    )
-    result.add_argument(
-        "--only",
-        metavar="NAME",
-        nargs="+",
-        action="extend",
-        help='cases: a name (all its variants) or "name[parameter=value,…]"; rows of others stay (default: all)',
-    )
-    result.add_argument("--jobs", metavar="N", help="number of parallel processes (default: one per core)")
-    return result
-
-
-def main(argv: Sequence[str] | None = None, path: Path = TRUTH) -> int:
-    """Run the command; returns its exit status: 0, 1 if an ordinary case has no certificate, 2 for invalid arguments,
-    130 if it was interrupted."""
+def certify_cases(names: Sequence[str] | None, jobs: int, path: Path) -> int:
+    """Certify the named cases (None: all) again in so many processes; returns 0, or 1 if an ordinary case has no
+    certificate. Raises CaseError for an unknown case or a damaged row that stays, before anything is certified."""
+    labels = _labels(names)
+    certificates = _rows_that_stay(labels, path, whole_catalogue=names is None)
     try:
-        options = parser().parse_args(sys.argv[1:] if argv is None else argv)
-        labels = _labels(options.only)
-        jobs = _jobs(options.jobs)
-        certificates = _rows_that_stay(labels, path, whole_catalogue=options.only is None)
-    except CaseError as problem:
-        print(f"reference: {problem}", file=sys.stderr)
-        return 2
-    try:
-        return _rebuild(labels, jobs, path, certificates)
+        return _certify_all(labels, jobs, path, certificates)
     except KeyboardInterrupt:
-        print("\nreference: stopped; finished certificates are stored", file=sys.stderr)
-        return 130
-
-
-def _jobs(text: str | None) -> int:
-    cores = os.cpu_count() or 1
-    try:
-        return cores if text is None else whole("--jobs", int(text), 1, 1000)
-    except ValueError as problem:
-        raise BadValue(f"--jobs is {text!r}; give a whole number, for example {cores}") from problem
+        raise KeyboardInterrupt("finished certificates are stored") from None
 
 
 def _labels(names: Sequence[str] | None) -> list[str]:
@@ -86,7 +47,7 @@ def _rows_that_stay(labels: list[str], path: Path, whole_catalogue: bool) -> dic
     return {label: row for label, row in certificates.items() if not whole_catalogue or label in labels}
 
 
-def _rebuild(labels: list[str], jobs: int, path: Path, certificates: dict[str, Certificate]) -> int:
+def _certify_all(labels: list[str], jobs: int, path: Path, certificates: dict[str, Certificate]) -> int:
     """Certify the cases and store the certificates; returns the exit status."""
     order, failures = cases.names(), 0
     for n, (label, outcome) in enumerate(_outcomes(labels, jobs), start=1):

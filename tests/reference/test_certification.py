@@ -13,6 +13,7 @@ from cases import curves as c
 from cases.effects import MOTION
 from cases.library import line
 from reference import contact_frame, simulate
+from reference.__main__ import main
 from reference.certification import certificate as certification
 from reference.certification import rebuild, truth_file, witnesses
 from reference.certification.certificate import Certificate, NotCertified, certify
@@ -232,7 +233,7 @@ def statuses(path) -> dict[str, str]:
 
 
 def test_a_part_of_the_truth_is_rebuilt_and_the_rest_stays(kept, capsys):
-    assert rebuild.main(["--only", "disc_on_line[mu=0.3]", "--jobs", "1"], kept) == 0
+    assert main(["--only", "disc_on_line[mu=0.3]", "--jobs", "1"], kept) == 0
     assert statuses(kept) == {"disc_on_line[mu=0.1]": "as it was", "disc_on_line[mu=0.3]": "completed"}
     assert "1/1 disc_on_line[mu=0.3]" in capsys.readouterr().out
 
@@ -244,7 +245,7 @@ def test_a_case_without_a_certificate_is_told_and_the_others_are_kept(kept, monk
         return replace(bowled, case=case.label)
 
     monkeypatch.setattr(rebuild, "certify", some)
-    assert rebuild.main(["--only", "disc_on_line", "--jobs", "1"], kept) == 1
+    assert main(["--only", "disc_on_line", "--jobs", "1"], kept) == 1
     assert statuses(kept) == {"disc_on_line[mu=0.3]": "completed"}
     assert "not certified: disc_on_line[mu=0.1]: a reason" in capsys.readouterr().out
 
@@ -253,10 +254,10 @@ def test_help_and_mistakes_rebuild_nothing(kept, monkeypatch, capsys):
     monkeypatch.setattr(rebuild, "certify", None)
     before = kept.read_bytes()
     with pytest.raises(SystemExit) as stopped:
-        rebuild.main(["--help"], kept)
+        main(["--help"], kept)
     assert stopped.value.code == 0
     for words in (["--only", "disc_on_lime"], ["--jobs", "many"], ["--jobs", "0"], ["--colour"], ["disc_on_line"]):
-        assert rebuild.main(words, kept) == 2
+        assert main(words, kept) == 2
         assert capsys.readouterr().err.count("\n") == 1
     assert kept.read_bytes() == before
 
@@ -265,6 +266,6 @@ def test_help_and_mistakes_rebuild_nothing(kept, monkeypatch, capsys):
 def test_two_processes_rebuild_what_one_does(tmp_path, bowled):
     path = tmp_path / "truth.json"
     truth_file.read.cache_clear()
-    assert rebuild.main(["--only", "thrown_with_spin", "--jobs", "2"], path) == 0
+    assert main(["--only", "thrown_with_spin", "--jobs", "2"], path) == 0
     assert len(statuses(path)) == len(cases.select("thrown_with_spin"))
     truth_file.read.cache_clear()

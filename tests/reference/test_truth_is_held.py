@@ -14,7 +14,8 @@ import pytest
 import cases
 import reference
 from cases import Mode
-from reference.certification import TRUTH, Bar, DamagedTruth, contradiction, read, rebuild, stored_or_new, truth_file
+from reference.__main__ import main
+from reference.certification import TRUTH, Bar, DamagedTruth, contradiction, read, stored_or_new, truth_file
 from reports import export
 from reports.running import tasks
 from reports.running.storage import fingerprint
@@ -79,11 +80,11 @@ def test_a_file_without_rows_is_rejected(copy, text):
 def test_the_command_certifies_a_damaged_row_again_and_only_that(copy, capsys):
     whole, damaged = copy.read_bytes(), DAMAGES["a digit"](copy.read_text())
     copy.write_text(damaged)
-    assert rebuild.main(["--only", "disc_on_line[mu=0.1]"], copy) == 2
+    assert main(["--only", "disc_on_line[mu=0.1]"], copy) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and said.startswith("reference: truth.json is damaged")
     assert copy.read_text() == damaged
-    assert rebuild.main(["--only", LABEL, "--jobs", "1"], copy) == 0
+    assert main(["--only", LABEL, "--jobs", "1"], copy) == 0
     rows = truth_file.read()
     assert rows["disc_on_line[mu=0.1]"] == read()["disc_on_line[mu=0.1]"]
     again, before = rows[LABEL].transitions[0][2], read()[LABEL].transitions[0][2]
