@@ -112,17 +112,32 @@ def picture(
     `has_margins`: its margins have room for all labels, so that no bounding box is computed."""
     from matplotlib import pyplot as plt
 
+    from .style import STYLE
+
     text, dots, sheet = StringIO(), BytesIO(), BytesIO()
-    box = figure.bbox_inches if has_margins else _laid_out(figure)
-    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches=box)
-    if png:
-        figure.savefig(dots, format="png", dpi=160, bbox_inches=box)
-    if writes_pdf():
-        page = fit_to_print(figure)
-        figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches=page)
+    # Whether text stays text is decided when a file is written, which may be after the figure's own style has ended.
+    with plt.rc_context(STYLE):
+        box = figure.bbox_inches if has_margins else _laid_out(figure)
+        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches=box)
+        if png:
+            figure.savefig(dots, format="png", dpi=160, bbox_inches=box)
+        if writes_pdf():
+            page = fit_to_print(figure)
+            figure.savefig(sheet, format="pdf", metadata={"CreationDate": None, "Title": title}, bbox_inches=page)
     plt.close(figure)
     entry = FigureEntry(name, case, title, caption)
-    return FigureContent(entry, minify(text.getvalue()), _bytes(dots.getvalue()), _bytes(sheet.getvalue()))
+    return FigureContent(entry, minify(text.getvalue()), _bytes(_with_palette(dots)), _bytes(sheet.getvalue()))
+
+
+def _with_palette(dots: BytesIO) -> bytes:
+    """The PNG with a palette of 256 colours, a third of its size: figures have few colours and their edges."""
+    from PIL import Image
+
+    if not dots.getbuffer().nbytes:
+        return b""
+    result = BytesIO()
+    Image.open(dots).convert("RGB").quantize(256, dither=Image.Dither.NONE).save(result, "PNG", optimize=True)
+    return result.getvalue()
 
 
 def _laid_out(figure: Figure) -> Bbox:
@@ -195,8 +210,9 @@ _CURVE, _NEAR = 30, 0.3
 
 
 def _short(value: float, digits: int = 1) -> str:
+    """The number without zeros that it does not need: .5, -.5, 3."""
     text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
+    return "0" if text == "-0" else text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
 
 
 def _path(text: str, digits: int = 1) -> str:

@@ -7,10 +7,7 @@ from math import isfinite
 from typing import Any
 
 from ..running.names import REFERENCE
-from .fragments import switch, verbatim
-
-# Transitions that the page shows of a case; the table `transitions` has all.
-_MOST_TRANSITIONS = 8
+from .fragments import WHOLE, switch, verbatim
 
 
 def by_case(rows: Sequence[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
@@ -46,7 +43,7 @@ def transitions(
                 "certificate": row["certificate"],
                 "errors": [error_text(errors.get((*key, row["event"]))) for key in keys],
             }
-            for row in events[:_MOST_TRANSITIONS]
+            for row in events[:WHOLE]
         ],
     }
 

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 _TEMPLATES = Path(__file__).parent / "templates"
 _POWER, _ZERO = re.compile(r"(\d)e([+-])0(\d)\b"), re.compile(r"\b0\.0e\+00\b")
 _REMARKS = ("reason", "note", "notes")
-# Rows of a long table that are shown at first, and the length up to which a table is whole.
-FIRST_ROWS, _WHOLE = 8, 12
+# Rows of a long table that are shown at first and in print; the length up to which a table is whole, a page in print.
+FIRST_ROWS, WHOLE = 8, 50
 # The most columns of a table, for a window 1440 pixels wide.
 _WIDEST = 12
 # Longer texts may be broken within a word.
@@ -99,7 +99,7 @@ def table(
     shown = columns if len(columns) <= _WIDEST else _narrowed(frame, columns)
     numeric = {c for c in shown if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
     heads = [_head(c, title, c in numeric, (words or {}).get(c, "")) for c, title in shown.items()]
-    top = frame.head((len(frame) if len(frame) <= _WHOLE else FIRST_ROWS) if most is None else most)
+    top = frame.head((len(frame) if len(frame) <= WHOLE else FIRST_ROWS) if most is None else most)
     rows = []
     for row in records(top):
         cells = [_cell(row[c], c, c in numeric) for c in shown]

@@ -4,6 +4,7 @@ import xml.etree.ElementTree as ET
 
 import matplotlib
 from matplotlib import pyplot as plt
+from PIL import Image
 
 from reports.drawing import figure_files, style
 
@@ -37,3 +38,30 @@ def test_places_of_single_letters_are_rounded():
     """As Matplotlib 3.8 writes them."""
     svg = '<svg ><text><tspan x="0 5.726074" y="-1.004">ab</tspan></text></svg>'
     assert '<tspan x="0 5.7" y="-1">' in figure_files.minify(svg)
+
+
+def test_text_stays_text_after_the_style_of_a_figure_ended(tmp_path):
+    """The outlines of letters were most of the paper's figures."""
+    with matplotlib.rc_context(style.STYLE):
+        figure, ax = plt.subplots()
+        ax.set_title("a title")
+    with matplotlib.rc_context({"svg.fonttype": "path"}):
+        figure_files.save(figure, tmp_path, "figure", "", "Title", "Words")
+    assert ">a title<" in (tmp_path / "figure.svg").read_text()
+
+
+def test_a_png_has_a_palette_and_the_colours_of_its_figure(tmp_path):
+    with matplotlib.rc_context(style.STYLE):
+        figure, ax = plt.subplots(figsize=(2, 2))
+        ax.axhspan(0.2, 0.8, color="#0072b2")
+        figure_files.save(figure, tmp_path, "figure", "", "Title", "Words", png=True)
+    with Image.open(tmp_path / "figure.png") as image:
+        assert image.mode == "P"
+        colours = {colour for _, colour in image.convert("RGB").getcolors()}
+    assert {(255, 255, 255), (0x00, 0x72, 0xB2)} <= colours
+
+
+def test_numbers_have_no_zeros_that_they_do_not_need():
+    numbers = {0.5: ".5", -0.5: "-.5", 10.04: "10", -0.04: "0", 0.0: "0", 100.0: "100", 20.5: "20.5"}
+    assert {value: figure_files._short(value) for value in numbers} == numbers
+    assert figure_files._path("M 0.5 0.5 L 1 0.2 L 1.5 0.4") == "M.5 .5l.5-.3 .5 .2"

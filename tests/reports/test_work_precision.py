@@ -462,7 +462,7 @@ def test_small_files_keep_their_picture():
         "  <text style=\"font: 9px 'DejaVu Sans', sans-serif; text-anchor: end\">0.123456</text>\n </g>\n</svg>\n"
     )
     output = figure_files.minify(svg)
-    assert 'd="M1.23 0l1.27 0 0.5-1"' in output and 'd="M0.1 3C1 2 3 4.6 5 6"' in output
+    assert 'd="M1.23 0l1.27 0 .5-1"' in output and 'd="M.1 3C1 2 3 4.6 5 6"' in output
     assert '<use xlink:href="#i0" x="1.2"/>' in output and 'id="i0"' in output
     assert ">0.123456<" in output and "line2d_1" not in output and "<?xml" not in output
     assert output.count("fill: none") == 1 and output.count('class="c0"') == 2

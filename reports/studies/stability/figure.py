@@ -19,10 +19,11 @@ from ...running.names import REFERENCE
 from . import measure
 from .measure import Stability
 
-# Other outcomes than answers are greys, some of them hatched to be distinguishable.
+# Other outcomes than answers are greys, some of them hatched to be distinguishable: with lines, as dots are circles
+# that would be four fifths of the file.
 _FACES: dict[str, dict[str, Any]] = {
     **{grade: {"facecolor": colour} for grade, colour in GRADES.items()},
-    "chaotic": {"facecolor": "#efefef", "hatch": "....", "edgecolor": "#9a9a9a"},
+    "chaotic": {"facecolor": "#efefef", "hatch": "\\\\\\\\", "edgecolor": "#9a9a9a"},
     "unsupported": {"facecolor": "white"},
     "crashed": {"facecolor": "#555555"},
     "timed_out": {"facecolor": "#b5b5b5", "hatch": "////", "edgecolor": "#777777"},
