@@ -65,8 +65,9 @@ def solve_bodies(
 ) -> BodiesSolution:
     """Accelerations and forces of bodies with closed contacts in those modes.
 
-    `bodies`: for each a case with it as plate, and with its loads; `motions`: for each the arguments of a load,
-    (t, X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇). Raises numpy.linalg.LinAlgError where the forces are not unique.
+    `bodies`: for each a case with it as plate, and with its loads; one of infinite inertia does not turn. `motions`:
+    for each the arguments of a load, (t, X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇). Raises numpy.linalg.LinAlgError where the forces are
+    not unique.
     """
     places = [_kinematics(one, motions) for one in contacts]
     sizes = [1 if isinstance(one.pair.plate.outline, Corner) else 2 for one in contacts]
@@ -77,6 +78,8 @@ def solve_bodies(
     right = np.zeros(len(matrix))
     for i, (body, motion) in enumerate(zip(bodies, motions, strict=True)):
         matrix[_own(i), _own(i)], right[_own(i)] = mass_matrix(body), applied_torsor(body, motion)
+        if not body.plate.turns:  # its row for θ̈ is θ̈ = 0, without forces
+            matrix[3 * i + 2, 3 * i + 2], right[3 * i + 2] = 1.0, 0.0
     columns: list[tuple[int, float]] = []
     parameters: list[slice] = []
     for one, k, is_rolling, size in zip(contacts, places, rolls, sizes, strict=True):
@@ -100,6 +103,9 @@ def solve_bodies(
             coefficients, right[row] = rolling_row(k)
             matrix[row, own] = coefficients[:size]
             row, column = row + 1, column + 1
+    for i, body in enumerate(bodies):
+        if not body.plate.turns:
+            matrix[3 * i + 2, 3 * len(bodies) + sum(sizes) :] = 0.0
     answer = np.linalg.solve(matrix, right)
     speeds = [float(np.hypot(*k.Rp)) for k in places]
     normal = [float(answer[place]) * speed for (place, _), speed in zip(columns, speeds, strict=True)]

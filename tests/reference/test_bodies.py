@@ -4,10 +4,13 @@ Discs of radius r; the angle φ of a contact is that of the line of centres from
 """
 
 from functools import lru_cache
-from math import acos, atan2, cos, pi, sin, sqrt
+from itertools import product
+from math import acos, atan2, cos, inf, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
 
 from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
 from cases.library import ellipse, hill, line
@@ -31,8 +34,9 @@ def body(plate: Plate, track: Curve = LINE, mu: float = 0.0, down: float = -pi /
 class Pile:
     """Discs (radius, mass, x, y, vx, vy, ω) with closed contacts: (base, body), base None: the level floor y = 0."""
 
-    def __init__(self, discs, contacts, mus, down: float = -pi / 2):
-        self.plates = [disc(r, m) for r, m, *_ in discs]
+    def __init__(self, discs, contacts, mus, down: float = -pi / 2, inertias=None):
+        inertias = inertias or [None] * len(discs)
+        self.plates = [disc(r, m, inertia) for (r, m, *_), inertia in zip(discs, inertias, strict=True)]
         self.states = [(x, y, 0.3 * i, vx, vy, omega) for i, (_, _, x, y, vx, vy, omega) in enumerate(discs)]
         self.bodies = [body(plate, down=down) for plate in self.plates]
         self.contacts, self.mus, self.radii = contacts, mus, [r for r, *_ in discs]
@@ -137,6 +141,86 @@ def test_two_discs_that_do_not_slip_have_lagranges_accelerations():
     assert system.accelerations(force) == pytest.approx(expected, rel=1e-11, abs=1e-11)
 
 
+def test_a_disc_that_rolls_on_a_free_hemisphere_has_lagranges_accelerations():
+    """The hemisphere slides on the floor and does not turn: a disc of infinite inertia. From rest, per unit of m₂:
+    (m₁ + m₂) ẍ + m₂ L cos φ φ̈ = 0 and L cos φ ẍ + (3/2) L² φ̈ = g L sin φ, as r₂ ω₂ = −L φ̇ for one that rolls."""
+    phi, (r1, r2), (m1, m2) = 0.6, (0.5, 0.4), (2.0, 0.8)
+    far = r1 + r2
+    matrix = np.array([[m1 + m2, m2 * far * cos(phi)], [far * cos(phi), 1.5 * far**2]])
+    x_ddot, phi_ddot = np.linalg.solve(matrix, [0.0, G * far * sin(phi)])
+    expected = np.array(
+        [
+            [x_ddot, 0.0, 0.0],
+            [x_ddot + far * cos(phi) * phi_ddot, -far * sin(phi) * phi_ddot, -far * phi_ddot / r2],
+        ]
+    )
+    pile = Pile(on_top(phi, masses=(m1, m2)), BOTH, (0.0, 2.0), inertias=(inf, None))
+    assert pile.literal((Mode.SLIDE, Mode.ROLL)).q1_ddot == pytest.approx(expected, rel=1e-12, abs=1e-12)
+    system = pile.frames()
+    (force,) = complementarity.solutions(*_problem(system))
+    assert system.accelerations(force) == pytest.approx(expected, rel=1e-11, abs=1e-11)
+
+
+def _until_release(pile: Pile, modes, formulation: str) -> tuple[float, np.ndarray]:
+    """Time and state (x, y, θ, vx, vy, ω of both discs) at which the upper contact's force vanishes."""
+    count = len(pile.states)
+
+    def solve(y: np.ndarray) -> tuple[np.ndarray, float]:
+        pile.states = [(*y[3 * i : 3 * i + 3], *y[3 * (count + i) : 3 * (count + i) + 3]) for i in range(count)]
+        if formulation == "literal":
+            solution = pile.literal(modes)
+            return solution.q1_ddot, solution.normal_force[1]
+        system = pile.frames()
+        rows = [0, 1] + [2 + k for k, mode in enumerate(modes) if mode is Mode.ROLL]
+        forces = np.zeros(4)
+        forces[rows] = np.linalg.solve(system.delassus[np.ix_(rows, rows)], -system.free[rows])
+        return system.accelerations(forces), float(forces[1])
+
+    def release(t, y):
+        return solve(y)[1]
+
+    release.terminal = True  # type: ignore[attr-defined]
+    start = np.array([value for part in (slice(0, 3), slice(3, 6)) for state in pile.states for value in state[part]])
+    motion = solve_ivp(
+        lambda t, y: np.concatenate([y[3 * count :], solve(y)[0].ravel()]),
+        (0.0, 2.0), start, "DOP853", events=release, rtol=1e-12, atol=1e-13,
+    )  # fmt: skip
+    return float(motion.t_events[0][0]), motion.y_events[0][0]
+
+
+@pytest.mark.parametrize("formulation", ["literal", "frames"])
+def test_the_motion_of_a_disc_on_a_free_disc_ends_at_the_exact_time(formulation):
+    """From rest at φ₀: L φ̇² (1 − κ cos²φ) = 2 g (cos φ₀ − cos φ), the force vanishes where φ̇² = g cos φ/L, and the
+    time is a quadrature, with φ = φ₀ + z² at its singular start. (Tolerance: the integrator's, 1e-12 per step.)"""
+    phi, masses, far = 0.3, (2.0, 1.0), 0.9
+    kappa, c0 = masses[1] / sum(masses), cos(phi)
+
+    def square(angle: float) -> float:  # φ̇²
+        return 2.0 * G * (c0 - cos(angle)) / (far * (1.0 - kappa * cos(angle) ** 2))
+
+    end = brentq(lambda angle: square(angle) - G * cos(angle) / far, phi + 0.1, 1.5, xtol=1e-15)
+    exact, _ = quad(lambda z: 2.0 * z / sqrt(square(phi + z * z)), 0.0, sqrt(end - phi), epsabs=1e-13, epsrel=1e-13)
+    time, y = _until_release(Pile(on_top(phi, masses=masses), BOTH, (0.0, 0.0)), (Mode.SLIDE, Mode.SLIDE), formulation)
+    assert time == pytest.approx(exact, abs=1e-11)
+    assert atan2(y[3] - y[0], y[4] - y[1]) == pytest.approx(end, abs=1e-11)
+    assert masses[0] * y[6] + masses[1] * y[9] == pytest.approx(0.0, abs=1e-11)
+
+
+def test_two_rolling_discs_keep_their_energy_in_both_formulations():
+    masses, radii = (1.5, 0.7), (0.5, 0.4)
+    ends = []
+    for formulation in ("literal", "frames"):
+        pile = Pile(on_top(0.3, masses=masses), BOTH, (5.0, 5.0))
+        high = masses[1] * G * (pile.states[1][1])
+        time, y = _until_release(pile, (Mode.ROLL, Mode.ROLL), formulation)
+        speeds = np.array(y[6:]).reshape(2, 3)
+        weights = [[m, m, 0.5 * m * r * r] for m, r in zip(masses, radii, strict=True)]
+        energy = 0.5 * (np.array(weights) * speeds**2).sum() + masses[1] * G * y[4]
+        assert energy == pytest.approx(high, rel=1e-11)
+        ends.append(np.array([time, *y]))
+    assert ends[0] == pytest.approx(ends[1], abs=1e-10)
+
+
 # --- a pile -----------------------------------------------------------------------------------------------------------
 
 
@@ -181,7 +265,7 @@ def _problem(system: BodiesSystem):
 def _random_pile(seed: int) -> Pile:
     """A disc on a disc on the floor, in motion with closed contacts, on an incline; one slip in three is zero."""
     numbers = np.random.default_rng(seed)
-    radii, masses = numbers.uniform(0.2, 1.0, 2), numbers.uniform(0.3, 3.0, 2)
+    radii, masses = numbers.choice([0.2, 0.5, 0.9], 2), numbers.uniform(0.3, 3.0, 2)
     phi, speed, rate = numbers.uniform(-1.2, 1.2), numbers.uniform(-2.0, 2.0), numbers.uniform(-1.5, 1.5)
     spins, down = numbers.uniform(-5.0, 5.0, 2), float(numbers.uniform(-2.2, -0.9))
     if numbers.random() < 1 / 3:
@@ -192,47 +276,64 @@ def _random_pile(seed: int) -> Pile:
     return Pile(discs, BOTH, tuple(numbers.uniform(0.05, 1.2, 2).tolist()), down)
 
 
-def _modes(system: BodiesSystem, force: np.ndarray) -> list[Mode]:
-    """The modes that belong to forces of Coulomb's law."""
-    count, rates, modes = len(system.mu), system.delassus @ force + system.free, []
-    size = np.abs(system.free).max()
-    for k in range(count):
-        slip = system.velocities[count + k] if abs(system.velocities[count + k]) >= STILL else 0.0
-        slip = slip or (rates[count + k] if abs(rates[count + k]) > 1e-9 * size else 0.0)
-        if force[k] <= 0.0:
-            modes.append(Mode.FLIGHT)
-        else:
-            modes.append(Mode.ROLL if slip == 0.0 else Mode.SLIP_FORWARD if slip > 0.0 else Mode.SLIP_BACKWARD)
-    return modes
+def _enumerate(pile: Pile, system: BodiesSystem) -> list[np.ndarray]:
+    """The accelerations of all consistent modes by the paper's matrix, each motion once."""
+    count, motions = len(system.mu), list[np.ndarray]()
+    bias = system.free - system.rows @ (system.inverse * system.torsor)
+    options = []
+    for v in system.velocities[count:]:
+        slips = Mode.SLIP_FORWARD if v > 0.0 else Mode.SLIP_BACKWARD
+        every = Mode.FLIGHT, Mode.ROLL, Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD
+        options.append(every if abs(v) < STILL else (Mode.FLIGHT, slips))
+    for modes in product(*options):
+        solution = pile.literal(modes)
+        rates = system.rows @ solution.q1_ddot.ravel() + bias
+        forces = iter(zip(solution.normal_force, solution.friction_force, strict=True))
+        is_consistent = True
+        for k, mode in enumerate(modes):
+            if mode is Mode.FLIGHT:
+                is_consistent &= rates[k] >= 0.0
+                continue
+            normal, friction = next(forces)
+            is_consistent &= normal >= 0.0
+            if mode is Mode.ROLL:
+                is_consistent &= abs(friction) <= system.stick[k] * normal
+            elif abs(system.velocities[count + k]) < STILL:
+                is_consistent &= rates[count + k] * (1.0 if mode is Mode.SLIP_FORWARD else -1.0) >= 0.0
+        if is_consistent and all(np.abs(solution.q1_ddot - other).max() > 1e-7 for other in motions):
+            motions.append(solution.q1_ddot)
+    return motions
 
 
-def _compare(seeds) -> dict[Mode, int]:
-    counts = dict.fromkeys((Mode.ROLL, Mode.FLIGHT, Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD), 0)
+def _compare(seeds) -> dict[str, int]:
+    """Both formulations at random states: every motion of Coulomb's law is among those of the enumerated modes, and if
+    these are one motion, it is found. Returns how many states have one, several or none, and how many contacts open."""
+    counts = {"one": 0, "several": 0, "none": 0, "open": 0}
     for seed in seeds:
         pile = _random_pile(seed)
         system = pile.frames()
         count = len(system.mu)
-        assert np.abs(system.velocities[:count]).max() < 1e-12  # the gaps keep to zero
-        for force in complementarity.solutions(*_problem(system)):
-            modes = _modes(system, force)
-            literal = pile.literal(modes)
-            size = np.abs(literal.q1_ddot).max()
-            assert np.abs(literal.q1_ddot - system.accelerations(force)).max() < 1e-9 * size, seed
-            closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
-            assert literal.normal_force == pytest.approx(force[closed], rel=1e-9, abs=1e-9), seed
-            assert literal.friction_force == pytest.approx(force[count:][closed], rel=1e-9, abs=1e-9), seed
-            for mode in modes:
-                counts[mode] += 1
+        assert np.abs(system.velocities[:count]).max() < 1e-12  # the gaps stay zero
+        literal = _enumerate(pile, system)
+        forces = complementarity.solutions(*_problem(system))
+        counts["one" if len(literal) == 1 else "several" if literal else "none"] += 1
+        for force in forces:
+            counts["open"] += int((force[:count] <= 0.0).sum())
+            own = system.accelerations(force)
+            assert min(np.abs(own - one).max() / np.abs(one).max() for one in literal) < 1e-9, seed
+        assert len(literal) != 1 or len(forces) == 1, seed
     return counts
 
 
 def test_both_formulations_agree_at_random_states_of_two_bodies():
-    assert min(_compare(range(60)).values()) > 5
+    counts = _compare(range(60))
+    assert counts["one"] > 50 and counts["open"] > 5, counts
 
 
 @pytest.mark.slow
 def test_both_formulations_agree_at_two_thousand_states_of_two_bodies():
-    assert min(_compare(range(2000)).values()) > 200
+    counts = _compare(range(2000))
+    assert counts["one"] > 1800 and counts["open"] > 100, counts
 
 
 def test_bodies_need_not_be_round():
