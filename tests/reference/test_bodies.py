@@ -336,6 +336,17 @@ def test_both_formulations_agree_at_two_thousand_states_of_two_bodies():
     assert counts["one"] > 1800 and counts["open"] > 100, counts
 
 
+def test_the_contacts_move_along_both_bodies_as_their_centres_do():
+    """ξ̈₁ = φ̈ + ω̇₁ and ξ̈₂ = −φ̈ − ω̇₂, as `Pile.parameters` has the rates; φ̈ from the accelerations of the centres."""
+    for seed in range(10):
+        pile = _random_pile(seed)
+        solution = pile.literal((Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD))
+        lower, upper = solution.q1_ddot
+        dx, dy = (b - a for a, b in zip(pile.states[0][:2], pile.states[1][:2], strict=True))
+        rate = ((upper[0] - lower[0]) * dy - (upper[1] - lower[1]) * dx) / (dx * dx + dy * dy)
+        assert solution.q2_ddot[1] == pytest.approx([rate + lower[2], -rate - upper[2]], rel=1e-10, abs=1e-10), seed
+
+
 def test_bodies_need_not_be_round():
     """An ellipse on an ellipse, both turning and slipping: both formulations, and momentum without outer forces."""
     lower, upper = Plate(ellipse(0.5, 0.3), 2.0, 0.3), Plate(ellipse(0.4, 0.25), 1.0, 0.08)
