@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 
@@ -23,6 +25,9 @@ from reference.proofs.scene import exact_scene  # noqa: E402
 # Section 4.2 of the paper with 50 digits. The first 20 digits of each were computed with mpmath by a quadrature of the
 # linear equation for the square of the speed (`tests/authorities/paper_application.py`).
 PAPER = {0.01: "1.0854336058486487598", 0.1: "0.80999527777318536126", 0.2: "0.63005376392730307737"}
+# The page with the theorems has the lower ends of the intervals, by coefficient.
+PAGE = Path(__file__).parents[2] / "docs" / "proofs.md"
+SHOWN = dict(re.findall(r"^\| (0\.\d+) \| ([\d.]{50,}) \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE))
 
 SLOW = [
     "at_any_size[length=1e-06,mass=1e-09]",
@@ -66,6 +71,7 @@ def test_papers_transition_to_fifty_digits(mu):
     (first,) = prove(cases.load("disc_in_circle", mu=mu), digits=50, transitions=1).transitions
     assert first.time.width < 1e-50 * first.time.middle * 1.1
     assert abs(Fraction(first.time.low) - Fraction(PAPER[mu])) < Fraction(1, 10**18)
+    assert Fraction(SHOWN[f"{mu:g}"]) == Fraction(first.time.low)
     # The paper claims that rolling follows; it needs friction outside the cone for the two smaller coefficients.
     share = first.rolling_share
     assert Fraction(share.low) > 1 if mu < 0.2 else Fraction(share.high) < 1

@@ -81,3 +81,25 @@ def test_page_has_the_numbers_of_the_file():
         f"It has {len(PROOFS)} records with {count} proved transitions: the first transition of {len(begun)} cases"
     )
     assert f"{numbers}, and {len(whole)} whole motions, of which {both} have transitions." in page
+
+
+def test_page_counts_narrow_intervals_and_those_inside_the_bars():
+    narrow = [
+        p for p in PROOFS.values() if p.complete and p.transitions and all(t.time.width < 1e-12 for t in p.transitions)
+    ]
+    certified = {label: proof for label, proof in PROOFS.items() if label in TRUTH and label not in BELOW_ROUNDING}
+    others = [len(p.transitions) for label, p in PROOFS.items() if label not in TRUTH and p.transitions]
+    inside = sum(
+        claim.time.inside(*row[2])
+        for label, proof in certified.items()
+        for claim, row in zip(proof.transitions, TRUTH[label].transitions, strict=proof.complete)
+    )
+    page = " ".join((ROOT / "docs" / "proofs.md").read_text(encoding="utf-8").split())
+    assert (
+        f"{len(first_transitions())} of the first transitions and all transitions of {len(narrow)} whole motions"
+        in page
+    )
+    assert f"{inside} proved transitions lie inside the bars" in page and inside == sum(
+        len(p.transitions) for p in certified.values()
+    )
+    assert f"{sum(others)} belong to {('four', 'five')[len(others) - 4]} cases without a certificate" in page
