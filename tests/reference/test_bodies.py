@@ -17,7 +17,7 @@ from cases.library import ellipse, hill, line
 from reference.delassus import complementarity
 from reference.delassus.bodies import BodiesSystem, ContactOfBodies, bodies_system
 from reference.paper.bodies import BodiesSolution, BodyContact, solve_bodies
-from reference.several.impact import Inertia, impact_of_all
+from reference.several.impact import Inertia, NoImpact, impact_of_all
 
 G = 9.81
 LINE = line()
@@ -447,3 +447,46 @@ def test_an_impact_of_two_discs_is_central(restitution):
     """v₁ = (1 − e)/2, v₂ = (1 + e)/2 for equal masses; the energy falls by (1 − e²)/4."""
     after = cradle((1.0, 0.0), [(0, 1)], restitution)[:, 0]
     assert after == pytest.approx([0.5 * (1.0 - restitution), 0.5 * (1.0 + restitution)], abs=1e-14)
+
+
+def _compare_impacts(seeds) -> dict[str, int]:
+    """Random impacts of a disc on a disc on the floor, with friction and two restitutions, by Moreau's law: enumeration
+    and the complementarity problem. Returns how many have one solution, and how many of these stick or open somewhere.
+    """
+    counts = {"one": 0, "not one": 0, "sticks": 0, "opens": 0}
+    for seed in seeds:
+        numbers = np.random.default_rng(seed)
+        pile = _random_pile(seed)
+        speeds = numbers.uniform(-1.0, 1.0, (2, 3)) * (1.0, 1.0, 4.0) - [[0.0, 1.0, 0.0], [0.0, 2.0, 0.0]]
+        pile.states = [(*state[:3], *speed) for state, speed in zip(pile.states, speeds.tolist(), strict=True)]
+        system, restitution = pile.frames(), numbers.uniform(0.0, 1.0, 2)
+        lifts, slips = system.velocities[:2], system.velocities[2:]
+        if lifts.max() >= 0.0:
+            continue
+        free = np.concatenate([(1.0 + restitution) * lifts, slips])
+        impulses = complementarity.solutions(system.delassus, free, [None, None], system.mu, system.mu)
+        inertia = Inertia(system.inverse, np.ones(6))
+        touched = [Touch(system, k, float(e)) for k, e in enumerate(restitution)]
+        try:
+            outcome = impact_of_all("moreau", inertia, speeds.ravel(), touched, float(np.abs(speeds).max()))
+        except NoImpact:
+            counts["not one"] += 1
+            continue
+        (impulse,) = impulses
+        after = speeds.ravel() + system.inverse * (system.rows.T @ impulse)
+        assert outcome.velocity == pytest.approx(after, abs=1e-9), seed
+        counts["one"] += 1
+        counts["sticks"] += bool((outcome.slip == 0.0).any())
+        counts["opens"] += bool((impulse[:2] == 0.0).any())
+    return counts
+
+
+def test_impacts_of_two_bodies_with_friction_solve_the_complementarity_problem():
+    counts = _compare_impacts(range(120))
+    assert min(counts["one"], counts["sticks"]) > 60 and counts["not one"] == 0, counts
+
+
+@pytest.mark.slow
+def test_many_impacts_of_two_bodies_with_friction_solve_the_complementarity_problem():
+    counts = _compare_impacts(range(5000))
+    assert min(counts["one"], counts["sticks"]) > 2500 and counts["opens"] > 1, counts
