@@ -20,7 +20,7 @@ from .own_effects import own_effects
 from .plate import Plate
 from .size_limits import check_sizes
 from .start import Start
-from .start_pose import StartPose, as_start
+from .start_pose import StartPose, as_start, from_flat_side
 from .supports import Support, check_start, check_supports
 
 if TYPE_CHECKING:
@@ -66,6 +66,8 @@ class Case:
         if isinstance(self.start, StartPose) and isinstance(self.track, Curve) and isinstance(self.plate, Plate):
             with np.errstate(all="ignore"):
                 object.__setattr__(self, "start", as_start(self.start, self.track, self.plate.outline))
+        elif all(isinstance(a, b) for a, b in ((self.start, Start), (self.track, Curve), (self.plate, Plate))):
+            object.__setattr__(self, "start", from_flat_side(self.start, self.track, self.plate.outline))
         for what, value, kind in (
             ("track", self.track, Curve),
             ("plate", self.plate, Plate),

@@ -20,7 +20,7 @@ from .curves import Curve
 from .plate import Plate
 from .shapes import as_line
 from .start import Start
-from .supports import TRACK, Support, features, is_convex, touches_by_features
+from .supports import TRACK, Support, features, is_convex
 
 
 class PairCase(Case):
@@ -112,7 +112,7 @@ def _make(whole: Case, support: Support, feature: Curve, number: int) -> PairCas
     straight = support.curve.domain is None and as_line(support.curve) is not None
     vars(case).update(
         values, whole=whole, number=number, support=TRACK if is_track else support.name,
-        has_unique_points=straight and (is_feature or is_convex(feature)) and touches_by_features(whole),
+        has_unique_points=straight and (is_feature or (is_convex(feature) and bool(whole.supports))),
     )  # fmt: skip
     return case
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, hypot, inf, pi, sin
 
 import numpy as np
 
 from . import geometry, piece_contact
 from .chain import Chain
-from .corner import Corner
+from .corner import Corner, Edge
 from .curves import Curve
-from .errors import DoesNotFit, finite
+from .errors import BadValue, DoesNotFit, finite
+from .shapes import as_line
 from .start import Start
 
 # A gap below this part of the plate's size and place is the rounding of a pose: the plate touches its track. A velocity
@@ -63,6 +64,46 @@ def as_start(pose: StartPose, track: Curve, outline: Curve) -> Start:
     if gap < 0.0:
         raise DoesNotFit(f"the plate overlaps its track by {-gap:.6g} m in the StartPose; give another one")
     return Start(contact.xi1, contact.xi2 + rounds, slip, pose.omega, gap, rate)
+
+
+def from_flat_side(start: Start, track: Curve, outline: Curve) -> Start:
+    """A start on a straight edge of the outline along a straight track, as the same one at the corner where the edge
+    ends; without xi2, one with θ = 0 on such an edge is in its middle. Other starts are returned as they are.
+
+    Raises BadValue for a plate that lies on the edge and turns.
+    """
+    if not isinstance(outline, Chain) or isinstance(track, Chain) or as_line(track) is None:
+        return start
+    speed = float(track.speed(start.xi1))
+    if not np.allclose(track.speed(np.linspace(*track.span, 17)), speed, rtol=TOUCHES):
+        return start
+    xi2 = _middle_of_level_edge(float(track.tangent_angle(start.xi1)), outline) if start.xi2 is None else start.xi2
+    if xi2 is None:
+        return start
+    element = outline.element_at(xi2)
+    end = element.start + element.piece.span[1] - element.piece.span[0]
+    if not isinstance(element.piece, Edge) or xi2 >= end:
+        return start
+    if start.omega != 0.0 and start.in_contact:
+        raise BadValue(
+            f"a plate that lies on a flat side does not turn; give omega=0 in Start, not {start.omega:g}, or the xi2 of "
+            "a corner"
+        )
+    away = end - xi2
+    rate = start.gap_rate + start.omega * away
+    # A joint belongs to the element before it.
+    return replace(start, xi1=start.xi1 + away / speed, xi2=float(np.nextafter(end, inf)), gap_rate=rate)
+
+
+def _middle_of_level_edge(direction: float, outline: Chain) -> float | None:
+    """The middle of the outline's only edge with a direction (rad), in the round in which that angle is θ = 0."""
+    middles = []
+    for element in outline.elements:
+        middle = element.start + 0.5 * (element.piece.span[1] - element.piece.span[0])
+        turns = (float(outline.tangent_angle(middle)) - direction) / (2.0 * pi)
+        if isinstance(element.piece, Edge) and abs(turns - round(turns)) <= TOUCHES:
+            middles.append(middle - round(turns) * (outline.period or 0.0))
+    return middles[0] if len(middles) == 1 else None
 
 
 def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[geometry.Contact]:

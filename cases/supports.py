@@ -108,10 +108,22 @@ def check_supports(case: Any) -> None:
         _check_features(case)
 
 
-def touches_by_features(case: Any) -> bool:
-    """Whether the case's contacts are pairs of a support and a feature of the outline from the start: it has
-    supports."""
-    return bool(case.supports)
+@lru_cache(maxsize=256)
+def why_not_by_features(track: Curve, outline: Curve) -> str:
+    """Why a plate with corners on that track alone cannot have several contacts, in a sentence that says what to give
+    instead; "" if it can: its corners and arcs are all that can touch a straight track without ends."""
+    if isinstance(track, Chain):
+        return "A plate on a track with corners has one contact; give a line as track and its other parts as supports."
+    if track.domain is not None or as_line(track) is None:
+        return "A plate with corners has several contacts on a straight track without ends only; give such a line."
+    if not isinstance(outline, Chain) or not outline.is_closed or not features(outline):
+        return "The outline is not closed, or has no corner or arc that bulges; give one that is and has."
+    if not all(isinstance(piece, Corner) or _continues_inside(piece, outline) for piece in features(outline)):
+        return (
+            "A round piece of the outline is no arc of a circle inside the plate's convex hull; give one whose pieces "
+            "are edges and such arcs."
+        )
+    return ""
 
 
 def _check_kinds(case: Any) -> None:

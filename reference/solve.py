@@ -18,7 +18,7 @@ from cases.contact import belt_speed, pose
 from cases.errors import between, unknown_name
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.piece_case import PieceCase, has_pieces, passages_between
-from cases.supports import touches_by_features
+from cases.several_contacts import has_features, limitation, touches_by_features
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, several
@@ -38,7 +38,7 @@ from .minimal.modes import (
     start_state,
     state_in,
 )
-from .minimal.phase_end import LIFT_OFF, LOCATION_ERROR, undecidable
+from .minimal.phase_end import FLAT, LIFT_OFF, LOCATION_ERROR, undecidable
 from .minimal.second_contacts import until_second_contact
 
 
@@ -137,24 +137,28 @@ def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrat
     or cut there if that does not support the case, or the `original` whose relative case it is."""
     solution, meeting = until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
     segments, transitions, (status, reason) = solution
-    if meeting is None:
+    lies_flat = meeting is None and status == FLAT[0] and has_features(case)
+    if meeting is None and not lies_flat:
         return solution
-    unsupported = several.supports(original or case)
+    unsupported = limitation(original or case)
     if integrate is augmented_integrator.integrate:
         unsupported = "The method 'augmented' has one contact; leave method out to go on."
     if unsupported:
         return segments, transitions, (status, f"{reason} {unsupported}")
-    last, pair = segments[-1], (meeting.xi1, meeting.xi2)
-    if several.touches_at_start(case, pair):
+    if meeting is not None and several.touches_at_start(case, (meeting.xi1, meeting.xi2)):
         segments, transitions, time = [], [], 0.0
     else:
-        time = meeting.time
+        time = meeting.time if meeting is not None else segments[-1].event.time
+    last = solution[0][-1]
     y = last.states(np.array([time])) if segments else np.array(state_in(last.phase, start))[:, None]
     state = _observe(case, last.phase, np.array([time]), y)
     x, y0, theta, vx, vy, omega, *_, xi1, xi2 = (float(column[0]) for column in np.broadcast_arrays(*state))
-    more, changes, ending = several.until_end(
-        case, time, (x, y0, theta, vx, vy, omega), (xi1, xi2), last.phase.regime.mode, pair, rtol, integrate
-    )
+    body, mode = (x, y0, theta, vx, vy, omega), last.phase.regime.mode
+    if meeting is None:
+        more, changes, ending = several.from_flat_side(case, time, body, xi1, mode, rtol, integrate)
+    else:
+        pair = meeting.xi1, meeting.xi2
+        more, changes, ending = several.until_end(case, time, body, (xi1, xi2), mode, pair, rtol, integrate)
     transitions = [replace(event, contact=CONTACT) for event in transitions]
     return [*segments, *more], [*transitions, *changes], ending
 

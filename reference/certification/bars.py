@@ -18,7 +18,7 @@ from cases import Case, Chain, Curve
 from cases.contact import velocity
 from cases.corner import turning
 from cases.geometry import piece_at
-from cases.supports import touches_by_features
+from cases.several_contacts import touches_by_features
 
 from .witnesses import EPS, FINEST, QUANTITIES, Witness, components, perturb
 

@@ -18,7 +18,7 @@ from cases import Case, Flight, NotSupported, Trajectory, Transition
 from cases.contact import start_motion
 from cases.contact_pairs import pairs
 from cases.moving_frame import in_fixed_frame, relative_case
-from cases.supports import touches_by_features
+from cases.several_contacts import limitation, touches_by_features
 from cases.trajectory import CONTACT
 
 from .. import several, solve
@@ -129,7 +129,7 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
         mode = delassus.mode_of(case, begin.slip, begin.omega)
         return _several_witness(case, name, rtol, (), (0.0, body, (begin.xi1, begin.xi2), mode))
     answer = contact_frame.solve(case, rtol=rtol, steps_per_turn=STEPS_PER_TURN, overlaps=True)
-    if answer.status == contact_frame.STOPS["elsewhere"] and not several.supports(case):
+    if answer.status == contact_frame.STOPS["elsewhere"] and not limitation(case):
         return _by_delassus(case, name, rtol, answer)
 
     def states(times):

@@ -228,24 +228,24 @@ def _check(
     )
     small = ROUNDING * speed
     normal = law.least.copy()
-    friction = np.zeros(len(places_hit))
-    admissible: list[np.ndarray] = []  # rows of impulses that must not be negative
+    admissible: list[np.ndarray] = []  # rows of impulses that must not be below the bound of the same place
+    bounds: list[float] = []
     for i, (k, is_normal) in enumerate(which):
         row = np.zeros(len(which))
         row[i] = 1.0
         if is_normal:
             normal[k] = impulses[i]
             admissible.append(row)
-        else:
-            friction[k] = impulses[i]
-            if law.mu[k] < inf and (k, True) in which:
-                bound = np.zeros(len(which))
-                bound[which.index((k, True))] = law.mu[k]
-                admissible += [bound + row, bound - row]
-            elif law.mu[k] < inf and abs(impulses[i]) > law.mu[k] * law.least[k] + small:
-                return None
-    least = np.array([law.least[k] if is_normal else 0.0 for k, is_normal in which])
-    if not _is_admissible(admissible, impulses, free, least, small):
+            bounds.append(float(law.least[k]))
+            continue
+        if law.mu[k] == inf:
+            continue
+        limit = np.zeros(len(which))
+        if (k, True) in which:
+            limit[which.index((k, True))] = law.mu[k]
+        admissible += [limit + row, limit - row]
+        bounds += [0.0 if (k, True) in which else -law.mu[k] * float(law.least[k])] * 2
+    if not _is_admissible(admissible, np.array(bounds), impulses, free, small):
         return None
     for k, mode in enumerate(modes):
         rebound = lift[k] + law.restitution[k] * (places_hit[k].lift_row @ before)
@@ -266,17 +266,17 @@ def _check(
     return ImpactVelocities(after, lift, slip), normal
 
 
-def _is_admissible(rows: list[np.ndarray], impulses, free, least, small) -> bool:
-    """Whether impulses, or some that differ by what changes nothing, satisfy all inequalities."""
+def _is_admissible(rows: list[np.ndarray], bounds: np.ndarray, impulses, free, small: float) -> bool:
+    """Whether impulses, or some that differ by what changes nothing, are not below the bounds, one for each row."""
     if not rows:
         return True
     matrix = np.array(rows)
-    bound = np.array([float(row @ least) if (row >= 0.0).all() and row.sum() == row.max() else 0.0 for row in rows])
+    room = matrix @ impulses - bounds + small
     if not free.size:
-        return bool((matrix @ impulses >= bound - small).all())
+        return bool((room >= 0.0).all())
     from scipy.optimize import linprog
 
-    answer = linprog(
-        np.zeros(free.shape[1]), A_ub=-matrix @ free, b_ub=matrix @ impulses - bound + small, bounds=(None, None)
-    )
+    # The solver's tolerance is 1e-7 in the units that it gets: those of the impulses.
+    scale = float(np.abs(room).max())
+    answer = linprog(np.zeros(free.shape[1]), A_ub=-matrix @ free, b_ub=room / scale, bounds=(None, None))
     return bool(answer.status == 0)

@@ -18,6 +18,9 @@ from .geometry import places
 from .march import SeveralSimulation
 from .watched_plate import OPEN_NAME, TOUCHES, WatchState
 
+# A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
+# turn of 1e-11 (`cases.piece_case.LEVEL`).
+MEETS = 1e-11
 # Two contacts are different ones if their points on the track are farther apart than this part of the plate's size.
 APART = 1e-6
 
@@ -61,6 +64,38 @@ def from_start(
     transitions, (status, sentence))."""
     begin = start_motion(case)
     body = [float(v) for v in (begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega)]
+    march = SeveralSimulation(case, rtol, integrate, 0.0, body, _all_watches(case, body))
+    march.begins = True
+    ending = march.simulate()
+    return march.segments, march.transitions, ending
+
+
+def from_flat_side(
+    case: Case, t: float, body: Sequence[float], xi1: float, mode: Mode, rtol: float, integrate: Callable[..., Segment]
+) -> tuple[list[Segment], list[Transition], Ending]:
+    """Continue a motion whose plate (x, y, θ, vx, vy, ω) has come to touch its track with a flat side, or with two
+    corners, at time t: (segments, transitions, (status, sentence)).
+
+    `mode`: that of the contact at `xi1` until then, FLIGHT if there was none.
+    """
+    watches, size = _all_watches(case, body), abs(body[0]) + abs(body[1]) + case.plate.reach
+    now = places([watch.contact for watch in watches], body, [watch.pair for watch in watches])
+    touching = [watch for watch, at in zip(watches, now, strict=True) if abs(at.gap) <= MEETS * size]
+    march = SeveralSimulation(case, rtol, integrate, t, list(body), watches)
+    march.begins = t == 0.0
+    if mode is not Mode.FLIGHT:
+        place = case.track.point(xi1)
+        away = [float(np.hypot(*(case.track.point(watch.pair[0]) - place))) for watch in touching]
+        own = touching[int(np.argmin(away))]
+        own.name, own.mode = CONTACT, mode
+        march.stuck = {CONTACT} if mode is Mode.ROLL else set()
+    march.touching = {watch.name for watch in touching}
+    ending = march.simulate()
+    return march.segments, march.transitions, ending
+
+
+def _all_watches(case: Case, body: Sequence[float]) -> list[WatchState]:
+    """The contacts that are watched from a pose on: all pairs with unique nearest points, and others that touch."""
     watches, size = list[WatchState](), abs(body[0]) + abs(body[1]) + case.plate.reach
     for pair in pairs(case):
         points = pair.guess(*body[:3])
@@ -72,7 +107,4 @@ def from_start(
             if abs(gap) > TOUCHES * size:
                 continue
         watches.append(WatchState(f"{OPEN_NAME}{pair.number}", pair, points, Mode.FLIGHT, 0.0))
-    march = SeveralSimulation(case, rtol, integrate, 0.0, body, watches)
-    march.begins = True
-    ending = march.simulate()
-    return march.segments, march.transitions, ending
+    return watches

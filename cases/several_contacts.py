@@ -1,0 +1,59 @@
+"""Which cases have several contacts: a plate that touches its track, or its track and supports, in several places."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from .case_class import Case
+from .chain import Chain
+from .contact_pairs import pairs
+from .effects import Belt, CoulombFriction, Drive, RollingResistance, Unilateral
+from .own_effects import own_effects
+from .piece_case import has_pieces
+from .start_pose import TOUCHES
+from .supports import why_not_by_features
+
+
+def limitation(case: Case) -> str:
+    """Why a motion of this case with several contacts cannot be computed, in a sentence; "" if it can."""
+    if case.effect(Unilateral) is None:
+        return "A second contact needs Unilateral: a bilateral guide has no free side."
+    if case.effect(RollingResistance) is not None:
+        return "RollingResistance is not supported with several contacts."
+    if case.effect(Belt) is not None:
+        return "A belt is not supported with several contacts."
+    if own := own_effects(case.effects):
+        return f"{type(own[0]).__name__} is not supported with several contacts."
+    if case.effect(Drive) is not None:
+        return "A driven track is not supported with several contacts."
+    if not case.plate.turns:
+        return "A plate of infinite inertia is not supported with several contacts."
+    friction = case.effect(CoulombFriction)
+    if friction is not None and friction.by_speed:
+        return "Friction that depends on the slip speed is not supported with several contacts."
+    if case.supports:
+        return ""
+    if has_pieces(case):
+        return why_not_by_features(case.track, case.plate.outline)
+    if case.track.parts is not None or case.plate.outline.parts is not None:
+        return "Curves in pieces are not supported with several contacts."
+    return ""
+
+
+def has_features(case: Case) -> bool:
+    """Whether the case's contacts, where there are several, are pairs of a support and a feature of the outline."""
+    return bool(case.supports) or isinstance(case.plate.outline, Chain)
+
+
+@lru_cache(maxsize=256)
+def touches_by_features(case: Case) -> bool:
+    """Whether a motion has several contacts from its start on, or may have: it has supports, or a plate with corners
+    begins on a flat side."""
+    if case.supports:
+        return True
+    if not isinstance(case.plate.outline, Chain) or case.start.gap > 0.0 or limitation(case):
+        return False
+    begin = case.start.motion(case.track, case.plate.outline)
+    size = abs(begin.x) + abs(begin.y) + case.plate.reach
+    gaps = [pair.gap(begin.x, begin.y, begin.theta) for pair in pairs(case)]
+    return sum(abs(gap) <= TOUCHES * size for gap in gaps) > 1
