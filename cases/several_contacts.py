@@ -7,11 +7,12 @@ from functools import lru_cache
 from .case_class import Case
 from .chain import Chain
 from .contact_pairs import pairs
-from .effects import Belt, CoulombFriction, Drive, RollingResistance, Unilateral
+from .curves import Curve
+from .effects import Belt, CoulombFriction, Drive, Flight, RollingResistance, Unilateral
 from .own_effects import own_effects
 from .piece_case import has_pieces
 from .start_pose import TOUCHES
-from .supports import why_not_by_features
+from .supports import features, why_not_by_features
 
 
 def limitation(case: Case) -> str:
@@ -51,7 +52,11 @@ def touches_by_features(case: Case) -> bool:
     begins on a flat side."""
     if case.supports:
         return True
-    if not isinstance(case.plate.outline, Chain) or case.start.gap > 0.0 or limitation(case):
+    if not isinstance(case.plate.outline, Chain) or limitation(case):
+        return False
+    if case.effect(Flight) is not None and not any(isinstance(piece, Curve) for piece in features(case.plate.outline)):
+        return True
+    if case.start.gap > 0.0:
         return False
     begin = case.start.motion(case.track, case.plate.outline)
     size = abs(begin.x) + abs(begin.y) + case.plate.reach

@@ -86,8 +86,8 @@ def from_flat_side(start: Start, track: Curve, outline: Curve) -> Start:
         return start
     if start.omega != 0.0 and start.in_contact:
         raise BadValue(
-            f"a plate that lies on a flat side does not turn; give omega=0 in Start, not {start.omega:g}, or the xi2 of "
-            "a corner"
+            f"a plate that lies on a flat side does not turn; give omega=0 in Start, not {start.omega:g}, or the xi2 "
+            "of a corner"
         )
     away = end - xi2
     rate = start.gap_rate + start.omega * away

@@ -10,6 +10,7 @@ import numpy as np
 from cases import Case, DoesNotFit, Mode, Transition
 from cases.contact import start_motion
 from cases.contact_pairs import pairs
+from cases.several_contacts import has_features
 from cases.trajectory import CONTACT
 
 from .contacts import all_pairs, friction_of, pair_at
@@ -59,6 +60,10 @@ def continue_motion(
     """Continue a motion whose plate (x, y, θ, vx, vy, ω) has a contact at the pair `own` in that mode, and touches its
     track in further places at time t (s)."""
     motion = Simulation(case, t, body, rtol)
+    if has_features(case):
+        _watch_features(motion)
+        _close_own(motion, own, mode)
+        return _complete(motion, times)
     if own is not None:
         motion.contacts.append(WatchedContact(CONTACT, pairs(case)[0], own, mode))
         motion.touching.add(CONTACT)
@@ -80,17 +85,34 @@ def from_start(case: Case, rtol: float = 1e-13, times: Sequence[float] | np.ndar
     body = [float(v) for v in (begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega)]
     motion = Simulation(case, 0.0, body, rtol)
     motion.is_start = True
-    for pair in pairs(case):
-        near = pair.guess(*body[:3])
+    _watch_features(motion)
+    return _complete(motion, times)
+
+
+def _watch_features(motion: Simulation) -> None:
+    """Watch all pairs of a support and a feature that have unique nearest points, and others that touch."""
+    for pair in pairs(motion.case):
+        near = pair.guess(*motion.body[:3])
         if not pair.has_unique_points:
             try:
-                gap = pair_at(pair, body, near).gap
+                gap = pair_at(pair, motion.body, near).gap
             except DoesNotFit:
                 continue
             if abs(gap) > TOUCHES * motion.size():
                 continue
         motion.contacts.append(WatchedContact(f"{OPEN_NAME}{pair.number}", pair, near, Mode.FLIGHT))
-    return _complete(motion, times)
+
+
+def _close_own(motion: Simulation, own: tuple[float, float] | None, mode: Mode) -> None:
+    """Close the contact at the pair `own`, in that mode, and all others that touch."""
+    now = motion.pairs()
+    touching = [k for k, pair in enumerate(now) if abs(pair.gap) <= TOUCHES * motion.size()]
+    if own is not None and touching:
+        track = motion.case.track
+        nearest = min(touching, key=lambda k: np.hypot(*(track.point(now[k].xi1) - track.point(own[0]))))
+        motion.contacts[nearest] = motion.contacts[nearest]._replace(name=CONTACT, mode=mode)
+        motion.stuck = {CONTACT} if mode is Mode.ROLL else set()
+    motion.touching = {motion.contacts[k].name for k in touching}
 
 
 def _complete(motion: Simulation, times: Sequence[float] | np.ndarray) -> SeveralMotion:

@@ -1,0 +1,225 @@
+"""Plates with corners on one straight track: closed forms and quadratures, both formulations, and what is rejected."""
+
+from math import cos, hypot, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import reference
+from cases import (
+    BadValue,
+    Belt,
+    Case,
+    Chain,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    Mode,
+    PerfectlyRough,
+    Plate,
+    Start,
+    StartPose,
+    Unilateral,
+    library,
+)
+from cases.several_contacts import touches_by_features
+from reference.certification.witnesses import _by_second
+
+G = 9.81
+# Step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14.
+EXACT = 1e-12
+BOX = Plate.rectangle(0.4, 0.2, 1.5)
+INELASTIC = Flight(), Impact(0.0, "moreau")
+
+
+def on(track, plate, *effects, start, duration=2.0):
+    return Case(track, plate, (Gravity(G), Unilateral(), *effects), start, duration)
+
+
+# --- exact ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", [None, "dop853"])
+def test_a_box_slides_on_its_flat_side_and_stops(method):
+    case = on(library.line(), BOX, CoulombFriction(0.3), start=Start(0.0, slip=1.0))
+    motion = reference.simulate(case, rtol=1e-14, method=method)
+    assert motion.status == "completed" and motion.contact_names == ("plate/track", "plate/track 2")
+    assert [(t.before, t.after) for t in motion.transitions] == [(Mode.SLIP_FORWARD, Mode.ROLL)] * 2
+    assert [t.time for t in motion.transitions] == pytest.approx([1.0 / (0.3 * G)] * 2, rel=EXACT)
+    end = motion(2.0)
+    assert (end.x, end.y, end.theta) == pytest.approx((1.0 / (2 * 0.3 * G), 0.1, 0.0), abs=EXACT)
+    # The front corner carries more: friction has the arm of half the height.
+    front, back = (float(motion.of(name)(0.1).normal_force) for name in motion.contact_names)
+    assert front + back == pytest.approx(1.5 * G, rel=EXACT)
+    assert (front - back) * 0.2 == pytest.approx(0.3 * 1.5 * G * 0.1, rel=EXACT)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.1, 0.4])
+def test_a_box_on_a_slope_slides_or_stays(mu):
+    slope = 0.3
+    effects = (CoulombFriction(mu),) if mu else ()
+    motion = reference.simulate(on(library.line(slope), BOX, *effects, start=Start(0.0, 0.2)), rtol=1e-14)
+    pull = max(G * (sin(slope) - mu * cos(slope)), 0.0)
+    begin, end = motion(0.0), motion(2.0)
+    assert motion.status == "completed" and motion.transitions == ()
+    assert hypot(end.x - begin.x, end.y - begin.y) == pytest.approx(2.0 * pull, abs=EXACT)
+    assert end.theta == pytest.approx(-slope, abs=EXACT)
+
+
+def test_a_box_on_a_slope_tips_about_its_lower_corner():
+    """Steeper than its diagonal it turns about the corner as a pendulum."""
+    slope, turn, plate = 0.6, 0.3, Plate.rectangle(0.2, 0.6, 1.0)
+    case = on(library.line(slope), plate, CoulombFriction(0.9), start=Start(0.0, 0.1), duration=0.6)
+    motion = reference.simulate(case, rtol=1e-14)
+    arm = hypot(0.1, 0.3)
+    inertia = (plate.inertia + arm**2) / arm
+    # The centre's angle from the vertical over the lower corner: it begins past it.
+    first = slope - np.arctan2(0.1, 0.3)
+
+    def wait(s):  # φ = φ₀ + s² removes the singularity of the start from rest
+        phi = s * s
+        return 2 * s / sqrt(4 * G * sin(first + 0.5 * phi) * sin(0.5 * phi) / inertia)
+
+    time = quad(wait, 0.0, sqrt(turn), epsabs=1e-14, epsrel=1e-14)[0]
+    assert motion(time).theta == pytest.approx(-slope - turn, abs=EXACT)
+    assert motion(time).slip == 0.0
+
+
+def test_a_tilted_box_lands_on_a_corner_and_lies_down():
+    """The corner sticks, the box turns about it and lies down: wide boxes come to rest there."""
+    tilt, height = 0.3, 0.3
+    case = on(library.line(), BOX, PerfectlyRough(), *INELASTIC, start=StartPose(0.0, height, tilt))
+    motion = reference.simulate(case, rtol=1e-14)
+    arm, lever = hypot(0.2, 0.1), np.arctan2(0.2, 0.1)
+    high = arm * cos(lever - tilt)  # of the centre over the lowest corner
+    fall = sqrt(2 * (height - high) / G)
+    landing = motion.transitions[0]
+    assert landing.time == pytest.approx(fall, rel=EXACT)
+    # Angular momentum about the corner, which is at the left: the box turns backwards.
+    side = arm * sin(lever - tilt)
+    inertia = BOX.inertia / BOX.mass + arm**2
+    spin = side * G * fall / inertia
+
+    def wait(theta):
+        drop = high - arm * cos(lever - theta)
+        return 1.0 / sqrt(spin**2 + 2 * G * drop / inertia)
+
+    down = fall + quad(wait, 0.0, tilt, epsabs=1e-15, epsrel=1e-14)[0]
+    assert [t.time for t in motion.transitions[1:]] == pytest.approx([down], rel=EXACT)
+    assert motion.status == "completed" and motion.transitions[1].contact == "plate/track 2"
+    end = motion(2.0)
+    assert (end.y, end.theta, end.omega) == pytest.approx((0.1, 0.0, 0.0), abs=EXACT)
+    assert end.x == pytest.approx(0.2 - side, abs=EXACT)
+
+
+def test_a_slender_block_rocks_as_housner_found_without_supports():
+    start = StartPose(0.25 * cos(0.1) - sin(0.1) - 0.25, 0.25 * sin(0.1) + cos(0.1), 0.1)
+    plate = Plate.rectangle(0.5, 2.0, 1.0)
+    case = on(library.line(), plate, CoulombFriction(2.0), *INELASTIC, start=start, duration=3.0)
+    motion = reference.simulate(case, rtol=1e-14)
+    jumps = np.flatnonzero((np.diff(motion.t) == 0.0) & (np.abs(np.diff(motion.omega)) > 1e-9))[:4]
+    factor = 1.0 - 1.5 * (0.25**2 / (1.0 + 0.25**2))
+    assert len(jumps) == 4
+    assert motion.omega[jumps + 1] / motion.omega[jumps] == pytest.approx([factor] * 4, rel=1e-11)
+
+
+def test_a_box_dropped_flat_bounces_as_a_point_mass():
+    case = on(library.line(), BOX, CoulombFriction(0.5), Flight(), Impact(0.5, "newton"),
+              start=Start(0.0, gap=0.5), duration=1.2)  # fmt: skip
+    motion = reference.simulate(case, rtol=1e-14)
+    fall = sqrt(2 * 0.5 / G)
+    times = sorted({round(t.time, 13) for t in motion.transitions})[:3]
+    assert times == pytest.approx([fall, 2 * fall, 2.5 * fall], rel=EXACT)
+    # The geometric series of the bounces ends after 3 times the fall.
+    assert motion.transitions[-1].time == pytest.approx(3 * fall, rel=1e-9)
+
+
+# --- starts -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_start_on_a_flat_side_is_the_pose_that_it_looks_like():
+    slope = 0.3
+    by_side = on(library.line(slope), BOX, start=Start(0.0, 0.2))
+    by_pose = on(library.line(slope), BOX, start=StartPose(0.1 * sin(slope), 0.1 * cos(slope), -slope))
+    one, other = (c.start.motion(c.track, c.plate.outline) for c in (by_side, by_pose))
+    assert (one.x, one.y, one.theta) == pytest.approx((other.x, other.y, other.theta), abs=1e-15)
+    assert touches_by_features(by_side) and touches_by_features(by_pose)
+    level = on(library.line(), BOX, start=Start(0.5))
+    assert level.start.motion(level.track, level.plate.outline)[:2] == pytest.approx((0.5, 0.1), abs=1e-15)
+    falling = on(library.line(), BOX, Flight(), start=Start(0.0, gap=0.3, gap_rate=-1.0, omega=2.0))
+    begin = falling.start.motion(falling.track, falling.plate.outline)
+    assert (begin.x, begin.y, begin.vy) == pytest.approx((0.0, 0.4, -1.0), abs=1e-15)
+
+
+def test_a_flat_start_that_turns_is_rejected():
+    with pytest.raises(BadValue, match="a plate that lies on a flat side does not turn; give omega=0"):
+        on(library.line(), BOX, start=Start(0.0, omega=1.0))
+
+
+# --- what is not supported --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        (on(Chain.polyline([(-2, 0), (2, 0)]), BOX, PerfectlyRough(), start=Start(2.0, 0.6)),
+         "give a line as track and its other parts as supports"),
+        (on(library.line(), Plate.half_disc(0.2, 1.0), *INELASTIC, start=StartPose(0.0, 0.5, 3.0)),
+         "no arc of a circle inside the plate's convex hull"),
+        (on(library.line(), BOX, CoulombFriction(0.5), Belt(1.0), start=Start(0.0, 0.6)), "A belt is not supported"),
+        (on(library.line(), BOX, PerfectlyRough(), start=Start(0.0, 0.6)), "add Flight() and Impact(0.0) to go on"),
+    ],
+)  # fmt: skip
+def test_where_a_flat_side_ends_the_motion_the_reason_says_what_to_give(case, words):
+    motion = reference.simulate(case)
+    assert motion.status == "second_contact" and words in motion.reason
+
+
+# --- both formulations ------------------------------------------------------------------------------------------------
+
+
+def random_box(seed):
+    """A polygon thrown onto a slope, or sliding or turning on it, with inelastic impacts."""
+    chance = np.random.default_rng(seed)
+    n = int(chance.integers(3, 7))
+    angles = 2 * pi * (np.arange(n) + chance.uniform(-0.3, 0.3, n)) / n
+    plate = Plate.polygon((0.15 * np.array([np.cos(angles), np.sin(angles)])).T.tolist(), 1.0)
+    friction = PerfectlyRough() if chance.integers(6) == 0 else CoulombFriction(chance.uniform(0.05, 0.9))
+    slip = 0.0 if isinstance(friction, PerfectlyRough) else chance.uniform(-0.5, 1.5)
+    in_flight = bool(chance.integers(2))
+    start = Start(
+        0.0, chance.uniform(*plate.outline.span), slip=slip, omega=chance.uniform(-4, 3) * in_flight,
+        gap=chance.uniform(0.0, 0.3) * in_flight,
+    )  # fmt: skip
+    law = str(chance.choice(["newton", "poisson", "moreau"]))
+    effects = (friction, Flight(), Impact(0.0, law))
+    return on(library.line(float(chance.uniform(0, 0.4))), plate, *effects, start=start, duration=0.8)
+
+
+def compare(case):
+    motion, second = reference.simulate(case, rtol=1e-13), _by_second(case, "second", 1e-12)
+    assert motion.status == second.status
+    assert [(t.contact, t.before, t.after) for t in motion.transitions] == [
+        (t.contact, t.before, t.after) for t in second.transitions
+    ]
+    for a, b in zip(motion.transitions, second.transitions, strict=True):
+        assert a.time == pytest.approx(b.time, abs=1e-9)
+    times = np.linspace(0.0, float(motion.t[-1]), 9)[:-1]
+    ours, theirs = motion(times), second.states(times)
+    for name in ("x", "y", "theta"):
+        np.testing.assert_allclose(getattr(ours, name), theirs[name], rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 3])
+def test_both_formulations_agree_on_random_boxes(seed):
+    compare(random_box(seed))
+
+
+@pytest.mark.slow
+def test_a_dropped_box_is_certified():
+    case = on(library.line(), BOX, CoulombFriction(0.5), *INELASTIC, start=StartPose(0.0, 0.6, 0.3))
+    certificate = reference.certify(case)
+    assert len(certificate.witnesses) == 5 and not certificate.missing
+    assert certificate.transitions and all(time.bar <= EXACT for _, _, time, _ in certificate.transitions)
