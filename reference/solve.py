@@ -15,10 +15,10 @@ import numpy as np
 
 from cases import BadValue, Case, Chain, Cost, Drive, Load, Mode, NotSupported, Passage, State, Trajectory
 from cases.contact import belt_speed, pose
+from cases.contact_limits import has_features, limitation, touches_by_features
 from cases.errors import between, unknown_name
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.piece_case import PieceCase, has_pieces, passages_between
-from cases.several_contacts import has_features, limitation, touches_by_features
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, several

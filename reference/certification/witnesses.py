@@ -16,9 +16,9 @@ import numpy as np
 
 from cases import Case, Flight, Mode, NotSupported, Trajectory, Transition
 from cases.contact import start_motion
+from cases.contact_limits import limitation, touches_by_features
 from cases.contact_pairs import pairs
 from cases.moving_frame import in_fixed_frame, relative_case
-from cases.several_contacts import limitation, touches_by_features
 from cases.trajectory import CONTACT
 
 from .. import several, solve

@@ -9,8 +9,8 @@ import numpy as np
 
 from cases import Case, DoesNotFit, Mode, Transition
 from cases.contact import start_motion
+from cases.contact_limits import has_features
 from cases.contact_pairs import pairs
-from cases.several_contacts import has_features
 from cases.trajectory import CONTACT
 
 from .contacts import all_pairs, friction_of, pair_at

@@ -24,7 +24,7 @@ from cases import (
     Unilateral,
     library,
 )
-from cases.several_contacts import touches_by_features
+from cases.contact_limits import touches_by_features
 from reference.certification.witnesses import _by_second
 
 G = 9.81
