@@ -7,6 +7,7 @@ Pang & Stone, The Linear Complementarity Problem, not looked up.)
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 
@@ -18,6 +19,8 @@ SMALL = 1e-11
 SAME = 1e-7
 # Lemke's method follows one path for each covering vector; different ones may reach different solutions.
 COVERS = 6
+# All complementary cones of a problem with at most so many variables are tried: 4,096, four variables for each contact.
+MOST_VARIABLES = 12
 # Sweeps of the projected Gauss-Seidel method, the change of rates at which it has converged, and the forces, in units
 # of those that the load needs, from which it looks for contacts that press against each other.
 SWEEPS, CONVERGED, PRESSED = 300, 1e-12, 100.0
@@ -52,6 +55,25 @@ def lemke(matrix: np.ndarray, right: np.ndarray, cover: np.ndarray) -> np.ndarra
         artificial = [i for i in near.tolist() if basis[i] == 2 * n]
         row = artificial[0] if artificial else int(near[np.argmax(column[near])])
     return None
+
+
+def complementary_cones(matrix: np.ndarray, right: np.ndarray) -> list[np.ndarray]:
+    """Solutions z, shape (n,), one from each complementary cone that contains one: of each pair w, z one is zero, and
+    the others are fitted by nonnegative least squares."""
+    from scipy.optimize import nnls
+
+    n, answers = len(right), list[np.ndarray]()
+    size = float(np.abs(right).max(initial=0.0)) or 1.0
+    for choice in product((False, True), repeat=n):
+        z_side = np.array(choice)
+        columns = np.where(z_side, -matrix, np.eye(n))
+        try:
+            values, residual = nnls(columns, right)
+        except RuntimeError:  # it has not converged: degenerate columns
+            continue
+        if residual <= SMALL * size:
+            answers.append(np.where(z_side, values, 0.0))
+    return answers
 
 
 def covers(n: int) -> list[np.ndarray]:
@@ -143,6 +165,8 @@ def solutions(
     scale = np.abs(delassus).max(initial=0.0)
     results: list[tuple[np.ndarray, np.ndarray]] = []
     answers = [lemke(matrix, right, cover) for cover in covers(len(right))]
+    if 1 < len(slips) and len(right) <= MOST_VARIABLES and least is not None:
+        answers += complementary_cones(matrix, right)
     forces = [to_forces @ np.append(z, 1.0) for z in answers if z is not None]
     if len(slips) > 1 and mu.any() and least is None:
         # Contacts that press against each other may hold a plate that others would let go: start from large forces.

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from math import pi, sqrt
+from collections.abc import Callable, Iterable, Sequence
+from math import inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +16,7 @@ from cases.overlap import first_overlap
 
 from .contacts import all_pairs, pair_at
 from .phase import SeveralContactPhase
-from .plate_state import PlateState, SimulationEnd
+from .plate_state import TOUCHES, PlateState, SimulationEnd
 from .small_impacts import SmallImpacts
 
 EPS = float(np.finfo(float).eps)
@@ -26,6 +26,8 @@ LOOKS, STEPS_PER_TURN = 4, 60
 # their scale.
 RISEN = 1e-11
 MOST_STEPS = 200_000
+# A hop is short if it takes less than this part of the motion: other steps are the integrator's own.
+SHORT = 1e-2
 # An open contact whose clearance has fallen to this part of its value is not watched any more.
 FORGOTTEN = 0.5
 # The guard of a slip that has just begun is ignored for this part of the motion's time scale: an instant located to
@@ -71,9 +73,10 @@ class PhaseIntegration(PlateState):
         positive = {name: value > RISEN * scales[name[0]] for name, value in values.items()}
         pace = self.pace(phase)
         blind = self.t + (BLIND / pace if pace else 0.0)
+        tops = self.tops(phase)
         solver = DOP853(
             phase.rates, self.t, self.body, end, rtol=self.rtol, atol=1e-2 * self.rtol,
-            max_step=2.0 * pi / (STEPS_PER_TURN * pace) if pace else end, first_step=None,
+            max_step=2.0 * pi / (STEPS_PER_TURN * pace) if pace else end, first_step=self.first_step(tops.values()),
         )  # fmt: skip
         while solver.status == "running":
             solver.step()
@@ -86,6 +89,8 @@ class PhaseIntegration(PlateState):
             looks = np.linspace(solver.t_old, solver.t, LOOKS + 1)[1:]
             if not any(positive.values()) or solver.t_old == self.t:
                 looks = np.union1d(looks, solver.t_old + (solver.t - solver.t_old) * np.geomspace(1e-8, 0.2, 24))
+            hops = [t for top in tops.values() for t in (top, 3.0 * top - 2.0 * self.t)]
+            looks = np.union1d(looks, [t for t in hops if solver.t_old < t < solver.t])
             before = solver.t_old
             for look in looks.tolist():
                 if look > before and self.is_lost(phase, before, look, dense):
@@ -105,13 +110,28 @@ class PhaseIntegration(PlateState):
                 if zeros:
                     return self.locate(phase, dense, before, look, zeros, positive)
                 for name, value in values.items():
-                    positive[name] |= value > RISEN * scales[name[0]]
+                    positive[name] |= value > (0.0 if look >= tops.get(name, inf) else RISEN * scales[name[0]])
                 before = look
             self.stretches.append(DenseStep(solver.t_old, solver.t, dense, phase))
             if self.elsewhere(solver.t_old, solver.t, dense):
                 return [("meeting", "")]
         self.t, self.body = solver.t, solver.y
         raise SimulationEnd("completed")
+
+    def tops(self, phase: SeveralContactPhase) -> dict[tuple[str, str], float]:
+        """When contacts that open with a velocity are farthest from their supports, s: the gap of a small hop is
+        resolved there, or nowhere."""
+        tops, acceleration = {}, phase.forces(self.t, self.body).acceleration
+        for contact, pair in zip(phase.contacts, phase.pairs(self.body), strict=True):
+            pull = -float(pair.lift_row @ acceleration + pair.lift_bias)
+            if not contact.is_closed and pull > 0.0 and pair.lift > 0.0 and pair.gap <= TOUCHES * self.size():
+                tops["gap", contact.name] = self.t + pair.lift / pull
+        return tops
+
+    def first_step(self, tops: Iterable[float]) -> float | None:
+        """A first step about as long as the shortest hop: dense output of a longer one shows less of its small gap."""
+        hop = 3.0 * (min(tops, default=inf) - self.t)
+        return min(hop, self.case.duration - self.t) if 0.0 < hop < SHORT * self.case.duration else None
 
     def is_lost(self, phase: SeveralContactPhase, before: float, look: float, dense) -> bool:
         """Whether an open contact's points are no longer surely the nearest ones: the clearance has fallen, or they

@@ -10,14 +10,20 @@ import numpy as np
 from cases import Case, DoesNotFit, Flight, Impact, Mode, Transition
 
 from .complementarity import solutions
-from .contacts import PairState, frictions, is_rough
+from .contacts import PairState, friction_of, frictions, is_rough
 from .impact_laws import velocities
 from .integration import EPS, FORGOTTEN, DenseStep, PhaseIntegration
 from .phase import SeveralContactPhase
 from .plate_state import MOVES, TOUCHES, SimulationEnd
+from .small_impacts import ImpactRecord
 
 # Small impacts are extrapolated to their end where the plate moves by less than this part of its size until then.
-SMALL_HOP = 1e-10
+SMALL_HOP = 1e-9
+# Velocities at their end below this part of the last closing speed are the error of the fit.
+ENDS = 1e-3
+# Impacts of which no cubic shows the end are over where no hop is higher than this part of the plate's size; two
+# corners take turns within so many impacts.
+LOWEST, TURNS = 1e-12, 8
 MOST_PHASES = 5_000
 # Looks at a load in time while it may end a rest.
 REST_LOOKS = 200
@@ -192,7 +198,7 @@ class Simulation(PhaseIntegration):
         self.speed = max(self.speed, float(np.abs(self.body[3:] * self.dynamics.units).max()))
         if may_strike:
             self.strike(now)
-            self.come_to_rest()
+            self.end_bouncing()
         self.hold()
 
     # --- impacts ------------------------------------------------------------------------------------------------------
@@ -210,13 +216,15 @@ class Simulation(PhaseIntegration):
         effect = self.case.effect(Impact)
         if effect is None:
             raise SimulationEnd("second_contact")
-        self.impacts.count(self.t, float(self.body[2]), max(-now[k].lift for k in closing))
         velocity, stuck = velocities(self, effect, [now[k] for k in places_hit])
         if effect.law == "newton":
             weights = 1.0 / self.dynamics.inverse
             if weights @ velocity**2 > (1.0 + 1e-12) * (weights @ self.body[3:] ** 2):
                 raise SimulationEnd("energy_gain")
         self.body[3:] = velocity
+        names, closers = (frozenset(self.contacts[k].name for k in those) for those in (places_hit, closing))
+        record = ImpactRecord(self.t, max(-now[k].lift for k in closing), names, closers, self.body.copy())
+        self.impacts.count(record)
         self.touching, self.stuck = set(), set()
         for i, k in enumerate(places_hit):
             name, lift = self.contacts[k].name, float(now[k].lift_row @ velocity)
@@ -231,45 +239,52 @@ class Simulation(PhaseIntegration):
                 self.stuck.add(name)
 
     def is_tiny(self, pair: PairState, lift: float) -> bool:
-        pull = max(-float(pair.lift_row @ (self.dynamics.inverse * self.dynamics.torsor(self.t, self.body))), 0.0)
-        return lift * lift <= 8.0 * pull * EPS * self.size()
+        return lift * lift <= 8.0 * self.pull(pair) * EPS * self.size()
 
-    def come_to_rest(self) -> None:
-        """Stop a plate that small impacts bring to rest, at the extrapolated end of their series."""
-        theta = self.impacts.aitken(1)
-        if (
-            not self.impacts.small
-            or theta is None
-            or self.impacts.strikes[-1][0] != self.t
-            or self.impacts.guess[1] == inf
-        ):
+    def pull(self, pair: PairState) -> float:
+        """The acceleration of the load towards a contact's support, m/s²."""
+        free = self.dynamics.inverse * self.dynamics.torsor(self.t, self.body)
+        return max(-float(pair.lift_row @ free), 0.0)
+
+    def is_low(self, height: float) -> bool:
+        """Whether the hops at all contacts of the last impacts are at most that high, m."""
+        names = {name for record in self.impacts.strikes[-TURNS:] for name in record.names}
+        now = [p for c, p in zip(self.contacts, self.pairs(), strict=True) if c.name in names]
+        return all(2.0 * self.pull(pair) * (height - pair.gap) >= pair.lift**2 for pair in now)
+
+    def end_bouncing(self) -> None:
+        """Go to the end of a series of small impacts, where all contacts of the last ones touch."""
+        last = self.impacts.strikes[-1] if self.impacts.strikes else None
+        if last is None or not self.impacts.small or last.time != self.t:
             return
-        size = SMALL_HOP * self.size()
-        if float(np.abs(self.body[3:] * self.dynamics.units).max()) * abs(self.impacts.last_guess - self.t) > size:
+        size, noise = SMALL_HOP * self.size(), ENDS * last.closing
+        answer = self.impacts.end(self.t, size)
+        low = LOWEST * self.size()
+        if answer is None and self.is_low(low):
+            answer, size, noise = (self.t, self.body.copy()), low, 2.0 * last.closing
+        if answer is None or answer[0] >= self.case.duration:
             return
-        near = [k for k, pair in enumerate(self.pairs()) if pair.gap <= size]
-        end = max(self.impacts.guess[1], self.t)
-        if len(near) < 2 or end >= self.case.duration:
-            return
-        keep = self.body.copy(), set(self.touching)
-        self.touching = {self.contacts[k].name for k in near}
-        self.body[2:] = theta, 0.0, 0.0, 0.0
+        before, (end, body) = self.body.copy(), answer
+        self.body = body
+        now = self.pairs()
+        self.touching = {c.name for c, pair in zip(self.contacts, now, strict=True) if pair.gap <= size}
         self.close_gaps()
-        some = [self.pairs()[k] for k in near]
-        delassus, rows = self.dynamics.delassus(some)
-        free = self.dynamics.free_rates(end, self.body, some, rows)
-        mu, stick = frictions(some)
-        answers = solutions(delassus, free, [None] * len(near), mu, stick)
-        held = [*range(len(near)), *(len(near) + i for i in np.flatnonzero(stick > 0.0))]
-        rank = np.linalg.matrix_rank(rows[held] / self.dynamics.units, tol=1e-9)
-        if rank < 3 or not answers or np.abs(delassus @ answers[0] + free).max() > 1e-9 * np.abs(free).max():
-            self.body, self.touching = keep
-            return
-        still = self.body.copy()
+        if np.abs(self.body[3:] * self.dynamics.units).max() <= noise:
+            self.body[3:] = 0.0
+        self.stuck = {
+            c.name for c, pair in zip(self.contacts, self.pairs(), strict=True)
+            if c.name in self.touching and abs(pair.slip) <= noise and friction_of(pair.contact)[1] > 0.0
+        }  # fmt: skip
+        self.hold()
         if end > self.t:
-            phase = SeveralContactPhase(self.dynamics, self.contacts, True)
-            self.stretches.append(DenseStep(self.t, end, lambda t: still, phase))
-        self.t, self.stuck, self.impacts.at_rest = end, set(self.touching), True
+            start, after = self.t, self.body.copy()
+
+            def straight(t: float) -> np.ndarray:
+                return before + (after - before) * ((t - start) / (end - start))
+
+            phase = SeveralContactPhase(self.dynamics, self.contacts, not self.body[3:].any())
+            self.stretches.append(DenseStep(self.t, end, straight, phase))
+        self.t, self.impacts.at_rest = end, True
 
     # --- rest ---------------------------------------------------------------------------------------------------------
 

@@ -3,44 +3,82 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf
+from typing import NamedTuple
+
+import numpy as np
 
 from cases import Transition
 
-# Impacts that close with less than this part of the largest closing speed are small: they are listed only if the motion
-# does not come to rest by them (the definition in `cases.Transition`).
+# Impacts that close with less than this part of the largest closing speed are small: they are listed only if they do
+# not come to an end (the definition in `cases.Transition`).
 SMALL_IMPACT = 7e-4
+# A cubic in the closing speed is fitted through four impacts, each at least so many times slower than the one before.
+POINTS, SLOWER = 4, 2.0
+# Its end is accepted if it differs from that of the cubic before by less than this part of the time that remains: where
+# successive impacts have no fixed ratio, they differ by more.
+AGREES = 1e-2
+
+
+class ImpactRecord(NamedTuple):
+    """The time (s) and closing speed (m/s) of an impact, its contacts and those that close, and (x, y, θ, vx, vy, ω)
+    after it."""
+
+    time: float
+    closing: float
+    names: frozenset[str]
+    closers: frozenset[str]
+    after: np.ndarray
 
 
 class SmallImpacts:
-    """The changes of mode so far, those of small impacts kept back, and when and at which angle these were."""
+    """The changes of mode so far, those of small impacts kept back, and the impacts."""
 
     def __init__(self) -> None:
         self.ordinary: list[Transition] = []
         self.kept_back: list[Transition] = []
-        self.strikes: list[tuple[float, float]] = []
+        self.strikes: list[ImpactRecord] = []
         self.fastest, self.small, self.at_rest = 0.0, False, False
-        self.guess: tuple[float, float] = (inf, inf)
-        self.last_guess = inf
 
-    def count(self, t: float, theta: float, closing: float) -> None:
-        """Record an impact with that closing speed, m/s, at that angle of the plate."""
-        self.small = closing < SMALL_IMPACT * self.fastest
-        if closing >= self.fastest:
-            self.fastest, self.guess, self.last_guess = closing, (inf, inf), inf
+    def count(self, record: ImpactRecord) -> None:
+        """Record an impact."""
+        self.small = record.closing < SMALL_IMPACT * self.fastest
+        self.fastest = max(self.fastest, record.closing)
         if not self.small:
             self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back], []
-        self.strikes = [*self.strikes[-4:], (t, theta)]
-        end = self.aitken(0)
-        if end is not None:
-            self.guess, self.last_guess = min(self.guess, (abs(end - self.last_guess), end)), end
+        self.strikes.append(record)
 
-    def aitken(self, column: int) -> float | None:
-        """The limit of the impacts' times (0) or angles (1), from every second of five."""
-        if len(self.strikes) < 5:
+    def end(self, t: float, size: float) -> tuple[float, np.ndarray] | None:
+        """Time (s) and (x, y, θ, vx, vy, ω) at which small impacts end, the last of them at t, if the contacts that
+        bounce move by less than `size` (m) until then; None otherwise."""
+        some = self.points() if self.small and self.strikes and self.strikes[-1].time == t else []
+        if len(some) <= POINTS:
             return None
-        one, two = (self.strikes[i + 2][column] - self.strikes[i][column] for i in (0, 2))
-        return self.strikes[4][column] + two * two / (one - two) if abs(two) < abs(one) else None
+        speeds = np.array([one.closing for one in some]) / some[-1].closing
+        values = np.array([[one.time - t, *(one.after - some[-1].after)] for one in some])
+        before, now = (
+            np.linalg.solve(np.vander(speeds[those]), values[those])[-1] for those in (slice(POINTS), slice(1, None))
+        )
+        wait = float(now[0])
+        if not 0.0 <= wait * some[-1].closing <= size or abs(wait - before[0]) > max(AGREES * wait, np.spacing(t)):
+            return None
+        return t + wait, some[-1].after + now[1:]
+
+    def points(self) -> list[ImpactRecord]:
+        """The last impacts that repeat with the same contacts, each well slower than the one before."""
+        last, period = self.strikes[-1], 0
+        some, sequence = [last], [(one.names, one.closers) for one in self.strikes]
+        for i in range(len(self.strikes) - 2, -1, -1):
+            if not period and sequence[i] == sequence[-1]:
+                period = len(self.strikes) - 1 - i
+            if not period or (len(self.strikes) - 1 - i) % period:
+                continue
+            if sequence[i + 1 : i + 1 + period] != sequence[-period:]:
+                break
+            if self.strikes[i].closing >= SLOWER * some[0].closing:
+                some.insert(0, self.strikes[i])
+            if len(some) == POINTS + 1:
+                break
+        return some
 
     def list_changes(self, t: float, changes: list[Transition]) -> None:
         """Keep the changes of small impacts back until it is clear whether the motion comes to rest."""

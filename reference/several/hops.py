@@ -1,67 +1,98 @@
-"""Impacts that accumulate: which are listed, and when they come to rest.
+"""Impacts that accumulate: which are listed, and the state in which they end.
 
-A disc that rocks in a valley hits its two flanks in turn, each time slower, infinitely often in a finite time. Impacts
-that close with less than `LISTING_PART` of the largest closing speed are simulated, but listed only if the motion does
-not come to rest by them; the end of the rest of the series is extrapolated (Aitken).
+A disc that rocks in a valley hits its two flanks in turn, a plate that bounces hits the same support again and again:
+each time slower, infinitely often in a finite time. Impacts that close with less than `LISTING_PART` of the largest
+closing speed are simulated, but listed only if they do not end so. From one cycle of impacts to the next the closing
+speed shrinks, and time, pose and velocities are smooth functions of it (`minimal.bouncing` has the reason): their
+polynomials at speed 0 are the end of the series.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from math import inf
+from typing import NamedTuple
+
+import numpy as np
 
 from cases import Transition
 
-from ..minimal.bouncing import LISTING_PART
+from ..minimal.bouncing import APART, LISTING_PART, MOST, extrapolate
 
-# Impacts alternate between two contacts, whose intervals may differ: intervals are compared with those two before.
-PERIOD = 2
+# Impacts beyond this many are too old to be of the same series with speeds that are APART.
+LONGEST = 1000
+# An end is accepted if the last impact changes it by less than this part of the time that remains. Impacts on two
+# corners in turn need not have speeds in a fixed ratio, and then have no such end.
+AGREES = 1e-2
+# Two corners take turns within this many impacts.
+RECENT = 8
+
+
+class Strike(NamedTuple):
+    """An impact: its time (s), (x, y, θ, vx, vy, ω) after it, the closing speed (m/s), the contacts that touch, and
+    those of them that close."""
+
+    time: float
+    body: tuple[float, ...]
+    closing: float
+    contacts: frozenset[str]
+    closing_contacts: frozenset[str]
 
 
 class ImpactSeries:
-    """The transitions of a motion in order, those of small impacts kept back, and the times of these."""
+    """The transitions of a motion in order, those of small impacts kept back, and the impacts."""
 
     def __init__(self) -> None:
         self.ordinary: list[Transition] = []
         self.kept_back: list[Transition] = []
-        self.strikes: list[tuple[float, float]] = []  # time (s) and angle of the plate
+        self.strikes: list[Strike] = []
         self.fastest, self.is_small = 0.0, False
-        self.best: tuple[float, float] = (inf, inf)  # change of the extrapolated end, and that end, s
-        self.last = inf
 
     @property
     def all(self) -> list[Transition]:
         """All transitions of a motion that is complete."""
         return [*self.ordinary, *self.kept_back]
 
-    def strike(self, t: float, theta: float, closing: float) -> None:
-        """Record an impact with that closing speed, m/s, at that angle of the plate."""
-        self.is_small = closing < LISTING_PART * self.fastest
-        if closing >= self.fastest:
-            self.fastest, self.best, self.last = closing, (inf, inf), inf
+    def strike(self, now: Strike) -> None:
+        """Record an impact."""
+        self.is_small = now.closing < LISTING_PART * self.fastest
+        self.fastest = max(self.fastest, now.closing)
         if not self.is_small:
             self.ordinary, self.kept_back = self.all, []
-        self.strikes = [*self.strikes[-2 * PERIOD :], (t, theta)]
-        end = self._limit(0)
-        if end is not None:
-            self.best = min(self.best, (abs(end - self.last), end))
-            self.last = end
+        self.strikes = [*self.strikes[-LONGEST:], now]
 
-    def _limit(self, column: int) -> float | None:
-        """The limit of times (0) or angles (1), extrapolated; None if they do not approach one."""
-        if len(self.strikes) <= 2 * PERIOD:
-            return None
-        before, between, now = (self.strikes[i][column] for i in (0, PERIOD, 2 * PERIOD))
-        first, second = between - before, now - between
-        return now + second * second / (first - second) if abs(second) < abs(first) else None
+    def recent(self, t: float) -> frozenset[str]:
+        """The contacts of the last impacts, of which the last one is small and at that time; otherwise none."""
+        is_now = self.is_small and self.strikes and self.strikes[-1].time == t
+        return frozenset().union(*(one.contacts for one in self.strikes[-RECENT:])) if is_now else frozenset()
 
-    def limit(self, t: float, speed: float, size: float) -> tuple[float, float] | None:
-        """Time and angle at which small impacts end, if the plate moves by less than `size` (m) until then at that
-        speed."""
-        theta = self._limit(1)
-        if not self.is_small or self.best[1] == inf or theta is None or self.strikes[-1][0] != t:
+    def limit(self, t: float, size: float) -> tuple[float, list[float]] | None:
+        """Time (s) and (x, y, θ, vx, vy, ω) in which small impacts end, the last of them at t, if the contacts that
+        bounce move by less than `size` (m) until then."""
+        some = self._series() if self.recent(t) else []
+        if len(some) < 4:
             return None
-        return (max(self.best[1], t), theta) if speed * abs(self.last - t) <= size else None
+        speeds, times = [one.closing for one in some], [one.time for one in some]
+        (time, _), (before, _) = extrapolate(speeds, times), extrapolate(speeds[:-1], times[:-1])
+        remaining = time - t
+        if not 0.0 <= remaining * speeds[-1] <= size or abs(time - before) > max(AGREES * remaining, np.spacing(t)):
+            return None
+        return time, [extrapolate(speeds, column)[0] for column in zip(*(one.body for one in some), strict=True)]
+
+    def _series(self) -> Sequence[Strike]:
+        """The last impacts of the same contacts after the same cycle of impacts, with speeds that are well apart."""
+        names = [(one.contacts, one.closing_contacts) for one in self.strikes]
+        places = [i for i, those in enumerate(names) if those == names[-1]]
+        if len(places) < 3:
+            return []
+        period = places[-1] - places[-2]
+        cycle, some = names[-period:], [self.strikes[-1]]
+        for end in range(len(names) - period, period - 1, -period):
+            if names[end - period : end] != cycle:
+                break
+            if APART * self.strikes[end - 1].closing >= some[0].closing:
+                some.insert(0, self.strikes[end - 1])
+        return some[-MOST:]
 
     def record(self, t: float, changes: list[Transition], cause: str = "") -> None:
         """Record the changes of mode at one instant; `cause` is given if bouncing has come to rest."""

@@ -22,6 +22,8 @@ from .geometry import ContactPlace
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10
+# Impulses that change nothing at closed contacts turn the plate if they change its velocity by more than this part.
+TURNS = 1e-9
 STICK, FORWARD, BACKWARD, OPEN = "stick", "forward", "backward", "open"
 SIGN = {FORWARD: 1.0, BACKWARD: -1.0}
 
@@ -118,9 +120,9 @@ def _collide(
     ]
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
     for modes in product(*options):
-        one = _in_modes(modes, before, places_hit, law, inertia.inverse, speed)
-        if one is not None and all(_differ(one[0], other[0], inertia.lengths, speed) for other in solutions):
-            solutions.append(one)
+        for one in _in_modes(modes, before, places_hit, law, inertia.inverse, speed):
+            if all(_differ(one[0], other[0], inertia.lengths, speed) for other in solutions):
+                solutions.append(one)
     if len(solutions) != 1:
         count = "no" if not solutions else f"{len(solutions)} different"
         raise NoImpact(f"{count} velocities after the impact agree with its law")
@@ -134,8 +136,9 @@ def _differ(one: ImpactVelocities, other: ImpactVelocities, lengths: np.ndarray,
 
 def _in_modes(
     modes, before, places_hit, law: _ImpactLaw, compliance, speed
-) -> tuple[ImpactVelocities, np.ndarray] | None:
-    """The outcome in these modes if it is consistent."""
+) -> list[tuple[ImpactVelocities, np.ndarray]]:
+    """The outcomes in these modes that are consistent: the extreme ones where impulses may differ that change no
+    velocity of a closed contact, but the plate's."""
     lift = np.array([at.lift_row @ before for at in places_hit])
     slip = np.array([at.slip_row @ before for at in places_hit])
     rows, columns, goals, which = [], [], [], []
@@ -145,7 +148,8 @@ def _in_modes(
         if mode == OPEN:
             if law.least[k] > 0.0 and law.mu[k] > 0.0:
                 # The least impulse has friction of its own; its direction is that of the slip after the impact.
-                return _with_least(modes, before, places_hit, law, compliance, speed)
+                one = _with_least(modes, before, places_hit, law, compliance, speed)
+                return [one] if one is not None else []
             change = change + law.least[k] * at.lift_row
             continue
         rows.append(at.lift_row)
@@ -157,7 +161,46 @@ def _in_modes(
             goals.append(-slip[k])
             columns.append(at.slip_row)
             which.append((k, False))
-    return _check(modes, before, places_hit, law, speed, _solve(rows, columns, goals, change, compliance, speed), which)
+    solved = _solve(rows, columns, goals, change, compliance, speed)
+    if solved is None:
+        return []
+    turning = compliance[:, None] * (np.array(columns).T @ solved[2]) if rows else np.zeros((len(before), 0))
+    members = [solved]
+    if turning.size and np.abs(turning).max() > TURNS * np.abs(compliance).max():
+        members = _extremes(modes, before, places_hit, law, speed, solved, which, turning)
+    outcomes = [_check(modes, before, places_hit, law, speed, one, which) for one in members]
+    return [one for one in outcomes if one is not None]
+
+
+def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solved, which, turning) -> list:
+    """The extreme solutions along each change of the plate's velocity by impulses that the closed contacts do not
+    notice: two corners of one side and a wall, for example, let the plate turn about the wall's corner."""
+    from scipy.optimize import linprog
+
+    change, impulses, free = solved
+    after, small, rows, bounds = before + change, ROUNDING * speed, list[np.ndarray](), list[float]()
+    for i, (k, is_normal) in enumerate(which):
+        if is_normal:
+            rows.append(free[i])
+            bounds.append(law.least[k] - impulses[i])
+        elif law.mu[k] < inf and (k, True) in which:
+            normal = which.index((k, True))
+            for sign in (1.0, -1.0):
+                rows.append(law.mu[k] * free[normal] + sign * free[i])
+                bounds.append(-law.mu[k] * impulses[normal] - sign * impulses[i])
+    for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
+        if mode == OPEN:
+            rows.append(at.lift_row @ turning)
+            bounds.append(-float(at.lift_row @ after) - law.restitution[k] * float(at.lift_row @ before))
+        elif mode in SIGN and law.mu[k]:
+            rows.append(SIGN[mode] * (at.slip_row @ turning))
+            bounds.append(-SIGN[mode] * float(at.slip_row @ after))
+    members = []
+    for goal in (*turning, *-turning):
+        answer = linprog(goal, A_ub=-np.array(rows), b_ub=small - np.array(bounds), bounds=(None, None))
+        if answer.status == 0:
+            members.append((change + turning @ answer.x, impulses + free @ answer.x, np.zeros((0, 0))))
+    return members
 
 
 def _with_least(

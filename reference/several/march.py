@@ -32,17 +32,22 @@ from ..minimal.phase_end import (
 )
 from ..minimal.scales import frequency
 from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time
-from .geometry import places, project
+from .geometry import places, project, without_velocity
 from .meetings import first_meeting
 from .regimes import SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
-from .rest import RestStates, limit_of_rest
+from .rest import RestStates, StraightStates, limit_of_rest
 from .watched_plate import MotionEnds, WatchedPlate, WatchState
 
 # This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
 IDLE, STUCK = 4, 50
 # Impacts are extrapolated to their end where the plate moves by less than this part of its size until then: gaps of
 # larger hops have five digits.
-SMALL_HOP = 1e-10
+SMALL_HOP = 1e-9
+# Velocities at the end of bouncing below this part of the last closing speed are the extrapolation's error.
+STILL = 1e-3
+# Impacts on two corners in turn whose speeds have no fixed ratio end where no hop is higher than this part of the
+# plate's size: a hundred roundings of positions, which show nothing of lower hops.
+LOW_HOP = 1e-12
 # A flight is integrated over this many of its time scales at once.
 FLIES = 4.0
 
@@ -99,7 +104,7 @@ class SeveralSimulation(WatchedPlate):
 
     def _decide(self) -> SeveralRegime:
         now = self.instant()
-        now = self._come_to_rest(now)
+        now = self._end_bouncing(now)
         error = LOCATION_ERROR if self.idle <= IDLE else ROUGH
         fixed = {k: self.fixed[name] for k, name in enumerate(now.names) if name in self.fixed}
         decision = decide(self.case, now, error, fixed, may_rest=not self.held_out)
@@ -131,36 +136,55 @@ class SeveralSimulation(WatchedPlate):
         numbers = tuple(watch.contact.number for watch in self.watches)
         return SeveralRegime(modes, tuple(watch.name for watch in self.watches), limits, numbers, regime.rests)
 
-    def _come_to_rest(self, now: DecisionInstant) -> DecisionInstant:
-        """The instant at which impacts that accumulate come to rest, if they do; the same instant otherwise.
+    def _end_bouncing(self, now: DecisionInstant) -> DecisionInstant:
+        """The instant at which impacts that accumulate end, if they do; the same instant otherwise.
 
-        The plate is then moved by less than rounding, so that all contacts of the last impacts touch, and stopped."""
-        x, y, *_ = self.body
-        size = SMALL_HOP * (abs(x) + abs(y) + self.case.plate.reach)
-        end = self.hops.limit(self.t, self.present_speed(), size)
-        if end is None or not self.t <= end[0] < self.case.duration:
+        The plate moves by less than rounding until then, and all contacts of the last impacts touch."""
+        end, size = self._end_of_impacts(now)
+        if end is None or not end[0] < self.case.duration:
             return now
-        limit, theta = end
-        near = [k for k, at in enumerate(now.places) if at.gap <= size]
-        body, at = project(
-            self.case, self.contacts(), [x, y, theta, 0.0, 0.0, 0.0], [watch.pair for watch in self.watches], near
+        limit, body = end
+        watched, pairs = self.contacts(), [(at.xi1, at.xi2) for at in now.places]
+        near = [k for k, at in enumerate(places(watched, body, pairs)) if at.gap <= size]
+        still = STILL * self.hops.strikes[-1].closing if limit > self.t else 2.0 * self.hops.strikes[-1].closing
+        if np.abs(np.array(body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max() <= still:
+            body[3:] = 0.0, 0.0, 0.0
+        body, at = project(self.case, watched, body, pairs, near)
+        stuck = [k for k in near if at[k].stick > 0.0 and abs(at[k].slip_row @ np.array(body[3:])) <= still]
+        body = without_velocity(self.case, body, at, near, stuck)
+        state = join(body, [(one.xi1, one.xi2) for one in at])
+        decision = decide(
+            self.case, now._replace(time=limit, state=state, places=at, touching=tuple(near)), LOCATION_ERROR
         )
-        rows = [at[k].lift_row for k in near] + [at[k].slip_row for k in near if at[k].stick > 0.0]
-        if len(near) < 2 or np.linalg.matrix_rank(np.array(rows), tol=1e-9 * self.case.plate.reach) < 3:
-            return now
-        pairs = [(one.xi1, one.xi2) for one in at]
-        rest = now._replace(time=limit, state=join(body, pairs), places=at, touching=tuple(near))
-        decision = decide(self.case, rest, LOCATION_ERROR)
-        if decision.regime is None or not decision.regime.rests:
+        if decision.regime is None:
             return now
         if limit > self.t:
-            still = several_phase(self.case, decision.regime)
-            self._advance(
-                Segment.of(still, np.array([self.t, limit]), RestStates(rest.state), Event(None, limit, rest.state), 0)
-            )
+            short = several_phase(self.case, decision.regime)
+            states = StraightStates(self.t, limit, now.state, state)
+            self._advance(Segment.of(short, np.array([self.t, limit]), states, Event(None, limit, state), 0))
         self.body, self.touching = body, {self.watches[k].name for k in near}
         self.causes = {name: CAUSES["rest"] for name in self.touching}
         return self.instant()
+
+    def _end_of_impacts(self, now: DecisionInstant) -> tuple[tuple[float, list[float]] | None, float]:
+        """Time and state in which small impacts end, and the gap (m) up to which contacts touch then.
+
+        Impacts on two corners in turn whose speeds have no fixed ratio end where all gaps count as touching."""
+        x, y, *_ = self.body
+        size = abs(x) + abs(y) + self.case.plate.reach
+        end = self.hops.limit(self.t, SMALL_HOP * size)
+        if end is None and self._is_low(now, LOW_HOP * size):
+            return (self.t, list(self.body)), LOW_HOP * size
+        return end, SMALL_HOP * size
+
+    def _is_low(self, now: DecisionInstant, height: float) -> bool:
+        """Whether a small impact ends hops of at most that height, m, at all contacts of the last impacts."""
+        recent, velocity = self.hops.recent(self.t), np.array(self.body[3:])
+        hops = [
+            at.gap + float(at.lift_row @ velocity) ** 2 / (2.0 * self.pull(at))
+            for at, name in zip(now.places, now.names, strict=True) if name in recent and self.pull(at) > 0.0
+        ]  # fmt: skip
+        return 0 < len(hops) == len(recent) and max(hops) <= height
 
     def _is_watched(self, watch: WatchState) -> bool:
         if watch.contact.has_unique_points:

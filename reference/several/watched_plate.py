@@ -16,7 +16,7 @@ from ..minimal.phase_end import CAUSES, ENERGY, Ending
 from ..minimal.series import EPS
 from .decision import DecisionInstant, load_at
 from .geometry import ContactPlace, places, project, without_velocity
-from .hops import ImpactSeries
+from .hops import ImpactSeries, Strike
 from .impact import NoImpact, impact
 from .regimes import LOST, join
 
@@ -153,7 +153,8 @@ class WatchedPlate:
             raise MotionEnds(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
         self._check_energy(outcome.velocity)
         self.body[3:] = outcome.velocity.tolist()
-        self.hops.strike(self.t, self.body[2], max(-lifts[k] for k in closing))
+        touching, closers = (frozenset(self.watches[k].name for k in those) for those in (places_hit, closing))
+        self.hops.strike(Strike(self.t, tuple(self.body), max(-lifts[k] for k in closing), touching, closers))
         self.touching, sticks = set(), set[str]()
         for i, k in enumerate(places_hit):
             watch, lift = self.watches[k], float(outcome.lift[i])
@@ -185,11 +186,14 @@ class WatchedPlate:
 
     def _is_unresolved(self, at: ContactPlace, lift: float) -> bool:
         """Whether a rebound rises no higher than positions' rounding."""
+        rounding = REBOUND_ROUNDINGS * EPS * (abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach)
+        return lift * lift <= 2.0 * self.pull(at) * rounding
+
+    def pull(self, at: ContactPlace) -> float:
+        """The acceleration of the load towards a contact's support, m/s²."""
         load = load_at(self.case, self.t, self.body)
         weights = 1.0 / np.array([1.0, 1.0, self.case.plate.gyration**2]) / self.case.plate.mass
-        pull = max(-float(at.lift_row @ (weights * load)), 0.0)
-        rounding = REBOUND_ROUNDINGS * EPS * (abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach)
-        return lift * lift <= 2.0 * pull * rounding
+        return max(-float(at.lift_row @ (weights * load)), 0.0)
 
     def present_speed(self) -> float:
         """The largest of the plate's speeds, m/s; that of the spin at the radius of gyration."""

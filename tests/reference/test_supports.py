@@ -1,5 +1,6 @@
 """Supports: ladders, blocks and discs on several fixed curves, against exact motions and in two formulations."""
 
+from dataclasses import replace
 from functools import lru_cache
 from math import cos, hypot, pi, sin, sqrt, tan
 
@@ -49,22 +50,9 @@ def events(motion) -> list[tuple]:
 
 
 def agree(case: Case, within: float = 1e-11) -> int:
-    """Compare both formulations' whole sequences; returns the number of changes, or raises AssertionError.
-
-    Enumeration finds every motion of rigid Coulomb contact, Lemke's method one or some of them: where the first ends as
-    `not_unique`, the second may go on, and is compared up to there."""
+    """Compare both formulations' whole sequences; returns the number of changes, or raises AssertionError."""
     motion, second = reference.simulate(case, rtol=1e-14), _by_second(case, "second", 1e-13)
-    changes = events(second)
-    if motion.status == "not_unique":
-        changes = [
-            event for event, t in zip(changes, second.transitions, strict=True) if t.time < motion.t[-1] - within
-        ]
-        first = [
-            event for event, t in zip(events(motion), motion.transitions, strict=True) if t.time < motion.t[-1] - within
-        ]
-        assert changes == first
-        return len(changes)
-    assert (second.status, changes) == (motion.status, events(motion))
+    assert (second.status, events(second)) == (motion.status, events(motion))
     for one, other in zip(motion.transitions, second.transitions, strict=True):
         assert abs(one.time - other.time) < within
     return len(motion.transitions)
@@ -286,15 +274,57 @@ def random_case(seed: int) -> Case:
     return Case(line(slope), plate, (*INELASTIC, *frictions[0]), start, 1.2, supports=(wall,))
 
 
-@pytest.mark.parametrize("seed", range(10))
+def with_restitution(case: Case, e: float, law: str = "moreau") -> Case:
+    """A case with other restitution."""
+    effects = (Impact(e, law) if isinstance(effect, Impact) else effect for effect in case.effects)
+    return replace(case, effects=tuple(effects))
+
+
+@pytest.mark.parametrize("seed", [*range(8), 15, 16])
 def test_both_formulations_have_the_same_random_sequences(seed):
+    # 4 and 15: a rod that lies on the plane meets the wall; the impulses of three contacts are not unique, and some of
+    # them turn the rod, but only one velocity agrees with the law. 6: two velocities do, and both report it.
     agree(random_case(seed), 1e-10)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10, 310))
+@pytest.mark.parametrize("seed", range(8, 310))
 def test_both_formulations_have_the_same_sequences_of_many_scenes(seed):
     agree(random_case(seed), 1e-9)
+
+
+@pytest.mark.parametrize("seed", [1, 8, 9])
+def test_both_formulations_end_bouncing_at_the_same_time(seed):
+    # The end of a series of impacts is extrapolated: to 1e-10 s, as the last hops are 1e-9 of the plate's size high.
+    agree(with_restitution(random_case(seed), 0.4), 1e-9)
+
+
+@pytest.mark.parametrize("seed", [5, 7, 13])
+def test_two_corners_that_bounce_in_turn_come_to_rest_in_both_formulations(seed):
+    # Their speeds have no fixed ratio, so the end is known to the time of the last hops, 1e-12 of the plate high:
+    # sqrt(8 · 2.7e-12 m / 9.81 m/s²), some microseconds with those that follow.
+    agree(with_restitution(random_case(seed), 0.4), 5e-6)
+
+
+@pytest.mark.parametrize("method", [*reference.METHODS, "second"])
+@pytest.mark.parametrize("e", [0.3, 0.8])
+def test_bouncing_on_one_support_ends_at_the_limit_of_its_series(e, method):
+    # A disc falls for T = sqrt(2 h/g); its bounces take 2 e T, 2 e² T, ...: 2 T e/(1 - e) in all. It keeps its speed
+    # along the plane.
+    radius, height, vx = 0.3, 0.05, 0.1
+    wall = Support(line(pi / 2), "wall")
+    start = StartPose(1.2, radius + height, 0.0, vx, 0.0, 0.0)
+    case = Case(line(0.0), disc(radius, 1.0), (*FREE, Impact(e, "moreau")), start, 1.5, supports=(wall,))
+    if method == "second":
+        motion = _by_second(case, "second", 1e-13)
+        x = float(motion.states(np.array([1.4]))["x"][0])
+    else:
+        motion = reference.simulate(case, rtol=1e-14, method=method)
+        x = float(motion(1.4).x)
+    last = motion.transitions[-1]
+    assert (last.before, last.after) == (Mode.FLIGHT, Mode.SLIDE)
+    assert last.time == pytest.approx(sqrt(2.0 * height / G) * (1.0 + 2.0 * e / (1.0 - e)), abs=2e-10)
+    assert x == pytest.approx(1.2 + vx * 1.4, abs=1e-12)
 
 
 def test_the_papers_matrix_with_corners_gives_the_same_accelerations_and_forces():
