@@ -72,7 +72,7 @@ def certify(case: Case) -> Certificate:
         raise NotCertified(f"{case.label}: a certificate needs at least two witnesses; {'; '.join(missing)}")
     # The samples end at the earliest end, so that every witness has a state there.
     times = np.linspace(0.0, min(witness.end for witness in able), SAMPLES)
-    method = "taylor" if "taylor 1e-14" in [witness.name for witness in able] else "dop853"
+    method = "taylor" if "taylor 1e-12" in [witness.name for witness in able] else "dop853"
     moves = shares(case, times, method)
     _check_events(case, able, moves, method)
     certificate = _certificate(case, able, missing, times, moves)

@@ -42,27 +42,30 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
 
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
     """
-    rows = coefficients.tolist()
-    if not isfinite(sum(map(sum, rows))) and not np.isfinite(coefficients).all():
+    # One call instead of a check of each number; large ones may overflow in it.
+    if not isfinite(np.vdot(coefficients, coefficients)) and not np.isfinite(coefficients).all():
         return FirstStep(t, y, 0, inf, BREAKDOWN)
+    rows = coefficients.tolist()
     longest, often = _scales(phase, rows, t)
-    names = tuple(phase.system.guards)
-    if not names or not 0.0 < often < inf:
+    if not phase.system.guards or not 0.0 < often < inf:
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
-    polynomials = [row[NEAR::-1] for row in rows]
-    guards, parameters = phase.system.guards_of_numbers, phase.parameters
+    states, guards, parameters = _states(len(rows), len(rows[0])), phase.system.guards_of_numbers, phase.parameters
     part, span, values = PART, end - t, [0.0]
     for _ in range(SHORTER):
         h = min(part / often, span)
         if phase.checks_steps:
             h = min(h, clear_part(phase, Expansion(t, h, coefficients), tolerance) * h)
-        half, state = ([_polynomial(row, when) for row in polynomials] for when in (0.5 * h, h))
-        values = [*guards(t + 0.5 * h, half, parameters), *guards(t + h, state, parameters)]
+        half, state = states(rows, 0.5 * h, h)
+        values = guards(t + 0.5 * h, half, parameters) + guards(t + h, state, parameters)
         # A guard that is positive at the end and half-way has left zero and not come back; else the step is shortened
         # until the event lies behind it.
-        if all([value > 0.0 for value in values]):
+        for value in values:
+            if not value > 0.0:
+                break
+        else:
             return FirstStep(t + h, state, 1, longest)
         part *= 0.1
+    names = tuple(phase.system.guards)
     zero = next(i for i, value in enumerate(values) if not value > 0.0)
     return FirstStep(t, y, 0, longest, names[zero % len(names)])
 
@@ -72,9 +75,10 @@ def _scales(phase: Phase, rows: list[list[float]], t: float) -> tuple[float, flo
     the plate's size or the forces move the plate that far."""
     # If all terms vanish, the forces balance, and a load may change them: they enter by the time in which they would
     # move the plate by its size.
-    forces = phase.system.forces_of_numbers(t, [row[0] for row in rows], phase.parameters)
+    normal, friction = phase.system.forces_of_numbers(t, [row[0] for row in rows], phase.parameters)
     fastest, growth = _roots(len(rows), len(phase.lengths), len(rows[0]))(rows, phase.lengths)
-    return exp(-2.0) / fastest if fastest else inf, max((max(map(abs, forces)) / phase.size) ** 0.5, growth)
+    moved = (max(abs(normal), abs(friction)) / phase.size) ** 0.5
+    return exp(-2.0) / fastest if fastest else inf, max(moved, growth)
 
 
 @lru_cache(maxsize=64)
@@ -120,9 +124,21 @@ def _roots(variables: int, positions: int, terms: int) -> Callable[..., tuple[fl
     return scope["roots"]
 
 
-def _polynomial(row: list[float], x: float) -> float:
-    """A polynomial's value, its coefficients from the highest down."""
-    value = 0.0
-    for coefficient in row:
-        value = coefficient + value * x
-    return value
+@lru_cache(maxsize=64)
+def _states(variables: int, terms: int) -> Callable[..., tuple[list[float], list[float]]]:
+    """(coefficients, h, k) -> the polynomials' values at h and at k, by Horner's rule, written out."""
+    used = [f"c{k}" for k in range(min(NEAR + 1, terms))]
+    rest = ", *_" if terms > len(used) else ""
+    lines = ["def states(coefficients, h, k):", f"    {', '.join(f'row{i}' for i in range(variables))}, = coefficients"]
+    for i in range(variables):
+        lines.append(f"    {', '.join(used)}{rest}, = row{i}")
+        for at in ("h", "k"):
+            value = used[-1]
+            for lower in used[-2::-1]:
+                value = f"({value}) * {at} + {lower}"
+            lines.append(f"    {at}{i} = {value}")
+    both = (", ".join(f"{at}{i}" for i in range(variables)) for at in ("h", "k"))
+    lines.append("    return " + ", ".join(f"[{values}]" for values in both))
+    scope: dict[str, Callable[..., tuple[list[float], list[float]]]] = {}
+    exec("\n".join(lines), scope)
+    return scope["states"]
