@@ -19,7 +19,7 @@ from pathlib import Path
 
 from cases import BadValue, Case, CaseError, Cost, NotSupported, Trajectory
 
-from ..common import motion_file, several_contacts, supervision
+from ..common import motion_file, supervision, support_contacts
 from ..interface import EngineFailure, Setting
 from .scene_file import SAMPLES, as_json, scene
 
@@ -58,6 +58,7 @@ class Engine:
     # An executable decides when it sees the scene.
     SLIP_LAWS = routes
     SEVERAL_CONTACTS = routes
+    SUPPORTS = routes
 
     def __init__(self, path: Path):
         if not self.runs(path):
@@ -80,12 +81,12 @@ class Engine:
         return f"executable, sha256 {hashlib.sha256(self.path.read_bytes()).hexdigest()[:12]}"
 
     def refuses(self, case: Case, route: str) -> str | None:
-        """Nothing before it was asked: an executable refuses a scene when it sees it."""
-        return None
+        """Supports that a scene cannot describe; an executable refuses a scene when it sees it."""
+        return support_contacts.refuses(case) if case.supports else None
 
     def refuses_several_contacts(self, case: Case, route: str) -> str | None:
         """Why the contacts do not follow from the poses that an executable writes, in one sentence, or None."""
-        return several_contacts.supports(case)
+        return support_contacts.refuses_several(case)
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
         """Steps from coarse to fine, none so long that too few samples come of it."""

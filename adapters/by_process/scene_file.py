@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from cases import Case, Chain, CoulombFriction, Curve, Effect
+from cases import Case, Chain, CoulombFriction, Curve, Effect, NotSupported
 from cases.contact import start_motion
+from cases.shapes import as_line
 
-from ..common.facets import visible_span
+from ..common.facets import ends, visible_span
 from ..common.several_contacts import may_touch_twice
 from . import engine_geometry
 
@@ -26,6 +27,9 @@ SCHEMA_FILE = Path(__file__).with_name("scene.schema.json")
 
 # Coulomb friction whose mu is a formula in v, the slip speed.
 FRICTION_BY_SPEED = "CoulombFrictionBySpeed"
+
+# The further fixed curves of a case.
+SUPPORTS = "Supports"
 
 # Chords of a closed curve of a thousand sides miss it by 5e-6 of its radius.
 SAMPLES = 1001
@@ -45,7 +49,7 @@ def scene(case: Case, samples: int = SAMPLES) -> dict[str, Any]:
             "plate": {"mass": case.plate.mass, "inertia": case.plate.inertia, "radius": case.plate.radius},
             "track": formula(case.track),
             "outline": formula(case.plate.outline),
-            "effects": {_effect_name(e): asdict(e) for e in case.effects},  # type: ignore[arg-type]
+            "effects": _effects(case.effects) | _supports(case, samples),
             "start": start_motion(case)._asdict(),
             "duration": case.duration,
             "several_contacts": may_touch_twice(case),
@@ -55,6 +59,29 @@ def scene(case: Case, samples: int = SAMPLES) -> dict[str, Any]:
             "sdf": engine_geometry.sdf(case),
         }
     )
+
+
+def _effects(effects: tuple[Effect, ...]) -> dict[str, Any]:
+    """The parameters of each effect by its name."""
+    return {_effect_name(effect): asdict(effect) for effect in effects}  # type: ignore[arg-type]
+
+
+def _supports(case: Case, samples: int) -> dict[str, Any]:
+    """The further fixed curves, by their names, each with all effects that act there: an effect of its own, so that no
+    program leaves them out unawares."""
+    if not case.supports:
+        return {}
+    curves = {}
+    for support in case.supports:
+        line = as_line(support.curve)
+        if line is None:
+            raise NotSupported(f"Programs have straight supports only, and {support.name!r} is none.")
+        reach = ends(case, line)
+        s = np.linspace(0.0, float(np.hypot(*(reach[1] - reach[0]))), samples)
+        (nx, ny), x_y = (-line.direction[1], line.direction[0]), reach[0][:, None] + line.direction[:, None] * s
+        flat = np.column_stack([s, *x_y, np.full(samples, nx), np.full(samples, ny), np.zeros(samples)])
+        curves[support.name] = {"points": points(flat), "effects": _effects(support.acting(case.effects))}
+    return {SUPPORTS: curves}
 
 
 def _effect_name(effect: Effect) -> str:

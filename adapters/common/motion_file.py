@@ -27,12 +27,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases import BadValue, Case, DoesNotFit, Flight, Impact, Trajectory, Unilateral, user_files
+from cases import BadValue, Case, DoesNotFit, Flight, Impact, State, Trajectory, Unilateral, user_files
 from cases.contact import Contact, MotionPoint, find, in_track_frame, slip_velocity, start_motion
 from cases.mechanics import gravity
 from cases.nearest import nearest
 
-from . import several_contacts
+from . import several_contacts, support_contacts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -225,6 +225,8 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
             raise DoesNotFit(
                 f"{rate} is not the rate of {name}; give both in metres, radians and seconds, and in one frame"
             )
+    if case.supports:
+        return _on_supports(case, columns, creep)
     touches_twice = several_contacts.may_touch_twice(case)
     if touches_twice:  # which contact's slip a file has is not known; that of each contact follows from the poses
         columns.pop("slip", None)
@@ -252,8 +254,22 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     )
     if not touches_twice:
         return motion
-    clear = CLOSED * case.plate.inner + 2.0 * float(np.hypot(*gravity(case))) * float(np.max(np.diff(motion.t))) ** 2
+    clear = _clear(case, t)
     return several_contacts.with_contacts(case, motion, lambda xi1: np.full(len(xi1), clear))
+
+
+def _clear(case: Case, t: np.ndarray) -> float:
+    """The gap (m) below which one of several contacts is closed."""
+    return CLOSED * case.plate.inner + 2.0 * float(np.hypot(*gravity(case))) * float(np.max(np.diff(t))) ** 2
+
+
+def _on_supports(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:
+    """The motion of a plate on supports, whose contacts follow from its poses and velocities."""
+    t, nothing = columns["t"], np.full(len(columns["t"]), np.nan)
+    known = {name: columns.get(name, nothing) for name in ("x", "y", "theta", "vx", "vy", "omega")}
+    whole: dict[str, Any] = {**dict.fromkeys(State._fields, nothing), **known}
+    motion = Trajectory(t=t, **whole, slip_resolution=_creep(columns, creep))
+    return support_contacts.with_supports(case, motion, _clear(case, t))
 
 
 def slowest(case: Case, seconds: float) -> float:

@@ -1,6 +1,8 @@
 #!/usr/bin/env -S python3 -P
 """Drake (wheel drake): a sphere on a half-space, a sphere or a ring of boxes, by its discrete multibody plant.
 
+A driven track is a heavy body whose place and velocities are set in each step: locked joints stand still.
+
 Point contact with the approximation TAMSI, whose friction is regularised: a sticking contact creeps at up to the
 stiction tolerance (its documentation of MultibodyPlant, "Contact modeling"), which the setting makes small. Poses and
 velocities are at the same times.
@@ -29,6 +31,8 @@ plane.print_version("drake")
 
 # Chords of a curved track; a friction coefficient that no force exceeds.
 CHORDS, ROUGH = 800, 1e3
+# The plate's coefficient, and the mass of a driven track in those of the plate.
+LARGE, HEAVY = 1e16, 1e9
 # How far (m) a plate at rest may sink in, and how fast (m/s) it may creep while it sticks; the engine's defaults are
 # 1e-3 and 1e-4. TAMSI's friction grows with the slip's share x of that speed as mu x (2 - x), so a contact that sticks
 # at the cone's edge creeps with it (MultibodyPlant.set_stiction_tolerance, tamsi_solver.h), to a hundredth: Newton's
@@ -43,7 +47,7 @@ APPROXIMATIONS = {
 
 scene = plane.read_scene(
     "Drake",
-    ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"),
+    ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Drive", "Supports"),
     {"Belt": "Drake's contacts have no surface velocity: a belt would have to be a body that moves."},
 )
 radius, mass, start = scene["plate"]["radius"], scene["plate"]["mass"], scene["start"]
@@ -52,7 +56,7 @@ if radius is None:
         "Drake is given spheres: other outlines would be hulls, whose corners its point contact takes one by one."
     )
 effects, (count, h) = scene["effects"], plane.steps(scene)
-mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
+driven = plane.driven(scene, h)
 
 builder = DiagramBuilder()
 plant, _ = drake.AddMultibodyPlantSceneGraph(builder, h)
@@ -62,29 +66,48 @@ if is_tuned:
     plant.set_contact_model(drake.ContactModel.kPoint)
     plant.set_discrete_contact_approximation(APPROXIMATIONS[scene["setting"].get("approximation", "tamsi")])
 plant.mutable_gravity_field().set_gravity_vector(np.array(plane.gravity(scene)))
-# The engine combines two coefficients as 2 μ₁ μ₂ / (μ₁ + μ₂), which is μ if both are μ.
-friction = drake.CoulombFriction(mu, mu)
+
+
+def friction(of_effects) -> drake.CoulombFriction:
+    """The friction of a track or a support. The engine combines two coefficients as 2 μ₁ μ₂ / (μ₁ + μ₂), which is μ for
+    μ/2 and one that is so large that its inverse is rounding."""
+    mu = 0.5 * plane.coefficient(of_effects, ROUGH)
+    return drake.CoulombFriction(mu, mu)
+
+
+ground = plant.world_body()
+if driven:
+    # Its velocities are set in each step, and it has so much mass that no contact force changes them.
+    heavy = HEAVY * max(mass, scene["plate"]["inertia"])
+    instance = plant.AddModelInstance("track")
+    ground = plant.AddRigidBody("track", instance, SpatialInertia(heavy, np.zeros(3), UnitInertia(1.0, 1.0, 1.0)))
+    rail = plant.AddJoint(PlanarJoint("rail", plant.world_frame(), ground.body_frame(), np.zeros(3)))
+    plant.set_gravity_enabled(instance, False)
 track = plane.shape(scene)
 if track.kind == "line":
     # A half-space is below the XY plane of its own frame.
     across = np.array([-sin(track.angle), cos(track.angle), 0.0])
     pose = RigidTransform(HalfSpace.MakePose(across, np.array([track.x, track.y, 0.0])))
-    plant.RegisterCollisionGeometry(plant.world_body(), pose, HalfSpace(), "track", friction)
+    plant.RegisterCollisionGeometry(ground, pose, HalfSpace(), "track", friction(effects))
 elif track.kind == "hill":
     pose = RigidTransform(np.array([track.x, track.y, 0.0]))
-    plant.RegisterCollisionGeometry(plant.world_body(), pose, Sphere(track.radius), "track", friction)
+    plant.RegisterCollisionGeometry(ground, pose, Sphere(track.radius), "track", friction(effects))
 else:
     thick = 0.5 * radius
     for number, box in enumerate(plane.chords(scene, scene["setting"].get("facets", CHORDS))):
         middle = np.array([box.x + thick * sin(box.angle), box.y - thick * cos(box.angle), 0.0])
         pose = RigidTransform(RollPitchYaw(0.0, 0.0, box.angle), middle)
         shape = Box(2 * box.half, 2 * thick, 4 * radius)
-        plant.RegisterCollisionGeometry(plant.world_body(), pose, shape, f"chord {number}", friction)
+        plant.RegisterCollisionGeometry(ground, pose, shape, f"chord {number}", friction(effects))
+for number, support in enumerate(plane.supports(scene)):
+    across = np.array([-sin(support.angle), cos(support.angle), 0.0])
+    pose = RigidTransform(HalfSpace.MakePose(across, np.array([support.x, support.y, 0.0])))
+    plant.RegisterCollisionGeometry(ground, pose, HalfSpace(), f"support {number}", friction(support.effects))
 inertia = scene["plate"]["inertia"] / mass
 # In the plane only the moment of inertia about Z matters.
 unit = UnitInertia(inertia, inertia, inertia)
-body = plant.AddRigidBody("plate", SpatialInertia(mass, np.zeros(3), unit))
-plant.RegisterCollisionGeometry(body, RigidTransform(), Sphere(radius), "plate", friction)
+body = plant.AddRigidBody("plate", plant.AddModelInstance("plate"), SpatialInertia(mass, np.zeros(3), unit))
+plant.RegisterCollisionGeometry(body, RigidTransform(), Sphere(radius), "plate", drake.CoulombFriction(LARGE, LARGE))
 joint = plant.AddJoint(PlanarJoint("plane", plant.world_frame(), body.body_frame(), np.zeros(3)))
 plant.Finalize()
 if is_tuned:
@@ -94,8 +117,10 @@ diagram = builder.Build()
 simulator = Simulator(diagram)
 root = simulator.get_mutable_context()
 context = plant.GetMyMutableContextFromRoot(root)
-plant.SetPositions(context, [start["x"], start["y"], start["theta"]])
-plant.SetVelocities(context, [start["vx"], start["vy"], start["omega"]])
+joint.set_translation(context, [start["x"], start["y"]])
+joint.set_rotation(context, start["theta"])
+joint.set_translational_velocity(context, [start["vx"], start["vy"]])
+joint.set_angular_velocity(context, start["omega"])
 simulator.Initialize()
 results = plant.get_contact_results_output_port()
 
@@ -112,9 +137,23 @@ def touches() -> list[plane.PlaneContact]:
     return contacts
 
 
-motion = plane.MotionRows(scene)
+def velocities_now() -> list[float]:
+    """The plate's velocities (m/s, rad/s)."""
+    return [*joint.get_translational_velocity(context).tolist(), joint.get_angular_velocity(context)]
+
+
+motion, several = plane.MotionRows(scene), driven or "Supports" in effects
 for k in range(count + 1):
-    pose, velocities = plant.GetPositions(context).tolist(), plant.GetVelocities(context).tolist()
+    if driven:
+        (x, y, angle), (vx, vy, spin) = driven(k)
+        rail.set_translation(context, [x, y])
+        rail.set_rotation(context, angle)
+        rail.set_translational_velocity(context, [vx, vy])
+        rail.set_angular_velocity(context, spin)
+    pose = [*joint.get_translation(context).tolist(), joint.get_rotation(context)]
+    velocities = velocities_now()
     simulator.AdvanceTo((k + 1) * h)
-    motion.note(k * h, pose, velocities, touches(), plant.GetVelocities(context).tolist())
+    motion.note(k * h, pose, velocities, touches(), velocities_now())
+    if several:
+        motion.slip = None  # it follows from pose and velocities, relative to the track
 motion.write((1 + TOLERANCE) * stiction)

@@ -6,8 +6,9 @@ sliding contact lifts off a little (its manual, "Computation", contact), and fri
 semi-implicit Euler; the ladder has its Runge-Kutta method of fourth order, which converges in a circle where Euler does
 not. Poses and velocities are at the same times, as after `mj_step`.
 
-A belt of constant speed is `surfacevel` of the track's geoms (from 3.11 on): a velocity along a plane or a box, in the
-geom's frame, and a rotation of a sphere's surface.
+A belt is `surfacevel` of the track's geoms (from 3.11 on), set in each step: a velocity along a plane or a box, in the
+geom's frame, and a rotation of a sphere's surface. A driven track is a heavy body whose place and velocities are set in
+each step.
 """
 
 from __future__ import annotations
@@ -28,16 +29,22 @@ plane.print_version("mujoco")
 
 # Chords of a curved track; a friction coefficient that no force exceeds.
 CHORDS, ROUGH = 800, 1e3
+# The mass of a driven track in those of the plate.
+HEAVY = 1e9
+# Half the side (m) of the box that is a driven line.
+WIDE = 20.0
 
-scene = plane.read_scene("MuJoCo", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Belt"))
-belt = plane.belt_speed(scene)
-if belt is None:
-    plane.refuse("MuJoCo's geoms are given a constant surface velocity, and this belt's speed changes with time.")
+scene = plane.read_scene(
+    "MuJoCo",
+    ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Belt", "Drive", "Supports"),
+)
+count, h = plane.steps(scene)
+driven = plane.driven(scene, h)
+belt = plane.formula(str(scene["effects"]["Belt"]["speed"])) if "Belt" in scene["effects"] else None
 if belt and not hasattr(mujoco.MjModel, "geom_surfacevel"):
     plane.refuse("MuJoCo has surface velocities from version 3.11 on, and an older one is installed.")
-count, h = plane.steps(scene)
 effects, start, is_tuned = scene["effects"], scene["start"], scene["setting"].get("rung") != "defaults"
-mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
+mu = plane.coefficient(effects, ROUGH)
 
 
 def part(whole: ElementTree.Element, name: str) -> ElementTree.Element:
@@ -59,7 +66,15 @@ body = part(world, "body")
 for box in world.findall("geom"):
     world.remove(box)
 track = plane.shape(scene)
-if track.kind == "line":
+if track.kind == "line" and driven:
+    # The engine's planes do not move: a box below the start.
+    c, s = plane.cos(track.angle), plane.sin(track.angle)
+    along = (start["x"] - track.x) * c + (start["y"] - track.y) * s
+    x, y = track.x + along * c + WIDE * s, track.y + along * s - WIDE * c
+    ElementTree.SubElement(
+        world, "geom", type="box", size=f"{WIDE} {WIDE} 1", pos=f"{x} {y} 0", euler=f"0 0 {track.angle}"
+    )
+elif track.kind == "line":
     ElementTree.SubElement(
         world, "geom", type="plane", size="0 0 1", pos=f"{track.x} {track.y} 0",
         xyaxes=f"{plane.cos(track.angle)} {plane.sin(track.angle)} 0 0 0 -1",
@@ -73,16 +88,35 @@ else:
         ElementTree.SubElement(
             world, "geom", type="box", size=f"{box.half} {thick} 1", pos=f"{x} {y} 0", euler=f"0 0 {box.angle}"
         )
+# A surface velocity of 1 m/s in a geom's frame. A hill is touched from outside: its direction is clockwise.
+UNIT = np.array([0, 0, 0, 0, 0, -1 / track.radius] if track.kind == "hill" else [1, 0, 0, 0, 0, 0], dtype=float)
 for geom in world.findall("geom"):
-    # A hill is touched from outside, so its direction is clockwise.
-    turns = f"0 0 0 0 0 {-belt / track.radius!r}" if track.kind == "hill" else f"{belt!r} 0 0 0 0 0"
-    geom.attrib.update({"surfacevel": turns} if belt else {})
+    geom.attrib.update(friction=f"{mu} 0 0", condim="3" if mu else "1")
+    geom.attrib.update({"surfacevel": " ".join(map(repr, UNIT.tolist()))} if belt else {})
+for support in plane.supports(scene):
+    own = plane.coefficient(support.effects, ROUGH)
+    ElementTree.SubElement(
+        world, "geom", type="plane", size="0 0 1", pos=f"{support.x} {support.y} 0",
+        xyaxes=f"{plane.cos(support.angle)} {plane.sin(support.angle)} 0 0 0 -1", friction=f"{own} 0 0",
+        condim="3" if own else "1",
+    )  # fmt: skip
+if driven:
+    # Bodies of a mocap kind have no velocity for the engine's contacts: the track has joints, and so much mass that no
+    # contact force changes the velocities that are set in each step.
+    heavy = repr(HEAVY * max(scene["plate"]["mass"], scene["plate"]["inertia"]))
+    carrier = ElementTree.SubElement(world, "body", name="track", gravcomp="1")
+    ElementTree.SubElement(carrier, "inertial", pos="0 0 0", mass=heavy, diaginertia=f"{heavy} {heavy} {heavy}")
+    for name, kind, axis in (("x", "slide", "1 0 0"), ("y", "slide", "0 1 0"), ("angle", "hinge", "0 0 1")):
+        ElementTree.SubElement(carrier, "joint", name=f"track {name}", type=kind, axis=axis)
+    for geom in world.findall("geom"):
+        world.remove(geom)
+        carrier.append(geom)
 plate = part(body, "geom")
+# The engine takes the larger of the two geoms' numbers.
+plate.attrib.update(friction="0 0 0", condim="1")
 if plate.get("type") == "cylinder":
     plate.attrib.update(type="sphere", size=repr(scene["plate"]["radius"]))
 for geom in root.iter("geom"):
-    # The engine takes the larger of the two geoms' numbers.
-    geom.attrib.update(friction=f"{mu} 0 0", condim="3" if mu else "1")
     if is_tuned:
         # Twice the step is the stiffest value that the engine considers safe.
         geom.set("solref", f"{scene['setting'].get('timeconst', 2) * h!r} 1")
@@ -90,7 +124,9 @@ for geom in root.iter("geom"):
 
 model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
 data = mujoco.MjData(model)
-data.qvel[:] = start["vx"], start["vy"], start["omega"]
+data.qvel[:3] = start["vx"], start["vy"], start["omega"]
+body_number = model.body("plate").id
+fixed = [number for number in range(model.ngeom) if model.geom_bodyid[number] != body_number]
 
 
 def touches() -> list[plane.PlaneContact]:
@@ -100,7 +136,7 @@ def touches() -> list[plane.PlaneContact]:
         mujoco.mj_contactForce(model, data, number, force)
         frame = contact.frame.reshape(3, 3)
         # Both the normal and the force are the second geom's.
-        side = 1.0 if model.geom_bodyid[contact.geom2] else -1.0
+        side = 1.0 if model.geom_bodyid[contact.geom2] == body_number else -1.0
         push, normal = side * force[:3] @ frame, side * frame[0]
         contacts.append(plane.PlaneContact(contact.pos[:2].tolist(), normal[:2].tolist(), push[:2].tolist()))
     return contacts
@@ -124,10 +160,17 @@ def creep() -> float:
     return fastest
 
 
-motion, fastest = plane.MotionRows(scene, belt), 0.0
+motion, fastest, several = plane.MotionRows(scene), 0.0, driven or "Supports" in effects
 for k in range(count + 1):
-    pose, velocities = data.qpos + (start["x"], start["y"], start["theta"]), data.qvel.tolist()
+    if driven:
+        data.qpos[3:], data.qvel[3:] = driven(k)
+    if belt:
+        model.geom_surfacevel[fixed] = belt((k + 0.5) * h) * UNIT
+        motion.belt = belt((k + 1) * h)
+    pose, velocities = data.qpos[:3] + (start["x"], start["y"], start["theta"]), data.qvel[:3].tolist()
     mujoco.mj_step(model, data)
-    motion.note(k * h, pose.tolist(), velocities, touches(), data.qvel.tolist())
+    motion.note(k * h, pose.tolist(), velocities, touches(), data.qvel[:3].tolist())
+    if several:
+        motion.slip = None  # it follows from pose and velocities, relative to the track
     fastest = max(fastest, creep())
 motion.write(fastest)

@@ -50,6 +50,7 @@ __all__ = [
     "ladder",
     "read",
     "refuses",
+    "refuses_several_contacts",
     "routes",
     "run",
     "version",
@@ -65,6 +66,9 @@ KNOWN = "exudyn>=1.7"
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt, Drive)
 # Routes whose contact law is the suite's, with a coefficient that may depend on the slip velocity.
 SLIP_LAWS = ("integrator",)
+
+# Routes that have further fixed curves, and report each contact with them.
+SUPPORTS = SEVERAL_CONTACTS = ("native",)
 
 # Samples of one run: enough to extrapolate a transition to the accuracy of the finest rung, and few enough for a
 # thousand trajectories in memory.
@@ -150,6 +154,13 @@ def refuses(case: Case, route: str) -> str | None:
             "a disc would leave faster than it arrived."
         )
     return None
+
+
+def refuses_several_contacts(case: Case, route: str) -> str | None:
+    """Why the route does not report several contacts of this case, in one sentence, or None."""
+    return (
+        None if case.supports else "Exudyn's contact of a disc with a curve has one place; give the places as supports."
+    )
 
 
 # --- settings -------------------------------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import cos, hypot, sin
 from typing import Any
 
@@ -10,10 +11,11 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, Gravity, Impact, Load, Unilateral
+from cases import Case, Gravity, Impact, Load, Support, Unilateral
 from cases.contact import start_motion
 from cases.shapes import Circle, Line, as_circle, as_line
 
+from ..common import facets, support_contacts
 from ..common.facets import round_plate
 from ..common.flights import BEYOND, Follower
 from ..interface import Setting
@@ -42,11 +44,22 @@ def refuses(case: Case) -> str | None:
         return "Exudyn has smooth rolling contact for discs only, and this outline is no circle."
     if as_line(case.track) is None and as_circle(case.track) is None:
         return "Exudyn has smooth rolling contact on straight lines and circles only, and this track is neither."
+    if case.supports:
+        problem = _refuses_supports(case)
+        if problem:
+            return problem
     if constraints.suits(case):
         return constraints.refuses(case)
     if case.effect(Unilateral) is None:
         return "Exudyn's contacts with friction only push; it has none for a track that also pulls (no Unilateral)."
     return older_versions.contact_object("ObjectContactSphere" + ("Triangle" if as_line(case.track) else "Sphere"))
+
+
+def _refuses_supports(case: Case) -> str | None:
+    """The reason why the contacts of a case with supports are not the engine's, or None."""
+    if any(support.effects is not None for support in case.supports) or case.plate.radius is None:
+        return "Exudyn is given supports with the case's own effects, and discs about their centre of mass."
+    return support_contacts.refuses(case)
 
 
 def build(case: Case, setting: Setting) -> ExudynSystem:
@@ -68,10 +81,42 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
         item.SensorObject(objectNumber=number, outputVariableType=exu.OutputVariableType.Force, storeInternal=True)
     )
     motion = node_sensors(system, node)
+    others = tuple(_add_support(case, setting, system, disc, support) for support in case.supports)
     state = system.systemData.GetDataCoordinates
-    steps_until(case, setting, system, slip, speed=lambda: state()[1])
+    if not others:  # a step that ends where one of several contacts sticks is no better for the others
+        steps_until(case, setting, system, slip, speed=lambda: state()[1])
     system.Assemble()
-    return ExudynSystem(container, system, motion, force, contact)
+    return ExudynSystem(container, system, motion, force, contact, others)
+
+
+def _add_support(case: Case, setting: Setting, system, disc: int, support: Support) -> int:
+    """Add the contact with a further straight support; returns the sensor of its force."""
+    line, own = as_line(support.curve), replace(case, effects=support.acting(case.effects), supports=())
+    assert line is not None, "refuses() accepts straight supports only"
+    number = _add_triangle(own, setting, system, disc, _triangle_between(*facets.ends(case, line)), at_start=False)
+    kind = exu.OutputVariableType.Force
+    return int(system.AddSensor(item.SensorObject(objectNumber=number, outputVariableType=kind, storeInternal=True)))
+
+
+def _triangle_between(one: np.ndarray, other: np.ndarray) -> list[list[float]]:
+    """A triangle across the plane of motion with a side along the line between two points."""
+    reach, (x, y) = 0.5 * float(np.hypot(*(other - one))), 0.5 * (one + other)
+    return [[*one.tolist(), -reach], [*other.tolist(), -reach], [float(x), float(y), 2.0 * reach]]
+
+
+def _add_triangle(case: Case, setting: Setting, system, disc: int, points: list[list[float]], at_start: bool) -> int:
+    """Add the contact of the disc with a triangle; `at_start`: whether they touch at the start."""
+    return int(
+        system.AddObject(
+            item.ObjectContactSphereTriangle(
+                markerNumbers=[disc, ground(system, np.zeros(2))],
+                **older_versions.sphere_radius(disc_circle(case).radius),
+                trianglePoints=exu.Vector3DList(points),  # type: ignore[call-arg]
+                includeEdges=0,
+                **_contact_law(case, setting, system, at_start),
+            )
+        )
+    )
 
 
 def _slip_on_line(case: Case, system, line: Line) -> Callable[[Any], float]:
@@ -144,15 +189,7 @@ def _on_circle(case: Case, setting: Setting, system, disc: int, circle: Circle):
 def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
     radius = disc_circle(case).radius
     normal = np.array([-line.direction[1], line.direction[0]])
-    number = system.AddObject(
-        item.ObjectContactSphereTriangle(
-            markerNumbers=[disc, ground(system, np.zeros(2))],
-            **older_versions.sphere_radius(radius),
-            trianglePoints=exu.Vector3DList(_ground_triangle(case, line)),  # type: ignore[call-arg]
-            includeEdges=0,
-            **_contact_law(case, setting, system),
-        )
-    )
+    number = _add_triangle(case, setting, system, disc, _ground_triangle(case, line), at_start=True)
 
     def contact(data: SensorData) -> ExudynContact:
         centre, velocity = _of_disc(case, data)
@@ -163,12 +200,12 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
     return number, contact
 
 
-def _contact_law(case: Case, setting: Setting, system) -> dict:
+def _contact_law(case: Case, setting: Setting, system, at_start: bool = True) -> dict:
     """Parameters that both contact objects share; their data node holds gap and slip of the last iteration."""
     # Without an initial gap the plate would fall for a step before the contact acts; without an initial slip, friction
     # would begin on the steep branch of its law, with a thousand times its bound.
     touching, at_rest = start_motion(case), static_start(case, setting, depth=0.0)
-    gap = -hypot(at_rest.x - touching.x, at_rest.y - touching.y)
+    gap = -hypot(at_rest.x - touching.x, at_rest.y - touching.y) if at_start else 0.0
     slip = hypot(at_rest.vx - touching.vx, at_rest.vy - touching.vy) or abs(touching.slip) if gap else 0.0
     data = item.NodeGenericData(initialCoordinates=[gap, slip, 0.0, 0.0], numberOfDataCoordinates=4)
     impact = case.effect(Impact)

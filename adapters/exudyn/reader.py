@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, Cost, Curve, Flight, PerfectlyRough, Trajectory, Unilateral
+from cases import Case, Cost, Curve, Flight, PerfectlyRough, State, Trajectory, Unilateral
 from cases.contact import start_motion
+from cases.contact_pairs import pairs
 
 from ..common.driven_tracks import to_fixed_frame
 from ..common.flights import LANDING_REASON, LIFT_OFF_REASON, flights, lands_for_good
+from ..common.support_contacts import with_supports
 from ..interface import EngineFailure, Setting
-from .system import ExudynContact, ExudynSystem, SensorData, rough_friction, scales
+from .system import ExudynContact, ExudynSystem, SensorData, disc_circle, rough_friction, scales
 
 # Columns of the normal and the friction force in a row of a trajectory; and all columns that only a contact has.
 _FORCES, _TOUCH = slice(8, 10), slice(7, 12)
@@ -38,6 +40,8 @@ class ExudynModel:
 def read(model: ExudynModel) -> Trajectory:
     """The run as a Trajectory, cut where the plate leaves its track. Raises EngineFailure if it is no motion."""
     data = _sensor_data(model.system)
+    if model.case.supports:
+        return _on_supports(model, data)
     t, contact = data.t, model.system.contact(data)
     count = len(contact.gap)
     rows = np.column_stack(
@@ -63,6 +67,25 @@ def read(model: ExudynModel) -> Trajectory:
         slip_resolution=_creep(model.case, model.setting, friction_force),
     )
     return to_fixed_frame(model.outside, motion)
+
+
+def _on_supports(model: ExudynModel, data: SensorData) -> Trajectory:
+    """The motion of a disc on several supports; the forces of all contacts act at its rim."""
+    if model.failure:
+        raise EngineFailure(f"Exudyn stopped at {data.t[-1]:.4g} s: {model.failure}.")
+    case, nothing = model.case, np.full(len(data.t), np.nan)
+    force, moment = np.zeros((len(data.t), 2)), np.zeros(len(data.t))
+    numbers = [number for number in (model.system.force, *model.system.others) if number is not None]
+    for pair, number in zip(pairs(case), numbers, strict=True):
+        own = model.system.system.GetSensorStoredData(number)[:, 1:3]
+        force += own
+        moment += disc_circle(case).radius * (own @ pair.track.tangent(0.0))
+    columns = (*data.pose.T, *data.velocity.T, *[nothing] * 5)
+    whole: dict[str, Any] = dict(zip(State._fields, columns, strict=True))
+    creep = _creep(case, model.setting, nothing)
+    motion = Trajectory(t=data.t, **whole, cost=model.cost, slip_resolution=creep)
+    torsor = np.column_stack([force, moment])
+    return with_supports(case, motion, clear_gap(case, model.setting), torsor, slip_lever=0.5)
 
 
 def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:

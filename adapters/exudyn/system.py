@@ -51,7 +51,7 @@ class ExudynSystem:
     """An assembled system in the container that owns it.
 
     `motion`: the sensors of pose and velocity; `force`: the sensor of the contact's forces, if there is one; `contact`:
-    a function that computes the contact from their data.
+    a function that computes the contact from their data; `others`: the sensors of the forces of further supports.
     """
 
     container: Any
@@ -59,6 +59,7 @@ class ExudynSystem:
     motion: tuple[int, int]
     force: int | None
     contact: Callable[[SensorData], ExudynContact]
+    others: tuple[int, ...] = ()
 
 
 def node_sensors(system, node: int) -> tuple[int, int]:
@@ -88,7 +89,7 @@ def static_start(case: Case, setting: Setting, depth: float = 1.0) -> MotionPoin
     """
     start, k = start_motion(case), setting.get("k")
     # With default settings the plate starts at the case's own pose.
-    if not k or setting.is_default or isnan(start.xi1_dot):
+    if not k or setting.is_default or isnan(start.xi1_dot) or case.supports:
         return start
     force, creep = first_force(case, start, setting["vreg"])
     penetration = force / k

@@ -9,12 +9,13 @@ import cases
 import reference
 from adapters import Setting, by_process, lookup
 from adapters.by_process.bundle import KNOBS, MOST_BOXES, MOST_FACETS, OWN_STEPS, WITHOUT_FACETS, version_of
-from cases import Belt, Case, CoulombFriction, Gravity, Start, Unilateral, disc
+from cases import Belt, Case, CoulombFriction, Drive, Gravity, Start, Unilateral, disc
 from cases.errors import UnknownName
 from cases.library import circle, hill, line
 from reports.running.processes.workers import WorkerPool
 from reports.running.records import Run
 from reports.running.tasks import find_truth, perform
+from tests.adapters.test_supports import groove as disc_rocking_in_v
 
 PAPER = "disc_in_circle[mu=0.2]"
 NAMES = sorted(by_process.bundled_engines())
@@ -292,7 +293,6 @@ def test_mujoco_runs_belts_along_every_kind_of_track(engine, track):
 @pytest.mark.parametrize(
     ("engine", "reason"),
     [
-        ("mujoco", "constant surface velocity"),
         ("drake", "no surface velocity"),
         ("dartpy", "not among the bindings"),
     ],
@@ -302,3 +302,59 @@ def test_belts_that_an_engine_cannot_run_are_rejected_with_the_reason(engine, re
     case = Case(line(), disc(0.1, 1.0), (*GRIP, Belt("t")), Start(0.0), 0.4)
     with pytest.raises(cases.NotSupported, match=reason):
         simulated(engine, case, 1e-2)
+
+
+def off(name: str, case: Case, h: float) -> float:
+    """The largest distance (m) of the centre from the reference's."""
+    moved = simulated(name, case, h)
+    exact = reference.simulate(case)(moved.t)
+    return float(np.hypot(moved.x - exact.x, moved.y - exact.y).max())
+
+
+# Largest distances (m) at 1 ms: twice what was measured.
+SUPPORTED = {
+    ("drake", "disc_spinning_in_v"): 4e-5,
+    ("drake", "disc_rocking_in_v"): 6e-3,
+    ("mujoco", "disc_rocking_in_v"): 6e-3,
+    ("mujoco", "rocking_block"): 6e-3,
+    ("mujoco", "ladder_at_wall[mu=0.1,mu_wall=0.2]"): 4e-2,
+}
+
+
+@pytest.mark.parametrize(("engine", "label"), SUPPORTED, indirect=["engine"])
+def test_mujoco_and_drake_run_several_supports(engine, label):
+    case = disc_rocking_in_v() if label == "disc_rocking_in_v" else cases.load(label)
+    assert off(engine, case, 1e-3) < SUPPORTED[engine, label]
+    moved = simulated(engine, case, 1e-3)
+    assert set(reference.simulate(case).contact_names) <= set(moved.contact_names)
+
+
+DRIVEN = {
+    "line": Case(line(), disc(0.1, 2.0), (*GRIP, Drive(x="0.05*sin(7*t)")), Start(0.0), 1.0),
+    "hill": Case(hill(1.0), disc(0.1, 2.0), (*GRIP, Drive(x="0.05*sin(7*t)")), Start(0.0), 0.5),
+}
+
+
+@pytest.mark.parametrize("engine", ["drake", "mujoco"], indirect=True)
+@pytest.mark.parametrize("track", DRIVEN)
+def test_mujoco_and_drake_run_driven_tracks(engine, track):
+    coarse, fine = (off(engine, DRIVEN[track], h) for h in (4e-3, 1e-3))
+    # Without the drive the disc would be centimetres away.
+    assert fine < 6e-4 and (engine == "drake" or fine < 0.4 * coarse)
+
+
+@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
+def test_mujoco_runs_belts_whose_speed_changes_with_time(engine):
+    case = Case(line(), disc(0.1, 2.0), (*GRIP, Belt("0.6*t + 0.1*sin(6*t)")), Start(0.0), 1.5)
+    coarse, fine = (off(engine, case, h) for h in (4e-3, 1e-3))
+    assert fine < 6e-4 and fine < 0.4 * coarse
+
+
+@every_engine
+def test_supports_and_driven_tracks_run_or_are_rejected_in_a_sentence(engine):
+    if engine in ("drake", "mujoco"):
+        pytest.skip("it runs them")
+    for case, name in ((cases.load("disc_spinning_in_v"), "Supports"), (DRIVEN["line"], "Drive")):
+        with pytest.raises(cases.NotSupported, match=name) as problem:
+            simulated(engine, case, 1e-2)
+        assert str(problem.value).endswith(".")

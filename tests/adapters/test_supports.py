@@ -14,7 +14,7 @@ from adapters import engine, refusal, refusal_of_several_contacts
 from adapters.common import support_contacts
 from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, StartPose, Support, Trajectory, Unilateral, disc
 from cases.library import circle, line
-from tests.adapters.test_engine_effects import play
+from tests.adapters.test_engine_effects import off, play
 
 NATIVE = ("pymunk", "box2d")
 EACH = pytest.mark.parametrize("name", NATIVE)
@@ -128,6 +128,27 @@ def groove(**changes) -> Case:
     effects = (Gravity(9.81), CoulombFriction(1.0), Unilateral(), Flight(), Impact(0.0, "moreau"))
     case = Case(line(alpha), disc(r, 1.0), effects, StartPose(x, y), 3.0, supports=(Support(line(-alpha), "right"),))
     return replace(case, **changes)
+
+
+def test_exudyn_spins_and_rocks_in_a_v():
+    """A contact of its own for each plane; the hand-over is an impact of a spring and a damper."""
+    pytest.importorskip("adapters.exudyn")
+    spinning = cases.load("disc_spinning_in_v")
+    coarse, fine = (off(spinning, play("exudyn", "native", spinning, rung))[0] for rung in (1, 5))
+    assert fine < 5e-7 and fine < 0.02 * coarse
+    motions = [play("exudyn", "native", groove(), rung) for rung in (1, 5)]
+    coarse, fine = (off(groove(), motion)[0] for motion in motions)
+    assert fine < 8e-3 and fine < 0.2 * coarse
+    truth = reference.simulate(groove())
+    impact = next(event.time for event in truth.transitions)
+    motion = motions[-1]
+    assert motion.contact_names == ("plate/track", "plate/right")
+    assert motion.t[np.argmax(np.isfinite(motion.contacts["plate/right"].slip))] == pytest.approx(impact, abs=5e-3)
+    # The disc rolls on one plane until then: the force of the only closed contact is known.
+    alone = (motion.t > 0.1) & (motion.t < impact - 0.1)
+    assert motion.contacts["plate/track"].normal_force[alone] == pytest.approx(9.81 * np.cos(pi / 9), rel=1e-3)
+    why = "The native route does not support curves with corners."
+    assert refusal(engine("exudyn"), cases.load("rocking_block"), "native") == why
 
 
 def test_routes_without_supports_reject_them_in_one_sentence():

@@ -6,8 +6,10 @@ Needs NumPy and nothing of the suite, so that an engine can have an environment 
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
+from collections.abc import Callable
 from importlib.metadata import version
 from math import atan2, ceil, cos, hypot, sin
 from pathlib import Path
@@ -56,10 +58,70 @@ def read_scene(engine: str, names: tuple[str, ...], reasons: dict[str, str] | No
         refuse(f"{engine}'s bodies have a finite inertia here, and this plate does not turn.")
     if "Unilateral" not in effects:
         refuse(f"{engine}'s contacts only push, and this plate is guided from both sides.")
-    friction = effects.get("CoulombFriction")
-    if friction and friction["mu_static"] not in (None, friction["mu"]):
-        refuse(f"{engine} has one friction coefficient for slip and stick.")
+    for every in (effects, *(support["effects"] for support in effects.get("Supports", {}).values())):
+        if every.get("Impact", {}).get("restitution", 0.0) != 0.0:
+            refuse(f"{engine} is given inelastic impacts only here, and this Impact has a restitution.")
+        friction = every.get("CoulombFriction")
+        if friction and friction["mu_static"] not in (None, friction["mu"]):
+            refuse(f"{engine} has one friction coefficient for slip and stick.")
     return scene
+
+
+def coefficient(effects, rough: float) -> float:
+    """The friction coefficient of a track's or a support's effects; `rough` for a perfectly rough one."""
+    return rough if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
+
+
+# The functions and numbers of formulas in t.
+FUNCTIONS = {name: getattr(math, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "atan", "pi")}
+
+
+def formula(text: str) -> Callable[[float], float]:
+    """A function of t for a formula of the scene. Ends the program for one with unknown functions."""
+    code = compile(text, "formula", "eval")
+    unknown = set(code.co_names) - {*FUNCTIONS, "t"}
+    if unknown:
+        refuse(f"Formulas in t have {', '.join(FUNCTIONS)} here, and this one has {', '.join(sorted(unknown))}.")
+    return lambda t: float(eval(code, {"__builtins__": {}, **FUNCTIONS, "t": t}))
+
+
+Triple = tuple[float, float, float]
+
+
+def driven(scene, h: float) -> Callable[[int], tuple[Triple, Triple]] | None:
+    """For a driven track, a function of a step's number: the track's place (m) and angle where the step of h (s)
+    begins, and the velocities that move it to its place at the next one. None for a track at rest."""
+    drive = scene["effects"].get("Drive")
+    if drive is None:
+        return None
+    x, y, angle = (formula(str(drive[name])) for name in ("x", "y", "angle"))
+
+    def step(number: int) -> tuple[Triple, Triple]:
+        here, there = ((x(t), y(t), angle(t)) for t in (number * h, (number + 1) * h))
+        vx, vy, spin = ((b - a) / h for a, b in zip(here, there, strict=True))
+        return here, (vx, vy, spin)
+
+    return step
+
+
+class Support(NamedTuple):
+    """A straight support: a point of it (m), the angle of its direction, and its effects."""
+
+    x: float
+    y: float
+    angle: float
+    effects: dict[str, Any]
+
+
+def supports(scene) -> list[Support]:
+    """The further supports, straight lines on whose left the plate lies."""
+    lines = []
+    for support in scene["effects"].get("Supports", {}).values():
+        points = support["points"]
+        middle = len(points["x"]) // 2
+        nx, ny = points["normal_x"][0], points["normal_y"][0]
+        lines.append(Support(points["x"][middle], points["y"][middle], atan2(-nx, ny), support["effects"]))
+    return lines
 
 
 def gravity(scene) -> tuple[float, float, float]:
