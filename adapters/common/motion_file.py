@@ -266,8 +266,8 @@ def _clear(case: Case, t: np.ndarray) -> float:
 def _on_supports(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:
     """The motion of a plate on supports, whose contacts follow from its poses and velocities."""
     t, nothing = columns["t"], np.full(len(columns["t"]), np.nan)
-    known = {name: columns.get(name, nothing) for name in ("x", "y", "theta", "vx", "vy", "omega")}
-    whole: dict[str, Any] = {**dict.fromkeys(State._fields, nothing), **known}
+    poses = {name: columns.get(name, nothing) for name in ("x", "y", "theta", "vx", "vy", "omega")}
+    whole: dict[str, Any] = {**dict.fromkeys(State._fields, nothing), **poses}
     motion = Trajectory(t=t, **whole, slip_resolution=_creep(columns, creep))
     return support_contacts.with_supports(case, motion, _clear(case, t))
 

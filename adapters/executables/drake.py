@@ -56,7 +56,7 @@ if radius is None:
         "Drake is given spheres: other outlines would be hulls, whose corners its point contact takes one by one."
     )
 effects, (count, h) = scene["effects"], plane.steps(scene)
-driven = plane.driven(scene, h)
+drive = plane.drive_steps(scene, h)
 
 builder = DiagramBuilder()
 plant, _ = drake.AddMultibodyPlantSceneGraph(builder, h)
@@ -76,7 +76,7 @@ def friction(of_effects) -> drake.CoulombFriction:
 
 
 ground = plant.world_body()
-if driven:
+if drive:
     # Its velocities are set in each step, and it has so much mass that no contact force changes them.
     heavy = HEAVY * max(mass, scene["plate"]["inertia"])
     instance = plant.AddModelInstance("track")
@@ -142,10 +142,10 @@ def velocities_now() -> list[float]:
     return [*joint.get_translational_velocity(context).tolist(), joint.get_angular_velocity(context)]
 
 
-motion, several = plane.MotionRows(scene), driven or "Supports" in effects
+motion, several = plane.MotionRows(scene), drive or "Supports" in effects
 for k in range(count + 1):
-    if driven:
-        (x, y, angle), (vx, vy, spin) = driven(k)
+    if drive:
+        (x, y, angle), (vx, vy, spin) = drive(k)
         rail.set_translation(context, [x, y])
         rail.set_rotation(context, angle)
         rail.set_translational_velocity(context, [vx, vy])

@@ -39,7 +39,7 @@ scene = plane.read_scene(
     ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Belt", "Drive", "Supports"),
 )
 count, h = plane.steps(scene)
-driven = plane.driven(scene, h)
+drive = plane.drive_steps(scene, h)
 belt = plane.formula(str(scene["effects"]["Belt"]["speed"])) if "Belt" in scene["effects"] else None
 if belt and not hasattr(mujoco.MjModel, "geom_surfacevel"):
     plane.refuse("MuJoCo has surface velocities from version 3.11 on, and an older one is installed.")
@@ -66,7 +66,7 @@ body = part(world, "body")
 for box in world.findall("geom"):
     world.remove(box)
 track = plane.shape(scene)
-if track.kind == "line" and driven:
+if track.kind == "line" and drive:
     # The engine's planes do not move: a box below the start.
     c, s = plane.cos(track.angle), plane.sin(track.angle)
     along = (start["x"] - track.x) * c + (start["y"] - track.y) * s
@@ -100,7 +100,7 @@ for support in plane.supports(scene):
         xyaxes=f"{plane.cos(support.angle)} {plane.sin(support.angle)} 0 0 0 -1", friction=f"{own} 0 0",
         condim="3" if own else "1",
     )  # fmt: skip
-if driven:
+if drive:
     # Bodies of a mocap kind have no velocity for the engine's contacts: the track has joints, and so much mass that no
     # contact force changes the velocities that are set in each step.
     heavy = repr(HEAVY * max(scene["plate"]["mass"], scene["plate"]["inertia"]))
@@ -160,10 +160,10 @@ def creep() -> float:
     return fastest
 
 
-motion, fastest, several = plane.MotionRows(scene), 0.0, driven or "Supports" in effects
+motion, fastest, several = plane.MotionRows(scene), 0.0, drive or "Supports" in effects
 for k in range(count + 1):
-    if driven:
-        data.qpos[3:], data.qvel[3:] = driven(k)
+    if drive:
+        data.qpos[3:], data.qvel[3:] = drive(k)
     if belt:
         model.geom_surfacevel[fixed] = belt((k + 0.5) * h) * UNIT
         motion.belt = belt((k + 1) * h)

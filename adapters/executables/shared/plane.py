@@ -88,7 +88,7 @@ def formula(text: str) -> Callable[[float], float]:
 Triple = tuple[float, float, float]
 
 
-def driven(scene, h: float) -> Callable[[int], tuple[Triple, Triple]] | None:
+def drive_steps(scene, h: float) -> Callable[[int], tuple[Triple, Triple]] | None:
     """For a driven track, a function of a step's number: the track's place (m) and angle where the step of h (s)
     begins, and the velocities that move it to its place at the next one. None for a track at rest."""
     drive = scene["effects"].get("Drive")
@@ -104,7 +104,7 @@ def driven(scene, h: float) -> Callable[[int], tuple[Triple, Triple]] | None:
     return step
 
 
-class Support(NamedTuple):
+class FixedLine(NamedTuple):
     """A straight support: a point of it (m), the angle of its direction, and its effects."""
 
     x: float
@@ -113,14 +113,14 @@ class Support(NamedTuple):
     effects: dict[str, Any]
 
 
-def supports(scene) -> list[Support]:
+def supports(scene) -> list[FixedLine]:
     """The further supports, straight lines on whose left the plate lies."""
     lines = []
     for support in scene["effects"].get("Supports", {}).values():
         points = support["points"]
         middle = len(points["x"]) // 2
         nx, ny = points["normal_x"][0], points["normal_y"][0]
-        lines.append(Support(points["x"][middle], points["y"][middle], atan2(-nx, ny), support["effects"]))
+        lines.append(FixedLine(points["x"][middle], points["y"][middle], atan2(-nx, ny), support["effects"]))
     return lines
 
 
