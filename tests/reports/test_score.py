@@ -26,6 +26,7 @@ each_case = pytest.mark.parametrize(
     "case",
     [*SAMPLE, *(pytest.param(case, marks=pytest.mark.slow) for case in CATALOGUE)],
     ids=lambda case: case.label,
+    scope="module",  # all tests of a case in a row, so that it is simulated once
 )
 # Score per 1 % of friction. Below, a case hardly depends on friction's law (mu is so large that more changes little);
 # above, it hangs on it: a plate is about to slip or to turn over.
