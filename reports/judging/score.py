@@ -42,8 +42,8 @@ _RESTS = 1e-12
 # The time in a wrong mode is measured against this part of the motion at least: else the score of a case that changes
 # its mode for an instant would depend on that instant alone.
 _LEAST_TIME = 0.25
-# The slip is measured against a mean slip that moves the plate by this part of the nearest null motion's pose error at
-# least: else the score of a case that slips for an instant only would depend on that instant alone.
+# A truth whose slip differs from the nearest null motion's by a distance below this part of that motion's pose error is
+# judged as one that never slips: else the score of a case that slips for an instant would depend on that instant alone.
 _LEAST_SLIP = 0.01
 # Slip below this part of the fastest of the truth and of its nearest null motion may count as none, whatever the
 # engine's creep is: as an error of slip it makes no more than about this part of a score.
@@ -65,10 +65,10 @@ class Scale:
 
     `end` (s) and `phases` are the truth's, `slips` (m/s) the largest slip in each. `either` has the time spans (s) in
     which slip is too slow to be distinguished from a roll; they are rolls in `phases`. `fastest_slip` (m/s) is the
-    largest of `slips`, or the fastest speed where nothing slips; `losses` are those of `friction_factor`. `null_motion`
-    names the null motion with the smallest pose error, "" where none differs from the truth: `pose` is then the plate's
-    reach. `share` is `pose` as a share of the truth's path, infinite for a plate that stays where it is;
-    `most_creep` (m/s): slip below it may count as none.
+    largest of `slips`, or the fastest speed where nothing slips or only for an instant; `losses` are those of
+    `friction_factor`. `null_motion` names the null motion with the smallest pose error, "" where none differs from the
+    truth: `pose` is then the plate's reach. `share` is `pose` as a share of the truth's path, infinite for a plate that
+    stays where it is; `most_creep` (m/s): slip below it may count as none.
     """
 
     pose: float
@@ -122,18 +122,18 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
     )
     phases = rolling_within(phases, either)
     slips = tuple(_largest_slip(truth, phase) for phase in phases)
-    fastest_slip = max(slips, default=0.0) if max(slips, default=0.0) > slowest else speed
     errors = {name: _errors(motion, truth, differences(motion, truth, case), case) for name, motion in nulls.items()}
     real = {name: pair for name, pair in errors.items() if pair[0] > _SAME * (path if moves else case.plate.reach)}
     nearest = min(real, key=lambda name: real[name][0], default="")
     others = end - max(time_by_mode(phases).values(), default=end)
-    pose = real[nearest][0] if nearest else case.plate.reach
+    pose, slip_error = real[nearest] if nearest else (case.plate.reach, np.inf)
+    least_slip = _LEAST_SLIP * pose / (end or case.duration)
+    # An error of 0: they are in contact at no common time, or slip alike.
+    is_slipping = max(slips, default=0.0) > slowest and not 0.0 < slip_error < least_slip
+    fastest_slip = max(slips) if is_slipping else speed
     return Scale(
         pose=pose,
-        slip=max(
-            _slip_scale(real, nearest, _SAME * fastest_slip) or fastest_slip,
-            _LEAST_SLIP * pose / (end or case.duration),
-        ),
+        slip=_slip_scale(real, nearest, max(_SAME * fastest_slip, least_slip)) or fastest_slip,
         time=(max(others, _LEAST_TIME * end) if others > 0.0 else end) or case.duration,
         end=end,
         phases=phases,
