@@ -8,37 +8,17 @@ from .case_class import Case
 from .chain import Chain
 from .contact_pairs import pairs
 from .curves import Curve
-from .effects import Belt, CoulombFriction, Drive, Flight, RollingResistance, Unilateral
-from .own_effects import own_effects
+from .effects import Flight
 from .piece_case import has_pieces
 from .start_pose import TOUCHES
-from .supports import features, why_not_by_features
+from .supports import exclusion, features, why_not_by_features
 
 
 def limitation(case: Case) -> str:
     """Why a motion of this case with several contacts cannot be computed, in a sentence; "" if it can."""
-    if case.effect(Unilateral) is None:
-        return "A second contact needs Unilateral: a bilateral guide has no free side."
-    if case.effect(RollingResistance) is not None:
-        return "RollingResistance is not supported with several contacts."
-    if case.effect(Belt) is not None:
-        return "A belt is not supported with several contacts."
-    if own := own_effects(case.effects):
-        return f"{type(own[0]).__name__} is not supported with several contacts."
-    if case.effect(Drive) is not None:
-        return "A driven track is not supported with several contacts."
-    if not case.plate.turns:
-        return "A plate of infinite inertia is not supported with several contacts."
-    friction = case.effect(CoulombFriction)
-    if friction is not None and friction.by_speed:
-        return "Friction that depends on the slip speed is not supported with several contacts."
-    if case.supports:
-        return ""
-    if has_pieces(case):
-        return why_not_by_features(case.track, case.plate.outline)
-    if case.track.parts is not None or case.plate.outline.parts is not None:
-        return "Curves in pieces are not supported with several contacts."
-    return ""
+    if reason := exclusion(case):
+        return f"{reason[0].upper()}{reason[1:]}."
+    return why_not_by_features(case.track, case.plate.outline) if has_pieces(case) and not case.supports else ""
 
 
 def has_features(case: Case) -> bool:

@@ -103,7 +103,10 @@ def check_supports(case: Any) -> None:
             )
     if not case.supports:
         return
-    _check_kinds(case)
+    if reason := exclusion(case):
+        raise BadValue(reason)
+    if isinstance(case.track, Chain):
+        raise BadValue("a track with corners with supports is not supported; give each straight part as a Support")
     if isinstance(case.plate.outline, Chain):
         _check_features(case)
 
@@ -126,25 +129,25 @@ def why_not_by_features(track: Curve, outline: Curve) -> str:
     return ""
 
 
-def _check_kinds(case: Any) -> None:
-    """Raise BadValue for an effect that several supports do not have yet."""
+def exclusion(case: Any) -> str:
+    """What of a case excludes several contacts, and what to give instead, as a sentence without its capital and period;
+    "" if nothing does. Shapes are not looked at."""
     for kind in (all_effects.Belt, all_effects.Drive, all_effects.RollingResistance):
         if case.effect(kind) is not None:
-            raise BadValue(f"{kind.__name__} with supports is not supported; leave {kind.__name__} out")
+            return f"{kind.__name__} with several contacts is not supported; leave {kind.__name__} out"
     if own := own_effects(case.effects):
-        raise BadValue(f"{type(own[0]).__name__} with supports is not supported; leave it out")
+        return f"{type(own[0]).__name__} with several contacts is not supported; leave it out"
     if case.effect(all_effects.Unilateral) is None:
-        raise BadValue("a plate touches supports from one side; add Unilateral to the effects")
+        return "a bilateral guide with several contacts is not supported; add Unilateral to the effects"
     if not case.plate.turns:
-        raise BadValue("a plate of infinite inertia with supports is not supported; give a finite inertia")
+        return "a plate of infinite inertia with several contacts is not supported; give a finite inertia"
     friction = case.effect(CoulombFriction)
     if friction is not None and friction.by_speed:
-        raise BadValue("friction that depends on the slip speed with supports is not supported; give mu as a number")
-    if isinstance(case.track, Chain):
-        raise BadValue("a track with corners with supports is not supported; give each straight part as a Support")
+        return "friction that depends on the slip speed with several contacts is not supported; give mu as a number"
     for curve in (case.track, case.plate.outline, *(support.curve for support in case.supports)):
         if not isinstance(curve, Chain) and curve.parts is not None:
-            raise BadValue("a curve in pieces with supports is not supported; give a smooth curve in one piece")
+            return "a curve in pieces with several contacts is not supported; give a smooth curve in one piece"
+    return ""
 
 
 def _check_features(case: Any) -> None:

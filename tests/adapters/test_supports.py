@@ -158,5 +158,5 @@ def test_routes_without_supports_reject_them_in_one_sentence():
     why = "Supports are straight lines without ends here, and 'bowl' is none."
     assert refusal(engine("pymunk"), bowl, "native") == why
     assert refusal_of_several_contacts(engine("pymunk"), bowl, "native") == why
-    with pytest.raises(cases.BadValue, match="Belt with supports is not supported"):
+    with pytest.raises(cases.BadValue, match="Belt with several contacts is not supported"):
         groove(effects=(*groove().effects, Belt(1.0)))

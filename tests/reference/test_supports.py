@@ -33,6 +33,7 @@ from cases import (
     disc,
 )  # fmt: skip
 from cases.contact import start_motion
+from cases.contact_limits import limitation
 from cases.contact_pairs import pairs
 from cases.library import circle, line, parabola
 from cases.mechanics import energy
@@ -416,6 +417,15 @@ def _resistance() -> tuple:
 
 def _with(effects=INELASTIC, plate=DISC, track=None, supports=()) -> Case:
     return Case(track or line(), plate, effects, StartPose(0.0, 0.5), 1.0, supports=supports)
+
+
+@pytest.mark.parametrize("effect", ["_belt", "_resistance"])
+def test_one_rule_excludes_effects_with_supports_and_at_second_contacts(effect):
+    extra = globals()[effect]()
+    with pytest.raises(BadValue) as problem:
+        _with(extra, supports=(Support(line(0.5), "a"),))
+    sentence = limitation(_with(extra))
+    assert sentence.lower() == f"{problem.value}.".lower()
 
 
 def test_the_method_augmented_is_rejected():
