@@ -111,11 +111,11 @@ def test_failures_are_counted_once_for_each_reason_and_the_worst_unusable_run_is
 
 
 def test_a_long_table_has_its_first_rows_and_says_how_many_there_are():
-    frame = pd.DataFrame({f"c{i}": range(40) for i in range(20)} | {"cpu_s": [0.1] * 40, "level": range(40)})
-    whole = table(frame.head(12), {"c0": "c0"})
-    assert len(whole["rows"]) == whole["count"] == 12
+    frame = pd.DataFrame({f"c{i}": range(60) for i in range(20)} | {"cpu_s": [0.1] * 60, "level": range(60)})
+    whole = table(frame.head(50), {"c0": "c0"})
+    assert len(whole["rows"]) == whole["count"] == 50
     long = table(frame, {c: c for c in frame.columns}, {"c0": "height, m"}, file="x")
-    assert (len(long["rows"]), long["count"], len(long["heads"]), long["columns"]) == (8, 40, 12, 22)
+    assert (len(long["rows"]), long["count"], len(long["heads"]), long["columns"]) == (8, 60, 12, 22)
     assert long["heads"][0]["unit"] == "m" and long["file"] == "x"
     (head,) = table(frame, {"cpu_s": "cpu s"})["heads"]
     assert (head["title"], head["unit"], head["number"]) == ("cpu", "s", True)
