@@ -42,12 +42,13 @@ CLOSED = 1e-9
 # Newton's iterations for the nearest point of the track: from the last one it converges in three.
 MOST_ITERATIONS = 20
 
-scene = plane.read_scene("Siconos", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"))
+scene = plane.read_scene(
+    "Siconos", ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Supports")
+)
 radius, mass, inertia = (scene["plate"][name] for name in ("radius", "mass", "inertia"))
 start, effects, (count, h) = scene["start"], scene["effects"], plane.steps(scene)
 if radius is None:
     plane.refuse("Siconos is given discs here: this outline is no circle about the centre of mass.")
-mu = ROUGH if "PerfectlyRough" in effects else effects.get("CoulombFriction", {}).get("mu", 0.0)
 
 
 class Track:
@@ -107,14 +108,50 @@ plate = kernel.LagrangianLinearTIDS(
     np.diag([mass, mass, inertia]),
 )
 plate.setFExtPtr(np.array([mass * pull[0], mass * pull[1], 0.0]))
-# Rows: the normal and the tangential direction; the gap is their first component plus the first offset.
-directions, offset = np.zeros((2, 3)), np.zeros(2)
-relation = kernel.LagrangianLinearTIR(directions, offset)
-law = kernel.NewtonImpactFrictionNSL(0.0, 0.0, mu, 2)
-contact = kernel.Interaction(law, relation)
 model = kernel.NonSmoothDynamicalSystem(0.0, scene["duration"] + 10 * h)
 model.insertDynamicalSystem(plate)
-model.link(contact, plate)
+
+
+class DiscContact:
+    """The engine's contact of the disc with the track or a support, by the tangent plane of each step."""
+
+    def __init__(self, points, closed: bool, effects):
+        self.track = Track(points, closed, start["x"], start["y"])
+        # Rows: the normal and the tangential direction; the gap is their first component plus the first offset.
+        self.directions, self.offset = np.zeros((2, 3)), np.zeros(2)
+        self.relation = kernel.LagrangianLinearTIR(self.directions, self.offset)
+        self.law = kernel.NewtonImpactFrictionNSL(0.0, 0.0, plane.coefficient(effects, ROUGH), 2)
+        self.interaction = kernel.Interaction(self.law, self.relation)
+        model.link(self.interaction, plate)
+
+    def set_plane(self, pose, velocities) -> None:
+        """Set the relation to the tangent plane at the pose predicted for the step's end."""
+        gap, _ = self.track.contact(float(pose[0]), float(pose[1]))
+        _, self.normal = self.track.contact(float(pose[0] + h * velocities[0]), float(pose[1] + h * velocities[1]))
+        nx, ny = self.normal
+        self.directions[0], self.directions[1] = (nx, ny, 0.0), (ny, -nx, radius)
+        self.offset[0] = gap - (nx * pose[0] + ny * pose[1])
+        self.relation.setCPtr(self.directions)
+        self.relation.setEPtr(self.offset)
+
+    def touch(self, pose) -> plane.PlaneContact | None:
+        """The contact in the last step, which began at that pose; None if it did not push."""
+        push, rub = (float(impulse) / h for impulse in self.interaction.lambda_(1))
+        if push <= 0.0:
+            return None
+        nx, ny = self.normal
+        point = float(pose[0] - radius * nx), float(pose[1] - radius * ny)
+        return plane.PlaneContact(point, self.normal, (push * nx + rub * ny, push * ny - rub * nx))
+
+    def creep(self, after) -> float:
+        """The slip (m/s), in the plane of the pose that a step reaches, of a contact that sticks in the step's."""
+        nx, ny = self.normal
+        _, (mx, my) = self.track.contact(float(plate.q()[0]), float(plate.q()[1]))
+        return abs(float(after[0] * (ny - my) - after[1] * (nx - mx)))
+
+
+contacts = [DiscContact(scene["points"]["track"], scene["closed"]["track"], effects)]
+contacts += [DiscContact(each["points"], False, each["effects"]) for each in effects.get("Supports", {}).values()]
 problem = kernel.FrictionContact(2)
 if scene["setting"].get("rung") != "defaults":
     problem.numericsSolverOptions().dparam[0] = scene["setting"].get("tolerance", TOLERANCE)
@@ -122,37 +159,18 @@ stepper = kernel.MoreauJeanOSI(scene["setting"].get("theta", 0.5))
 # By default a gap of exactly zero counts as open, and the plate would fall for the first step.
 stepper.setConstraintActivationThreshold(CLOSED * radius)
 simulation = kernel.TimeStepping(model, kernel.TimeDiscretisation(0.0, h), stepper, problem)
-track = Track(scene["points"]["track"], scene["closed"]["track"], start["x"], start["y"])
-
-
-def set_plane(pose, velocities) -> tuple[float, float]:
-    """Set the relation to the tangent plane at the pose predicted for the step's end; returns its normal."""
-    gap, _ = track.contact(float(pose[0]), float(pose[1]))
-    _, (nx, ny) = track.contact(float(pose[0] + h * velocities[0]), float(pose[1] + h * velocities[1]))
-    directions[0], directions[1] = (nx, ny, 0.0), (ny, -nx, radius)
-    offset[0] = gap - (nx * pose[0] + ny * pose[1])
-    relation.setCPtr(directions)
-    relation.setEPtr(offset)
-    return nx, ny
-
 
 motion, fastest, creep = plane.MotionRows(scene), 0.0, 0.0
 for k in range(count + 1):
     pose, velocities = plate.q().copy(), plate.velocity().copy()
-    nx, ny = set_plane(pose, velocities)
+    for contact in contacts:
+        contact.set_plane(pose, velocities)
     simulation.computeOneStep()
-    push, rub = (float(impulse) / h for impulse in contact.lambda_(1))
+    touches = [contact.touch(pose) for contact in contacts]
     after = plate.velocity().copy()
     simulation.nextStep()
-    touches = []
-    if push > 0.0:
-        point = float(pose[0] - radius * nx), float(pose[1] - radius * ny)
-        force = push * nx + rub * ny, push * ny - rub * nx
-        touches.append(plane.PlaneContact(point, (nx, ny), force))
-        # A contact that sticks has no slip in the predicted plane; in that of the pose it reaches, it has this much.
-        _, (mx, my) = track.contact(float(plate.q()[0]), float(plate.q()[1]))
-        creep = max(creep, abs(after[0] * (ny - my) - after[1] * (nx - mx)))
+    creep = max([creep, *(one.creep(after) for one, touch in zip(contacts, touches, strict=True) if touch)])
     fastest = max(fastest, hypot(after[0], after[1]) + radius * abs(after[2]))
-    motion.note(k * h, pose.tolist(), velocities.tolist(), touches, after.tolist())
+    motion.note(k * h, pose.tolist(), velocities.tolist(), [touch for touch in touches if touch], after.tolist())
     motion.slip = None  # it follows from pose and velocities, which are at the same time
 motion.write(creep + ROUNDINGS * np.finfo(float).eps * fastest)
