@@ -73,6 +73,9 @@ class Simulation(PhaseIntegration):
             / self.dynamics.units,
             tol=1e-9,
         ) if modes else 0  # fmt: skip
+        count = len(modes) + sum(mode is Mode.ROLL for mode in modes.values())
+        if rank < min(count, 3):  # they hold one point, about which the plate turns: the matrix is singular
+            raise SimulationEnd("breakdown")
         rests = rank == 3 and not self.body[3:].any()
         changes = []
         for k, contact in enumerate(self.contacts):

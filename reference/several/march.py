@@ -203,6 +203,13 @@ class SeveralSimulation(WatchedPlate):
                 "not_unique",
                 f"{count} motions of rigid Coulomb contact are consistent at {self.t:.9g} s: {choices}.",
             )
+        touching = [now.places[k] for k in now.touching]
+        rows = np.array([at.lift_row for at in touching] + [at.slip_row for at in touching if at.stick > 0.0])
+        if len(touching) > 1 and np.linalg.matrix_rank(rows, tol=1e-9 * self.case.plate.reach) < min(len(rows), 3):
+            return BREAKDOWN, (
+                f"At t = {self.t:.9g} s {' and '.join(now.names[k] for k in now.touching)} hold one point of the "
+                "plate, which turns about it: their forces are not unique, and this motion is not computed."
+            )
         return NO_SLIP if any(now.places[k].stick == inf for k in now.touching) else NO_MODE
 
     def _phase(self, regime: SeveralRegime) -> Ending | None:

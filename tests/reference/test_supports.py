@@ -288,6 +288,14 @@ def test_both_formulations_have_the_same_random_sequences(seed):
     agree(random_case(seed), 1e-10)
 
 
+def test_a_plate_that_turns_about_a_point_held_by_two_contacts_ends_in_both_formulations():
+    # A rod's corner sticks in the corner of plane and wall, and the rod turns about it: four rows of rank two.
+    case = random_case(25)
+    assert agree(case, 1e-10) == 5
+    motion = reference.simulate(case)
+    assert motion.status == "breakdown" and "hold one point of the plate" in motion.reason
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(8, 310))
 def test_both_formulations_have_the_same_sequences_of_many_scenes(seed):
