@@ -12,16 +12,17 @@ from math import isnan
 
 import numpy as np
 
-from cases import Case, DoesNotFit, Transition
+from cases import Case, Chain, DoesNotFit, Transition
 from cases.contact import Contact, find, pose
 from cases.overlap import span
 from cases.piece_case import PieceCase, has_pieces
-from cases.piece_contact import Chains, entry_time, excludes_second
+from cases.piece_contact import Chains, Entry, entry_time, excludes_second, piece_gap
 
 from .boxes import Cores, Geometry
 from .contact_cores import cores
 from .curvature_proof import fits_everywhere
 from .curve_pieces import TooMuch
+from .element_meetings import ElementSearch
 from .gap import facing
 from .integrators.segment import Segment
 from .meetings import Meeting, MeetingSearch
@@ -40,6 +41,9 @@ MOST_WIDENINGS = 20
 # Samples of a motion on curves with corners: the plate moves by this part of its size between two, and a step has at
 # most so many.
 CHAIN_STEP, MOST_SAMPLES = 0.02, 2000
+
+# Times nearer to a phase's end than this part of it are the end's: both are events, located to 1e-12.
+END = 1e-11
 
 Solution = tuple[list[Segment], list[Transition], tuple[str, str]]
 
@@ -70,34 +74,86 @@ def until_second_contact(case: Case, solution: Solution) -> tuple[Solution, Meet
 
 
 def _until_entry(case: Case, solution: Solution, segments: list[Segment]) -> Solution:
-    """The same for curves with corners: the first instant at which a corner of one enters the other, seen at samples
-    between which the plate moves by CHAIN_STEP of its size, then located to rounding."""
+    """The same for curves with corners: the first meeting of two elements. Those next to the contact's, whose gaps
+    vanish with it, are searched at samples only."""
     if excludes_second(case.track, case.plate.outline):
         return solution
     whole = [_whole(segment) for segment in segments]
     xi1 = np.concatenate([states(segment.times)[3] for segment, states in zip(segments, whole, strict=True)])
     chains = Chains(case.track, case.plate.outline, *span(case.track, xi1, case.plate.reach))
+    search = ElementSearch(case)
     for segment, states in zip(segments, whole, strict=True):
-        times = _close_times(segment, states, CHAIN_STEP * chains.size)
-        before = float(times[0])
-        for t, (x, y, theta, place) in zip(times.tolist(), states(times).T.tolist(), strict=True):
-            entry = chains.entry(x, y, theta, place)
-            if entry is None:
-                before = t
-                continue
-
-            def pose_at(time: float, states=states) -> tuple[float, float, float]:
-                x, y, theta, _ = states(np.array([time]))[:, 0].tolist()
-                return x, y, theta
-
-            try:
-                t = entry_time(pose_at, entry, before, t, segment.start) if t > before else t
-            except DoesNotFit:
-                pass  # no simple touch: known to the samples only
-            t = max(t, segment.start)
-            reason = f"The plate meets its track in a second place, xi1 = {entry.s1:.9g}, at t = {t:.9g} s."
-            return _cut(solution, t, "second_contact", reason)
+        entry = _sampled_entry(chains, segment, states)
+        try:
+            meeting = _meeting(case, search, segment, states, entry[0] if entry else float(segment.times[-1]))
+        except TooMuch:
+            why = f"The search for second contacts reached its limit at {segment.start:.9g} s."
+            return _cut(solution, segment.start, "unfinished", why)
+        if first := meeting or entry:
+            reason = f"The plate meets its track in a second place, xi1 = {first[1]:.9g}, at t = {first[0]:.9g} s."
+            return _cut(solution, first[0], "second_contact", reason)
     return solution
+
+
+def _meeting(
+    case: Case, search: ElementSearch, segment: Segment, states: Callable[[np.ndarray], np.ndarray], until: float
+) -> tuple[float, float] | None:
+    """Time and ξ₁ of the first meeting, before a time, of elements that are not next to those of the contact."""
+    from scipy.optimize import brentq  # slow to import, and most motions never come here
+
+    edges = np.unique(np.minimum(segment.times, until))
+    if len(edges) < 2:
+        return None
+
+    def poses(times: np.ndarray) -> np.ndarray:
+        return states(times)[:3]
+
+    found = search.first(poses, edges, _next_to_contact(case, segment))
+    if found is None:
+        return None
+    pair = Entry(found.first, found.second, found.xi1, found.xi2)
+    try:
+        time = _zero(lambda t: piece_gap(pair, *poses(np.array([t]))[:, 0].tolist()).gap, found.time, brentq)
+    except (DoesNotFit, ValueError):
+        time = found.time  # no simple touch: accurate to the search only
+    # At the end of the phase the contact itself reaches the end of its piece.
+    return (time, found.xi1) if time < until * (1.0 - END) else None
+
+
+def _next_to_contact(case: Case, segment: Segment) -> set[tuple[int, int]]:
+    """The numbers of the pairs of elements that the contact may lie on during a phase, and of their neighbours."""
+    pieces = segment.phase.case
+    assert isinstance(pieces, PieceCase)
+    numbers = []
+    for curve, element in ((case.track, pieces.first), (case.plate.outline, pieces.second)):
+        count = len(curve.elements) if isinstance(curve, Chain) else 1
+        numbers.append({(element.number + i) % count for i in (-1, 0, 1)})
+    return {(i, j) for i in numbers[0] for j in numbers[1]}
+
+
+def _sampled_entry(
+    chains: Chains, segment: Segment, states: Callable[[np.ndarray], np.ndarray]
+) -> tuple[float, float] | None:
+    """Time and ξ₁ at which a corner of track or plate has entered the other, seen at samples between which the plate
+    moves by CHAIN_STEP of its size, then located to rounding. It sees elements next to the contact's, too."""
+    times = _close_times(segment, states, CHAIN_STEP * chains.size)
+    before = float(times[0])
+    for t, (x, y, theta, place) in zip(times.tolist(), states(times).T.tolist(), strict=True):
+        entry = chains.entry(x, y, theta, place)
+        if entry is None:
+            before = t
+            continue
+
+        def pose_at(time: float) -> tuple[float, float, float]:
+            x, y, theta, _ = states(np.array([time]))[:, 0].tolist()
+            return x, y, theta
+
+        try:
+            t = entry_time(pose_at, entry, before, t, segment.start) if t > before else t
+        except DoesNotFit:
+            pass  # no simple touch: known to the samples only
+        return max(t, segment.start), entry.s1
+    return None
 
 
 def _whole(segment: Segment) -> Callable[[np.ndarray], np.ndarray]:

@@ -25,6 +25,7 @@ from cases import (
     library,
 )
 from cases.contact import pose
+from cases.trajectory import CONTACT
 from reference import contact_frame
 from tests.reference.test_corners import over_an_edge
 from tests.scenes.corners import random_throw
@@ -190,6 +191,10 @@ def compare(case):
     impacts = [t.time for t in motion.transitions if t.before is Mode.FLIGHT]
     clatters = motion.status == "second_contact" and any(motion.t[-1] - CLATTER < time for time in impacts)
     end = motion.t[-1] - (CLATTER if clatters else 0.0)
+    # From a second contact on the second formulation is another one (`test_boxes` compares them).
+    further = [t.time for t in motion.transitions if t.contact not in ("", CONTACT)]
+    if further:
+        clatters, end = True, min(further) - 1e-9
     ours, theirs = (
         [t for t in transitions if t.time <= end] for transitions in (motion.transitions, second.transitions)
     )
@@ -215,9 +220,10 @@ def _lasting(transitions):
     return result
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_both_formulations_agree_on_random_throws(seed):
-    compare(random_throw(seed, belt=seed in (1, 4)))
+# In the last one a second contact closes in the last part of a step, just before the phase of the first one ends.
+@pytest.mark.parametrize(("seed", "belt"), [(0, False), (1, True), (2, False), (3, False), (4, True), (185, True)])
+def test_both_formulations_agree_on_random_throws(seed, belt):
+    compare(random_throw(seed, belt))
 
 
 @pytest.mark.slow

@@ -218,7 +218,8 @@ def random_polygon(seed):
     return on(track, plate, friction, xi1=s, xi2=xi2, slip=slip, omega=omega, duration=0.5)
 
 
-@pytest.mark.parametrize("seed", range(6))
+# In the last two a second corner enters a bowl by less than samples of its sides show, or next to another edge.
+@pytest.mark.parametrize("seed", [*range(5), 574, 663])
 def test_both_formulations_agree_on_random_polygons(seed):
     compare(random_polygon(seed))
 
