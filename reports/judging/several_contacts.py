@@ -98,13 +98,14 @@ def same_contacts(motion: Trajectory, truth: Trajectory) -> dict[str, str]:
     """For each contact of the truth, the motion's contact that is it, "" for one that the motion does not have.
 
     By name where a case names its contacts. Else a plate's contacts are numbered in the order in which it touches them,
-    which may differ: a contact is then that whose place on the track is nearest, on average while it is closed.
+    which may differ: a contact is then that of the same support whose place there is nearest, on average while it is
+    closed.
     """
     names = truth.contact_names
     if not any(name.startswith(CONTACT) for name in names):
         return {name: name if name in motion.contact_names else "" for name in names}
     true, own = _places(truth), _places(motion)
-    pairs = sorted((abs(own[b] - true[a]), a, b) for a in true for b in own)
+    pairs = sorted((abs(own[b] - true[a]), a, b) for a in true for b in own if a.split()[0] == b.split()[0])
     partners = dict.fromkeys(names, "")
     for _, a, b in pairs:
         if not partners[a] and b not in partners.values():

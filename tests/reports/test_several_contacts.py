@@ -78,6 +78,14 @@ def test_contacts_are_matched_by_their_places_not_their_numbers(truth, scales):
     assert judged(truth, scales, swapped).score == judged(truth, scales, motion).score
 
 
+def test_contacts_are_matched_on_their_own_support_only():
+    """Places on two supports have nothing to do with each other: a ladder's wall is not its floor."""
+    case = cases.load("ladder_at_wall")
+    exact = reference.simulate(case)
+    floor_only = replace(exact, contact_names=("plate/track", "plate/track 2"))
+    assert several_contacts.same_contacts(floor_only, exact)["plate/wall"] == ""
+
+
 def test_a_motion_that_ignores_friction_is_as_bad_as_that(truth, scales):
     for name, motion in null_motions(ROCKING).items():
         result = judged(truth, scales, motion)
