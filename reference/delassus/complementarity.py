@@ -21,6 +21,8 @@ SAME = 1e-7
 COVERS = 6
 # All complementary cones of a problem with at most so many variables are tried: 4,096, four variables for each contact.
 MOST_VARIABLES = 12
+# Beyond this coefficient (a perfectly rough contact has 1e9) a residual of SMALL in a cone no longer shows a solution.
+LARGEST_MU = 1e5
 # Sweeps of the projected Gauss-Seidel method, the change of rates at which it has converged, and the forces, in units
 # of those that the load needs, from which it looks for contacts that press against each other.
 SWEEPS, CONVERGED, PRESSED = 300, 1e-12, 100.0
@@ -165,7 +167,8 @@ def solutions(
     scale = np.abs(delassus).max(initial=0.0)
     results: list[tuple[np.ndarray, np.ndarray]] = []
     answers = [lemke(matrix, right, cover) for cover in covers(len(right))]
-    if 1 < len(slips) and len(right) <= MOST_VARIABLES and least is not None:
+    is_scaled = mu.max(initial=0.0) <= LARGEST_MU
+    if 1 < len(slips) and len(right) <= MOST_VARIABLES and least is not None and is_scaled:
         answers += complementary_cones(matrix, right)
     forces = [to_forces @ np.append(z, 1.0) for z in answers if z is not None]
     if len(slips) > 1 and mu.any() and least is None:
