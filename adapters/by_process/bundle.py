@@ -18,9 +18,9 @@ from .engine import Engine
 
 FOLDER = Path(__file__).parents[1] / "executables"
 # The steps (s) that the engines themselves begin with: Drake's MultibodyPlantConfig.time_step, MuJoCo's option
-# timestep, DART's World.getTimeStep; Rapier's IntegrationParameters.dt and planck's first example have a game's, and
-# Siconos' example of a bouncing ball has 5 ms.
-OWN_STEPS = {"drake": 1e-3, "mujoco": 2e-3, "dartpy": 1e-3, "siconos": 5e-3}
+# timestep, DART's World.getTimeStep, SAPIEN's PhysxCpuSystem.timestep; Rapier's IntegrationParameters.dt and planck's
+# first example have a game's, and Siconos' example of a bouncing ball has 5 ms.
+OWN_STEPS = {"drake": 1e-3, "mujoco": 2e-3, "dartpy": 1e-3, "physx": 1e-2, "siconos": 5e-3}
 # The facets of a curved track are as long as the plate's displacement in a step, by the rule of the adapters of pymunk
 # and Box2D, and not more than these: each box costs time in every step, most of all in cannon-es, a corner of a chain
 # none. The engine's default settings have the facets of a first-time user, as pymunk's.
@@ -35,6 +35,7 @@ KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
     "jolt": {"slop": (1e-4, 1e-3), "iterations": (20, 10)},
     "matter": {"velocity_iterations": (10, 4)},
     "mujoco": {"integrator": ("RK4", "Euler", "implicitfast"), "timeconst": (2, 4)},
+    "physx": {"solver": ("pgs", "tgs"), "iterations": (10, 40)},
     "planck": {"iterations": (8, 20)},
     "rapier": {"iterations": (16, 4)},
     "siconos": {"theta": (0.5, 0.75, 1.0)},

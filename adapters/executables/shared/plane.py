@@ -9,11 +9,11 @@ import json
 import math
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
-from math import atan2, ceil, cos, hypot, sin
+from math import atan2, ceil, cos, hypot, pi, sin
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn, Protocol
 
 try:
     import numpy as np
@@ -37,9 +37,12 @@ def print_version(name: str) -> None:
         sys.exit(0)
 
 
-def exit_not_available(name: str) -> NoReturn:
-    """End the program with a message that says what to install."""
-    print(f"{name} is not installed: pip install {name}, for the python3 that is first on PATH", file=sys.stderr)
+def exit_not_available(name: str, package: str = "") -> NoReturn:
+    """End the program with a message that says what to install: the package, where it has another name."""
+    print(
+        f"{name} is not installed: pip install {package or name}, for the python3 that is first on PATH",
+        file=sys.stderr,
+    )
     sys.exit(1)
 
 
@@ -187,6 +190,18 @@ def chords(scene, count: int) -> list[Box]:
     return boxes
 
 
+def corners(scene, count: int) -> np.ndarray:
+    """About `count` chords' ends, of shape (count + 1, 2), moved outwards by a third of the sagitta, so that the mean
+    distance of the chain is the curve's."""
+    track = {name: np.array(column) for name, column in scene["points"]["track"].items()}
+    s = np.linspace(track["s"][0], track["s"][-1], count + 1)
+    places = np.column_stack([_between(track, s, "x"), _between(track, s, "y")])
+    normals = np.column_stack([np.interp(s, track["s"], track[name]) for name in ("normal_x", "normal_y")])
+    normals /= np.hypot(*normals.T)[:, None]
+    length = float(np.hypot(*np.diff(places, axis=0).T).mean())
+    return places - (np.interp(s, track["s"], track["curvature"]) * length**2 / 12)[:, None] * normals
+
+
 def _between(track, s: np.ndarray, name: str) -> np.ndarray:
     """A coordinate between the samples, by the cubic with the curve's tangents at both."""
     i = np.clip(np.searchsorted(track["s"], s) - 1, 0, len(track["s"]) - 2)
@@ -233,6 +248,70 @@ class PlaneContact(NamedTuple):
         return self.force[0] * self.along[0] + self.force[1] * self.along[1]
 
 
+class Stepper(Protocol):
+    """An engine with a disc in the plane."""
+
+    def state(self) -> tuple[Sequence[float], Sequence[float]]:
+        """Pose (x, y, theta) and velocities (vx, vy, omega); the angle may forget whole turns."""
+
+    def set_state(self, pose: Sequence[float], velocities: Sequence[float]) -> None:
+        """Set both."""
+
+    def step(self) -> None:
+        """One step."""
+
+
+# Roundings of a velocity in one step.
+ROUNDINGS = 10
+
+
+def run_half_steps(scene, stepper: Stepper, rounding: float) -> None:
+    """Run an engine with semi-implicit Euler's step and rigid friction, and write the motion of a disc.
+
+    Such a step is leapfrog if the velocities belong to half a step after the poses. So the start's velocities are set
+    back by half of what the first step adds to them, which a trial step measures; a row has the means. The force of the
+    contact is what the momentum gains beyond gravity, up to the relative `rounding` of the engine's numbers.
+    """
+    (count, h), start, pull, normal_at = steps(scene), scene["start"], gravity(scene), nearest_normal(scene)
+    mass, radius = scene["plate"]["mass"], scene["plate"]["radius"]
+    pose, velocities = (tuple(start[name] for name in names) for names in (("x", "y", "theta"), ("vx", "vy", "omega")))
+    stepper.set_state(pose, velocities)
+    stepper.step()
+    tried = stepper.state()[1]
+    stepper.set_state(pose, [1.5 * v - 0.5 * w for v, w in zip(velocities, tried, strict=True)])
+    motion, (_, before), fastest = MotionRows(scene), stepper.state(), 0.0
+    for k in range(count + 1):
+        stepper.step()
+        moved, after = stepper.state()
+        speed = hypot(after[0], after[1]) + radius * abs(after[2])
+        fastest = max(fastest, speed)
+        force = mass * ((after[0] - before[0]) / h - pull[0]), mass * ((after[1] - before[1]) / h - pull[1])
+        touches = []
+        if hypot(*force) * h > mass * ROUNDINGS * rounding * (speed + h * hypot(*pull)):
+            nx, ny = normal_at(pose[0], pose[1])
+            touches.append(PlaneContact((pose[0] - radius * nx, pose[1] - radius * ny), (nx, ny), force))
+        motion.note_half_step(k * h, pose, before, touches, after)
+        turns = round((pose[2] - moved[2]) / (2 * pi))
+        pose, before = (moved[0], moved[1], moved[2] + 2 * pi * turns), after
+    motion.write(ROUNDINGS * rounding * fastest)
+
+
+def nearest_normal(scene) -> Callable[[float, float], tuple[float, float]]:
+    """The track's left unit normal at the point nearest to (x, y), from the nearest sample and its curvature."""
+    track = {name: np.array(column) for name, column in scene["points"]["track"].items()}
+
+    def normal(x: float, y: float) -> tuple[float, float]:
+        dx, dy = x - track["x"], y - track["y"]
+        i = int(np.argmin(dx**2 + dy**2))
+        nx, ny, bend = (float(track[name][i]) for name in ("normal_x", "normal_y", "curvature"))
+        away, along = dx[i] * nx + dy[i] * ny, dx[i] * ny - dy[i] * nx
+        turn = bend * along / (1.0 - bend * away)
+        c, s = cos(turn), sin(turn)
+        return nx * c - ny * s, ny * c + nx * s
+
+    return normal
+
+
 class MotionRows:
     """The rows of a motion, and the CPU time since this object was made.
 
@@ -253,14 +332,29 @@ class MotionRows:
         """Add a row: pose and velocities where a step begins, the step's contacts, and the velocities `after` it."""
         push = sum(touch.normal_force for touch in touches)
         self.rows.append((t, *pose, *velocities, self.slip, push, sum(touch.friction_force for touch in touches)))
+        self.slip = self._slip(pose, touches, after)
+
+    def note_half_step(self, t: float, pose, before, touches: list[PlaneContact], after) -> None:
+        """The same for an engine whose velocities are half a step before and after the pose: a row has their means."""
+        last, self.slip = self.slip, self._slip(pose, touches, after)
+        slip = None if last is None or self.slip is None else 0.5 * (last + self.slip)
+        velocities = [0.5 * (u + v) for u, v in zip(before, after, strict=True)]
+        push = sum(touch.normal_force for touch in touches)
+        if not self.rows:  # the start has its own slip
+            slip = last
+        self.rows.append((t, *pose, *velocities, slip, push, sum(touch.friction_force for touch in touches)))
+
+    def _slip(self, pose, touches: list[PlaneContact], velocities) -> float | None:
+        """The slip velocity (m/s), weighted by the normal forces; None without contact, where it follows from the
+        pose."""
+        push = sum(touch.normal_force for touch in touches)
+        vx, vy, omega = velocities
         slips = [
-            touch.normal_force
-            * ((after[0] - after[2] * dy) * touch.along[0] + (after[1] + after[2] * dx) * touch.along[1])
+            touch.normal_force * ((vx - omega * dy) * touch.along[0] + (vy + omega * dx) * touch.along[1])
             for touch in touches
             for dx, dy in [(touch.point[0] - pose[0], touch.point[1] - pose[1])]
         ]
-        # Without a contact force the slip follows from the pose.
-        self.slip = sum(slips) / push - self.belt if push > 0.0 else None
+        return sum(slips) / push - self.belt if push > 0.0 else None
 
     def write(self, creep: float) -> None:
         """Print the motion as comma-separated values, with its cost and the slip (m/s) below which it counts as
