@@ -73,7 +73,7 @@ def add(component, shape, x: float, y: float, angle: float = 0.0) -> None:
     world.add_entity(entity)
 
 
-track, fixed = plane.shape(scene), physx.PhysxRigidStaticComponent()
+track, ground = plane.shape(scene), physx.PhysxRigidStaticComponent()
 if track.kind == "line":
     # The engine's plane faces its own x axis.
     add(
@@ -84,9 +84,9 @@ if track.kind == "line":
         track.angle + pi / 2,
     )
 elif track.kind == "hill":
-    add(fixed, physx.PhysxCollisionShapeSphere(track.radius, material), track.x, track.y)
+    add(ground, physx.PhysxCollisionShapeSphere(track.radius, material), track.x, track.y)
 else:
-    add(fixed, mesh(), 0.0, 0.0)
+    add(ground, mesh(), 0.0, 0.0)
 body = physx.PhysxRigidDynamicComponent()
 add(body, physx.PhysxCollisionShapeSphere(radius, material), scene["start"]["x"], scene["start"]["y"])
 body.set_mass(mass)
@@ -98,7 +98,7 @@ if is_tuned:
     body.set_max_angular_velocity(1e4)
 
 
-class Plate:
+class PhysxStepper:
     """The plate, for `plane.run_half_steps`."""
 
     def state(self) -> tuple[list[float], list[float]]:
@@ -120,4 +120,4 @@ class Plate:
 
 
 # Its contacts report normal impulses alone, so forces follow from the momentum.
-plane.run_half_steps(scene, Plate(), SINGLE)
+plane.run_half_steps(scene, PhysxStepper(), SINGLE)

@@ -277,12 +277,12 @@ def run_half_steps(scene, stepper: Stepper, rounding: float) -> None:
     pose, velocities = (tuple(start[name] for name in names) for names in (("x", "y", "theta"), ("vx", "vy", "omega")))
     stepper.set_state(pose, velocities)
     stepper.step()
-    tried = stepper.state()[1]
-    stepper.set_state(pose, [1.5 * v - 0.5 * w for v, w in zip(velocities, tried, strict=True)])
+    trial = stepper.state()[1]
+    stepper.set_state(pose, [1.5 * v - 0.5 * w for v, w in zip(velocities, trial, strict=True)])
     motion, (_, before), fastest = MotionRows(scene), stepper.state(), 0.0
     for k in range(count + 1):
         stepper.step()
-        moved, after = stepper.state()
+        following, after = stepper.state()
         speed = hypot(after[0], after[1]) + radius * abs(after[2])
         fastest = max(fastest, speed)
         force = mass * ((after[0] - before[0]) / h - pull[0]), mass * ((after[1] - before[1]) / h - pull[1])
@@ -291,8 +291,8 @@ def run_half_steps(scene, stepper: Stepper, rounding: float) -> None:
             nx, ny = normal_at(pose[0], pose[1])
             touches.append(PlaneContact((pose[0] - radius * nx, pose[1] - radius * ny), (nx, ny), force))
         motion.note_half_step(k * h, pose, before, touches, after)
-        turns = round((pose[2] - moved[2]) / (2 * pi))
-        pose, before = (moved[0], moved[1], moved[2] + 2 * pi * turns), after
+        turns = round((pose[2] - following[2]) / (2 * pi))
+        pose, before = (following[0], following[1], following[2] + 2 * pi * turns), after
     motion.write(ROUNDINGS * rounding * fastest)
 
 
