@@ -28,8 +28,8 @@ def has_features(case: Case) -> bool:
 
 @lru_cache(maxsize=256)
 def touches_by_features(case: Case) -> bool:
-    """Whether a motion has several contacts from its start on, or may have: it has supports, or a plate with corners
-    begins on a flat side."""
+    """Whether a motion is computed with several contacts from its start on: it has supports, a polygon may fly, or a
+    plate with corners begins on a flat side."""
     if case.supports:
         return True
     if not isinstance(case.plate.outline, Chain) or limitation(case):

@@ -168,7 +168,7 @@ def test_a_flat_start_that_turns_is_rejected():
          "give a line as track and its other parts as supports"),
         (on(library.line(), Plate.half_disc(0.2, 1.0), *INELASTIC, start=StartPose(0.0, 0.5, 3.0)),
          "no arc of a circle inside the plate's convex hull"),
-        (on(library.line(), BOX, CoulombFriction(0.5), Belt(1.0), start=Start(0.0, 0.6)), "A belt is not supported"),
+        (on(library.line(), BOX, CoulombFriction(0.5), Belt(1.0), start=Start(0.0, 0.6)), "leave Belt out"),
         (on(library.line(), BOX, PerfectlyRough(), start=Start(0.0, 0.6)), "add Flight() and Impact(0.0) to go on"),
     ],
 )  # fmt: skip
