@@ -151,7 +151,7 @@ class Meaning:
 
     `parameter`: the engine's name for it, and how it combines the numbers of the two bodies; `law`: the engine's law, a
     phrase. `differs(case)`: whether that law differs from the case's. Such a case is still run, and its row reports the
-    law and the error.
+    law and the error. `duration`: of an impact, how long it lasts in the engine; empty for other effects.
     """
 
     effect: type
@@ -159,6 +159,7 @@ class Meaning:
     law: str
     routes: tuple[str, ...] = ()
     differs: Callable[[Case], bool] = _never
+    duration: str = ""
 
 
 def other_laws(adapter, case: Case, route: str) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ MEANINGS = (
         "friction bounded by the impulse of compression, then Newton's restitution without friction (measured on "
         "circles; polygons deviate more)",
         differs=_differs,
+        duration="compression in one substep, restitution at the end of the step",
     ),
     Meaning(
         RollingResistance,

@@ -28,6 +28,7 @@ MEANINGS = (
         "restitutionCoefficient with impactModel 2 and minimumImpactVelocity; for e = 0 contactDamping, critical",
         "a spring and a damper during some periods of the spring, with Coulomb's friction; e is a ratio of velocities",
         routes=("native",),
+        duration="some periods, 2 pi sqrt(m/k), of the contact's spring; the setting has its stiffness k",
     ),
     Meaning(
         Impact, "none: the suite's contact law has a damper and no restitution", "not supported", routes=("integrator",)

@@ -24,7 +24,12 @@ MEANINGS = (
     ),
     Meaning(PerfectlyRough, "friction", "Coulomb's cone with a coefficient of 1e9"),
     Meaning(
-        Impact, "elasticity of both shapes, multiplied; here e and 1", MOREAU, routes=("native",), differs=not_moreaus
+        Impact,
+        "elasticity of both shapes, multiplied; here e and 1",
+        MOREAU,
+        routes=("native",),
+        differs=not_moreaus,
+        duration="one step",
     ),
     Meaning(
         Impact,
@@ -32,6 +37,7 @@ MEANINGS = (
         f"{MOREAU}, e = 0",
         routes=("assisted",),
         differs=not_moreaus,
+        duration="one step",
     ),
     Meaning(RollingResistance, "none", "not supported"),
     Meaning(

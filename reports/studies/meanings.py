@@ -33,9 +33,10 @@ COLUMNS = {
     "effect": "the effect of a case",
     "parameter": "the engine's name for it, and the value passed",
     "law": "how the engine uses it; if its adapter does not report that, the reason",
+    "duration": "how long an impact lasts in the engine; empty for other effects",
 }
 # Columns of the page for the repository, which is made on a machine with all engines.
-IN_TEXT = ("solver", "route", "effect", "parameter", "law")
+IN_TEXT = ("solver", "route", "effect", "parameter", "law", "duration")
 TABLES = {"meanings": Table("What each engine's friction, restitution and rolling parameters mean", COLUMNS)}
 
 
@@ -49,6 +50,7 @@ def of_one(name: str) -> list[dict[str, Any]]:
             effect=meaning.effect.__name__,
             parameter=meaning.parameter,
             law=meaning.law,
+            duration=meaning.duration,
         )
         for meaning in getattr(module, "MEANINGS", ())
     ]

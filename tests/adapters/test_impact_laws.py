@@ -94,6 +94,9 @@ def test_every_engine_tells_what_its_parameters_mean(name):
     meanings = engine(name).MEANINGS
     assert all(isinstance(meaning, Meaning) and meaning.parameter and meaning.law for meaning in meanings)
     assert {CoulombFriction, Impact, RollingResistance} <= {meaning.effect for meaning in meanings}
+    for meaning in meanings:
+        has_impacts = meaning.effect is Impact and meaning.law != "not supported"
+        assert bool(meaning.duration) is has_impacts, meaning
 
 
 def run(name: str, route: str, label: str, rung: int = 3):
