@@ -22,7 +22,7 @@ from ..minimal.bouncing import APART, LISTING_PART, MOST, extrapolate
 # Impacts beyond this many are too old to be of the same series with speeds that are APART.
 LONGEST = 1000
 # An end is accepted if the last impact changes it by less than this part of the time that remains. Impacts on two
-# corners in turn need not have speeds in a fixed ratio, and then have no such end.
+# corners alternately need not have speeds in a fixed ratio, and then have no such end.
 AGREES = 1e-2
 # Two corners take turns within this many impacts.
 RECENT = 8

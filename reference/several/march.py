@@ -45,8 +45,8 @@ IDLE, STUCK = 4, 50
 SMALL_HOP = 1e-9
 # Velocities at the end of bouncing below this part of the last closing speed are the extrapolation's error.
 STILL = 1e-3
-# Impacts on two corners in turn whose speeds have no fixed ratio end where no hop is higher than this part of the
-# plate's size: a hundred roundings of positions, which show nothing of lower hops.
+# Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the
+# plate's size, the gap at which contacts count as touching.
 LOW_HOP = 1e-12
 # A flight is integrated over this many of its time scales at once.
 FLIES = 4.0
@@ -169,7 +169,7 @@ class SeveralSimulation(WatchedPlate):
     def _end_of_impacts(self, now: DecisionInstant) -> tuple[tuple[float, list[float]] | None, float]:
         """Time and state in which small impacts end, and the gap (m) up to which contacts touch then.
 
-        Impacts on two corners in turn whose speeds have no fixed ratio end where all gaps count as touching."""
+        Impacts that alternate between two corners without a fixed ratio end where all gaps count as touching."""
         x, y, *_ = self.body
         size = abs(x) + abs(y) + self.case.plate.reach
         end = self.hops.limit(self.t, SMALL_HOP * size)

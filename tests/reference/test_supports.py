@@ -320,7 +320,7 @@ DIFFERENT = {
     ],
 )
 def test_both_formulations_have_the_same_sequences_of_many_scenes(seed):
-    agree(random_case(seed), 5e-6)  # two corners that hit in turn end within that (205, 258)
+    agree(random_case(seed), 5e-6)  # two corners that hit alternately end within that (205, 258)
 
 
 @pytest.mark.parametrize("seed", [1, 8, 9])
@@ -330,7 +330,7 @@ def test_both_formulations_end_bouncing_at_the_same_time(seed):
 
 
 @pytest.mark.parametrize("seed", [5, 7, 13])
-def test_two_corners_that_bounce_in_turn_come_to_rest_in_both_formulations(seed):
+def test_two_corners_that_bounce_alternately_come_to_rest_in_both_formulations(seed):
     # Their speeds have no fixed ratio, so the end is known to the time of the last hops, 1e-12 of the plate high:
     # sqrt(8 · 2.7e-12 m / 9.81 m/s²), some microseconds with those that follow.
     agree(with_restitution(random_case(seed), 0.4), 5e-6)
