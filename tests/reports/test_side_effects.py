@@ -48,8 +48,13 @@ def check_own_rows(name: str, runs: Iterable[Run]) -> None:
 @pytest.fixture
 def install(tmp_path, monkeypatch):
     """Puts adapters with side effects where they are found."""
-    monkeypatch.syspath_prepend(tmp_path)
-    return lambda names: [side_effects.install(tmp_path, name) for name in names]
+
+    def put(names):
+        for name in names:
+            side_effects.install(tmp_path, name)
+        monkeypatch.syspath_prepend(tmp_path)  # last: adapters are searched once for each search path
+
+    return put
 
 
 def test_what_an_adapter_does_to_its_process_reaches_no_other_row(install):
