@@ -41,7 +41,7 @@ matrix:
 	$(PYTHON) tests/matrix.py $(if $(ONLY),--only $(ONLY))
 
 # Tests that take seconds and detect a broken tree: the rooms, the direction of imports, exact values.
-SMOKE := tests/test_architecture.py tests/test_import_layers.py tests/reference/test_reference_exact.py
+SMOKE := tests/test_architecture.py tests/test_imports_within_rooms.py tests/reference/test_reference_exact.py
 
 smoke: $(VENV)/installed
 	$(BIN)/python -m pytest -q $(SMOKE)

@@ -17,8 +17,8 @@ from .chain import Chain
 from .contact import find
 from .corner import Corner, turning
 from .curves import Curve
+from .line_or_circle import as_line
 from .plate import Plate
-from .shapes import as_line
 from .start import Start
 from .supports import TRACK, Support, features, is_convex
 

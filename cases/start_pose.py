@@ -12,7 +12,7 @@ from .chain import Chain
 from .corner import Corner, Edge
 from .curves import Curve
 from .errors import BadValue, DoesNotFit, finite
-from .shapes import as_line
+from .line_or_circle import as_line
 from .start import Start
 
 # A gap below this part of the plate's size and place is the rounding of a pose: the plate touches its track. A velocity

@@ -19,9 +19,9 @@ from .corner import Corner, Edge, Piece
 from .curves import Curve
 from .effects import CoulombFriction, Effect, Impact, PerfectlyRough
 from .errors import BadValue, DoesNotFit
+from .line_or_circle import as_line
 from .overlap import first_overlap
 from .own_effects import own_effects
-from .shapes import as_line
 
 # The name of the track among the supports.
 TRACK = "track"

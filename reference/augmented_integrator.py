@@ -18,7 +18,7 @@ from cases.contact import track_place
 from cases.own_effects import own_effects
 
 from .minimal import modes
-from .minimal.assembly import PARADOX
+from .minimal.assembly import PAINLEVE_LEAST
 from .minimal.effects import OWN_END
 from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, full_state
@@ -166,7 +166,7 @@ def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution
     if name == "fit":
         return _bend(k.rp, k.rs) - _bend(k.Rp, k.Rs)
     if name == "painleve":
-        return uniqueness(equations) - PARADOX
+        return uniqueness(equations) - PAINLEVE_LEAST
     sense = 1.0 if end == "forward" else -1.0
     if curve == "cone":
         friction = case.effect(CoulombFriction)

@@ -187,17 +187,17 @@ def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasu
     from .analysis import null_scores, time_to_accuracy, which_engine
     from .analysis.work_precision import CostMeasurements
     from .running import per_solver
-    from .running.timing import timings
+    from .running.timing import timed_pass
 
     if plan.effort == "quick":
         _say("timings: skipped by --quick; CPU times in the tables were measured next to other runs and are not ranked")
         return CostMeasurements()
     full = plan.effort == "full"
-    results = timings.measure(local_runs, full, calls)
+    results = timed_pass.measure(local_runs, full, calls)
     labels = tuple(case.label for case in results.cases)
     costs = CostMeasurements(labels, results.timings, null_scores.measure(results.cases, calls), results.failures)
     rows, _ = per_solver.make_per_solver(time_to_accuracy.rows, (local_runs, costs), per_solver.solvers_of(local_runs))
-    extra = timings.measure_extra(local_runs, which_engine.cold_start_keys(rows), full, calls)
+    extra = timed_pass.measure_extra(local_runs, which_engine.cold_start_keys(rows), full, calls)
     return costs._replace(cold=extra.cold, parts=extra.parts)
 
 

@@ -1,4 +1,7 @@
-"""The direction of the arrows: who may import whom. The rooms of the suite, the floors of `reports`, and their page."""
+"""The direction of the arrows: who may import whom. The rooms of the suite, the floors of `reports`, and their page.
+
+Imports within a room are in `test_imports_within_rooms`.
+"""
 
 import ast
 import re

@@ -12,7 +12,7 @@ import pyb2d3
 
 from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, PerfectlyRough, RollingResistance
 from cases.corner import Edge
-from cases.shapes import as_circle, as_line
+from cases.line_or_circle import as_circle, as_line
 
 from ..common import facets
 from ..common.driven_tracks import PrescribedSteps

@@ -16,7 +16,7 @@ import sympy as sp
 
 from cases import Case, Chain, CoulombFriction, Curve, Effect, NotSupported
 from cases.contact import start_motion
-from cases.shapes import as_line
+from cases.line_or_circle import as_line
 
 from ..common.facets import ends, visible_span
 from ..common.several_contacts import may_touch_twice

@@ -13,9 +13,9 @@ import numpy as np
 
 from cases import Belt, Case, Chain, Curve, Drive, Flight, Load
 from cases.contact import pose, start_motion
+from cases.line_or_circle import Circle, Line, as_circle, as_line
 from cases.mechanics import gravity, kinetic_energy
 from cases.moving_frame import relative_case
-from cases.shapes import Circle, Line, as_circle, as_line
 
 
 class Stretch(NamedTuple):

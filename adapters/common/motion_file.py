@@ -45,7 +45,7 @@ LOOSE = 1e-2
 CLOSED = 1e-3
 
 REQUIRED_COLUMNS = ("t", "x", "y", "theta")
-OPTIONAL = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
+OPTIONAL_COLUMNS = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
 RATES = (("vx", "x"), ("vy", "y"), ("omega", "theta"))
 CREEP = "creep"
 
@@ -99,7 +99,7 @@ def parse(text: str, file_name: str) -> pd.DataFrame:
     if duplicates.any():
         line = int(np.argmax(duplicates)) + 2
         raise BadValue(f"line {line} of {file_name} repeats an earlier line; remove duplicates")
-    table = table[[name for name in (*REQUIRED_COLUMNS, *OPTIONAL, CREEP) if name in table]]
+    table = table[[name for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS, CREEP) if name in table]]
     declaration = _declaration(head)
     if declaration is not None:
         table = table.assign(**{CREEP: declaration})
@@ -135,7 +135,7 @@ def _check_heading(file: str, heading: list[str]) -> None:
     if any(nameless):
         number = nameless.index(True) + 1
         raise BadValue(f"column {number} of {file} has no name (an index?); name it or leave it out")
-    for name in (*REQUIRED_COLUMNS, *OPTIONAL):
+    for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS):
         if heading.count(name) > 1:
             raise BadValue(f"{file} has {heading.count(name)} columns {name}; keep one")
         # t_ms, x [mm], time (min): a unit next to a column's name shows that it is not in metres or seconds.
@@ -248,7 +248,9 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
             file_values = columns.get(name, np.full(len(t), np.nan))
             columns[name] = np.where(np.isnan(xi1) & np.isnan(file_values), 0.0, file_values)
     nothing = np.full(len(t), np.nan)
-    whole: dict[str, Any] = {name: columns.get(name, nothing)[:count] for name in (*REQUIRED_COLUMNS, *OPTIONAL)}
+    whole: dict[str, Any] = {
+        name: columns.get(name, nothing)[:count] for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS)
+    }
     motion = Trajectory(
         **whole, xi1=xi1[:count], xi2=xi2[:count], status=status, reason=reason, slip_resolution=resolution
     )

@@ -15,8 +15,8 @@ import numpy as np
 
 from cases import Case, Chain, Trajectory
 from cases.contact import pose, slip_velocity
+from cases.line_or_circle import Circle
 from cases.sampled_contacts import SampledContacts
-from cases.shapes import Circle
 from cases.trajectory import CONTACT, ContactColumns
 
 from .facets import round_plate, visible_span

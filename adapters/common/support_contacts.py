@@ -17,8 +17,8 @@ from scipy.optimize import nnls
 from cases import Case, CoulombFriction, PerfectlyRough, Trajectory
 from cases.contact_pairs import PairCase, contact_name, pairs
 from cases.corner import Corner, turning
+from cases.line_or_circle import as_circle, as_line
 from cases.sampled_contacts import SampledContacts
-from cases.shapes import as_circle, as_line
 from cases.trajectory import ContactColumns
 
 from . import several_contacts

@@ -33,8 +33,8 @@ import numpy as np
 from cases import Belt, Case, Cost, CoulombFriction, Drive, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
 from cases.contact import start_motion
 from cases.errors import unknown_name
+from cases.line_or_circle import as_line
 from cases.moving_frame import relative_case
-from cases.shapes import as_line
 
 from ..common import driven_tracks
 from ..interface import Setting

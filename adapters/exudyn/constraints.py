@@ -14,7 +14,7 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Flight, PerfectlyRough, Unilateral
 from cases.contact import follow, slip_velocity, start_motion
-from cases.shapes import as_circle, as_line
+from cases.line_or_circle import as_circle, as_line
 
 from ..common.flights import BEYOND
 from ..interface import Setting

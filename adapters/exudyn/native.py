@@ -13,7 +13,7 @@ import numpy as np
 
 from cases import Case, Gravity, Impact, Load, Support, Unilateral
 from cases.contact import start_motion
-from cases.shapes import Circle, Line, as_circle, as_line
+from cases.line_or_circle import Circle, Line, as_circle, as_line
 
 from ..common import facets, support_contacts
 from ..common.facets import round_plate

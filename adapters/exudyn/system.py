@@ -13,8 +13,8 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import MotionPoint, belt_speed, start_motion
+from cases.line_or_circle import Circle
 from cases.mechanics import gravity as gravity_of
-from cases.shapes import Circle
 
 from ..common.facets import round_plate
 from ..interface import Setting

@@ -26,8 +26,8 @@ import numpy as np
 import pymunk
 
 from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, NotSupported, PerfectlyRough
+from cases.line_or_circle import Circle, Line, as_circle, as_line
 from cases.mechanics import gravity
-from cases.shapes import Circle, Line, as_circle, as_line
 
 from ..common.driven_tracks import PrescribedSteps
 from ..common.facets import chain, ends, is_convex, polygon, rim, round_plate, stretch, track_kind

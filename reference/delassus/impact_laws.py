@@ -1,4 +1,7 @@
-"""Velocities after an impact at one contact or several."""
+"""Velocities after an impact at one contact or several, by the laws of Newton, Poisson and Moreau.
+
+One contact alone is hit as in `contact_frame.impact`; the first formulation's laws are in `minimal.impact`.
+"""
 
 from __future__ import annotations
 

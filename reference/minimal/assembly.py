@@ -42,7 +42,7 @@ THETA = _MOTION[3]
 
 # The normal force grows like a power of 1/p towards Painlevé's p = 0, and p has the rounding of its terms: below this
 # value forces have no digits left; the place changes by less than that.
-PARADOX = 1e-9
+PAINLEVE_LEAST = 1e-9
 
 
 class Kind(NamedTuple):
@@ -113,7 +113,7 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     rates = tuple(rate_of[v] for v in variables)
     moving = {T} if rests else {*variables, T}
     fit = {} if f.sign or h.sign else {"fit": h.curvature - f.curvature}  # a corner fits on every smooth curve
-    limits = {**fit, "painleve": motion.inverse_mass - PARADOX, **_ends(has_ends)}
+    limits = {**fit, "painleve": motion.inverse_mass - PAINLEVE_LEAST, **_ends(has_ends)}
     for own in law.own:
         limits |= own.ends(slip, pose[_MOTION[6]])
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}

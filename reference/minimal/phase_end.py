@@ -1,4 +1,7 @@
-"""The end of a phase: its causes, the statuses and sentences that end a motion, and what follows."""
+"""The end of a phase: its causes, the statuses and sentences that end a motion, and what follows.
+
+The conditions that end a phase are in `effects` (|T| ≤ µ N of `Coulomb.conditions`) and `assembly` (Painlevé's).
+"""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from cases.derivation import in_one_thread
 from cases.expression_graph import ONE, ZERO, Node, symbol
 
-from ..minimal.assembly import _MOTION, PARADOX
+from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
 from ..minimal.effects import Laws
 from ..minimal.elimination import GYRATION
 from ..minimal.frames import Frame, frame
@@ -186,7 +186,7 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
             limits[f"fit:{k}"] = contact.clearance
             limits |= _ends(form.has_ends, k, "")
     if flat and any(form.rubs and form.kind is ContactRows.SLIP for form in forms):
-        limits["painleve"] = determinant - PARADOX
+        limits["painleve"] = determinant - PAINLEVE_LEAST
     positions = [X, Y, THETA]
     rates = [VX, VY, OMEGA]
     for k, contact in enumerate(contacts):

@@ -13,7 +13,7 @@ from ..running.records import Experiment, Run, is_default, routes, usable
 from ..running.timing.clock import NO_TIMING, Timing
 from ..running.timing.cold_start import ColdStart
 from ..running.timing.time_breakdown import TimeBreakdown
-from ..running.timing.timings import Key
+from ..running.timing.timed_pass import Key
 from . import convergence, quantities
 from .null_scores import Baseline
 from .quantities import UNITS

@@ -29,7 +29,7 @@ from cases import (
 )
 from cases.contact import start_motion
 from cases.effects import MOTION
-from cases.shapes import as_line
+from cases.line_or_circle import as_line
 from cases.slip_laws import SLIP_SPEED
 
 # Samples of a motion, about as many as an engine's steps in a scene of the laws.

@@ -19,7 +19,7 @@ import numpy as np
 from adapters import Setting
 from cases import CoulombFriction, Gravity, Trajectory
 from cases.contact import start_motion
-from cases.shapes import as_line
+from cases.line_or_circle import as_line
 
 NAME = "formula"
 routes = ("native",)

@@ -18,7 +18,7 @@ from reports.judging.grades import LEVELS
 from reports.page import dictionary, text
 from reports.running import solvers
 from reports.running.records import one_default
-from reports.running.timing import timings
+from reports.running.timing import timed_pass
 
 pytestmark = pytest.mark.builds
 
@@ -30,7 +30,7 @@ def report(tmp_path_factory, without_figures):
     """A report of one case with little time for timings, made by the command. Calls from cold are those made for the
     imports, one each, and parts end by their own count of repeats: on a busy machine as on a quiet one."""
     out = tmp_path_factory.mktemp("made") / "report"
-    together = timings.time_together
+    together = timed_pass.time_together
 
     def undisturbed(*given):
         """What is tested is the tables: that something else runs on the machine is none of their business here."""
@@ -39,20 +39,20 @@ def report(tmp_path_factory, without_figures):
 
     def coarse(plan, case, solver, route, ladder):
         """As many settings as a curve has at least: the finest of an engine take as long as all others together."""
-        return tuple(one_default(ladder))[: timings.LEAST_SETTINGS] if solver == "pymunk" else ladder
+        return tuple(one_default(ladder))[: timed_pass.LEAST_SETTINGS] if solver == "pymunk" else ladder
 
-    contestants = timings.contestants
+    contestants = timed_pass.contestants
 
     def fast(*given):
         """Without the paper's matrix, whose runs take as long as all others: so all are timed on a busy machine."""
         return [one for one in contestants(*given) if one.route != "augmented"]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(timings, "time_together", undisturbed)
-        patch.setattr(timings, "contestants", fast)
+        patch.setattr(timed_pass, "time_together", undisturbed)
+        patch.setattr(timed_pass, "contestants", fast)
         patch.setattr(options.BuildPlan, "select_rungs", coarse)
         for name, seconds in (("BUDGET", 6.0), ("COLD_BUDGET", 0.0), ("PARTS_BUDGET", 60.0)):
-            patch.setattr(timings, name, seconds)
+            patch.setattr(timed_pass, name, seconds)
         patch.setattr(which_engine, "MEASURED", (cost_conclusions.LEVEL,))
         with redirect_stdout(io.StringIO()) as output, without_figures():
             assert build.main(["--case", CASE, "--solver", "reference", "pymunk", "--out", str(out)]) == 0

@@ -16,7 +16,7 @@ from reports import build
 from reports.analysis.convergence import convergence_rows
 from reports.running import external_motions, tasks
 from reports.running.records import Experiment, Run, Truth
-from reports.running.timing import timings
+from reports.running.timing import timed_pass
 
 LABEL = "disc_on_line[mu=0.1]"
 CASE = cases.load(LABEL)
@@ -47,7 +47,7 @@ def report(tmp_path_factory, motion, in_process):
     given = ["--trajectory", f"mine={folder}/mine.csv", "--trajectory", f"theirs@{LABEL}={folder}/poses.csv"]
     out = folder / "report"
     with in_process(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(timings, "BUDGET", 1.0)  # s: who is ranked is asked here, not how surely
+        patch.setattr(timed_pass, "BUDGET", 1.0)  # s: who is ranked is asked here, not how surely
         assert build.main(["--case", LABEL, "--solver", "reference", "--out", str(out), *given]) == 0
     return out
 

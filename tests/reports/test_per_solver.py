@@ -26,7 +26,7 @@ from reports.running.calls import Calls
 from reports.running.names import REFERENCE
 from reports.running.per_solver import LeftOut
 from reports.running.records import Experiment, Run
-from reports.running.timing import clock, timings
+from reports.running.timing import clock, timed_pass
 from reports.studies import Request
 
 from .identical import identical
@@ -271,9 +271,9 @@ def test_what_accuracy_costs_is_drawn_without_a_solver_that_fails(ran, measured,
 
 def test_timings_are_made_without_a_solver_whose_runs_cannot_be_planned(ran, monkeypatch):
     timed = []
-    monkeypatch.setattr(timings, "time_together", lambda who, *given: timed.extend(who) or ([], []))
+    monkeypatch.setattr(timed_pass, "time_together", lambda who, *given: timed.extend(who) or ([], []))
     with Calls(1) as calls:
-        found = timings.measure(spoilt(ran, dict(cost=Cost(wall_s="long"))), True, calls)
+        found = timed_pass.measure(spoilt(ran, dict(cost=Cost(wall_s="long"))), True, calls)
     assert {one.solver for one in timed} == {REFERENCE, SOUND}
     assert list(found.failures) == [f"all cases, {SPOILT}_0"] and all(found.failures.values())
 

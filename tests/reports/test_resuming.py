@@ -21,7 +21,7 @@ from reports.running import experiment
 from reports.running.calls import Calls
 from reports.running.processes import workers
 from reports.running.storage.result_store import Store
-from reports.running.timing import timings
+from reports.running.timing import timed_pass
 from reports.running.timing.clock import NO_TIMING, Contestant, Timing
 
 from .. import fake_adapter
@@ -135,7 +135,7 @@ def test_timings_are_kept_unless_the_machine_was_disturbed(disturbed, times, tmp
     calls = Calls(store=Store(tmp_path), versions=VERSIONS)
     calls._pool = Pool()
     for _ in range(2):
-        assert timings.time_together(who, 7.0, 10.0, calls) == ([(who[0], timing)], [(who[1], "it fell over")])
+        assert timed_pass.time_together(who, 7.0, 10.0, calls) == ([(who[0], timing)], [(who[1], "it fell over")])
     assert len(made) == times
 
 
@@ -161,7 +161,7 @@ def test_a_crash_at_the_clock_costs_nobody_else_a_timing(clock, lost):
     who = [*contestants("a", "b", "c"), *(one._replace(solver="exudyn") for one in contestants("d", "e"))]
     calls = Calls(store=Store(None), versions=VERSIONS)
     calls._pool = clock
-    found, failed = timings.time_together(who, 7.0, 10.0, calls)
+    found, failed = timed_pass.time_together(who, 7.0, 10.0, calls)
     assert [one.setting["s"] for one, why in failed if why == "it ended"] == list(lost)
     assert [one.setting["s"] for one, _ in found] == [s for s in "abcde" if s not in lost]
 
@@ -181,7 +181,7 @@ def test_timings_made_within_another_budget_or_beside_others_are_not_taken(tmp_p
     calls = Calls(store=Store(tmp_path), versions=VERSIONS)
     calls._pool = Pool()
     for who, share, new in (("ab", 10.0, 1), ("ba", 10.0, 1), ("a", 10.0, 2), ("a", 60.0, 3), ("ab", 10.0, 3)):
-        timings.time_together(contestants(*who), 7.0, share, calls)
+        timed_pass.time_together(contestants(*who), 7.0, share, calls)
         assert len(made) == new, (who, share)
 
 

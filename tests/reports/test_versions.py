@@ -16,7 +16,7 @@ from reports.running.calls import Calls
 from reports.running.processes.workers import WorkerPool
 from reports.running.solvers import groups_of
 from reports.running.storage import source_code
-from reports.running.timing import timings
+from reports.running.timing import timed_pass
 from reports.running.timing.clock import Contestant
 
 CASE = "disc_on_line[mu=0.1]"
@@ -144,7 +144,7 @@ def test_calls_of_two_versions_share_no_worker():
 
 def test_a_clock_has_one_version_in_its_process():
     who = [Contestant(None, name, "native", None, 1.0) for name in ("reference", *BOTH, "exudyn", BOTH[0])]
-    parts = [[one.solver for one in some] for some in timings._by_version(who)]
+    parts = [[one.solver for one in some] for some in timed_pass._by_version(who)]
     assert parts == [["reference", "exudyn"], [BOTH[0]] * 2, [BOTH[1]]]
 
 

@@ -32,7 +32,7 @@ from reports.judging.score import Scale, Score
 from reports.running import solvers, tasks
 from reports.running.calls import Calls
 from reports.running.records import Experiment, Run, Truth
-from reports.running.timing import timings
+from reports.running.timing import timed_pass
 from reports.running.timing.clock import Timing
 from reports.running.timing.cold_start import ColdStart
 from reports.running.timing.time_breakdown import TimeBreakdown
@@ -203,10 +203,10 @@ def test_orders_in_steps_and_in_time_are_fitted():
 
 
 def test_only_cases_with_whole_ladders_are_timed_in_a_default_report():
-    experiment, _ = made(*[("a", f"h={i}", 1e-3, None) for i in range(timings.LEAST_SETTINGS)])
-    assert timings.cases_to_time(experiment, full=False) == list(experiment.cases)
+    experiment, _ = made(*[("a", f"h={i}", 1e-3, None) for i in range(timed_pass.LEAST_SETTINGS)])
+    assert timed_pass.cases_to_time(experiment, full=False) == list(experiment.cases)
     thin = replace(experiment, runs=experiment.runs[1:])
-    assert timings.cases_to_time(thin, full=False) == [] and timings.cases_to_time(thin, full=True) == list(
+    assert timed_pass.cases_to_time(thin, full=False) == [] and timed_pass.cases_to_time(thin, full=True) == list(
         experiment.cases
     )
 
@@ -214,7 +214,7 @@ def test_only_cases_with_whole_ladders_are_timed_in_a_default_report():
 def test_a_default_report_runs_whole_ladders_of_as_many_families_as_it_times():
     from reports.running.ladder_selection import WHOLE_LADDERS
 
-    assert len(WHOLE_LADDERS) == timings.MOST_CASES and set(WHOLE_LADDERS) <= set(cases.names())
+    assert len(WHOLE_LADDERS) == timed_pass.MOST_CASES and set(WHOLE_LADDERS) <= set(cases.names())
 
 
 def test_reference_and_engines_offer_enough_settings_for_a_curve():
@@ -222,7 +222,7 @@ def test_reference_and_engines_offer_enough_settings_for_a_curve():
     for name in ("reference", "exudyn", "pymunk"):
         module = solvers.solver(name)
         for route in module.routes:
-            assert len(module.ladder(case, route)) >= timings.LEAST_SETTINGS, (name, route)
+            assert len(module.ladder(case, route)) >= timed_pass.LEAST_SETTINGS, (name, route)
 
 
 @pytest.mark.slow  # test_any_fault compares the rows of two builds in the quick tests

@@ -42,7 +42,7 @@ from ...running.records import one_default
 from ...running.solvers import solver
 from ...running.tasks import run_on_clock
 from ...running.timing.clock import NO_TIMING, Contestant, Timing
-from ...running.timing.timings import time_together
+from ...running.timing.timed_pass import time_together
 
 # Wall-clock budget in seconds for the timings of a scene: a stage takes milliseconds in the reference, and up to a
 # second in an engine.

@@ -1,4 +1,7 @@
-"""Whether every rung is worth its cost, or another setting of the same engine is faster and as accurate."""
+"""Whether every rung is worth its cost, or another setting of the same engine is faster and as accurate.
+
+The usual combinations, which stand for an engine's default settings, are not from here: adapters have `default_grid`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Imports inside `cases`, `reference` and `adapters`: only downwards, and without circles."""
+"""Imports inside `cases`, `reference` and `adapters`: only downwards, and without circles.
+
+Which room may import which other one is in `test_architecture`.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""The timed pass of an experiment: selects cases and settings, has them timed and collects the results."""
+"""The timed pass of an experiment: selects cases and settings, has them timed and collects the results.
+
+How often a run is repeated, and when its time counts as disturbed, is in `clock`.
+"""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from cases import Cost, Mode, Transition
 from reports.judging.score import Score
 from reports.running.records import Experiment, Run, Truth
 from reports.running.storage.result_store import Store
-from reports.running.timing import clock, cold_start, time_breakdown, timings
+from reports.running.timing import clock, cold_start, time_breakdown, timed_pass
 from reports.running.timing.clock import Contestant
 
 from .watch import LEFT, CallsHere, Watch
@@ -46,7 +46,7 @@ def engines(monkeypatch) -> Watch:
         monkeypatch.setattr(module, "calibrate", lambda: 1e-3)
     monkeypatch.setattr(clock, "neighbours", lambda: False)
     monkeypatch.setattr(cold_start, "_in_child", lambda function, argument: function(argument))
-    monkeypatch.setattr(timings, "time", watch)
+    monkeypatch.setattr(timed_pass, "time", watch)
     return watch
 
 
@@ -65,13 +65,13 @@ def fit(result, cost: float) -> bool:
 
 
 def timed(who, made) -> dict:
-    found, failed = timings.time_together(who, inf, 10.0, made)
+    found, failed = timed_pass.time_together(who, inf, 10.0, made)
     assert not failed and [one for one, _ in found] == list(who)
     return {one.key: timing for one, timing in found}
 
 
 def started_cold(who, made) -> dict:
-    return timings._measure(partial(timings._cold_starts, made), who, 1000.0)
+    return timed_pass._measure(partial(timed_pass._cold_starts, made), who, 1000.0)
 
 
 @pytest.mark.parametrize("measured", [timed, started_cold])
@@ -96,7 +96,7 @@ def test_parts_of_a_run_are_their_contestant_s(engines, tmp_path, monkeypatch):
     monkeypatch.setattr(time_breakdown, "parts", by_cost)
     for who in (WHO, WHO[::-1], WHO[3:] + WHO[:3]):
         with calls(tmp_path) as made:
-            found = timings._measure(partial(timings._parts, made), who, 1000.0)
+            found = timed_pass._measure(partial(timed_pass._parts, made), who, 1000.0)
         assert {key: value.engine for key, value in found.items()} == {one.key: one.setting["cost"] for one in who}
 
 
@@ -134,7 +134,7 @@ def test_timings_are_taken_of_the_same_contestants_alone(other, new, engines, tm
 def test_what_is_left_of_the_time_decides_nothing_and_the_share_of_it_does(engines, tmp_path):
     for left, share, new in ((5.0, 10.0, 1), (7.0, 10.0, 0), (7.0, 20.0, 1)):
         with calls(tmp_path) as made:
-            timings.time_together(AB, left, share, made)
+            timed_pass.time_together(AB, left, share, made)
         assert len(made.made) == new
 
 
@@ -160,14 +160,14 @@ def test_a_contestant_that_an_answer_does_not_name_is_reported(engines, monkeypa
 
     monkeypatch.setattr(clock, "time_all", time_all)
     with calls() as made:
-        found, failed = timings.time_together(AB, 5.0, 10.0, made)
+        found, failed = timed_pass.time_together(AB, 5.0, 10.0, made)
     assert not found and [one for one, _ in failed] == AB and "missing from the clock's answer" in failed[0][1]
 
 
 def test_versions_of_an_engine_are_timed_apart_each_with_its_share_of_the_time(engines):
     versions = [AB[0]._replace(solver=f"pymunk@{version}") for version in ("6.11.1", "7.0.0")]
     with calls() as made:
-        found, _ = timings.time_together([*AB, *versions], 8.0, 8.0, made)
+        found, _ = timed_pass.time_together([*AB, *versions], 8.0, 8.0, made)
     assert [one for one, _ in found] == [*AB, *versions]
     assert [(list(who), budget) for who, budget in made.made] == [
         (AB, 4.0), ([versions[0]], 2.0), ([versions[1]], 2.0),
@@ -203,8 +203,8 @@ def test_contestants_are_the_usable_runs_of_engines_that_the_clock_can_see(monke
         run_of(LINES[0], cost=1.0), run_of(LINES[0], cost=2.0, off=0.6), run_of(LINES[0], "outside", 3.0),
         run_of(LINES[1], cost=4.0), run_of(LINES[0], cost=5.0, outcome="crashed"),
     ]  # fmt: skip
-    monkeypatch.setattr(timings, "executables", lambda: {"outside": None})
-    (one,) = timings.contestants(experiment(*LINES, runs=runs), LINES[0])
+    monkeypatch.setattr(timed_pass, "executables", lambda: {"outside": None})
+    (one,) = timed_pass.contestants(experiment(*LINES, runs=runs), LINES[0])
     assert one.key == (LINES[0].label, "pymunk", "native", Setting.of(cost=1.0))
     assert one.case == LINES[0] and one.expected_s == pytest.approx(0.03)  # a build and a run
     assert lookup.executables() == {}
@@ -213,15 +213,15 @@ def test_contestants_are_the_usable_runs_of_engines_that_the_clock_can_see(monke
 def test_a_default_report_times_of_each_family_the_variant_with_most_transitions():
     variants = named(3, "valley")
     found = experiment(*variants, events={variants[1].label: 3})
-    assert timings.cases_to_time(found, full=False) == [variants[1]]
-    assert timings.cases_to_time(found, full=True) == variants
+    assert timed_pass.cases_to_time(found, full=False) == [variants[1]]
+    assert timed_pass.cases_to_time(found, full=True) == variants
 
 
 def test_a_default_report_times_no_more_cases_than_it_has_time_for():
-    many = named(timings.MOST_CASES + 3)
+    many = named(timed_pass.MOST_CASES + 3)
     most = {case.label: 1 + i for i, case in enumerate(many)}
-    assert timings.cases_to_time(experiment(*many, events=most), full=False) == many[:2:-1]
-    assert timings.cases_to_time(experiment(*many, events=most), full=True) == many
+    assert timed_pass.cases_to_time(experiment(*many, events=most), full=False) == many[:2:-1]
+    assert timed_pass.cases_to_time(experiment(*many, events=most), full=True) == many
 
 
 def test_no_case_is_timed_without_a_truth_or_a_whole_ladder():
@@ -229,37 +229,37 @@ def test_no_case_is_timed_without_a_truth_or_a_whole_ladder():
     runs = [run_of(case, rung=r) for case, rungs in ((one, 6), (two, 5), (three, 6)) for r in range(1, rungs + 1)]
     found = experiment(one, two, three, runs=runs)
     found.truths[three.label] = Truth(failure="none")
-    assert timings.cases_to_time(found, full=False) == [one]
-    assert timings.cases_to_time(found, full=True) == [one, two]
+    assert timed_pass.cases_to_time(found, full=False) == [one]
+    assert timed_pass.cases_to_time(found, full=True) == [one, two]
 
 
 def test_the_pass_times_cheap_cases_first_and_shares_the_time_among_those_left(engines, monkeypatch):
     cheap, dear = named(2)
     runs = [run_of(case, cost=cost, rung=1) for case, cost in ((dear, 8.0), (cheap, 1.0))]
     given_to: list[tuple[str, float, float]] = []
-    together = timings.time_together
+    together = timed_pass.time_together
 
     def noted(who, budget, share, alone):
         given_to.append((who[0].case.label, budget, share))
         return together(who, budget, share, alone)
 
-    monkeypatch.setattr(timings, "time_together", noted)
+    monkeypatch.setattr(timed_pass, "time_together", noted)
     with calls() as made:
         began = engines.wall
-        found = timings.measure(experiment(dear, cheap, runs=runs), True, made)
+        found = timed_pass.measure(experiment(dear, cheap, runs=runs), True, made)
     assert [label for label, _, _ in given_to] == [cheap.label, dear.label] and given_to[0][1] == 60.0
     assert set(found.timings) == {(run.case, *("pymunk", "native"), run.setting) for run in runs}
     assert all(fit(timing, key[3]["cost"]) for key, timing in found.timings.items())
 
     given_to.clear()
-    monkeypatch.setattr(timings, "LEAST_SETTINGS", 1)
+    monkeypatch.setattr(timed_pass, "LEAST_SETTINGS", 1)
     with calls() as made:
         began = engines.wall
-        timings.measure(experiment(dear, cheap, runs=runs), False, made)
+        timed_pass.measure(experiment(dear, cheap, runs=runs), False, made)
     (_, first, share), (_, second, _) = given_to
     # Half of the time for the cheap one; what it leaves of that the dear one has as well.
-    assert first == pytest.approx(timings.BUDGET / 2, rel=1e-3) and share == timings.BUDGET / 2
-    assert first < second < timings.BUDGET and began + timings.BUDGET > engines.wall
+    assert first == pytest.approx(timed_pass.BUDGET / 2, rel=1e-3) and share == timed_pass.BUDGET / 2
+    assert first < second < timed_pass.BUDGET and began + timed_pass.BUDGET > engines.wall
 
 
 def test_what_could_not_be_timed_is_reported_with_its_reason(engines, monkeypatch):
@@ -268,7 +268,7 @@ def test_what_could_not_be_timed_is_reported_with_its_reason(engines, monkeypatc
 
     monkeypatch.setattr(clock, "solver", lambda name: engines.engine(BUILD, RUN, READ, run=breaks))
     with calls() as made:
-        found = timings.measure(experiment(LINES[0], runs=[run_of(LINES[0])]), True, made)
+        found = timed_pass.measure(experiment(LINES[0], runs=[run_of(LINES[0])]), True, made)
     assert found.timings == {} and found.cases == (LINES[0],)
     assert found.failures == {f"{LINES[0].label}, pymunk native cost=1": "RuntimeError: no more"}
 
@@ -277,7 +277,7 @@ def test_cold_starts_and_parts_are_measured_of_those_that_are_wanted(engines):
     runs = [run_of(case, cost=cost) for case in LINES for cost in (1.0, 2.0)]
     wanted = {(run.case, run.solver, run.route, run.setting) for run in runs[1:3]}
     with calls() as made:
-        found = timings.measure_extra(experiment(*LINES, runs=runs), wanted, False, made)
+        found = timed_pass.measure_extra(experiment(*LINES, runs=runs), wanted, False, made)
     assert set(found.cold) == set(found.parts) == wanted
     assert all(
         isinstance(value, cold_start.ColdStart) and fit(value, key[3]["cost"]) for key, value in found.cold.items()
