@@ -21,6 +21,8 @@ import numpy as np
 
 # Bytes of the C library's fenv_t; the largest, of x86-64, has 32.
 _FENV_BYTES = 512
+# What decides which module an import finds.
+_IMPORT_LISTS = ("path", "path_hooks", "meta_path")
 LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")]
 
 
@@ -30,7 +32,9 @@ def third_party() -> Iterator[None]:
 
     These are working folder, locale, decimal context, recursion limit, umask, resource limits, signal handlers, garbage
     collection, warning filters and NumPy's error handling; rounding returns to its state at the import of this module.
-    Environment variables and the module search path stay changed: the engine may need them for later imports."""
+    Imports find again what they found before, because NumPy imports parts of itself at their first use. The engine's
+    additions to the search path and the finders are searched after that, and environment variables stay changed: later
+    imports of the engine may need them."""
     before = [(write, read()) for read, write in _SETTINGS]
     with warnings.catch_warnings(), np.errstate():
         try:
@@ -73,6 +77,20 @@ def _set_collection(is_enabled: bool) -> None:
     (gc.enable if is_enabled else gc.disable)()
 
 
+def _imports() -> list[tuple[list[Any], list[Any]]]:
+    """The lists of the module search path and the finders, and their entries."""
+    return [(getattr(sys, name), list(getattr(sys, name))) for name in _IMPORT_LISTS]
+
+
+def _restore_imports(before: list[tuple[list[Any], list[Any]]]) -> None:
+    """Set the lists to their entries before, in their order, followed by what was added since."""
+    for name, (place, entries) in zip(_IMPORT_LISTS, before, strict=True):
+        now = getattr(sys, name)
+        added = [entry for entry in now if entry not in entries] if isinstance(now, list) else []
+        place[:] = [*entries, *added]
+        setattr(sys, name, place)
+
+
 _SETTINGS: tuple[tuple[Callable[[], Any], Callable[[Any], Any]], ...] = (
     (os.getcwd, os.chdir),
     (lambda: locale.setlocale(locale.LC_ALL), lambda name: locale.setlocale(locale.LC_ALL, name)),
@@ -84,6 +102,7 @@ _SETTINGS: tuple[tuple[Callable[[], Any], Callable[[Any], Any]], ...] = (
     (_umask, os.umask),
     (gc.isenabled, _set_collection),
     (gc.get_threshold, lambda thresholds: gc.set_threshold(*thresholds)),
+    (_imports, _restore_imports),
 )  # fmt: skip
 
 

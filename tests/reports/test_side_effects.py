@@ -3,6 +3,7 @@
 import ctypes
 import decimal
 import gc
+import importlib
 import os
 import platform
 import resource
@@ -142,3 +143,26 @@ def test_settings_of_the_process_are_restored_after_an_engines_code(tmp_path):
         np.seterr(all="raise")
         assert all(now != then for now, then in zip(settings(), before, strict=True))
     assert settings() == before
+
+
+def test_imports_find_what_they_found_before_and_then_what_an_engine_added(tmp_path):
+    """NumPy imports its masked arrays at the first median, and an engine may import its own parts later."""
+    (tmp_path / "part_of_an_engine.py").write_text("")
+    (tmp_path / "colorsys.py").write_text("raise AssertionError")
+    lists = sys.path, sys.path_hooks, sys.meta_path
+    before = [list(one) for one in lists]
+    finder = type("Fails", (), {"find_spec": lambda *given: 1 / 0})()
+    try:
+        with third_party():
+            sys.path = [str(tmp_path), sys.path[0]]
+            sys.path_hooks.clear()
+            sys.meta_path.insert(0, finder)
+        assert sys.path == [*before[0], str(tmp_path)]
+        assert sys.path_hooks == before[1] and sys.meta_path == [*before[2], finder]
+        for name in ("colorsys", "part_of_an_engine"):
+            sys.modules.pop(name, None)
+            importlib.import_module(name)
+    finally:
+        sys.path, sys.path_hooks, sys.meta_path = lists
+        for one, entries in zip(lists, before, strict=True):
+            one[:] = entries
