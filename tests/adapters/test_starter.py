@@ -83,8 +83,13 @@ def test_there_is_an_engine_in_each_language_of_fewer_than_100_lines():
     assert files.keys() == {*LANGUAGES} and max(files.values()) < 100
 
 
-@pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize(
+    ("language", "scene"),
+    [  # quick: each language has one scene, and each scene a language
+        pytest.param(language, scene, marks=() if (i - k) % len(SCENES) == 0 else pytest.mark.slow)
+        for i, language in enumerate(LANGUAGES) for k, scene in enumerate(SCENES)
+    ],
+)  # fmt: skip
 def test_it_is_excellent_on_three_scenes(language, scene, run):
     result = run(language, scene)
     assert (result.outcome, result.grade, result.sequence) == ("answered", "excellent", "same sequence"), result.reason

@@ -298,7 +298,13 @@ def test_energy_does_not_grow_in_what_was_found(name):
         check_physics(SCENES[name])
 
 
-@pytest.mark.parametrize("name", SCENES)
+# These take longest in the second formulation: only the slow tests compare it; the other quick tests have them too.
+LONGEST = ("bouncing in a growing pull", "two spells of bouncing")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name in LONGEST else name for name in SCENES]
+)
 def test_both_formulations_agree_on_what_was_found(name):
     assert check_agreement(SCENES[name]) is False  # the same sequence, not one excused as ill-conditioned
 

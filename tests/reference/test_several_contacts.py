@@ -219,8 +219,8 @@ def _compare_decisions(seeds) -> dict[str, int]:
 
 
 def test_decisions_are_those_of_lemkes_method_and_of_projected_gauss_seidel():
-    counts = _compare_decisions(range(200))
-    assert counts["one"] > 150 and counts["projected"] > 140 and counts["several"] > 0
+    counts = _compare_decisions(range(64))  # 60 has several motions; the slow test has 5000
+    assert counts["one"] > 45 and counts["projected"] > 42 and counts["several"] > 0
 
 
 @pytest.mark.slow
@@ -231,7 +231,7 @@ def test_five_thousand_decisions_are_those_of_projected_gauss_seidel():
 
 def test_the_papers_matrix_with_a_block_for_each_contact_gives_the_same_accelerations_and_forces():
     numbers, both = 0, 0
-    for seed in range(120):
+    for seed in range(60):
         case, now = _random_state(seed)
         decision = decide(case, now, 1e-12)
         if decision.regime is None or decision.regime.rests or not decision.regime.closed:
@@ -249,7 +249,7 @@ def test_the_papers_matrix_with_a_block_for_each_contact_gives_the_same_accelera
             forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
             assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)
         numbers, both = numbers + 1, both + (len(closed) == 2)
-    assert numbers > 60 and both > 10
+    assert numbers > 30 and both > 5
 
 
 # --- two formulations -------------------------------------------------------------------------------------------------
@@ -277,7 +277,7 @@ def test_both_formulations_have_the_same_sequence_and_a_certificate_of_it():
 def test_an_ellipse_crosses_a_valley_alike_in_both_formulations():
     outline = Curve(lambda s: (0.5 * c.cos(s), 0.35 * c.sin(s)))
     effects = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.4)
-    case = Case(groove(radians(25), 0.02), Plate(outline, 1.0, 0.09), effects, Start(-0.7, xi2=4.3), 1.0)
+    case = Case(groove(radians(25), 0.02), Plate(outline, 1.0, 0.09), effects, Start(-0.7, xi2=4.3), 0.6)
     assert _agree(case, 1e-10) >= 2
 
 

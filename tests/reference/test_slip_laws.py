@@ -96,8 +96,13 @@ def test_the_eliminated_equations_agree_with_the_literal_matrix(mu):
             assert outputs.friction == pytest.approx(literal.friction_force, rel=1e-12)
 
 
-@pytest.mark.parametrize("mu_static", [None, 0.4])
-@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC])
+@pytest.mark.parametrize(
+    ("mu", "mu_static"),
+    [
+        (STRIBECK, None), (HYPERBOLIC, 0.4),
+        *(pytest.param(*each, marks=pytest.mark.slow) for each in ((STRIBECK, 0.4), (HYPERBOLIC, None))),
+    ],
+)  # fmt: skip
 def test_all_methods_agree_in_a_circle(mu, mu_static):
     first, *others = simulate_all(in_circle(mu, mu_static=mu_static), 1e-12)
     assert len(first.transitions) >= 3

@@ -50,9 +50,20 @@ def events(motion) -> list[tuple]:
     return [(t.contact, t.before, t.after) for t in motion.transitions]
 
 
+def slow(*values):
+    """Parameters of the slow tests; the quick ones run a sample."""
+    return [pytest.param(value, marks=pytest.mark.slow) for value in values]
+
+
+@lru_cache(maxsize=8)
+def simulated(case: Case):
+    """The motion at the finest tolerance, computed once for tests of the same scene."""
+    return reference.simulate(case, rtol=1e-14)
+
+
 def agree(case: Case, within: float = 1e-11) -> int:
     """Compare both formulations' whole sequences; returns the number of changes, or raises AssertionError."""
-    motion, second = reference.simulate(case, rtol=1e-14), _by_second(case, "second", 1e-13)
+    motion, second = simulated(case), _by_second(case, "second", 1e-13)
     assert (second.status, events(second)) == (motion.status, events(motion))
     for one, other in zip(motion.transitions, second.transitions, strict=True):
         assert abs(one.time - other.time) < within
@@ -281,7 +292,7 @@ def with_restitution(case: Case, e: float, law: str = "moreau") -> Case:
     return replace(case, effects=tuple(effects))
 
 
-@pytest.mark.parametrize("seed", [*range(8), 15, 16])
+@pytest.mark.parametrize("seed", [1, 4, 6, *slow(0, 2, 3, 5, 7, 15, 16)])
 def test_both_formulations_have_the_same_random_sequences(seed):
     # 4 and 15: a rod that lies on the plane meets the wall; the impulses of three contacts are not unique, and some of
     # them turn the rod, but only one velocity agrees with the law. 6: two velocities do, and both report it.
@@ -292,7 +303,7 @@ def test_a_plate_that_turns_about_a_point_held_by_two_contacts_ends_in_both_form
     # A rod's corner sticks in the corner of plane and wall, and the rod turns about it: four rows of rank two.
     case = random_case(25)
     assert agree(case, 1e-10) == 5
-    motion = reference.simulate(case)
+    motion = simulated(case)
     assert motion.status == "breakdown" and "hold one point of the plate" in motion.reason
 
 
@@ -323,13 +334,13 @@ def test_both_formulations_have_the_same_sequences_of_many_scenes(seed):
     agree(random_case(seed), 5e-6)  # two corners that hit alternately end within that (205, 258)
 
 
-@pytest.mark.parametrize("seed", [1, 8, 9])
+@pytest.mark.parametrize("seed", [1, *slow(8, 9)])
 def test_both_formulations_end_bouncing_at_the_same_time(seed):
     # The end of a series of impacts is extrapolated: to 1e-10 s, as the last hops are 1e-9 of the plate's size high.
     agree(with_restitution(random_case(seed), 0.4), 1e-9)
 
 
-@pytest.mark.parametrize("seed", [5, 7, 13])
+@pytest.mark.parametrize("seed", [13, *slow(5, 7)])
 def test_two_corners_that_bounce_alternately_come_to_rest_in_both_formulations(seed):
     # Their speeds have no fixed ratio, so the end is known to the time of the last hops, 1e-12 of the plate high:
     # sqrt(8 · 2.7e-12 m / 9.81 m/s²), some microseconds with those that follow.
@@ -357,11 +368,12 @@ def test_bouncing_on_one_support_ends_at_the_limit_of_its_series(e, method):
     assert x == pytest.approx(1.2 + vx * 1.4, abs=1e-12)
 
 
-def test_the_papers_matrix_with_corners_gives_the_same_accelerations_and_forces():
+@pytest.mark.parametrize(("seeds", "least"), [((1, 4, 6), 5), pytest.param(range(12), 9, marks=pytest.mark.slow)])
+def test_the_papers_matrix_with_corners_gives_the_same_accelerations_and_forces(seeds, least):
     several = 0
-    for seed in range(12):
+    for seed in seeds:
         case = random_case(seed)
-        motion = reference.simulate(case)
+        motion = simulated(case)
         for segment in motion.dense._segments:
             regime = regime_of(segment.phase)
             if not regime.closed or regime.rests:
@@ -380,7 +392,7 @@ def test_the_papers_matrix_with_corners_gives_the_same_accelerations_and_forces(
                 forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
                 assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)
             several += len(regime.closed)
-    assert several > 8
+    assert several >= least
 
 
 # --- the pose and the checks ------------------------------------------------------------------------------------------
