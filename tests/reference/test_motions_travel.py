@@ -64,7 +64,9 @@ def test_a_motion_is_the_same_in_another_process(elsewhere, chosen):
     "trip",
     [
         lambda motion: pickle.loads(pickle.dumps(motion)),
-        lambda motion: pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(motion)))),
+        pytest.param(
+            lambda motion: pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(motion)))), marks=pytest.mark.slow
+        ),
         lambda motion: pickle.loads(cloudpickle.dumps(motion)),
         copy.deepcopy,
         copy.copy,

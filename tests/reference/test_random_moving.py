@@ -7,6 +7,11 @@ from tests.scenes.agreement import check_same_sequence
 from tests.scenes.moving import FAMILIES, check_invariance, check_work, random_scenes
 
 EACH = pytest.mark.parametrize("family", FAMILIES)
+# Families of several effects at once take longest; in the quick tests only the two formulations are compared on them.
+SINGLE_EFFECTS = pytest.mark.parametrize(
+    "family",
+    [pytest.param(name, marks=pytest.mark.slow) if name.endswith("with the others") else name for name in FAMILIES],
+)
 
 
 @EACH
@@ -32,6 +37,6 @@ def test_work_of_friction_belt_and_drive_is_the_energy_gained(family):
     assert checked > 0
 
 
-@EACH
+@SINGLE_EFFECTS
 def test_mirror_image_rotation_and_units_change_no_transition(family):
     assert sum(check_invariance(case) for case in random_scenes(family, seed=7, number=1)) > 0
