@@ -18,7 +18,8 @@ from tests.scenes.motions import sampled
 PAPER = cases.load("disc_in_circle", mu=0.2)
 # Slip to roll and back; no disc; a landing.
 SAMPLE = (PAPER, cases.load("ellipse_on_line", mu=0.05), cases.load("disc_onto_incline", mu=0.1))
-# Motions with several contacts have tests of their own (test_several_contacts). `TIPPING`: supports, but one contact.
+# Motions with several contacts have tests of their own (test_several_contacts, test_score_on_supports).
+# `TIPPING`: supports, but one contact.
 SEVERAL = "cases.catalogue.several_contacts"
 NAMES = [name for name in cases.names() if cases.entry(name).function.__module__ != SEVERAL]
 TIPPING = ("block_on_incline[slope=0.6,mu=0.9]", "block_on_incline[slope=0.6,mu=0.52]")

@@ -1,0 +1,117 @@
+"""The score of motions on supports, contact by contact: exact ones, null motions, engines with a planted error."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+import cases
+import reference
+from cases import Case, CoulombFriction, Mode, Trajectory, Transition
+from cases.sampled_contacts import SampledContacts
+from reports.judging import friction_sensitivity, several_contacts
+from reports.judging.grades import Grade, grade
+from reports.judging.null_motions import null_motions, with_friction
+from reports.judging.score import Scale
+from tests.scenes import planted_engines as planted
+
+NAMES = ("ladder_at_wall", "round_ladder_at_wall", "rocking_block", "block_on_incline")
+# Rounding of scores that are zero.
+ROUNDING = 1e-9
+pytestmark = pytest.mark.slow
+
+
+class Judged(NamedTuple):
+    """A case with its truth and the scale of each contact."""
+
+    case: Case
+    truth: Trajectory
+    nulls: dict[str, Trajectory]
+    scales: dict[str, Scale]
+
+    def judge(self, motion: Trajectory) -> several_contacts.SeveralJudgement:
+        """The comparison of a motion with the truth."""
+        return several_contacts.judge(self.case, motion, self.truth, self.scales, self.truth.transitions)
+
+    def sampled(self, samples: int, creep: float = 0.0) -> Trajectory:
+        """The exact motion at even times; `creep` (m/s) is added to the slip of contacts that roll."""
+        t, columns = np.linspace(0.0, self.truth.t[-1], samples), {}
+        for name in self.truth.contact_names:
+            own = self.truth.contact_columns(name, t)
+            slip = own.slip.copy()
+            for phase in self.scales[name].phases:
+                if phase.mode in (Mode.ROLL, Mode.REST):
+                    slip[(t >= phase.begin) & (t <= phase.end)] += creep
+            columns[name] = own._replace(slip=slip)
+        contacts = dict(contact_names=self.truth.contact_names, contact_columns=SampledContacts(t, columns))
+        return Trajectory(t=t, **self.truth(t)._asdict(), **contacts)
+
+
+@pytest.fixture(scope="module", params=NAMES)
+def all_judged(request) -> list[Judged]:
+    """The cases of a name that have several contacts."""
+    found = []
+    for case in cases.select(request.param):
+        truth = reference.simulate(case, rtol=1e-12)
+        if len(truth.contact_names) > 1:
+            nulls = null_motions(case)
+            found.append(Judged(case, truth, nulls, several_contacts.scales(case, truth, truth.transitions, nulls)))
+    assert found
+    return found
+
+
+def test_null_motions_are_as_wrong_as_ignoring_friction(all_judged):
+    for one in all_judged:
+        for name, motion in one.nulls.items():
+            score = one.judge(motion).score
+            assert score.off >= 1.0 - ROUNDING or score.pose <= 1e-6, (one.case.label, name, score)
+
+
+def test_exact_motions_are_within_their_doubt(all_judged):
+    for one in all_judged:
+        assert one.judge(one.truth).score.off <= ROUNDING
+        for samples in (100, 300, 1000, 4000):
+            score = one.judge(one.sampled(samples)).score
+            assert score.off <= score.doubt + ROUNDING, (one.case.label, samples, score)
+
+
+def test_engines_with_planted_friction_get_what_a_physicist_would_say(all_judged):
+    for one in all_judged:
+        friction = one.case.effect(CoulombFriction)
+        if friction is None:
+            continue
+        much, less = (
+            one.judge(reference.simulate(with_friction(one.case, mu=part * friction.mu))).score.off
+            for part in (planted.FRICTION, planted.LESS_FRICTION)
+        )
+        if friction_sensitivity.friction_sensitivity(one.case, one.truth, one.scales) >= friction_sensitivity.LEAST:
+            assert grade(much) is Grade.UNUSABLE and 0.02 <= less <= 0.15, (one.case.label, much, less)
+        else:  # a block that rocks without slip: friction may be anything that is enough
+            assert max(much, less) <= 1e-3, (one.case.label, much, less)
+
+
+def test_creep_adds_no_more_than_its_share_of_the_scale(all_judged):
+    for one in all_judged:
+        rolls = any(phase.mode in (Mode.ROLL, Mode.REST) for scale in one.scales.values() for phase in scale.phases)
+        exact, creeping = (one.judge(one.sampled(4000, creep)).score for creep in (0.0, planted.CREEP))
+        bound = planted.CREEP / min(scale.slip for scale in one.scales.values())
+        assert creeping.off <= exact.off + bound + ROUNDING, (one.case.label, creeping)
+        assert (creeping.slip > exact.slip) == rolls
+
+
+def test_slip_of_microseconds_at_each_contact_does_not_count(all_judged):
+    for one in all_judged:
+        events: list[Transition] = []
+        for event in one.truth.transitions:
+            if event.after in (Mode.ROLL, Mode.REST):
+                later = replace(event, time=event.time + planted.EXTRA_SLIP, before=Mode.SLIP_FORWARD)
+                events += [replace(event, after=Mode.SLIP_FORWARD), later]
+            else:
+                events.append(event)
+        score = one.judge(replace(one.truth, transitions=tuple(sorted(events, key=lambda event: event.time)))).score
+        extra = (len(events) - len(one.truth.transitions)) * planted.EXTRA_SLIP
+        assert score.off <= 2.0 * extra / min(scale.time for scale in one.scales.values()) + ROUNDING
+        assert (score.mode > 0.0) == (extra > 0.0)
