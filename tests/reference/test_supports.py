@@ -308,10 +308,10 @@ def test_a_plate_that_turns_about_a_point_held_by_two_contacts_ends_in_both_form
 
 
 # Scenes in which the formulations differ, to be mended: a rod wedged between two supports that one holds and the other
-# finds no mode for, and a disc whose last hop in a corner only the second sees.
+# finds no mode for, and a disc whose last hops in a corner only the first sees.
 DIFFERENT = {
     92: "two contacts at one point",
-    114: "a gap of 6e-10 m that closes",
+    114: "the second formulation misses a wall 2e-6 m away",
     164: "a wedged rod",
     199: "a wedged rod",
     246: "a wedged rod",
