@@ -260,9 +260,9 @@ class Chain(Curve):
 
     # --- as a polygon -------------------------------------------------------------------------------------------------
 
-    def moved(self, x: float, y: float) -> Chain:
+    def translate(self, x: float, y: float) -> Chain:
         """The same chain, moved by (x, y) m."""
-        return _restore(type(self), tuple(moved(piece, x, y) for piece in self.pieces), self.is_closed)
+        return _restore(type(self), tuple(translate(piece, x, y) for piece in self.pieces), self.is_closed)
 
     def vertices(self, longest_turn: float) -> np.ndarray:
         """Parameters of the vertices of a polygon along the chain: all joints, and on curved pieces places between
@@ -303,13 +303,13 @@ class Chain(Curve):
         return float(x.min()), float(x.max()), float(y.min()), float(y.max())
 
 
-def moved(curve: Curve, x: float, y: float) -> Curve:
+def translate(curve: Curve, x: float, y: float) -> Curve:
     """A curve moved by (x, y) m, with the same parameter."""
     if isinstance(curve, Edge):
         (x0, y0), (x1, y1) = curve.point(curve.span[0]), curve.point(curve.span[1])
         return Edge.between((x0 + x, y0 + y), (x1 + x, y1 + y))
     if curve.parts is not None:
-        return Curve.in_pieces(curve.parts.moved(x, y), curve.residual, curve.may_cross)
+        return Curve.in_pieces(curve.parts.translate(x, y), curve.residual, curve.may_cross)
 
     def place(s):
         here = curve.at(s)

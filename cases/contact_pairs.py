@@ -51,13 +51,13 @@ class PairCase(Case):
             begin = self.start.motion(self.track, feature) if self.start.xi2 is None else self.start
             return begin.xi1, begin.xi2 or 0.0
         c, s = cos(theta), sin(theta)
-        turned = float(np.arctan2(line.direction[1], line.direction[0])) - theta
+        angle = float(np.arctan2(line.direction[1], line.direction[0])) - theta
         if isinstance(feature, Corner):
             point = np.array([x + c * feature.x - s * feature.y, y + s * feature.x + c * feature.y])
-            xi2 = (turned - feature.start) % (2.0 * pi)
+            xi2 = (angle - feature.start) % (2.0 * pi)
         else:
             grid = np.linspace(*feature.span, 721)
-            turns = (np.asarray(feature.tangent_angle(grid)) - turned) / (2.0 * pi)
+            turns = (np.asarray(feature.tangent_angle(grid)) - angle) / (2.0 * pi)
             xi2 = float(grid[np.argmin(np.abs(turns - np.round(turns)))])
             u, v = feature.point(xi2)
             point = np.array([x + c * u - s * v, y + s * u + c * v])

@@ -67,7 +67,7 @@ class CurvePieces:
         """What equal pieces share."""
         return self.breaks, self.forms, self.form_numbers, self.origins, self.sizes, self.order, self.period
 
-    def moved(self, x: float, y: float) -> CurvePieces:
+    def translate(self, x: float, y: float) -> CurvePieces:
         """The pieces, moved by (x, y) m."""
         number = len(self.forms[0][1])
         offsets = sp.symbols(f"q{number} q{number + 1}", real=True)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .area import area_inside
-from .chain import Chain, moved
+from .chain import Chain, translate
 from .corner import Edge
 from .curves import Curve
 from .errors import BadCurve, BadValue, not_negative, positive, positive_or_infinite, whole
@@ -73,7 +73,7 @@ class Plate:
         least = CENTRED * float(np.hypot(*outline.point(_places(outline))).max())
         x, y = (value if abs(value) > least else 0.0 for value in (x, y))
         if x or y:
-            outline = outline.moved(-x, -y) if isinstance(outline, Outline) else moved(outline, -x, -y)
+            outline = outline.translate(-x, -y) if isinstance(outline, Outline) else translate(outline, -x, -y)
         return cls(outline, mass, mass * moment / weight)
 
     @classmethod

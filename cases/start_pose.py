@@ -59,8 +59,8 @@ def as_start(pose: StartPose, track: Curve, outline: Curve) -> Start:
     fastest = hypot(pose.vx, pose.vy) + size * abs(pose.omega)
     if abs(rate) <= TOUCHES * fastest:
         rate = 0.0
-    turned = float(geometry.pose(track, outline, contact.xi1, contact.xi2)[2]) - theta
-    rounds = round(turned / (2.0 * pi)) * (outline.period or 0.0)  # so that the angle is the given one
+    angle = float(geometry.pose(track, outline, contact.xi1, contact.xi2)[2]) - theta
+    rounds = round(angle / (2.0 * pi)) * (outline.period or 0.0)  # so that the angle is the given one
     if gap < 0.0:
         raise DoesNotFit(f"the plate overlaps its track by {-gap:.6g} m in the StartPose; give another one")
     return Start(contact.xi1, contact.xi2 + rounds, slip, pose.omega, gap, rate)

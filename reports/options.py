@@ -192,10 +192,10 @@ class BuildPlan:
 
     def select_rungs(self, case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
         """The settings to run (`ladder_selection.select_rungs`)."""
-        chosen = ladder_selection.select_rungs(self.effort, self.is_selection, case, solver, route, settings)
+        rungs = ladder_selection.select_rungs(self.effort, self.is_selection, case, solver, route, settings)
         if self.points is None or solver not in self.own_engines:
-            return chosen
-        return tuple(setting.but(points=self.points) for setting in chosen)
+            return rungs
+        return tuple(setting.but(points=self.points) for setting in rungs)
 
     def ladders(self) -> str:
         """Which settings are run, as a sentence; "" if all are."""

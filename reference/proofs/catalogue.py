@@ -42,18 +42,18 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(names: list[str]) -> int:
-    chosen: list[Case] = [case for name in names or cases.names() for case in cases.select(name)]
+    selection: list[Case] = [case for name in names or cases.names() for case in cases.select(name)]
     from .prover import prove
 
     proofs, order = dict(read()), [case.label for name in cases.names() for case in cases.select(name)]
-    for n, case in enumerate(chosen, start=1):
+    for n, case in enumerate(selection, start=1):
         proofs.pop(case.label, None)
         try:
             proof = prove(case, DIGITS)
         except NotSupported as problem:
-            print(f"{n}/{len(chosen)} {problem}", flush=True)
+            print(f"{n}/{len(selection)} {problem}", flush=True)
             continue
-        print(f"{n}/{len(chosen)} {case.label}: {proof.status}, {len(proof.transitions)} transitions, "
+        print(f"{n}/{len(selection)} {case.label}: {proof.status}, {len(proof.transitions)} transitions, "
               f"{proof.cpu_s:g} s; {proof.reason}", flush=True)  # fmt: skip
         proofs[case.label] = proof
         write([proofs[label] for label in order if label in proofs])

@@ -101,10 +101,10 @@ def _is_narrow(motion: MotionProof, digits: int) -> bool:
 def _record(
     case: Case, scene: Scene, exact_equations: Dynamics, motion: MotionProof, digits: int, working: int, cpu: float
 ) -> Proof:
-    shown = digits + 3
+    precision = digits + 3
 
     def ends(ball: arb) -> DecimalInterval:
-        return outward(ball, shown)
+        return outward(ball, precision)
 
     transitions = tuple(
         ProvedTransition(

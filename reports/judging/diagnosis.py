@@ -206,14 +206,14 @@ def _other_points(case: Case, table: Columns, inside: np.ndarray, state, off) ->
     c, s = np.cos(state.theta), np.sin(state.theta)
     px, py = float(np.mean(c * off[0] + s * off[1])), float(np.mean(c * off[1] - s * off[0]))
     cos, sin = np.cos(table["theta"]), np.sin(table["theta"])
-    moved = {"x": table["x"] - cos * px + sin * py, "y": table["y"] - sin * px - cos * py}
+    pose = {"x": table["x"] - cos * px + sin * py, "y": table["y"] - sin * px - cos * py}
     words = f"the pose seems to be that of the plate's point ({px:.4g}, {py:.4g}) m; give that of the centre of mass"
-    yield Change(words, {**table, **moved}, 1)
+    yield Change(words, {**table, **pose}, 1)
     if np.isfinite(state.xi1).all() and inside.all():
         contact = case.track.point(np.asarray(state.xi1)) - np.array([state.x, state.y])
-        moved = {"x": table["x"] - contact[0], "y": table["y"] - contact[1]}
+        pose = {"x": table["x"] - contact[0], "y": table["y"] - contact[1]}
         yield Change(
-            "the pose seems to be that of the contact point; give that of the centre of mass", {**table, **moved}
+            "the pose seems to be that of the contact point; give that of the centre of mass", {**table, **pose}
         )
 
 
@@ -247,8 +247,8 @@ def _in_plates_frame(columns: Columns, slopes: Mapping[str, np.ndarray]) -> bool
     """Whether vx and vy are much nearer to the slopes of the poses if they are turned by theta."""
     c, s = np.cos(columns["theta"]), np.sin(columns["theta"])
     vx, vy, x, y = columns["vx"], columns["vy"], slopes["vx"], slopes["vy"]
-    own, turned = np.hypot(vx - x, vy - y), np.hypot(c * vx - s * vy - x, s * vx + c * vy - y)
-    return bool(np.median(turned) < NEARER * np.median(own))
+    own, other = np.hypot(vx - x, vy - y), np.hypot(c * vx - s * vy - x, s * vx + c * vy - y)
+    return bool(np.median(other) < NEARER * np.median(own))
 
 
 def _late_rates(columns: Columns, slopes: Mapping[str, np.ndarray]) -> str:

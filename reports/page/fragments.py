@@ -96,13 +96,13 @@ def table(
     has its first rows, or `most`; a script gets the others from its `file` inside the page.
     """
     columns = {c: title for c, title in columns.items() if c not in _REMARKS or any(frame[c].astype(bool))}
-    shown = columns if len(columns) <= _WIDEST else _narrowed(frame, columns)
-    numeric = {c for c in shown if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
-    heads = [_head(c, title, c in numeric, (words or {}).get(c, "")) for c, title in shown.items()]
+    visible = columns if len(columns) <= _WIDEST else _narrowed(frame, columns)
+    numeric = {c for c in visible if len(frame) and all(isinstance(v, int | float | np.number) for v in frame[c])}
+    heads = [_head(c, title, c in numeric, (words or {}).get(c, "")) for c, title in visible.items()]
     top = frame.head((len(frame) if len(frame) <= WHOLE else FIRST_ROWS) if most is None else most)
     rows = []
     for row in records(top):
-        cells = [_cell(row[c], c, c in numeric) for c in shown]
+        cells = [_cell(row[c], c, c in numeric) for c in visible]
         rows.append(
             {
                 "solver": str(row.get("solver", "")),

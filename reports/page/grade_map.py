@@ -68,20 +68,20 @@ def _missing(group: Sequence[Run]) -> dict[str, Any]:
     return {"off": "", "brief": "", "small": outcome, "grade": "none", "tip": f"{outcome}{why}"}
 
 
-def _cell(runs: Sequence[Run], shown: Run) -> dict[str, Any]:
-    """The cell of some runs: their median off with its grade; small print, of the run shown in motion, is its friction
+def _cell(runs: Sequence[Run], run: Run) -> dict[str, Any]:
+    """The cell of some runs: their median off with its grade; small print, of `run`, is its friction
     × or the shortest phases that it misses."""
     offs = sorted(run.score.off for run in runs if run.score)
     off = median(offs)
     spread = f" ({percent(offs[0])} to {percent(offs[-1])} over {len(offs)} usual values)" if len(offs) > 1 else ""
     tip = [f"{percent(off)} off{spread}", str(grade(off))]
-    if isfinite(shown.friction_factor):
-        tip.append(f"friction × {shown.friction_factor:.2g}")
-    tip += [shown.sequence] if shown.sequence else []
+    if isfinite(run.friction_factor):
+        tip.append(f"friction × {run.friction_factor:.2g}")
+    tip += [run.sequence] if run.sequence else []
     return {
         "off": short_percent(off),
         "brief": _brief(off),
-        "small": _small(shown),
+        "small": _small(best),
         "grade": str(grade(off)).replace(" ", "-"),
         "tip": ", ".join(tip),
     }

@@ -88,8 +88,8 @@ def moving_runs(experiment: Experiment, label: str) -> list[Run]:
     """The runs of a case that have a motion to show, route by route from coarse to fine: with the first default
     setting, and at the finest or all others. Not the reference's, which coincide with the truth."""
     runs = [run for run in experiment.runs if run.case == label and run.solver != REFERENCE and run.score]
-    shown = [run for group in routes(runs).values() for run in group if not run.setting.is_default or run.rung == 1]
-    return [run for run in shown if len(run.off.get("t", ())) > 1]
+    visible = [run for group in routes(runs).values() for run in group if not run.setting.is_default or run.rung == 1]
+    return [run for run in visible if len(run.off.get("t", ())) > 1]
 
 
 def family(case: Case) -> str:

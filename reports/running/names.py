@@ -11,5 +11,5 @@ def legible(text: object, most: int = _LONGEST_TEXT) -> str:
     """A solver's text for files and terminals: at most `most` characters, with characters that cannot be printed (a
     lone surrogate, NUL, an escape) spelled out."""
     whole = str(text)
-    shown = whole if len(whole) <= most else f"{whole[: most - 1]}…"
-    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in shown)
+    short = whole if len(whole) <= most else f"{whole[: most - 1]}…"
+    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in short)

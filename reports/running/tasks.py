@@ -293,9 +293,9 @@ def _drawn_samples(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:
     """Samples for the figures: the paper's v, ξ₁, ξ₂, θ and λ = N/‖R_p‖, the centre and the contact's forces;
     thinned."""
     names = ("t", "x", "y", "theta", "slip", "xi1", "xi2", "normal_force", "friction_force")
-    shown = {name: _thin(getattr(trajectory, name)) for name in names}
-    shown["lambda"] = distances.multiplier(case, shown["normal_force"], shown["xi1"])
-    return shown
+    samples = {name: _thin(getattr(trajectory, name)) for name in names}
+    samples["lambda"] = distances.multiplier(case, samples["normal_force"], samples["xi1"])
+    return samples
 
 
 def _thin(values: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from cases import BadCurve, BadValue, Chain, Curve, NotSupported, Outline, Plate, arc, library
 from cases.area import area_inside
-from cases.chain import moved
+from cases.chain import translate
 from cases.corner import Corner, Edge
 
 SQUARE = [(0, 0), (2, 0), (2, 1), (0, 1)]
@@ -37,7 +37,7 @@ def gear_moment(radius, teeth, depth):
         (lambda: Plate.half_disc(0.3, 2.0), 2.0 * 0.3**2 * (0.5 - 16 / (9 * pi**2))),
         (lambda: Plate.rectangle(0.4, 0.3, 3.0), 3.0 * (0.4**2 + 0.3**2) / 12),
         (lambda: Plate.polygon([(1, 1), (5, 1), (1, 4)], 2.0), 2.0 * (9 + 16 + 25) / 36),
-        (lambda: Plate.homogeneous(moved(library.ellipse(2.0, 0.5), 7.0, -3.0), 1.5), 1.5 * (4 + 0.25) / 4),
+        (lambda: Plate.homogeneous(translate(library.ellipse(2.0, 0.5), 7.0, -3.0), 1.5), 1.5 * (4 + 0.25) / 4),
         (lambda: Plate.homogeneous(library.circle(1.0), 1.0, holes=[library.circle(0.5)]), (1 + 0.25) / 2),
         (lambda: Plate.homogeneous(library.circle(1.0), 3.0, inlays=[(library.circle(0.5), 5.0)]), 3 * (1 + 0.25) / 4),
         (lambda: Plate.gear(0.1, 12, 0.02, 1.0), np.divide(*gear_moment(0.1, 12, 0.02))),
@@ -51,7 +51,7 @@ def test_centre_of_mass_is_the_outlines_origin():
     plate = Plate.half_disc(1.0, 1.0)
     assert plate.outline.point(0.5 * pi - pi)[1] == pytest.approx(4 / (3 * pi) - 1.0, abs=EXACT)
     # A disc with a hole of half its radius that touches the middle: the centre moves by r/6 to the other side.
-    holed = Plate.homogeneous(library.circle(1.0), 1.0, holes=[moved(library.circle(0.499), 0.5, 0.0)])
+    holed = Plate.homogeneous(library.circle(1.0), 1.0, holes=[translate(library.circle(0.499), 0.5, 0.0)])
     share = 0.499**2 / (1 - 0.499**2)
     assert holed.outline.point(0.0)[0] == pytest.approx(1.0 + 0.5 * share, abs=EXACT)
     assert Plate.homogeneous(library.circle(0.7), 1.0).radius == 0.7
@@ -172,5 +172,5 @@ def test_what_is_no_chain_is_rejected_in_one_sentence(make, error, text):
 
 def test_centre_of_mass_outside_its_outline_is_noticed():
     assert Plate.half_disc(1.0, 1.0).encloses_centre
-    assert not Plate(moved(library.circle(1.0), 2.0, 0.0), 1.0, 1.0).encloses_centre
+    assert not Plate(translate(library.circle(1.0), 2.0, 0.0), 1.0, 1.0).encloses_centre
     assert Plate(library.parabola(1.0), 1.0, 1.0).encloses_centre  # an open outline encloses nothing

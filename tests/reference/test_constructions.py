@@ -183,7 +183,7 @@ def test_a_closed_curve_of_pieces_is_rolled_through_again():
 
 def test_a_plate_of_pieces_rocks():
     plate = Plate.homogeneous(oval(0.05, 0.06, 0.08), mass=1.0)
-    aside = Curve.in_pieces(oval(0.05, 0.06, 0.08).parts.moved(0.7, -0.2))
+    aside = Curve.in_pieces(oval(0.05, 0.06, 0.08).parts.translate(0.7, -0.2))
     centred = Plate.homogeneous(aside, mass=1.0)  # moved back to its centre of mass
     assert centred.inertia == pytest.approx(plate.inertia, rel=1e-12)
     assert np.abs(centred.outline.point(1.0) - plate.outline.point(1.0)).max() < 1e-14

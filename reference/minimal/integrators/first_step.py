@@ -77,8 +77,8 @@ def _scales(phase: Phase, rows: list[list[float]], t: float) -> tuple[float, flo
     # move the plate by its size.
     normal, friction = phase.system.forces_of_numbers(t, [row[0] for row in rows], phase.parameters)
     fastest, growth = _roots(len(rows), len(phase.lengths), len(rows[0]))(rows, phase.lengths)
-    moved = (max(abs(normal), abs(friction)) / phase.size) ** 0.5
-    return exp(-2.0) / fastest if fastest else inf, max(moved, growth)
+    travel = (max(abs(normal), abs(friction)) / phase.size) ** 0.5
+    return exp(-2.0) / fastest if fastest else inf, max(travel, growth)
 
 
 @lru_cache(maxsize=64)

@@ -84,8 +84,8 @@ def contestants(experiment: Experiment, case: Case) -> list[Contestant]:
     # An executable reports its own time; the clock cannot measure its process.
     external = executables()
     mine = [run for run in experiment.runs if run.case == case.label and run.solver not in external]
-    chosen = {key: one_default(run.setting for run in group) for key, group in routes(mine).items()}
-    runs = [run for run in mine if usable(run) and run.setting in chosen[run.case, run.solver, run.route]]
+    defaults = {key: one_default(run.setting for run in group) for key, group in routes(mine).items()}
+    runs = [run for run in mine if usable(run) and run.setting in defaults[run.case, run.solver, run.route]]
     return [Contestant(case, r.solver, r.route, r.setting, r.cost.wall_s + r.cost.setup_s) for r in runs]
 
 
