@@ -81,7 +81,7 @@ def _cell(runs: Sequence[Run], run: Run) -> dict[str, Any]:
     return {
         "off": short_percent(off),
         "brief": _brief(off),
-        "small": _small(best),
+        "small": _small(run),
         "grade": str(grade(off)).replace(" ", "-"),
         "tip": ", ".join(tip),
     }
