@@ -36,16 +36,17 @@ class Judged(NamedTuple):
         """The comparison of a motion with the truth."""
         return several_contacts.judge(self.case, motion, self.truth, self.scales, self.truth.transitions)
 
-    def sampled(self, samples: int, creep: float = 0.0) -> Trajectory:
-        """The exact motion at even times; `creep` (m/s) is added to the slip of contacts that roll."""
+    def sampled(self, samples: int, creep: float = 0.0, wrong: str = "", slip: float = 0.0) -> Trajectory:
+        """The exact motion at even times; `creep` (m/s) is added to the slip of contacts that roll, `slip` (m/s) to
+        that of the contact `wrong`, always."""
         t, columns = np.linspace(0.0, self.truth.t[-1], samples), {}
         for name in self.truth.contact_names:
             own = self.truth.contact_columns(name, t)
-            slip = own.slip.copy()
+            values = own.slip + (slip if name == wrong else 0.0)
             for phase in self.scales[name].phases:
                 if phase.mode in (Mode.ROLL, Mode.REST):
-                    slip[(t >= phase.begin) & (t <= phase.end)] += creep
-            columns[name] = own._replace(slip=slip)
+                    values[(t >= phase.begin) & (t <= phase.end)] += creep
+            columns[name] = own._replace(slip=values)
         contacts = dict(contact_names=self.truth.contact_names, contact_columns=SampledContacts(t, columns))
         return Trajectory(t=t, **self.truth(t)._asdict(), **contacts)
 
@@ -115,3 +116,14 @@ def test_slip_of_microseconds_at_each_contact_does_not_count(all_judged):
         extra = (len(events) - len(one.truth.transitions)) * planted.EXTRA_SLIP
         assert score.off <= 2.0 * extra / min(scale.time for scale in one.scales.values()) + ROUNDING
         assert (score.mode > 0.0) == (extra > 0.0)
+
+
+def test_a_motion_is_as_good_as_its_worst_contact(all_judged):
+    for one in all_judged:
+        for name, scale in one.scales.items():
+            times = np.linspace(0.0, one.truth.t[-1], 1000)
+            share = np.mean(np.isfinite(one.truth.contact_columns(name, times).slip))  # of the time, while it is closed
+            judgement = one.judge(one.sampled(1000, wrong=name, slip=0.5 * scale.slip))
+            # A tenth less: at ends of phases samples are left out.
+            assert judgement.score.off >= 0.9 * 0.5 * share, (one.case.label, name, judgement.score)
+            assert judgement.worst == name or share < 0.1
