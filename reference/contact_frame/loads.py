@@ -21,7 +21,7 @@ from cases.effects import MOTION, checked_quantities
 from cases.expression_code import ON_ARRAYS, function_of
 from cases.slip_laws import SLIP_SPEED
 
-# A step changes an argument by at most this part of the function's length: events are detected only at steps' ends.
+# A step changes an argument by at most this part of the function's length: `dips` supposes short steps.
 QUARTER = 0.25
 # exp(-40) is far below rounding, also of the sum of a hundred such terms.
 NEGLIGIBLE = 40.0

@@ -26,6 +26,7 @@ from . import flight_guards
 from .advancement import TooManyRounds
 from .chain_overlaps import ChainOverlaps
 from .coulomb_law import AT_BOUND, leaves, lets_go
+from .dips import Dips
 from .drive import in_fixed_frame
 from .equations import ContactPhase, ContactScene, Forces, rates
 from .knots import KnotEnds
@@ -86,9 +87,10 @@ def solve(
     """Compute the case's motion by the second formulation, at most until time `until` (s).
 
     `steps_per_turn` is the least number of steps per turn of the forces on the plate (`ContactScene.pace`): events are
-    found by their signs at steps' ends. With `overlaps`, a second contact is searched for too, and ends the motion. A
-    motion that takes `steps.MOST_WORK` steps and searches is "unfinished" at its `end`. Raises StepFailure, a
-    FloatingPointError with one sentence, if numbers leave the range of a double, a load has no value, or steps vanish.
+    found by their signs at steps' ends, and short ones inside steps by a bound (`dips`). With `overlaps`, a second
+    contact is searched for too, and ends the motion. A motion that takes `steps.MOST_WORK` steps and searches is
+    "unfinished" at its `end`. Raises StepFailure, a FloatingPointError with one sentence, if numbers leave the range of
+    a double, a load has no value, or steps vanish.
     """
     course = None
     try:
@@ -375,12 +377,15 @@ def _integrate(
         at_zero |= {"couple+": True, "couple-": True, "side": True}  # bounds that vanish with the normal force
     pace = scene.pace(start, now.z, turns)
     blind = BLIND / pace if pace > 0.0 else inf
+    dips = Dips({name: guard for name, guard in guards.items() if name != "elsewhere"}, start + blind)
     events = []
     for name, guard in guards.items():
         watch_from = start + blind if at_zero.get(name) else start
 
-        def event(t, z, guard=guard, watch_from=watch_from):
-            return 1.0 if t < watch_from else guard(t, z)
+        value = partial(dips.value, name) if name in dips.guards else guard
+
+        def event(t, z, value=value, watch_from=watch_from):
+            return 1.0 if t < watch_from else value(t, z)
 
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
         events.append(event)
@@ -389,7 +394,7 @@ def _integrate(
         method=FrequencyLimitedDOP853, rtol=course.rtol, atol=1e-2 * course.rtol, events=events,
         dense_output=bool(course.record),
         pace=lambda t, z: scene.pace(t, z.tolist(), turns), steps_per_turn=course.steps_per_turn, work=course.work,
-        load_allows=_formulas_allow(scene, phase, turns),
+        load_allows=_formulas_allow(scene, phase, turns), dips=dips,
         after_step=overlaps.look if overlaps else None, features=scene.in_contact,
     )  # fmt: skip
     usable = solution.success or course.work.used_up

@@ -14,6 +14,8 @@ from scipy.integrate import DOP853
 
 from cases.features import Features
 
+from .dips import Dips
+
 # Steps per time scale of the motion: ten times the number at the largest `steps_per_turn` in use. Towards Painlevé's
 # singularity steps shrink without limit.
 MOST_STEPS = 20_000
@@ -21,11 +23,17 @@ MOST_STEPS = 20_000
 # Limit on the work of one motion, whatever its duration: minutes.
 MOST_WORK = 400_000
 
+# SciPy's shortest step is ten roundings of the time; one of this many is not divided.
+SHORTEST_STEPS = 20
+
+# A step in which a guard falls below zero and rises again is repeated up to there, at most so many times.
+MOST_CUTS = 20
+
 # Inside a step the state is sampled by Hermite's cubic, which has its extrema where the motion does.
 INSIDE = np.linspace(0.0, 1.0, 9)[1:]
 
-# A step covers at most a quarter of the length that a feature allows: events are detected at its ends only, and a force
-# may leave its bound and come back within one piece (a slip of a sixth of a pulse's width).
+# A step covers at most a quarter of the length that a feature allows: a force may leave its bound and come back within
+# one piece (a slip of a sixth of a pulse's width), and the bound of `dips` supposes steps in which that is resolved.
 QUARTER = 4.0
 
 # A motion that turns more often than this before its end would take years to follow.
@@ -60,11 +68,13 @@ class FrequencyLimitedDOP853(DOP853):
 
     `pace` maps (t, y) to that frequency (rad/s, zero if there is none); no step passes one of the `features`, each
     given with its row of the state (None: time); `load_allows` maps times (n,) and states (variables, n) along a step
-    to whether the load allows a step of that length; `after_step` is called with the interpolant and both ends of each
-    step. Fails when the `work` of the motion reaches its limit. Raises StepFailure if steps vanish.
+    to whether the load allows a step of that length; a step ends where one of the `dips` shows a short event;
+    `after_step` is called with the interpolant and both ends of each step. Fails when the `work` of the motion reaches
+    its limit. Raises StepFailure if steps vanish.
     """
 
     t: float
+    status: str
     y: np.ndarray
     f: np.ndarray
     max_step: float
@@ -73,19 +83,32 @@ class FrequencyLimitedDOP853(DOP853):
         self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], steps_per_turn: int,
         work: WorkBudget,
         features: Sequence[tuple[int | None, Features]] = (), load_allows: Allows | None = None,
-        after_step: Callable | None = None, **options,
+        dips: Dips | None = None, after_step: Callable | None = None, **options,
     ):  # fmt: skip
         self.pace, self.steps_per_turn, self.work, self.load_allows = pace, steps_per_turn, work, load_allows
-        self.after_step = after_step
+        self.dips, self.after_step, self.longest = dips, after_step, inf
         self.features = [(row, feature) for row, feature in features if not feature.plain]
         self.steps, self.counted_until = 0, -inf
         super().__init__(fun, t0, y0, t_bound, **options)
 
     def step(self):
+        before = self.t, self.y, self.f
         message = super().step()
+        for _ in range(MOST_CUTS):
+            dip = None if self.dips is None or self.status == "failed" else self._dip(before[0])
+            if dip is None:
+                break
+            (self.t, self.y, self.f), self.status, self.longest = before, "running", dip - before[0]
+            message = super().step()
+        self.longest = inf
         if self.after_step is not None and self.status != "failed" and self.t_old is not None and self.t > self.t_old:
             self.after_step(self.dense_output(), self.t_old, self.t)
         return message
+
+    def _dip(self, start: float) -> float | None:
+        """The time in the last step, from `start`, of a short event, if there is one."""
+        time = self.dips.first(self.dense_output, start, self.t, self.y)  # type: ignore[union-attr]
+        return None if time is None or time - start <= SHORTEST_STEPS * np.spacing(abs(start)) else time
 
     def _step_impl(self):
         if self.work.used_up:
@@ -105,14 +128,13 @@ class FrequencyLimitedDOP853(DOP853):
                 f"the second formulation needs more than {MOST_STEPS} steps for one turn of the motion at "
                 f"t = {self.t:.9g} s: a singularity, or features that are too fine"
             )
-        self.max_step = turn / self.steps_per_turn
+        self.max_step = min(turn / self.steps_per_turn, self.longest)
         t, y, f = self.t, self.y, self.f
         while True:
             self.work.count += 1
             success, message = super()._step_impl()
             h = self.t - t
-            # A step as short as ten roundings of the time is SciPy's shortest.
-            if not success or h <= 20 * np.spacing(abs(t)) or not self._passes(t, y, f, h):
+            if not success or h <= SHORTEST_STEPS * np.spacing(abs(t)) or not self._passes(t, y, f, h):
                 return success, message
             self.t, self.y, self.f, self.max_step = t, y, f, 0.5 * h
 

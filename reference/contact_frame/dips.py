@@ -1,0 +1,106 @@
+"""Short events: zeros of a guard inside a step whose ends do not show them.
+
+A bound on the second derivative excludes a zero in an interval, or the interval is halved. With g₁, g₂ at its ends and
+its length h,
+
+    g ≥ g₁ + (g₂ − g₁) s − (M h²/2) s (1 − s),      0 ≤ s ≤ 1,      |g̈| ≤ M,
+
+and where this parabola is positive, so is g. M follows from second differences at five places: a step is a small part
+of the motion's time scale and of every feature's length, so that the second derivative changes little in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf
+
+import numpy as np
+
+# Places in a step at which a guard is evaluated for the bound, and the bound over the largest second difference there.
+PLACES, MARGIN = 5, 2.0
+# Shorter parts of a step are not divided: an excursion of that length is below rounding, (2π/60 · 2⁻²⁰)²/8 = 1e-15.
+SHORTEST = 2.0**-20
+# Limit on the evaluations in one step: a guard of nothing but rounding is divided everywhere.
+MOST_LOOKS = 1000
+
+Guard = Callable[[float, np.ndarray], float]
+
+
+def excursion(value: Callable[[float], float], start: float, end: float) -> float | None:
+    """A time between `start` and `end` at which a quantity that is positive at both is not; None if there is none."""
+    times = np.linspace(start, end, PLACES).tolist()
+    values = [value(t) for t in times]
+    if not values[0] > 0.0:
+        return None
+    bend = MARGIN * max(abs(a - 2.0 * b + c) for a, b, c in zip(values, values[1:], values[2:], strict=False))
+    parts = [*zip(times, values, times[1:], values[1:], strict=False)][::-1]
+    spacing, looks = (end - start) / (PLACES - 1), PLACES
+    while parts and looks < MOST_LOOKS:
+        left, low, right, high = parts.pop()
+        if not high > 0.0:
+            return right if right < end else None
+        if right - left <= SHORTEST * (end - start) or _is_positive(low, high, bend * ((right - left) / spacing) ** 2):
+            continue
+        middle = 0.5 * (left + right)
+        between, looks = value(middle), looks + 1
+        if not between > 0.0:
+            return middle
+        parts += [(middle, between, right, high), (left, low, middle, between)]
+    return None
+
+
+def _is_positive(low: float, high: float, bend: float) -> bool:
+    """Whether a quantity with positive values at both ends of an interval is positive between; `bend` is M h²."""
+    rise = abs(high - low)
+    if 2.0 * rise >= bend:  # the parabola is monotone
+        return True
+    return 0.5 * (low + high) - bend / 8.0 - rise * rise / (2.0 * bend) > 0.0
+
+
+class Dips:
+    """The search for short events in the steps of a phase, from `watch_from` (s) on: `guards` map (t, z) to numbers
+    that are positive while the phase lasts."""
+
+    def __init__(self, guards: dict[str, Guard], watch_from: float):
+        self.guards, self.watch_from = guards, watch_from
+        self._time, self._state = inf, np.empty(0)
+        self._values, self._slopes = dict[str, float](), dict[str, float]()
+
+    def value(self, name: str, t: float, z: np.ndarray) -> float:
+        """A guard at one state; the end of the last step is not evaluated again."""
+        is_end = t == self._time and z is self._state
+        return self._values[name] if is_end else self.guards[name](t, z)
+
+    def first(
+        self, interpolant: Callable[[], Callable[[float], np.ndarray]], start: float, end: float, z: np.ndarray
+    ) -> float | None:
+        """A time in the step from `start` to `end` at which a guard that is positive at both is not, s; None if there
+        is none. `z` is the state at the end."""
+        start = max(start, self.watch_from)
+        if start >= end:
+            return None
+        values = {name: guard(end, z) for name, guard in self.guards.items()}
+        before = self._values if self._time == start else {}
+        slopes = {name: (values[name] - value) / (end - start) for name, value in before.items()}
+        time, z_at = end, None
+        for name, guard in self.guards.items():
+            if not values[name] > 0.0 or self._is_far(name, values, slopes, end - start):
+                continue
+            z_at = z_at or interpolant()
+
+            def value(t: float, guard=guard, z_at=z_at) -> float:
+                return guard(t, z_at(t))
+
+            time = min(time, excursion(value, start, time) or time)
+        if time < end:
+            return time
+        self._time, self._state, self._values, self._slopes = end, z, values, slopes
+        return None
+
+    def _is_far(self, name: str, values: dict[str, float], slopes: dict[str, float], step: float) -> bool:
+        """Whether a guard is farther from zero than it changes in this step or, at the last step's rate, in as long a
+        time before: a quadratic function with a zero inside changes by four times as much."""
+        if name not in slopes or name not in self._slopes:
+            return False
+        change = step * max(abs(slopes[name]), abs(self._slopes[name]))
+        return min(values[name], self._values[name]) > change

@@ -1,0 +1,110 @@
+"""Short events: slips, sticks and lift-offs of microseconds inside a step, found by the second formulation."""
+
+from dataclasses import replace
+from math import acos, cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from scipy.special import ellipk
+
+import cases
+import reference
+from cases import Flight, Impact, Mode
+from reference import contact_frame
+from reference.contact_frame.dips import excursion
+
+G = 9.81
+
+
+def solve(case, **options):
+    return contact_frame.solve(case, rtol=1e-13, **options)
+
+
+# --- the bound --------------------------------------------------------------------------------------------------------
+
+
+@given(place=st.floats(0.01, 0.99), bend=st.floats(0.1, 10.0), skew=st.floats(-0.5, 0.5), depth=st.floats(-12.0, -4.0))
+def test_the_bound_separates_a_dip_from_a_miss_of_the_same_depth(place, bend, skew, depth):
+    # A parabola whose curvature changes by up to a half across the step, lowest at `place`.
+    def value(t: float, lowest: float) -> float:
+        return bend * (t - place) ** 2 * (1.0 + skew * (t - place)) + lowest
+
+    lowest = min(10.0**depth, 0.1 * value(0.0, 0.0), 0.1 * value(1.0, 0.0))
+    time = excursion(lambda t: value(t, -lowest), 0.0, 1.0)
+    assert time is not None and value(time, -lowest) <= 0.0
+    assert excursion(lambda t: value(t, lowest), 0.0, 1.0) is None
+
+
+def test_of_two_dips_in_one_step_one_is_found_and_nothing_in_a_quantity_of_rounding():
+    times = [0.3, 0.8]
+    time = excursion(lambda t: (t - times[0]) ** 2 * (t - times[1]) ** 2 - 1e-9, 0.0, 1.0)
+    assert time is not None and min(abs(time - one) for one in times) < 1e-3
+    looks = []
+    assert excursion(lambda t: looks.append(t) or 1e-17 * (2.0 + (-1.0) ** len(looks)), 0.0, 1.0) is None
+    assert len(looks) <= 1000
+
+
+# --- exact scenes -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("part", [-1e-9, -1e-7])
+def test_a_pendulum_slips_at_each_end_of_its_swing_for_as_long_as_friction_is_over_its_cone(part):
+    """A disc rolls in a circle, sin φ = μ (7 cos φ − 4 cos A) at the cone, which it reaches δ before it rests at A.
+
+    About the instant of rest friction exceeds its bound by c (δ² − τ²), so a slip from −δ on has the velocity
+    c ∫(δ² − τ²) dτ, which is zero again at 2 δ; one that begins at rest ends at √3 δ.
+    """
+    amplitude, length = 0.8, 0.9
+    case = cases.load("pendulum_at_the_cone", part=part)
+    answer, mu = solve(replace(case, duration=2.5)), np.tan(amplitude) / 3 * (1 + part)
+    cone = brentq(
+        lambda d: sin(amplitude - d) - mu * (7 * cos(amplitude - d) - 4 * cos(amplitude)), 0.0, 1e-3, xtol=1e-16
+    )
+    # φ̇² = (4 g/3 L)(cos φ − cos A) with φ = A − w²: no singularity in w.
+    rate = 4 * G / (3 * length)
+    before = quad(
+        lambda w: 2 * w / sqrt(2 * rate * sin(amplitude - w * w / 2) * sin(w * w / 2)), 1e-12, sqrt(cone), epsabs=0.0
+    )[0]
+    half = 2 * sqrt(1.5 * length / G) * float(ellipk(sin(amplitude / 2) ** 2))
+    exact = [sqrt(3.0) * before, *(n * half + way * before for n in (1, 2) for way in (-1.0, 2.0))]
+    assert [t.after for t in answer.transitions] == [
+        Mode.ROLL, Mode.SLIP_BACKWARD, Mode.ROLL, Mode.SLIP_FORWARD, Mode.ROLL,
+    ]  # fmt: skip
+    # Friction is known to 1e-15 of itself, and δ is the root of its excess: 1e-15/(2e-9) of 1e-5 s; with an excess of
+    # 1e-7, terms of the next order in δ (1e-4 s) are δ³ over the squared time scale of 0.3 s.
+    assert [t.time for t in answer.transitions] == pytest.approx(exact, abs=2e-10)
+
+
+def test_a_slip_that_falls_below_zero_by_a_nanometre_per_second_sticks_for_eight_microseconds():
+    # v has its least value, -1e-9 m/s less 0, where v' = 0: the disc sticks from √(2e-9/v'') before it, and then
+    # friction is at its bound again.
+    first = reference.simulate(cases.load("touching_slip[above=1e-09]"), rtol=1e-14)
+    slip_rate = brentq(lambda t: float(first(t + 1e-4).slip - first(t - 1e-4).slip), 0.31, 0.33, xtol=1e-15)
+    bend = (first(slip_rate + 1e-3).slip - 2 * first(slip_rate).slip + first(slip_rate - 1e-3).slip) / 1e-6
+    answer = solve(cases.load("touching_slip[above=-1e-09]"))
+    assert [t.after for t in answer.transitions] == [Mode.ROLL, Mode.SLIP_FORWARD]
+    sticks, slips = (t.time for t in answer.transitions)
+    assert slips == pytest.approx(slip_rate, abs=1e-8)
+    assert slips - sticks == pytest.approx(sqrt(2e-9 / bend), rel=1e-2)
+
+
+def test_a_loop_is_left_where_its_normal_force_is_negative_by_a_billionth():
+    part = -1e-9
+    case = cases.load("grazing_loop", part=part)
+    answer = solve(case)
+    assert answer.status == "lift_off" and [t.after for t in answer.transitions] == [Mode.FLIGHT]
+    from_top = pi - (answer.transitions[0].xi1 + pi / 2)
+    assert from_top == pytest.approx(pi - acos(-1 - 5 * part / 3), rel=1e-4)
+
+
+def test_both_formulations_fly_over_the_top_of_the_loop():
+    case = cases.load("grazing_loop", part=-1e-6)
+    case = replace(case, effects=(*case.effects, Flight(), Impact(0.0)), duration=0.8)
+    first, second = reference.simulate(case, rtol=1e-14), solve(case)
+    assert [t.after for t in first.transitions] == [t.after for t in second.transitions] == [Mode.FLIGHT, Mode.SLIDE]
+    # It lands at about L φ̇ α³ = 2e-8 m/s, α = 1.8e-3 being the angle of lift-off: a rounding of a place is 1e-8 s.
+    assert [t.time for t in second.transitions] == pytest.approx([t.time for t in first.transitions], abs=1e-8)
