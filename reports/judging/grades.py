@@ -70,7 +70,7 @@ def reason(score: Score, scale: Scale, friction: float) -> str:
         phrases.append(f"friction and other losses are {_short(friction)} times those of the law")
     if small_share(scale):
         phrases.append(f"not ranked: {small_share(scale)}")
-    if grade(score.off + score.doubt) is not grade(score.off):
+    if grade(score.off + score.doubt) is not grade(score.off - score.doubt):
         phrases.append(f"its samples leave {percent(score.doubt)} in doubt")
     return "; ".join(phrases)
 
