@@ -162,21 +162,32 @@ def load(name: str, **parameters) -> Case:
         if key not in item.parameters:
             raise unknown_name(f"parameter of {bare}", key, item.parameters)
         parameters[key] = parameter(f"{key} of {bare}", value)
+    values = tuple(parameters.items())
+    make = _catalogue_scene if item.is_own else _scene
+    return make(bare, item.function, item.folder, values, repr(values))
+
+
+def _scene(name: str, function: Callable, folder: Path, values: tuple[tuple[str, float], ...], _: str) -> Case:
     # These import NumPy and SymPy, which lists and help do not need.
     from .case_class import Case
     from .point_sources import paths_count_from
 
     try:
-        with LOCK, paths_count_from(item.folder):
-            scene = item.function(**parameters)
+        with LOCK, paths_count_from(folder):
+            scene = function(**dict(values))
     except (CaseError, KeyboardInterrupt):
         raise
     except BaseException as problem:  # sys.exit among them
-        values = ", ".join(f"{key}={value!r}" for key, value in parameters.items()) or "its own parameters"
-        raise BadValue(f"{bare} cannot be made with {values}: {describe(problem)}") from problem
+        text = ", ".join(f"{key}={value!r}" for key, value in values) or "its own parameters"
+        raise BadValue(f"{name} cannot be made with {text}: {describe(problem)}") from problem
     if not isinstance(scene, Case):
-        raise BadValue(f"the case function {bare} returned {type(scene).__name__}; return a Case")
-    return scene.with_name(bare, parameters)
+        raise BadValue(f"the case function {name} returned {type(scene).__name__}; return a Case")
+    return scene.with_name(name, dict(values))
+
+
+# The functions of the suite's own catalogue depend on their parameters only, and a case is immutable. The last argument
+# separates 0.0 from -0.0 and 1 from 1.0, which are equal. A user's function may read files: its cases are not cached.
+_catalogue_scene = lru_cache(maxsize=1024)(_scene)
 
 
 def select(text: str, long: bool = False) -> list[Case]:

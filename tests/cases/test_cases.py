@@ -23,6 +23,7 @@ from cases import (
     Trajectory,
     UnknownName,
     disc,
+    registry,
 )
 from cases import curves as c
 from cases.contact import find, follow, overlap, pose, slip_velocity, start_motion
@@ -200,3 +201,27 @@ def test_shapes_are_recognised_wherever_they_lie():
 def test_curves_of_one_structure_share_it_whatever_their_sizes():
     assert ellipse(1.25, 0.5).structure == ellipse(0.3, 7.0).structure
     assert ellipse(1.25, 0.5).constants == (1.25, 0.5)
+
+
+def test_a_loaded_case_has_the_parameters_that_were_given_not_equal_ones_of_before():
+    """0 equals -0.0 and 1 equals 1.0, so a cache of loaded cases could exchange them."""
+    for values in ((0.0, -0.0, 0), (1, 1.0), (-0.0, 0.0)):
+        assert [repr(cases.load("disc_in_circle", xi1=x).parameters["xi1"]) for x in values] == [*map(repr, values)]
+    assert repr(cases.load("disc_in_circle", xi1=0.0, mu=0.1).parameters) != repr(
+        cases.load("disc_in_circle", mu=0.1, xi1=0.0).parameters
+    )
+
+
+def test_a_case_of_a_user_s_file_is_made_at_each_load(tmp_path, monkeypatch):
+    """Its function may read a file that has changed since."""
+    monkeypatch.setattr(registry, "_entries", dict(registry._entries))
+    file, radius = tmp_path / "reads.py", tmp_path / "radius.txt"
+    file.write_text(
+        "from pathlib import Path\nimport cases\n\n\n@cases.case\ndef reads_its_radius():\n"
+        f"    return cases.load('disc_on_line', r=float(Path({str(radius)!r}).read_text()))\n"
+    )
+    registry.load_file(file)
+    for size in (0.1, 0.2):
+        radius.write_text(str(size))
+        assert cases.load("reads_its_radius").parameters == {}
+        assert cases.load("reads_its_radius").plate.outline.sizes[0] == pytest.approx(size)
