@@ -7,10 +7,11 @@ bends to its left: a plate can touch where its outline's curvature exceeds the t
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from math import atan2, hypot, isfinite, nan
+from math import atan2, floor, hypot, isfinite, nan
 from typing import Any, TypeVar
 
 import numpy as np
@@ -346,7 +347,7 @@ class Curve:
 
     def _angle_of(self, s: float, xp: float, yp: float) -> float:
         """The tangent's direction where the curve runs along (xp, yp)."""
-        angle, near = atan2(yp, xp), float(self._rough_tangent_angle(np.asarray(s)))
+        angle, near = atan2(yp, xp), self._rough_tangent_angle_at(s)
         turns = (near - angle) / (2 * np.pi)
         return angle + 2 * np.pi * round(turns) if isfinite(turns) else nan
 
@@ -369,6 +370,29 @@ class Curve:
                 low, high = 2 * low, 2 * high
         grid, angles = self.angle_table((low, high))
         return np.interp(s, grid, angles)
+
+    def _rough_tangent_angle_at(self, s: float) -> float:
+        """The same at one parameter, without arrays, which take ten times as long."""
+        low, high = self.span
+        turns = 0
+        if not isfinite(s) or (not self.period and self.domain is None and not low <= s <= high):
+            return float(self._rough_tangent_angle(np.asarray(s)))
+        if self.period:
+            turns = floor((s - low) / self.period)
+            s -= turns * self.period
+        grid, angles = self._angle_lists
+        after = bisect_right(grid, s)
+        if after == 0 or after == len(grid):  # only by rounding, or outside the domain
+            angle = angles[0 if after == 0 else -1]
+        else:
+            slope = (angles[after] - angles[after - 1]) / (grid[after] - grid[after - 1])
+            angle = slope * (s - grid[after - 1]) + angles[after - 1]
+        return angle + turns * (angles[-1] - angles[0]) if self.period else angle
+
+    @derived
+    def _angle_lists(self) -> tuple[list[float], list[float]]:
+        grid, angles = self.angle_table(self.span)
+        return grid.tolist(), angles.tolist()
 
     @lru_cache(maxsize=64)  # noqa: B019 - curves are few, small and live as long as their case
     def angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:

@@ -113,6 +113,7 @@ class ContactScene:
         self.track, self.outline = case.track, case.plate.outline
         # Formulas of the geometry: within a phase those of one piece of a curve in pieces.
         self.track_jet, self.outline_jet = self.track.jet, self.outline.jet
+        self.is_corner = isinstance(self.track, Corner) or isinstance(self.outline, Corner)
         self.m, self.J = case.plate.mass, case.plate.inertia
         gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
         self.g = gravity.vector if gravity else (0.0, 0.0)
@@ -180,7 +181,7 @@ class ContactScene:
         return self.track.domain is not None and not self.track.period
 
     def place(self, xi1: float, xi2: float) -> Place:
-        if isinstance(self.track, Corner) or isinstance(self.outline, Corner):
+        if self.is_corner:
             return self._place_at_corner(xi1, xi2)
         _, _, Xp, Yp, Xs, Ys, _, _ = self.track_jet(xi1)
         x, y, xp, yp, xs, ys, _, _ = self.outline_jet(xi2)
@@ -227,10 +228,11 @@ class ContactScene:
         gives."""
         return self.body_with(self.absolute(t, z), turns)
 
-    def body_with(self, z, turns: int) -> list[float]:
-        """The same from (ξ₁, ξ₂, ω) and the velocity of the plate's point, which is not relative to a belt."""
+    def body_with(self, z, turns: int, q: Place | None = None) -> list[float]:
+        """The same from (ξ₁, ξ₂, ω) and the velocity of the plate's point, which is not relative to a belt; `q`: the
+        place of the state, if it is known."""
         xi1, xi2, w, v = z
-        q = self.place(xi1, xi2)
+        q = q or self.place(xi1, xi2)
         x, y, theta = (float(value) for value in pose(self.case, xi1, xi2))
         # (11): the centre of mass moves as the contact's material point less ω U arm.
         along, across = v + w * q.arm_n, -w * q.arm_t
@@ -254,7 +256,7 @@ class ContactScene:
 
     def pull_in_contact(self, t: float, z, q: Place, turns: int) -> tuple[float, float, float]:
         """What `pull` gives, and the forces of the user's own effects, which act at the contact."""
-        ax, ay, spin_pull = self.pull(t, self.body(t, z, turns) if self.load else None)
+        ax, ay, spin_pull = self.pull(t, self.body_with(self.absolute(t, z), turns, q) if self.load else None)
         for effect in self.own:
             along, across, couple = (value / self.m for value in effect.at(t, z[3], z[2])[:3])
             if not isfinite(along + across + couple):
@@ -265,13 +267,18 @@ class ContactScene:
 
     def forces(self, t: float, z, phase: ContactPhase, turns: int) -> Forces:
         """Forces and rates in one phase: Newton–Euler with one linear condition each on friction and couple."""
-        q, (_, _, w, v) = self.place(z[0], z[1]), self.absolute(t, z)
+        return self.forces_at(self.place(z[0], z[1]), t, z, phase, turns)
+
+    def forces_at(self, q: Place, t: float, z, phase: ContactPhase, turns: int) -> Forces:
+        """The same from the place of the state, which takes half of the time."""
+        (speed, speed_rate), w = self.surface(t), z[2]
+        v = z[3] + speed
         ax, ay, spin_pull = self.pull_in_contact(t, z, q, turns)
         along_track, along_outline = speeds(q, w, v)
         J, at, an = self.J / self.m, q.arm_t, q.arm_n
         turning = v * (w + q.bend_outline * along_outline) if q.P == 0.0 else v * q.bend_track * along_track
         down = turning - w * along_outline + w * w * an - (ay * q.tx - ax * q.ty)
-        back = w * w * at - (ax * q.tx + ay * q.ty) + self.surface(t)[1]
+        back = w * w * at - (ax * q.tx + ay * q.ty) + speed_rate
         # Per mass N = down − ω̇ arm_t for every phase; v̇ = −back + T − ω̇ arm_n; J ω̇ = arm_t N − arm_n T + couple.
         friction, couple = ratios(self.laws, phase, z[3])
         if phase.turn == 0:
@@ -297,7 +304,9 @@ class ContactScene:
 
     def scale(self, t: float, z, turns: int) -> float:
         """The size of the scene's forces, N: their rounding is relative to it."""
-        q = self.place(z[0], z[1])
+        return self._scale_at(self.place(z[0], z[1]), t, z, turns)
+
+    def _scale_at(self, q: Place, t: float, z, turns: int) -> float:
         ax, ay, spin_pull = self.pull_in_contact(t, z, q, turns)
         arm = hypot(q.arm_t, q.arm_n)
         return self.m * (hypot(ax, ay) + abs(spin_pull) * arm * self.m / self.J + z[2] ** 2 * arm)
@@ -321,7 +330,7 @@ class ContactScene:
             frequencies.append(sqrt(abs(self.surface(t)[1]) / self.reach))
         if self.load:
             frequencies.append(self.free_pace(t, self.body(t, z, turns)))
-        return max(*frequencies, sqrt(self.scale(t, z, turns) / self.m * max(bends)))
+        return max(*frequencies, sqrt(self._scale_at(q, t, z, turns) / self.m * max(bends)))
 
     def free_pace(self, t: float, body) -> float:
         """The same rate for a plate off its track or under a load, rad/s: by the plate's own size."""
@@ -384,8 +393,8 @@ def ratios(laws: ContactLaws, phase: ContactPhase, v: float = 0.0) -> tuple[floa
 def rates(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> np.ndarray:
     """Time derivatives of (ξ₁, ξ₂, ω, v)."""
     q = scene.place(z[0], z[1])
-    forces = scene.forces(t, z, phase, turns)
-    _, _, w, v = scene.absolute(t, z)
+    forces = scene.forces_at(q, t, z, phase, turns)
+    w, v = z[2], z[3] + scene.surface(t)[0]
     along_track, along_outline = speeds(q, w, v)
     if q.P == 0.0:  # the tangent of the track turns with the plate and along its outline
         first = copysign(1.0, q.bend_track) * (w + q.bend_outline * along_outline)

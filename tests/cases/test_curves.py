@@ -105,3 +105,14 @@ def test_equal_curves_share_their_formulas_whatever_sympy_remembers():
     same, other = Curve(lambda s: (2.0 * c.cos(s), 3.0 * c.sin(s))), Curve(lambda s: (4.0 * c.cos(s), 5.0 * c.sin(s)))
     assert all(a is b for a, b in zip(one.expression, same.expression, strict=True))
     assert one.structure is same.structure is other.structure and one.constants != other.constants
+
+
+@pytest.mark.parametrize("curve", [library.ellipse(1.2, 0.8), library.line(0.3), Curve(("s", "sin(s)"), (-3.0, 4.0)),
+                                   library.cycloid(0.25)])  # fmt: skip
+def test_the_tangents_angle_counts_the_same_turns_for_a_number_as_for_an_array(curve):
+    """Also at the ends of the range in which they are tabulated, and far beyond."""
+    low, high = curve.span
+    s = np.concatenate([np.linspace(low - 3 * (high - low), high + 3 * (high - low), 91), [low, high]])
+    s = s if curve.domain is None else s[(low <= s) & (s <= high)]
+    # The angle itself comes from two arctangents, of math and of NumPy.
+    assert [curve.tangent_angle(float(x)) for x in s] == pytest.approx(curve.tangent_angle(s).tolist(), abs=1e-14)

@@ -38,7 +38,7 @@ def kept_by(module: str) -> list[str]:
     source = Path(ROOT.parent, *module.split(".")).with_suffix(".py")
     source = source if source.exists() else source.with_suffix("") / "__init__.py"
     text, found = source.read_text(), []
-    for node in ast.walk(ast.parse(text)) if "keep" in text else ():  # parsing is slow
+    for node in ast.walk(ast.parse(text)) if "keep=" in text else ():  # parsing is slow
         if isinstance(node, ast.Call) and any(word.arg == "keep" for word in node.keywords) and module not in PASSING:
             if isinstance(node.func, ast.Attribute) and node.func.attr in KEEPING:
                 found.append(ast.unparse(node.args[1]))
