@@ -125,6 +125,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     friction = case.effect(CoulombFriction)
     if friction and friction.by_speed and route not in getattr(adapter, "SLIP_LAWS", ()):
         return f"The {route} route does not support friction that depends on the slip velocity."
+    if case.others:
+        return f"The {route} route does not support several plates (others)."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."
     if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         RollingResistance,
         Unilateral,
     )
+    from .free_plates import FreePlate
     from .outline import Outline, arc
     from .own_effects import ContactEffect, ContactForce, EndCondition
     from .plate import Plate, disc
@@ -56,6 +57,7 @@ __all__ = [
     "Effect",
     "EndCondition",
     "Flight",
+    "FreePlate",
     "Gravity",
     "Impact",
     "Load",
@@ -90,7 +92,8 @@ _MODULES = {
     "case_class": ("Case",), "chain": ("Chain",), "curves": ("Curve",),
     "effects": ("Belt", "CoulombFriction", "Drive", "Effect", "Flight", "Gravity", "Impact", "Load", "PerfectlyRough",
                 "RollingResistance", "Unilateral"),
-    "outline": ("Outline", "arc"), "own_effects": ("ContactEffect", "ContactForce", "EndCondition"),
+    "free_plates": ("FreePlate",), "outline": ("Outline", "arc"),
+    "own_effects": ("ContactEffect", "ContactForce", "EndCondition"),
     "plate": ("Plate", "disc"), "start": ("Start",), "start_pose": ("StartPose",), "supports": ("Support",),
     "trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
 }  # fmt: skip

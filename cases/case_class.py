@@ -16,6 +16,7 @@ from .chain import Chain
 from .curves import Curve
 from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, parameter, positive, real
+from .free_plates import FreePlate, check_others, check_places
 from .own_effects import own_effects
 from .plate import Plate
 from .size_limits import check_sizes
@@ -35,7 +36,8 @@ class Case:
     """One scene. All checks are made here, before any solver runs.
 
     `name` and `parameters` are filled in by the catalogue; a case made by hand may leave them out. `supports` are
-    further fixed curves that the plate may touch. A `start` given as `StartPose`, a pose, is stored as a `Start`.
+    further fixed curves that the plate may touch, `others` further plates that move. A `start` given as `StartPose`, a
+    pose, is stored as a `Start`.
     Raises BadValue, BadCurve or DoesNotFit with one sentence that says what to change.
     """
 
@@ -47,6 +49,7 @@ class Case:
     name: str = "unnamed"
     parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
     supports: tuple[Support, ...] = ()
+    others: tuple[FreePlate, ...] = ()
 
     if TYPE_CHECKING:  # the fields, but for a start that may be given as a pose
 
@@ -60,6 +63,7 @@ class Case:
             name: str = "unnamed",
             parameters: Mapping[str, float] = ...,
             supports: tuple[Support, ...] = (),
+            others: tuple[FreePlate, ...] = (),
         ) -> None: ...
 
     def __post_init__(self):
@@ -81,12 +85,15 @@ class Case:
         _check_name(self.name)
         with np.errstate(all="ignore"):  # what is not finite does not fit
             check_supports(self)
+            check_others(self)
             _check_corners(self)
             _check_rotation(self)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             self.start.check(self.track, self.plate.outline, self.effects)
             if self.supports:
                 _check_start_at_supports(self)
+            if self.others:
+                check_places(self)
 
     def __hash__(self) -> int:
         return self._hash
@@ -94,7 +101,9 @@ class Case:
     @cached_property
     def _hash(self) -> int:
         # Computed once: caches of derived results use the case as key, and are read at every change of mode.
-        return hash((self.track, self.plate, self.effects, self.start, self.duration, self.name, self.supports))
+        return hash(
+            (self.track, self.plate, self.effects, self.start, self.duration, self.name, self.supports, self.others)
+        )
 
     def __reduce__(self):
         """A case is pickled by value, whether it is in a catalogue or not."""

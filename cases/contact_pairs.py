@@ -107,7 +107,7 @@ def _make(whole: Case, support: Support, feature: Curve, number: int) -> PairCas
     is_track, is_feature = number < len(features(outline)), isinstance(outline, Chain)
     middle = [0.5 * sum(piece.span) for piece in (support.curve, feature)]
     start = whole.start if is_track and not is_feature else Start(*middle)
-    values |= {"track": support.curve, "plate": plate, "start": start, "supports": ()}
+    values |= {"track": support.curve, "plate": plate, "start": start, "supports": (), "others": ()}
     values["effects"] = support.acting(whole.effects)
     straight = support.curve.domain is None and as_line(support.curve) is not None
     vars(case).update(

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, fields, replace
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .contact_names import CONTACT, FIRST
 from .errors import BadValue, unknown_name
 from .owned_folder import atomic_path
 
@@ -140,8 +142,6 @@ class ContactColumns(NamedTuple):
     friction_range: np.ndarray
 
 
-# The name of a plate's contact with its track; further ones are numbered from 2.
-CONTACT = "plate/track"
 # The columns of a trajectory.
 _SAMPLES = ("t", *State._fields)
 
@@ -173,7 +173,9 @@ class Trajectory:
     is the case of the motion: `plot` and `animate` draw it.
 
     In a motion with several contacts `contact_names` lists them, `contacts` has the columns of each, and `of` gives the
-    motion of one; slip, forces and parameters of the trajectory itself are those of the first closed contact.
+    motion of one; slip, forces and parameters of the trajectory itself are those of the first closed contact. In a
+    motion of several plates `plate_names` lists them, and `plate` gives the motion of one; the trajectory itself is
+    that of the case's first plate.
     """
 
     t: np.ndarray
@@ -199,6 +201,22 @@ class Trajectory:
     passages: tuple[Passage, ...] = ()
     contact_names: tuple[str, ...] = (CONTACT,)
     contact_columns: Callable[[str, np.ndarray | None], ContactColumns] | None = None
+    plate_names: tuple[str, ...] = (FIRST,)
+    plate_columns: Callable[[str, np.ndarray | None], State] | None = None
+
+    def plate(self, name: str) -> Trajectory:
+        """The motion of one plate of several: its pose and velocities. Slip, forces and parameters are NaN: `contacts`
+        has them. Raises UnknownName for a plate that the motion does not have.
+        """
+        if name not in self.plate_names:
+            raise unknown_name("plate of the motion", str(name), self.plate_names)
+        if self.plate_columns is None:
+            return self
+        dense = self.dense and partial(self.plate_columns, name)
+        return replace(
+            self, **self.plate_columns(name, None)._asdict(), transitions=(), first_mode=None, dense=dense,
+            contact_names=(), contact_columns=None, plate_names=(name,), plate_columns=None,
+        )  # fmt: skip
 
     @property
     def contacts(self) -> dict[str, ContactColumns]:
@@ -382,7 +400,7 @@ class Trajectory:
 
         `factor`: seconds of the motion in a second of film (None: a round number for a film of a few seconds);
         `quantity`: the column of State drawn next to it. Raises BadValue if the case is not
-        known, or its track moves.
+        known, its track moves, or it has several plates.
         """
         from .pictures.animation import Animation
 
@@ -391,6 +409,10 @@ class Trajectory:
         if self._is_driven:
             raise BadValue(
                 "a film has one place of the track; give cases.moving_frame.in_track_frame(motion).animate()"
+            )
+        if len(self.plate_names) > 1:
+            raise BadValue(
+                "a film shows one plate; motion.plot() draws several, and motion.plate(name) has their poses"
             )
         return Animation(self, self.case.scene, self.case.weight, factor, quantity)
 

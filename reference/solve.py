@@ -17,11 +17,12 @@ from cases import BadValue, Case, Chain, Cost, Drive, Load, Mode, NotSupported, 
 from cases.contact import belt_speed, pose
 from cases.contact_limits import has_features, limitation, touches_by_features
 from cases.errors import between, unknown_name
+from cases.free_plates import names_of
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.piece_case import PieceCase, has_pieces, passages_between
 from cases.trajectory import CONTACT
 
-from . import augmented_integrator, several
+from . import augmented_integrator, plates, several
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import simulate_phases
 from .minimal.integrators import taylor
@@ -86,6 +87,8 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     if not isinstance(case, Case):
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
     rtol = between("rtol", rtol, *TOLERANCES)
+    if method == "augmented" and case.others:
+        raise NotSupported("the method 'augmented' has one plate; leave method out, or give 'dop853'")
     if method == "augmented" and touches_by_features(case):
         raise NotSupported("the method 'augmented' has one contact; leave method out, or give 'dop853'")
     if method == "augmented" and has_pieces(case):
@@ -109,7 +112,7 @@ def _simulate_at_rest(
     case: Case, rtol: float, integrate: Callable[..., Segment], original: Case | None = None
 ) -> Trajectory:
     """The motion of a case on a track at rest; `original`: the driven case that it is, as its track sees it."""
-    if touches_by_features(case):
+    if case.others or touches_by_features(case):
         return _simulate_supports(case, rtol, integrate)
     began_setup = time.perf_counter()
     start = start_state(case)
@@ -125,11 +128,18 @@ def _simulate_at_rest(
 
 
 def _simulate_supports(case: Case, rtol: float, integrate: Callable[..., Segment]) -> Trajectory:
-    """The motion of a case with supports, or of a plate with corners that may leave its track."""
+    """The motion of several plates, of a case with supports, or of a plate with corners that may leave its track."""
     cpu, wall = time.thread_time(), time.perf_counter()
-    segments, transitions, ending = several.from_start(case, rtol, integrate)
+    segments, transitions, ending = solve_supports(case, rtol, integrate)
     elapsed_times = time.thread_time() - cpu, time.perf_counter() - wall
     return as_trajectory(case, segments, transitions, ending, Cost(*elapsed_times, setup_s=0.0))
+
+
+def solve_supports(case: Case, rtol: float, integrate: Callable[..., Segment]):
+    """The motion without samples, as of `solve_motion`, of several plates or of a plate whose contacts are pairs of a
+    support and a feature."""
+    simulation = plates.simulate if case.others else several.from_start
+    return simulation(case, rtol, integrate)
 
 
 def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate, original: Case | None = None):
@@ -262,7 +272,11 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         times = np.concatenate([segment.times for segment in segments])
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 
-    if any(isinstance(segment.phase, several.SeveralPhase) for segment in segments):
+    if case.others:
+        every = plates.AllPlateContacts(case, segments, transitions)
+        common |= dict(contact_names=every.names, contact_columns=every)
+        common |= dict(plate_names=names_of(case), plate_columns=plates.AllPlates(case, segments))
+    elif any(isinstance(segment.phase, several.SeveralPhase) for segment in segments):
         contacts = several.AllContacts(case, segments, transitions, _observe)
         common |= dict(contact_names=contacts.names, contact_columns=contacts)
     first_mode = _first_mode(segments, transitions)
@@ -273,6 +287,9 @@ def _first_mode(segments: list[Segment], transitions) -> Mode:
     """The mode of the first contact at the start."""
     first = next((change.before for change in transitions if change.contact == CONTACT), None)
     now = segments[0].phase
+    if isinstance(now, plates.PlatesPhase):
+        regime = plates.regime_of(now)
+        return dict(zip(regime.contacts, regime.modes, strict=True))[0]
     if not isinstance(now, several.SeveralPhase):
         return now.regime.mode
     modes = dict(zip(several.regime_of(now).names, several.regime_of(now).modes, strict=True))
@@ -315,6 +332,8 @@ def at_once(status: str) -> Mode | None:
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
     """Pose by (5) and (6), velocities by (8), forces from (27)."""
+    if isinstance(now, plates.PlatesPhase):
+        return plates.observe(case, now, times, y)
     if isinstance(now, several.SeveralPhase):
         return several.observe(case, now, times, y)
     if now.regime == FLIGHT:

@@ -125,12 +125,13 @@ PARTS = {
     "augmented_integrator": {"minimal", "paper"},
     "several": {"minimal", "paper"},
     "delassus": {"contact_frame"},
-    "solve": {"minimal", "augmented_integrator", "several"},
+    "plates": {"minimal", "several"},
+    "solve": {"minimal", "augmented_integrator", "several", "plates"},
     "narration": {"solve"},
     "errata": {"paper", "solve"},
     "proofs": set(),
     "proof_checker": set(),
-    "certification": {"solve", "minimal", "several", "contact_frame", "delassus", "proofs"},
+    "certification": {"solve", "minimal", "contact_frame", "delassus", "proofs"},
     "sweeping": {"certification", "solve", "minimal"},
 }
 

@@ -39,7 +39,9 @@ UNITS = "SI, radians; the plate lies on the left of the track; components along 
 def scene(case: Case, samples: int = SAMPLES) -> dict[str, Any]:
     """All data that is needed to build the case, in SI units; null for values that a start in flight does not have.
 
-    `samples`: number of points of each curve."""
+    `samples`: number of points of each curve. Raises NotSupported for several plates."""
+    if case.others:
+        raise NotSupported("A scene file has one plate; several plates (others) are not supported.")
     return finite(
         {
             "schema": SCHEMA,

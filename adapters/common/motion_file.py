@@ -225,6 +225,8 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
             raise DoesNotFit(
                 f"{rate} is not the rate of {name}; give both in metres, radians and seconds, and in one frame"
             )
+    if case.others:
+        raise DoesNotFit("a file has the motion of one plate; cases with several plates (others) are not compared")
     if case.supports:
         return _on_supports(case, columns, creep)
     touches_twice = several_contacts.may_touch_twice(case)

@@ -11,17 +11,25 @@ from .layout import DrawnScene, Instant, place_outline, visible
 from .style import FORCE, PLATE, TRACK
 
 
-def draw(ax: Any, scene: DrawnScene, path: np.ndarray, xi1: np.ndarray, instants: Sequence[Instant]) -> None:
+def draw(
+    ax: Any,
+    scene: DrawnScene,
+    path: np.ndarray,
+    xi1: np.ndarray,
+    instants: Sequence[Instant],
+    others: Sequence[tuple[DrawnScene, Sequence[Instant]]] = (),
+) -> None:
     """Draw track and plate; `path`: the centre's, shape (2, n), with its contact parameters (NaN in flight).
 
     The spoke turns with the plate, and the dot is the contact point. In flight, the path of the centre is drawn.
+    `others`: scenes of free plates, with their poses.
     """
     ax.plot(*scene.track.point(visible(scene, path, xi1)), color=TRACK, linewidth=1.6)
     flying = np.where(np.isfinite(xi1), np.nan, path)
     if np.isfinite(flying).any():
         ax.plot(*flying, color=PLATE, linewidth=0.9, linestyle=(0, (2, 1.5)))
-    for instant in instants:
-        corners, spoke = place_outline(scene, instant)
+    for scene_of_one, instant in [(one, pose) for one, poses in ((scene, instants), *others) for pose in poses]:
+        corners, spoke = place_outline(scene_of_one, instant)
         edge, inside = 0.4 + 0.6 * instant.shade, 0.08 + 0.22 * instant.shade
         ax.fill(*corners, facecolor=(PLATE, inside), edgecolor=(PLATE, edge), linewidth=0.9)
         ax.plot(*spoke, color=PLATE, linewidth=0.9, alpha=edge)

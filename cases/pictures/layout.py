@@ -55,6 +55,17 @@ def place_outline(scene: DrawnScene, at: Any) -> tuple[np.ndarray, np.ndarray]:
     return corners, np.hstack([centre, corners[:, :1]])
 
 
+def free_plates(case: Any, motion: Any, times: Any, shades: Sequence[float]) -> list[tuple[DrawnScene, list[Instant]]]:
+    """The free plates of a case with their poses in a motion at some times, for `drawn_scene.draw`."""
+    results = []
+    for other in case.others if case else ():
+        state = motion.plate(other.name)(np.asarray(times, dtype=float))
+        columns = zip(state.x, state.y, state.theta, shades, strict=True)
+        poses = [Instant(x, y, theta, np.nan, shade) for x, y, theta, shade in columns]
+        results.append((case.scene._replace(outline=other.plate.outline), poses))
+    return results
+
+
 def visible(scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> np.ndarray:
     """Evenly spaced track parameters for drawing: all of a closed track, otherwise the part near the plate's path.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Sequence
 from html import escape
 from io import BytesIO
 from typing import Any
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import drawn_scene as scenes
-from .layout import DrawnScene, Instant, instants
+from .layout import DrawnScene, Instant, free_plates, instants
 from .style import Picture, apply_style
 
 # Largest number of transitions in a notebook's table; the others are only counted.
@@ -28,7 +29,12 @@ def of_case(case: Any) -> str:
         "start": case.start_text,
         "duration": f"{case.duration:g} s",
     }
-    return _side_by_side(_scene(case.scene, at), f"<b>{escape(case.label)}</b>{table(facts.items())}")
+    others = [
+        (case.scene._replace(outline=o.plate.outline), [Instant(o.start.x, o.start.y, o.start.theta, np.nan, 1.0)])
+        for o in case.others
+    ]
+    facts |= {other.name: repr(other.plate) for other in case.others}
+    return _side_by_side(_scene(case.scene, at, others=others), f"<b>{escape(case.label)}</b>{table(facts.items())}")
 
 
 def of_motion(motion: Any) -> str:
@@ -44,7 +50,9 @@ def of_motion(motion: Any) -> str:
     state = motion(times)
     samples = instants(times, [t.time for t in motion.transitions][:_MOST])
     poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in samples]
-    return _side_by_side(_scene(motion.case.scene, *poses, path=np.array([state.x, state.y]), xi1=state.xi1), words)
+    others = free_plates(motion.case, motion, times[[i for i, _ in samples]], [shade for _, shade in samples])
+    path = np.array([state.x, state.y])
+    return _side_by_side(_scene(motion.case.scene, *poses, path=path, xi1=state.xi1, others=others), words)
 
 
 def table(rows: Any) -> str:
@@ -60,14 +68,20 @@ def _side_by_side(picture: str, words: str) -> str:
     )
 
 
-def _scene(scene: DrawnScene, *poses: Instant, path: np.ndarray | None = None, xi1: np.ndarray | None = None) -> str:
+def _scene(
+    scene: DrawnScene,
+    *poses: Instant,
+    path: np.ndarray | None = None,
+    xi1: np.ndarray | None = None,
+    others: Sequence[tuple[DrawnScene, Sequence[Instant]]] = (),
+) -> str:
     first = poses[0]
     path = np.array([[first.x], [first.y]]) if path is None else path
     xi1 = np.array([first.xi1]) if xi1 is None else xi1
     buffer = BytesIO()
     with apply_style():
         figure = Picture(figsize=(3.4, 2.8), layout="constrained")
-        scenes.draw(figure.subplots(), scene, path, xi1, poses)
+        scenes.draw(figure.subplots(), scene, path, xi1, poses, others)
         figure.savefig(buffer, format="png", dpi=100)
     data = b64encode(buffer.getvalue()).decode()
     return f'<img alt="{escape(scene.label)}: the plate on its track" src="data:image/png;base64,{data}">'

@@ -11,7 +11,7 @@ from ..chain import Chain
 from ..curves import Curve
 from ..errors import unknown_name
 from . import drawn_scene
-from .layout import DrawnScene, Instant, instants
+from .layout import DrawnScene, Instant, free_plates, instants
 from .style import FAINT, PLATE, Picture, apply_style
 
 # Axis labels of the quantities that can be plotted against time.
@@ -102,7 +102,8 @@ def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colou
 def _scene(ax: Any, scene: DrawnScene, motion: Any, times: np.ndarray, state: Any) -> None:
     samples = instants(times, [t.time for t in motion.transitions][:6])
     poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in samples]
-    drawn_scene.draw(ax, scene, np.array([state.x, state.y]), state.xi1, poses)
+    others = free_plates(motion.case, motion, times[[i for i, _ in samples]], [shade for _, shade in samples])
+    drawn_scene.draw(ax, scene, np.array([state.x, state.y]), state.xi1, poses, others)
     ax.set_title(scene.label, loc="left", fontweight="bold")
 
 

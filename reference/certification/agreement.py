@@ -12,7 +12,7 @@ from cases import Case, Trajectory
 
 from .bars import ULPS, Bar
 from .certificate import Certificate
-from .witnesses import EPS
+from .witnesses import EPS, states_of
 
 
 class _ValuePair(NamedTuple):
@@ -83,8 +83,8 @@ def _all(case: Case, certificate: Certificate, motion: Trajectory, coarser: Traj
         yield _ValuePair("time", f"the time {which}", " s", time, event.time, other.time)
         yield _ValuePair("xi1", f"xi1 {which}", "", xi1, near(event.xi1, xi1.value), near(other.xi1, xi1.value))
     yield _ValuePair("end", "the end", " s", certificate.end, float(motion.t[-1]), float(coarser.t[-1]))
-    here, there = (each(np.minimum(certificate.times, each.t[-1])) for each in (motion, coarser))
+    here, there = (states_of(each, np.minimum(certificate.times, each.t[-1])) for each in (motion, coarser))
     for quantity, bars in certificate.samples.items():
-        columns = (np.asarray(getattr(each, quantity)).tolist() for each in (here, there))
+        columns = (each[quantity].tolist() for each in (here, there))
         for time, *values in zip(certificate.times, bars, *columns, strict=True):
             yield _ValuePair(quantity, f"{quantity} at {time:.6g} s", "", *values)

@@ -20,7 +20,7 @@ from cases.contact_limits import touches_by_features
 from cases.corner import turning
 from cases.geometry import piece_at
 
-from .witnesses import EPS, FINEST, QUANTITIES, Witness, components, perturb
+from .witnesses import EPS, FINEST, FREE, Witness, components, perturb, quantities
 
 # A state is computed in a few operations, each of which rounds by half a unit in the last place.
 ULPS = 4
@@ -127,8 +127,9 @@ def roundings(case: Case, witness: Witness, times: np.ndarray) -> dict[str, np.n
     )  # short compared with any motion of eleven samples, long compared with the roundings of values and times
     before, after = np.clip(times - h, 0.0, last), np.clip(times + h, 0.0, last)
     early, late = witness.states(before), witness.states(after)
-    rate = {q: np.nan_to_num(np.abs(late[q] - early[q])) / (after - before) for q in QUANTITIES}
-    return {q: ULPS * EPS * (terms[q] + rate[q] * times) for q in QUANTITIES}
+    every = quantities(case)
+    rate = {q: np.nan_to_num(np.abs(late[q] - early[q])) / (after - before) for q in every}
+    return {q: ULPS * EPS * (terms[q] + rate[q] * times) for q in every}
 
 
 def _turning(curve: Curve, s: float, speed: float, rate: float) -> float:
@@ -138,6 +139,16 @@ def _turning(curve: Curve, s: float, speed: float, rate: float) -> float:
     return abs(float(curve.curvature(s))) * speed
 
 
+def _terms_of_others(case: Case, state: dict[str, np.ndarray]) -> dict[str, float]:
+    """As `_terms`, of free plates."""
+    sizes = {}
+    for other in case.others:
+        for q in FREE:
+            own = 2 * other.plate.reach if q in ("x", "y") else 0.0
+            sizes[f"{q} of {other.name}"] = float(np.abs(state[f"{q} of {other.name}"]).max()) + own
+    return sizes
+
+
 def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
     """The size of the terms that each quantity is computed from, the largest of the motion."""
     outline, track = case.plate.outline, case.track
@@ -145,9 +156,9 @@ def _terms(case: Case, witness: Witness, times: np.ndarray) -> dict[str, float]:
     state = witness.states(times)
     place = float(np.max(np.hypot(state["x"], state["y"])))
     angle, slip, omega = (float(np.nanmax(np.abs(np.append(state[q], 0.0)))) for q in ("theta", "slip", "omega"))
-    if touches_by_features(case):  # the contact's parameters are those of any support
+    if case.others or touches_by_features(case):  # the contact's parameters are those of any support
         sizes = {"slip": slip + reach * omega, "omega": omega}
-        return {"x": place + 2 * reach, "y": place + 2 * reach, "theta": angle} | sizes
+        return {"x": place + 2 * reach, "y": place + 2 * reach, "theta": angle} | sizes | _terms_of_others(case, state)
     for xi1, xi2, v, w in zip(*(state[q] for q in ("xi1", "xi2", "slip", "omega")), strict=True):
         if not np.isfinite(xi2) or not np.isfinite(v):
             continue

@@ -16,7 +16,7 @@ from cases import Case, CaseError, Mode
 
 from .bars import ULPS, Bar, Shares, ambiguity, bar, roundings, shares
 from .proof_kind import kinds
-from .witnesses import EPS, QUANTITIES, Witness, witnesses
+from .witnesses import EPS, Witness, quantities, witnesses
 
 SAMPLES = 11
 
@@ -104,7 +104,7 @@ def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.
                 bar([state[q][i] for state in states], float(sample_roundings[q][i] + moves.samples[q][i]))
                 for i in range(len(times))
             )
-            for q in QUANTITIES
+            for q in quantities(case)
         },
         witnesses=tuple(witness.name for witness in able),
         missing=tuple(missing),

@@ -18,15 +18,17 @@ from cases import Case, Flight, Mode, NotSupported, Trajectory, Transition
 from cases.contact import start_motion
 from cases.contact_limits import limitation, touches_by_features
 from cases.contact_pairs import pairs
+from cases.free_plates import names_of
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.trajectory import CONTACT
 
-from .. import several, solve
+from .. import solve
 from ..minimal import hybrid
 from ..minimal.integrators import taylor
 from ..minimal.modes import FLIGHT, Phase, candidates, phase_at, start_pieces, start_state
 
 QUANTITIES = ("x", "y", "theta", "slip", "omega")
+FREE = ("x", "y", "theta", "omega")
 EPS = float(np.finfo(float).eps)
 
 # Least number of steps of the second formulation: with 300 its errors are 1e-14, with the default 60 up to 1e-11.
@@ -109,10 +111,24 @@ def _by_first(case: Case, name: str, method: str, rtol: float) -> Witness:
 
 def _witness(name: str, motion: Trajectory) -> Witness:
     def states(times):
-        state = motion(np.minimum(times, motion.t[-1]))
-        return {q: np.asarray(getattr(state, q)) for q in (*QUANTITIES, "xi1", "xi2")}
+        return states_of(motion, np.minimum(times, motion.t[-1]))
 
     return Witness(name, motion.transitions, motion.status, float(motion.t[-1]), states)
+
+
+def quantities(case: Case) -> tuple[str, ...]:
+    """The quantities that a certificate has: those of the case's plate, and poses and spins of free plates."""
+    return (*QUANTITIES, *(f"{q} of {other.name}" for other in case.others for q in FREE))
+
+
+def states_of(motion: Trajectory, times: np.ndarray) -> dict[str, np.ndarray]:
+    """The states of a motion by quantity, with the contact's parameters."""
+    state = motion(times)
+    values = {q: np.asarray(getattr(state, q)) for q in (*QUANTITIES, "xi1", "xi2")}
+    for name in motion.plate_names[1:]:
+        free = motion.plate(name)(times)
+        values |= {f"{q} of {name}": np.asarray(getattr(free, q)) for q in FREE}
+    return values
 
 
 def _by_second(case: Case, name: str, rtol: float) -> Witness:
@@ -121,6 +137,8 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
         delassus,
     )  # SciPy's integrators and trees are slow to import, and stored truth needs no witness
 
+    if case.others:
+        return _plates_witness(case, name, rtol)
     if touches_by_features(case):
         return _supports_witness(case, name, rtol)
     if _has_several_contacts(case) and delassus.touches_at_start(case):
@@ -176,6 +194,23 @@ def _supports_witness(case: Case, name: str, rtol: float) -> Witness:
     return Witness(name, answer.transitions, answer.status, answer.end, states)
 
 
+def _plates_witness(case: Case, name: str, rtol: float) -> Witness:
+    """The second formulation of several plates."""
+    from .. import delassus
+
+    answer = delassus.bodies_motion(case, rtol)
+
+    def states(times):
+        *rows, slip = delassus.bodies_motion(case, rtol, np.asarray(times, dtype=float)).motions
+        half, values = len(rows) // 2, {"slip": slip}
+        for b, name in enumerate(names_of(case)):
+            own = (*rows[3 * b : 3 * b + 3], rows[half + 3 * b + 2])
+            values |= {q if b == 0 else f"{q} of {name}": row for q, row in zip(FREE, own, strict=True)}
+        return values
+
+    return Witness(name, answer.transitions, answer.status, answer.end, states)
+
+
 def _several_witness(case: Case, name: str, rtol: float, before: tuple[Transition, ...], state) -> Witness:
     """The second formulation from `state` on: time, (x, y, θ, vx, vy, ω), pair of points and mode of the contact."""
     from .. import contact_frame, delassus
@@ -205,6 +240,8 @@ def _several_witness(case: Case, name: str, rtol: float, before: tuple[Transitio
 
 def components(case: Case) -> int:
     """The largest number of state components in any phase of the case."""
+    if case.others:
+        return 6 * (1 + len(case.others))
     if touches_by_features(case):
         return 6 + 2 * len(pairs(case))
     case = relative_case(case)
@@ -222,8 +259,8 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
     def integrate_perturbation(now: Phase, t: float, y, end: float, tolerance: float):
         return integrate(now, t, _shift(now, y, component, roundings), end, tolerance)
 
-    if touches_by_features(case):
-        motion = solve.as_trajectory(case, *several.from_start(case, rtol, integrate_perturbation))
+    if case.others or touches_by_features(case):
+        motion = solve.as_trajectory(case, *solve.solve_supports(case, rtol, integrate_perturbation))
         return _witness(f"component {component} moved by {roundings:g} roundings", motion)
     relative = relative_case(case)
     start = start_state(relative)

@@ -4,6 +4,15 @@ It shares no code with `several`: accelerations from the Delassus matrix with cu
 linear complementarity problems (Lemke's method) without enumeration of modes, SciPy's DOP853.
 """
 
+from .bodies_motion import PlatesMotion, bodies_motion
 from .first_state import SeveralMotion, continue_motion, from_start, mode_of, touches_at_start
 
-__all__ = ["SeveralMotion", "continue_motion", "from_start", "mode_of", "touches_at_start"]
+__all__ = [
+    "PlatesMotion",
+    "SeveralMotion",
+    "bodies_motion",
+    "continue_motion",
+    "from_start",
+    "mode_of",
+    "touches_at_start",
+]

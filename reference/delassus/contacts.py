@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import singledispatch
 from math import cos, hypot, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,7 +43,8 @@ class PairState(NamedTuple):
         return own * (1.0 - self.gap * bend) - bend
 
 
-def pair_at(pair: PairCase, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
+@singledispatch
+def pair_at(pair: Any, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
     """The pair of nearest points next to `near`; `body` is (x, y, θ, vx, vy, ω). Raises DoesNotFit."""
     x, y, theta, vx, vy, omega = (float(v) for v in body)
     contact = find(pair, x, y, theta, near)
@@ -153,8 +155,9 @@ class PlateDynamics:
         return self.weight + np.array(self.load.at(t, *(float(v) for v in body)))
 
     def delassus(self, pairs: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
-        """The Delassus matrix (2K, 2K) of lifts, then slips, and the rows (2K, 3)."""
-        rows = np.array([p.lift_row for p in pairs] + [p.slip_row for p in pairs]).reshape(-1, 3)
+        """The Delassus matrix (2K, 2K) of lifts, then slips, and the rows (2K, velocities)."""
+        rows = np.array([p.lift_row for p in pairs] + [p.slip_row for p in pairs])
+        rows = rows.reshape(-1, len(self.inverse))
         return rows * self.inverse @ rows.T, rows
 
     def free_rates(

@@ -20,7 +20,7 @@ from .plate_state import MOVES, PlateState, SimulationEnd
 
 def velocities(state: PlateState, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
     """Velocities after an impact, and which contacts do not slip."""
-    velocity, laws = state.body[3:], [pair.contact.effect(Impact) for pair in some]
+    velocity, laws = state.body[state.half :], [pair.contact.effect(Impact) for pair in some]
     restitution = np.array([law.restitution if law else 0.0 for law in laws])
     if len(some) == 1:
         law = laws[0]
@@ -35,6 +35,14 @@ def velocities(state: PlateState, effect: Impact, some: Sequence[PairState]) -> 
             raise SimulationEnd("energy_gain")
         rows = np.array([pair.slip_row, pair.lift_row, [0.0, 0.0, 1.0]])
         return np.linalg.solve(rows, np.array([result.slip, result.lift, result.spin])), [result.slip == 0.0]
+    return by_whole_impulses(state, effect, some, restitution)
+
+
+def by_whole_impulses(
+    state: PlateState, effect: Impact, some: Sequence[PairState], restitution: np.ndarray
+) -> tuple[np.ndarray, list[bool]]:
+    """As `velocities`, by Coulomb's law between whole impulses and velocities after the impact."""
+    velocity = state.body[state.half :]
     if effect.law != "poisson":
         after, _ = complementary(state.dynamics, velocity, some, restitution, np.zeros(len(some)))
     else:

@@ -170,7 +170,7 @@ class PhaseIntegration(PlateState):
             float(np.abs(self.dynamics.torsor(self.t, self.body) / self.dynamics.units).max()),
             float(np.abs(phase.forces(self.t, self.body).normal).max(initial=0.0)),
         )
-        speed = max(self.speed, float(np.abs(self.body[3:]).max()), 1e-300)
+        speed = max(self.speed, float(np.abs(self.body[self.half :]).max()), 1e-300)
         return {"gap": 1e-2 * self.size(), "slip": speed, "normal": force, "cone+": force, "cone-": force}
 
     # --- contacts at other places -------------------------------------------------------------------------------------

@@ -62,12 +62,7 @@ class Simulation(PhaseIntegration):
         """The modes that follow, from the complementarity of forces and accelerations at the touched contacts."""
         now = self.pairs()
         closed = [k for k, c in enumerate(self.contacts) if c.name in self.touching - self.leaving]
-        modes = self.modes(now, closed)
-        if modes is None and self.leaving:
-            closed = [k for k, c in enumerate(self.contacts) if c.name in self.touching]
-            modes = self.modes(now, closed)
-        if modes is None:
-            raise SimulationEnd("paradox")
+        modes, _ = self.modes(now, closed, [k for k, c in enumerate(self.contacts) if c.name in self.touching])
         rank = np.linalg.matrix_rank(
             np.array([now[k].lift_row for k in modes] + [now[k].slip_row for k, m in modes.items() if m is Mode.ROLL])
             / self.dynamics.units,
@@ -76,7 +71,7 @@ class Simulation(PhaseIntegration):
         count = len(modes) + sum(mode is Mode.ROLL for mode in modes.values())
         if rank < min(count, 3):  # they hold one point, about which the plate turns: the matrix is singular
             raise SimulationEnd("breakdown")
-        rests = rank == 3 and not self.body[3:].any()
+        rests = rank == 3 and not self.body[self.half :].any()
         changes = []
         for k, contact in enumerate(self.contacts):
             mode = modes.get(k, Mode.FLIGHT)
@@ -96,10 +91,22 @@ class Simulation(PhaseIntegration):
             raise SimulationEnd("lift_off")
         return SeveralContactPhase(self.dynamics, self.contacts, rests)
 
-    def modes(self, now: Sequence[PairState], closed: list[int]) -> dict[int, Mode] | None:
-        """The modes of the contacts that stay closed, by their places; None without a solution."""
+    def modes(
+        self, now: Sequence[PairState], closed: list[int], every: list[int]
+    ) -> tuple[dict[int, Mode], np.ndarray]:
+        """The modes of the contacts that stay closed, by their places, and the forces at `closed`, or at `every`
+        contact that touches if those have no solution. Raises SimulationEnd."""
+        answer = self.solution(now, closed)
+        if answer is None and len(every) > len(closed):
+            answer = self.solution(now, every)
+        if answer is None:
+            raise SimulationEnd("paradox")
+        return answer
+
+    def solution(self, now: Sequence[PairState], closed: list[int]) -> tuple[dict[int, Mode], np.ndarray] | None:
+        """The modes of the contacts that stay closed, by their places, and the forces; None without a solution."""
         if not closed:
-            return {}
+            return {}, np.zeros(0)
         some = [now[k] for k in closed]
         slips: list[float | None] = []
         for k, pair in zip(closed, some, strict=True):
@@ -129,7 +136,7 @@ class Simulation(PhaseIntegration):
                 rate = float(rates[len(closed) + i])
                 sign = float(np.sign(rate)) if abs(rate) > MOVES * scale and not is_rough(some[i].contact) else 0.0
             modes[k] = Mode.ROLL if sign == 0.0 else Mode.SLIP_FORWARD if sign > 0.0 else Mode.SLIP_BACKWARD
-        return modes
+        return modes, force
 
     def phase(self, phase: SeveralContactPhase) -> None:
         """Integrate until an event, and apply it."""
@@ -198,7 +205,7 @@ class Simulation(PhaseIntegration):
         for contact, pair in zip(self.contacts, now, strict=True):
             if contact.name in self.touching:
                 self.clearances[contact.name] = pair.clearance
-        self.speed = max(self.speed, float(np.abs(self.body[3:] * self.dynamics.units).max()))
+        self.speed = max(self.speed, float(np.abs(self.body[self.half :] * self.dynamics.units).max()))
         if may_strike:
             self.strike(now)
             self.end_bouncing()
@@ -219,12 +226,13 @@ class Simulation(PhaseIntegration):
         effect = self.case.effect(Impact)
         if effect is None:
             raise SimulationEnd("second_contact")
-        velocity, stuck = velocities(self, effect, [now[k] for k in places_hit])
+        velocity, stuck = self.velocities_after(effect, [now[k] for k in places_hit])
         if effect.law == "newton":
-            weights = 1.0 / self.dynamics.inverse
-            if weights @ velocity**2 > (1.0 + 1e-12) * (weights @ self.body[3:] ** 2):
+            turns = self.dynamics.inverse > 0.0
+            weights = 1.0 / self.dynamics.inverse[turns]
+            if weights @ velocity[turns] ** 2 > (1.0 + 1e-12) * (weights @ self.body[self.half :][turns] ** 2):
                 raise SimulationEnd("energy_gain")
-        self.body[3:] = velocity
+        self.body[self.half :] = velocity
         names, closers = (frozenset(self.contacts[k].name for k in those) for those in (places_hit, closing))
         record = ImpactRecord(self.t, max(-now[k].lift for k in closing), names, closers, self.body.copy())
         self.impacts.count(record)
@@ -240,6 +248,10 @@ class Simulation(PhaseIntegration):
             self.touching.add(name)
             if stuck[i]:
                 self.stuck.add(name)
+
+    def velocities_after(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
+        """Velocities after an impact at some contacts, and which of these do not slip."""
+        return velocities(self, effect, some)
 
     def is_tiny(self, pair: PairState, lift: float) -> bool:
         return lift * lift <= 8.0 * self.pull(pair) * EPS * self.size()
@@ -272,8 +284,8 @@ class Simulation(PhaseIntegration):
         now = self.pairs()
         self.touching = {c.name for c, pair in zip(self.contacts, now, strict=True) if pair.gap <= size}
         self.close_gaps()
-        if np.abs(self.body[3:] * self.dynamics.units).max() <= noise:
-            self.body[3:] = 0.0
+        if np.abs(self.body[self.half :] * self.dynamics.units).max() <= noise:
+            self.body[self.half :] = 0.0
         self.stuck = {
             c.name for c, pair in zip(self.contacts, self.pairs(), strict=True)
             if c.name in self.touching and abs(pair.slip) <= noise and friction_of(pair.contact)[1] > 0.0
@@ -285,7 +297,7 @@ class Simulation(PhaseIntegration):
             def straight(t: float) -> np.ndarray:
                 return before + (after - before) * ((t - start) / (end - start))
 
-            phase = SeveralContactPhase(self.dynamics, self.contacts, not self.body[3:].any())
+            phase = SeveralContactPhase(self.dynamics, self.contacts, not self.body[self.half :].any())
             self.stretches.append(DenseStep(self.t, end, straight, phase))
         self.t, self.impacts.at_rest = end, True
 

@@ -94,7 +94,7 @@ class SeveralContactPhase:
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:
         """The derivative of (x, y, θ, vx, vy, ω)."""
-        return np.concatenate([y[3:], self.forces(t, y).acceleration])
+        return np.concatenate([y[len(y) // 2 :], self.forces(t, y).acceleration])
 
     def guards(self, t: float, y: np.ndarray) -> dict[tuple[str, str], float]:
         """Values by (kind, contact) that are positive while the phase lasts, each in its natural unit: forces in the

@@ -29,6 +29,7 @@ class PlateState:
     def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray):
         self.case, self.dynamics = case, PlateDynamics(case)
         self.t, self.body = t, np.array(body, dtype=float)
+        self.half = len(self.body) // 2  # velocities follow the positions
         self.contacts: list[WatchedContact] = []
         self.speed = 0.0
         self.touching: set[str] = set()
@@ -75,7 +76,7 @@ class PlateState:
             if some:
                 rows = np.array([p.lift_row for p in some]) / self.dynamics.units
                 step = np.linalg.lstsq(rows, np.array([p.gap for p in some]), rcond=1e-10)[0]
-                self.body[:3] -= step / self.dynamics.units
+                self.body[: self.half] -= step / self.dynamics.units
 
     def hold(self) -> None:
         """No velocity along the rows that are held."""
@@ -86,10 +87,10 @@ class PlateState:
         if not rows.size:
             return
         rows = rows / self.dynamics.units
-        if np.linalg.matrix_rank(rows, tol=1e-9) == 3:
-            self.body[3:] = 0.0
+        if np.linalg.matrix_rank(rows, tol=1e-9) == np.count_nonzero(self.dynamics.inverse):
+            self.body[self.half :] = 0.0
             return
-        velocity = self.body[3:] * self.dynamics.units
+        velocity = self.body[self.half :] * self.dynamics.units
         for _ in range(2):
             velocity = velocity - np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)[0]
-        self.body[3:] = velocity / self.dynamics.units
+        self.body[self.half :] = velocity / self.dynamics.units

@@ -150,7 +150,7 @@ def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
     load = load_at(case, now.time, body_of(now.state))
     if not np.isfinite(load).all():
         raise Undecidable
-    return forces.margin(some, load, case.plate.gyration, sticks) >= BALANCED
+    return forces.margin(some, load, forces.units_of(case.plate.gyration), sticks) >= BALANCED
 
 
 def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error: float) -> bool:

@@ -9,17 +9,29 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf, isinf, nan
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
-
-from .geometry import ContactPlace
 
 # Weights below this part of the load count as zero where a linear program (HiGHS: feasible to 1e-9) ends; the active
 # equations are then solved again.
 ZERO = 1e-7
 # Ranges narrower than this part of the load are one value: HiGHS' tolerance is below it.
 UNIQUE = 1e-8
+
+
+class RowsOfContact(Protocol):
+    """What the forces of a contact need: the rows of its lift and slip velocity."""
+
+    @property
+    def lift_row(self) -> np.ndarray: ...
+    @property
+    def slip_row(self) -> np.ndarray: ...
+
+
+def units_of(gyration: float) -> np.ndarray:
+    """The units of one plate's equations of equilibrium, with its radius of gyration (m)."""
+    return np.array([1.0, 1.0, 1.0 / gyration])
 
 
 class ForceRanges(NamedTuple):
@@ -30,7 +42,7 @@ class ForceRanges(NamedTuple):
     friction: np.ndarray
 
 
-def _generators(now: Sequence[ContactPlace], sticks: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+def _generators(now: Sequence[RowsOfContact], sticks: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
     """The edges of all cones as columns (fx, fy, moment), shape (3, edges), and (normal, friction) of each edge by
     contact, shape (contacts, 2, edges). Without a bound on friction the edges are n, t and −t."""
     edges = [_edges(stick) for stick in sticks]
@@ -50,15 +62,15 @@ def _edges(stick: float) -> list[tuple[float, float]]:
     return [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] if isinf(stick) else [(1.0, stick), (1.0, -stick)]
 
 
-def margin(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, sticks: Sequence[float]) -> float:
+def margin(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, sticks: Sequence[float]) -> float:
     """The largest least weight with which the contacts balance a load (fx, fy, moment), in units of the load; −inf if
     the load cannot be balanced with weights of any sign, at most 1.
 
-    It is negative if no admissible forces hold the plate, and its zero is the limit.
+    It is negative if no admissible forces hold the plate, and its zero is the limit. `units`: factors of the equations
+    of equilibrium, which give them one unit; 0 leaves an equation out.
     """
     from scipy.optimize import linprog  # slow to import, and most motions never come here
 
-    units = np.array([1.0, 1.0, 1.0 / gyration])
     columns, right = _generators(now, sticks)[0] * units[:, None], -load * units
     size = float(np.abs(right).max())
     if size == 0.0:
@@ -78,11 +90,11 @@ def margin(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, stick
     return float(exact[-1]) if np.abs(matrix[:, active] @ exact - right).max() < 1e-12 else float(answer.x[-1])
 
 
-def ranges(now: Sequence[ContactPlace], load: np.ndarray, gyration: float, sticks: Sequence[float]) -> ForceRanges:
-    """The ranges of the forces with which the contacts balance a load (N, N, N m); NaN if they cannot."""
+def ranges(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, sticks: Sequence[float]) -> ForceRanges:
+    """The ranges of the forces with which the contacts balance a load (N, N, N m); NaN if they cannot. `units` as of
+    `margin`."""
     from scipy.optimize import linprog
 
-    units = np.array([1.0, 1.0, 1.0 / gyration])
     columns, parts = _generators(now, sticks)
     matrix, right = columns * units[:, None], -load * units
     size = float(np.abs(right).max()) or 1.0

@@ -13,7 +13,7 @@ from cases.trajectory import CONTACT, ContactColumns
 from ..minimal.integrators.segment import Segment, blocks
 from .decision import depends_on_time, load_at
 from .equations import COLUMNS
-from .forces import ForceRanges, ranges
+from .forces import ForceRanges, ranges, units_of
 from .geometry import ContactPlace, places
 from .meetings import gaps
 from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
@@ -166,5 +166,5 @@ def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray
     every = places(contacts_of(case, regime), body_of(state), pairs_of(state))
     at: list[ContactPlace] = [every[k] for k in regime.closed]
     load = load_at(case, t, body_of(state))
-    limits: ForceRanges = ranges(at, load, case.plate.gyration, [one.stick for one in at])
+    limits: ForceRanges = ranges(at, load, units_of(case.plate.gyration), [one.stick for one in at])
     return {name: np.array([limits.normal[i], limits.friction[i]]) for i, name in enumerate(names)}

@@ -46,10 +46,10 @@ def limit_of_rest(case: Case, closed: Sequence[ContactPlace], start: float, y: S
     """When the closed contacts cannot balance the load any more, s; None if they can until the motion's end."""
     from scipy.optimize import brentq
 
-    sticks, gyration = [one.stick for one in closed], case.plate.gyration
+    sticks, units = [one.stick for one in closed], forces.units_of(case.plate.gyration)
 
     def margin(t: float) -> float:
-        return forces.margin(closed, load_at(case, t, body_of(y)), gyration, sticks)
+        return forces.margin(closed, load_at(case, t, body_of(y)), units, sticks)
 
     load, end = case.effect(Load), case.duration
     looks = np.linspace(start, end, LOOKS)

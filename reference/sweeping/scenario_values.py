@@ -113,7 +113,10 @@ def scenes(
 
 def structure(case: Case) -> Structure:
     """The structure of a case: what it must share with other scenarios to be simulated with them; raises NotSupported
-    for friction that depends on the slip velocity, and for driven tracks."""
+    for friction that depends on the slip velocity, for driven tracks, for supports and for several plates."""
+    for what, parts in (("supports", case.supports), ("several plates (others)", case.others)):
+        if parts:
+            raise NotSupported(f"a sweep does not support {what}; simulate such cases one by one")
     if own := own_effects(case.effects):
         raise NotSupported(f"a sweep does not support {type(own[0]).__name__}; simulate such cases one by one")
     friction = case.effect(CoulombFriction)

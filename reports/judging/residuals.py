@@ -76,9 +76,9 @@ def examine(case: Case, motion: Trajectory) -> Residuals:
 def energy_residual(case: Case, motion: Trajectory) -> np.ndarray:
     """E(t) − E(0) − ∫ T (v + b) dt at the samples, with the speed b of a belt, relative to the energy that moves.
 
-    NaN if the energy of an effect is unknown.
+    NaN if the energy of an effect is unknown, and of one plate of several.
     """
-    if any(not isinstance(effect, _ENERGY_EFFECTS) for effect in case.effects):
+    if case.others or any(not isinstance(effect, _ENERGY_EFFECTS) for effect in case.effects):
         return np.full(len(motion.t), nan)
     total = mechanics.energy(case, motion)
     works = case.effect(CoulombFriction) or case.effect(Drive) or own_effects(case.effects)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from adapters import Setting
-from cases import Case, ContactEffect, Trajectory
+from cases import Case, ContactEffect, NotSupported, Trajectory
 from reference import solve
 from reference.minimal.modes import start_state
 
@@ -51,6 +51,11 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 def build(case: Case, route: str, setting: Setting) -> _Model:
     """Derive and compile the equations of the first mode, later ones when a run enters them; raises NotSupported for an
     unsupported case."""
+    if case.others:
+        if route == "augmented":
+            raise NotSupported("the method 'augmented' has one plate")
+        _, integrator = solve.INTEGRATORS[route]
+        return _Model(case, lambda: solve.solve_supports(case, setting["rtol"], integrator))
     start = start_state(case)
     regime = solve.first_regime(case, start)
     if regime is not None:

@@ -1,0 +1,181 @@
+"""Free plates: further plates of a case, each of which moves by itself and touches the others, the track and supports.
+
+All plates of such a case are discs, and its track and supports are straight lines without ends: every pair has one
+contact in every pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import hypot
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import effects as all_effects
+from .contact_names import FIRST
+from .curves import Curve
+from .effects import CoulombFriction, E, Effect, Flight, Gravity, Impact, PerfectlyRough, Unilateral
+from .errors import BadValue, DoesNotFit
+from .line_or_circle import Line, as_line
+from .plate import Plate
+from .start_pose import TOUCHES, StartPose
+from .supports import TRACK
+
+# Modes are enumerated: four for each contact of plates that touch each other.
+MOST = 8
+# Effects of a case with several plates.
+POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
+
+
+@dataclass(frozen=True)
+class FreePlate:
+    """A further plate of a case: a disc, its pose and velocities at time zero, and a name for its contacts, such as
+    "upper/plate" or "upper/track". Raises BadValue."""
+
+    plate: Plate
+    start: StartPose
+    name: str
+
+    def __post_init__(self):
+        if not isinstance(self.plate, Plate) or not isinstance(self.start, StartPose):
+            raise BadValue(
+                f"FreePlate was given {self.plate!r} and {self.start!r}; give a plate such as disc(0.1, 1.0), and "
+                "StartPose(x, y)"
+            )
+        name = self.name
+        is_word = isinstance(name, str) and name.replace("_", "").replace("-", "").isalnum() and len(name) <= 30
+        if not is_word or name in (FIRST, TRACK):
+            raise BadValue(
+                f'the name of a FreePlate is {name!r}; give a word such as "upper" ("{FIRST}" is the case\'s plate)'
+            )
+
+
+class PlateContact(NamedTuple):
+    """A contact that plates may have: its name, the number of its plate (0: the case's plate), that of the plate on
+    whose boundary it lies or that support's line, and the effects between them."""
+
+    name: str
+    body: int
+    base: int | None
+    line: Line | None
+    curve: Curve | None
+    effects: tuple[Effect, ...]
+
+    def effect(self, kind: type[E]) -> E | None:
+        """The effect of that kind, or None."""
+        return all_effects.one(self.effects, kind)
+
+
+def plates_of(case: Any) -> tuple[Plate, ...]:
+    """All plates of a case."""
+    return (case.plate, *(other.plate for other in case.others))
+
+
+def names_of(case: Any) -> tuple[str, ...]:
+    """The names of all plates."""
+    return (FIRST, *(other.name for other in case.others))
+
+
+@lru_cache(maxsize=256)
+def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
+    """All contacts that the plates of a case may have: with the track, each support, and each other."""
+    names, contacts = names_of(case), list[PlateContact]()
+    supports = ((TRACK, case.track, case.effects), *((s.name, s.curve, s.acting(case.effects)) for s in case.supports))
+    for body, name in enumerate(names):
+        for support, curve, acting in supports:
+            contacts.append(PlateContact(f"{name}/{support}", body, None, as_line(curve), curve, acting))
+        for base in range(body):
+            contacts.append(PlateContact(f"{name}/{names[base]}", body, base, None, None, case.effects))
+    return tuple(contacts)
+
+
+def start_poses(case: Any) -> np.ndarray:
+    """(x, y, θ, vx, vy, ω) of every plate at time zero, shape (plates, 6)."""
+    first = case.start.motion(case.track, case.plate.outline)
+    own = [(s.x, s.y, s.theta, s.vx, s.vy, s.omega) for s in (first, *(other.start for other in case.others))]
+    return np.array(own, dtype=float)
+
+
+def gap_of(contact: PlateContact, radii: tuple[float, ...], poses: np.ndarray) -> float:
+    """The distance between the curves of a contact, m; `poses` (plates, 2 or more) begin with the centres."""
+    x, y = (float(v) for v in poses[contact.body][:2])
+    if contact.base is not None:
+        u, v = (float(w) for w in poses[contact.base][:2])
+        return hypot(x - u, y - v) - radii[contact.body] - radii[contact.base]
+    line = contact.line
+    assert line is not None
+    (px, py), (tx, ty) = line.point, line.direction
+    return float((y - py) * tx - (x - px) * ty) - radii[contact.body]
+
+
+def check_others(case: Any) -> None:
+    """Raise BadValue or DoesNotFit for free plates that the case cannot have."""
+    if not isinstance(case.others, tuple):
+        raise BadValue(f'others is {case.others!r}; give a tuple such as (FreePlate(disc(0.1, 1.0), …, "upper"),)')
+    taken = {support.name for support in case.supports}
+    for other in case.others:
+        if not isinstance(other, FreePlate):
+            raise BadValue(f'{other!r} is no FreePlate; give FreePlate(plate, StartPose(x, y), "name")')
+        if other.name in taken:
+            raise BadValue(f"two supports or plates have the name {other.name!r}; give each its own")
+        taken.add(other.name)
+    if not case.others:
+        return
+    if len(case.others) >= MOST:
+        raise BadValue(f"a case has at most {MOST} plates; leave some of the others out")
+    _check_forms(case)
+    _check_effects(case)
+
+
+def _check_forms(case: Any) -> None:
+    """Raise BadValue unless plates are discs, and track and supports lines."""
+    for name, plate in zip(names_of(case), plates_of(case), strict=True):
+        angles = np.linspace(0.0, 6.0, 17)
+        is_disc = plate.radius is not None and np.allclose(
+            plate.outline.point(angles), plate.radius * np.array([np.cos(angles), np.sin(angles)]), rtol=0.0,
+            atol=1e-12 * plate.radius,
+        )  # fmt: skip
+        if not is_disc:
+            raise BadValue(f"several plates need discs, and {name!r} is none; give disc(radius, mass)")
+    for other in case.others:
+        if not other.plate.turns and other.start.omega != 0.0:
+            raise BadValue(
+                f"a plate of infinite inertia does not turn; give omega=0 in the StartPose of {other.name!r}"
+            )
+    for name, curve in ((TRACK, case.track), *((s.name, s.curve) for s in case.supports)):
+        if curve.domain is not None or as_line(curve) is None:
+            raise BadValue(
+                f"several plates need straight tracks and supports without ends, and {name!r} is none; give a line"
+            )
+
+
+def _check_effects(case: Any) -> None:
+    """Raise BadValue for effects that several plates do not have, or need."""
+    for effect in case.effects:
+        if not isinstance(effect, POSSIBLE):
+            kind = type(effect).__name__
+            raise BadValue(f"{kind} with several plates is not supported; leave {kind} out")
+    for needed, text in ((Unilateral, "Unilateral()"), (Flight, "Flight()"), (Impact, "Impact(0.0)")):
+        if case.effect(needed) is None:
+            raise BadValue(f"several plates may part and meet; add {text} to the effects")
+    friction = case.effect(CoulombFriction)
+    if friction is not None and friction.by_speed:
+        raise BadValue(
+            "friction that depends on the slip speed with several plates is not supported; give mu as a number"
+        )
+
+
+def check_places(case: Any) -> None:
+    """Raise DoesNotFit if plates overlap each other or a support where the motion begins."""
+    poses, radii = start_poses(case), tuple(float(plate.radius or 0.0) for plate in plates_of(case))
+    for contact in plate_contacts(case):
+        gap = gap_of(contact, radii, poses)
+        if gap < -TOUCHES * size_of(poses, radii):
+            raise DoesNotFit(f"{contact.name} overlap by {-gap:.6g} m where they begin; give another StartPose")
+
+
+def size_of(poses: np.ndarray, radii: tuple[float, ...]) -> float:
+    """The size of the poses' numbers, m."""
+    return float(np.abs(poses[:, :2]).max() + max(radii))

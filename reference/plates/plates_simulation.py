@@ -1,0 +1,340 @@
+"""The motion of several plates: phases, events and impacts until the end of the time span or a status."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import prod
+
+import numpy as np
+
+from cases import Case, Impact, Mode, Transition
+from cases.free_plates import plate_contacts, start_poses
+
+from ..minimal.decision import Undecidable
+from ..minimal.flight_end import REBOUND_ROUNDINGS
+from ..minimal.hybrid import MOST_PHASES
+from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Segment
+from ..minimal.phase_end import (
+    CAUSES,
+    COMPLETION,
+    ENDS,
+    ENERGY,
+    LOCATION_ERROR,
+    MOST_STEPS,
+    NO_MODE,
+    ROUGH,
+    Ending,
+    undecidable,
+    work_limit_ending,
+)
+from ..minimal.series import EPS
+from ..several.hops import ImpactSeries, Strike
+from ..several.impact import Inertia, NoImpact, impact_of_all
+from ..several.watched_plate import CLOSES, TOUCHES, MotionEnds
+from .group_decision import GroupDecision, decide, groups, plates_in
+from .plate_places import PlateContactPlace, numbers_of, place, places, project, size, speed, without_velocity
+from .plates_phase import PlatesPhase, PlatesRegime, moving_contacts, plates_phase
+
+# This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
+IDLE, STUCK = 4, 50
+# Impacts are extrapolated to their end where plates move by less than this part of their size until then.
+SMALL_HOP = 1e-9
+# Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
+ACCUMULATES = 1e-7
+# Velocities at the end of bouncing below this part of the last closing speed are the extrapolation's error.
+REMAINS = 1e-3
+# Modes and impulses are enumerated, four for each contact with friction: so many combinations take a second.
+MOST_COMBINATIONS = 4**6
+
+
+class PlatesSimulation:
+    """A simulation of several plates; `simulate` goes on until an ending."""
+
+    def __init__(self, case: Case, rtol: float, integrate: Callable[..., Segment]):
+        poses = start_poses(case)
+        self.case, self.rtol, self.integrate = case, rtol, integrate
+        self.contacts, self.t = plate_contacts(case), 0.0
+        self.state: tuple[float, ...] = (*poses[:, :3].ravel().tolist(), *poses[:, 3:].ravel().tolist())
+        self.half = len(self.state) // 2
+        self.modes = dict.fromkeys(range(len(self.contacts)), Mode.FLIGHT)
+        self.touching: set[int] = set()
+        self.segments: list[Segment] = []
+        self.hops = ImpactSeries()
+        self.causes: dict[int, str] = {}
+        self.fixed: dict[int, tuple[Mode, ...]] = {}
+        self.speed, self.idle, self.work, self.begins = 0.0, 0, 0, True
+
+    @property
+    def transitions(self) -> list[Transition]:
+        """All transitions so far."""
+        return self.hops.all
+
+    def simulate(self) -> Ending:
+        """Simulate phases until the end."""
+        try:
+            self._settle(set(), struck=True)
+            for _ in range(MOST_PHASES):
+                ending = self._phase(self._decide())
+                if ending:
+                    return ending
+                if self.work >= MOST_STEPS:
+                    return work_limit_ending(self.t, self.work)
+        except MotionEnds as end:
+            return end.ending
+        except Undecidable:
+            return undecidable(self.t)
+        except np.linalg.LinAlgError as problem:
+            return BREAKDOWN, f"After t = {self.t:.9g} s {problem}."
+        return "unfinished", f"The modes changed {MOST_PHASES} times until t = {self.t:.9g} s, the limit of a run."
+
+    # --- one phase ----------------------------------------------------------------------------------------------------
+
+    def _decide(self) -> PlatesRegime:
+        self._end_bouncing()
+        error = LOCATION_ERROR if self.idle <= IDLE else ROUGH
+        modes, resting, idle = dict.fromkeys(self.modes, Mode.FLIGHT), set[int](), set[int]()
+        for group in groups(self.case, sorted(self.touching)):
+            self._check_count(group)
+            decision = decide(self.case, self.t, self.state, group, self.speed, error, self.fixed)
+            if decision.modes is None and self.fixed and not decision.motions:
+                decision = decide(self.case, self.t, self.state, group, self.speed, error, {})
+            if decision.modes is None:
+                raise MotionEnds(self._no_modes(group, decision))
+            modes |= dict(zip(group, decision.modes, strict=True))
+            idle |= decision.idle
+            if decision.rests:
+                resting |= plates_in(self.case, group)
+        changes = list[Transition]()
+        for number, mode in modes.items():
+            bounced = self.causes.get(number) == CAUSES["landing"]
+            if mode is not self.modes[number] or (bounced and mode is Mode.FLIGHT):
+                at = place(self.case, number, self.state)
+                cause = self.causes.get(number, "the motion of another contact changed")
+                before, name = self.modes[number], self.contacts[number].name
+                changes.append(Transition(self.t, before, mode, at.xi1, at.xi2, cause, name))
+        if self.begins:  # the modes of a start are no changes
+            changes, self.begins = [], False
+        came_to_rest = CAUSES["rest"] in self.causes.values()
+        self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "")
+        self.modes, self.causes, self.fixed = modes, {}, {}
+        return PlatesRegime(tuple(modes), tuple(modes.values()), frozenset(resting), frozenset(idle))
+
+    def _check_count(self, group: Sequence[int]) -> None:
+        count = prod(4 if at.stick > 0.0 else 2 for at in places(self.case, group, self.state))
+        if count > MOST_COMBINATIONS:
+            names = ", ".join(self.contacts[number].name for number in group)
+            raise MotionEnds(
+                (
+                    "unfinished",
+                    f"{names} touch together at t = {self.t:.9g} s: {count} combinations of modes, more than the "
+                    f"{MOST_COMBINATIONS} that are tried.",
+                )
+            )
+
+    def _no_modes(self, group: Sequence[int], decision: GroupDecision) -> Ending:
+        names = [self.contacts[number].name for number in group]
+        if decision.motions:
+            choices = "; ".join(
+                ", ".join(f"{name} {mode}" for name, mode in zip(names, modes, strict=True))
+                for modes in decision.motions
+            )
+            return "not_unique", (
+                f"{len(decision.motions)} motions of rigid Coulomb contact are consistent at {self.t:.9g} s: {choices}."
+            )
+        if decision.is_singular:
+            return BREAKDOWN, (
+                f"At t = {self.t:.9g} s the forces of {', '.join(names)} are not unique while the plates move, and "
+                "this motion is not computed."
+            )
+        return NO_MODE
+
+    def _phase(self, regime: PlatesRegime) -> Ending | None:
+        """Integrate one phase and apply its event; returns an ending, or None."""
+        phase = plates_phase(self.case, regime)
+        segment = self.integrate(phase, self.t, self.state, self.case.duration, self.rtol)
+        self._advance(segment)
+        guard = segment.event.guard
+        self.touching = set(regime.closed)
+        stuck = {n for n, mode in self.modes.items() if mode is Mode.ROLL}
+        if guard is None:
+            return COMPLETION
+        if guard == OUT_OF_STEPS:
+            return work_limit_ending(self.t, segment.steps)
+        if guard == BREAKDOWN:
+            return BREAKDOWN, f"The equations became singular at t = {self.t:.9g} s, and no step was small enough."
+        kind, _, index = guard.partition(":")
+        if kind in ENDS:
+            return ENDS[kind]
+        number, _ = moving_contacts(self.case, regime)[int(index)]
+        if kind == "gap":
+            self.touching.add(number)
+            self._settle(stuck, struck=True)
+            return None
+        self.causes[number] = CAUSES["normal_force" if kind == "normal" else kind]
+        if kind == "slip":
+            stuck.add(number)
+        if kind == "normal":
+            self.fixed = {number: (Mode.FLIGHT,)}
+        self._settle(stuck)
+        return None
+
+    def _advance(self, segment: Segment) -> None:
+        self.segments.append(segment)
+        self.work += segment.steps
+        self.idle = self.idle + 1 if segment.event.time == self.t else 0
+        if self.idle > STUCK:
+            raise MotionEnds(("accumulation", f"{STUCK} changes of mode took no time at t = {self.t:.9g} s."))
+        self.t, self.state = segment.event.time, tuple(segment.event.state)
+        self.speed = max(self.speed, speed(self.case, self.state))
+
+    # --- states without roundings, and impacts ------------------------------------------------------------------------
+
+    def _settle(self, stuck: set[int], struck: bool = False) -> None:
+        """Remove roundings: no gap at contacts that touch, and no velocity where there is none.
+
+        `struck`: a contact may have closed with a velocity, which is an impact."""
+        stuck = set(stuck)
+        if struck:
+            least = TOUCHES * size(self.case, self.state)
+            self.touching |= {n for n in self.modes if place(self.case, n, self.state).gap <= least}
+        self.state = project(self.case, self.state, sorted(self.touching))
+        self.speed = max(self.speed, speed(self.case, self.state))
+        if struck:
+            stuck = self._impacts(stuck)
+        self.state = without_velocity(self.case, self.state, sorted(self.touching), sorted(stuck & self.touching))
+
+    def _impacts(self, stuck: set[int]) -> set[int]:
+        """Apply the impacts of all groups with a contact that closes; returns the contacts that do not slip, and leaves
+        those that open out of `touching`."""
+        staying, sticking = set[int](), set[int]()
+        strikes: list[tuple[list[int], list[int], float]] = []
+        for group in groups(self.case, sorted(self.touching)):
+            velocity = np.array(self.state[self.half :])
+            now = dict(zip(group, places(self.case, group, self.state), strict=True))
+            lifts = {n: float(at.lift_row @ velocity) for n, at in now.items()}
+            closing = [n for n in group if lifts[n] < -CLOSES * self.speed]
+            near = [n for n in group if lifts[n] <= CLOSES * self.speed]
+            if not closing:
+                staying |= set(near)
+                still = 1e-11 * self.speed
+                sticking |= {n for n in near if n in stuck or abs(float(now[n].slip_row @ velocity)) <= still}
+                continue
+            for part in groups(self.case, near):  # contacts that part already share no impulses
+                part_closing = [n for n in part if n in closing]
+                if not part_closing:
+                    staying |= set(part)
+                    sticking |= {n for n in part if n in stuck}
+                    continue
+                stays, sticks = self._strike(part, now, part_closing)
+                staying, sticking = staying | stays, sticking | sticks
+                strikes.append((part, part_closing, max(-lifts[n] for n in part_closing)))
+        self.touching = staying
+        if strikes:
+            names = frozenset(self.contacts[n].name for part, _, _ in strikes for n in part)
+            closers = frozenset(self.contacts[n].name for _, closing, _ in strikes for n in closing)
+            self.hops.strike(Strike(self.t, self.state, max(fastest for *_, fastest in strikes), names, closers))
+        return sticking
+
+    def _strike(
+        self, part: list[int], now: dict[int, PlateContactPlace], closing: list[int]
+    ) -> tuple[set[int], set[int]]:
+        """The impact of one group: the contacts that stay closed, and those that do not slip."""
+        self._check_count(part)
+        law, numbers = self.case.effect(Impact), numbers_of(self.case)
+        assert law is not None
+        before = np.array(self.state[self.half :])
+        try:
+            outcome = impact_of_all(
+                law.law, Inertia(numbers.inverse, numbers.lengths), before, [now[n] for n in part], self.speed
+            )
+        except NoImpact as problem:
+            raise MotionEnds(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
+        mass = np.divide(1.0, numbers.inverse, out=np.zeros(self.half), where=numbers.inverse > 0.0)
+        if law.law == "newton" and mass @ outcome.velocity**2 > (1.0 + 1e-12) * (mass @ before**2):
+            raise MotionEnds(ENERGY)
+        self.state = (*self.state[: self.half], *outcome.velocity.tolist())
+        stays, sticks = set[int](), set[int]()
+        for i, number in enumerate(part):
+            lift = float(outcome.lift[i])
+            if number in closing:
+                self.causes[number] = CAUSES["landing"]
+            if lift > 0.0 and not self._is_unresolved(now[number], lift):
+                continue
+            if lift > 0.0:
+                self.causes[number] = CAUSES["rest"]
+            stays.add(number)
+            if outcome.slip[i] == 0.0:
+                sticks.add(number)
+        return stays, sticks
+
+    def _is_unresolved(self, at: PlateContactPlace, lift: float) -> bool:
+        """Whether a rebound rises no higher than positions' rounding."""
+        pull = max(-float(at.lift_row @ numbers_of(self.case).load), 0.0)
+        return lift * lift <= 2.0 * pull * REBOUND_ROUNDINGS * EPS * size(self.case, self.state)
+
+    def _end_bouncing(self) -> None:
+        """Go to the instant at which impacts that accumulate end, if they do: plates move by less than rounding until
+        then, and all contacts of the last impacts touch."""
+        small = SMALL_HOP * size(self.case, self.state)
+        end = self.hops.limit(self.t, small)
+        if end is None:
+            self._check_accumulation()
+        if end is None or not end[0] < self.case.duration:
+            return
+        limit, values = end
+        recent = self.hops.recent(self.t)
+        hit = [n for n, contact in enumerate(self.contacts) if contact.name in recent]
+        near = sorted({n for n in hit if place(self.case, n, values).gap <= small} | self.touching)
+        state = project(self.case, tuple(values), near)
+        remains = REMAINS * self.hops.strikes[-1].closing
+        velocity = np.array(state[self.half :])
+        stuck = [n for n in near if self._slips_less(n, state, remains)]
+        still = {c for b in plates_in(self.case, near) for c in range(3 * b, 3 * b + 3)}
+        lengths = numbers_of(self.case).lengths
+        if all(abs(velocity[c]) * lengths[c] <= remains for c in still):
+            velocity[sorted(still)] = 0.0
+        state = without_velocity(self.case, (*state[: self.half], *velocity.tolist()), near, stuck)
+        if limit > self.t:
+            self._advance(self._straight(near, limit, state))
+        self.state, self.touching = state, set(near)
+        self.causes = {number: CAUSES["rest"] for number in hit if number in near}
+
+    def _check_accumulation(self) -> None:
+        """End the motion where impacts follow each other ever faster, and no end of them is found."""
+        last = self.hops.strikes[-1] if self.hops.strikes else None
+        if last is None or last.time != self.t:
+            return
+        if last.contacts - {self.contacts[number].name for number in self.touching} and (
+            last.closing < ACCUMULATES * self.speed
+        ):
+            raise MotionEnds(
+                (
+                    "accumulation",
+                    f"Impacts at {', '.join(sorted(last.contacts))} follow each other ever faster at t = "
+                    f"{self.t:.9g} s, without a fixed ratio: their end is not computed.",
+                )
+            )
+
+    def _slips_less(self, number: int, state: tuple[float, ...], remains: float) -> bool:
+        at = place(self.case, number, state)
+        return at.stick > 0.0 and abs(float(at.slip_row @ np.array(state[self.half :]))) <= remains
+
+    def _straight(self, near: list[int], limit: float, state: tuple[float, ...]) -> Segment:
+        """The segment between the last impact that is simulated and the end of all of them."""
+        from ..minimal.integrators.segment import Event
+        from ..several.rest import StraightStates
+
+        modes = tuple(Mode.SLIDE if n in near else mode for n, mode in self.modes.items())
+        bodies = frozenset(range(self.half // 3))
+        phase: PlatesPhase = plates_phase(self.case, PlatesRegime(tuple(self.modes), modes, bodies))
+        states = StraightStates(self.t, limit, self.state, state)
+        return Segment.of(phase, np.array([self.t, limit]), states, Event(None, limit, state), 0)
+
+
+def simulate(
+    case: Case, rtol: float, integrate: Callable[..., Segment]
+) -> tuple[list[Segment], list[Transition], Ending]:
+    """The motion of several plates: (segments, transitions, (status, sentence))."""
+    simulation = PlatesSimulation(case, rtol, integrate)
+    ending = simulation.simulate()
+    return simulation.segments, simulation.transitions, ending
