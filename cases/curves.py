@@ -336,11 +336,11 @@ class Curve:
         s = np.asarray(s, dtype=float)
         return self._angles_of(s, self.jets(s)[2:4])
 
-    def place(self, s) -> tuple[np.ndarray, Any]:
-        """`point` and `tangent_angle` from one evaluation."""
+    def place(self, s) -> tuple[Any, Any]:
+        """`point` (of a number: a pair of numbers) and `tangent_angle` from one evaluation."""
         if _is_number(s):
             x, y, xp, yp = self.jet(float(s))[:4]
-            return np.array([x, y]), self._angle_of(float(s), xp, yp)
+            return (x, y), self._angle_of(float(s), xp, yp)
         s = np.asarray(s, dtype=float)
         jets = self.jets(s)
         return jets[:2], self._angles_of(s, jets[2:4])

@@ -233,11 +233,11 @@ class ContactScene:
         place of the state, if it is known."""
         xi1, xi2, w, v = z
         q = q or self.place(xi1, xi2)
-        x, y, theta = (float(value) for value in pose(self.case, xi1, xi2))
+        x, y, theta = pose(self.case, xi1, xi2)
         # (11): the centre of mass moves as the contact's material point less ω U arm.
         along, across = v + w * q.arm_n, -w * q.arm_t
         vx, vy = along * q.tx - across * q.ty, along * q.ty + across * q.tx
-        return [x, y, theta + self.turn + 2 * pi * turns, vx, vy, w]
+        return [float(x), float(y), float(theta) + self.turn + 2 * pi * turns, vx, vy, w]
 
     def load_allows(self, times: np.ndarray, states: np.ndarray, turns: int) -> bool:
         """Whether the load allows a step through these states (ξ₁, ξ₂, ω, v) of the contact, shape (4, n)."""
