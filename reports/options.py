@@ -210,10 +210,7 @@ def solvers() -> tuple[str, ...]:
 def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
     """Check parsed options and return the plan; raises CaseError for invalid ones."""
     effort = "quick" if options.quick else "full" if options.full else "default"
-    try:
-        own_engines = tuple(adapters.lookup.register(file) for file in options.engine)
-    except ImportError as problem:
-        raise BadValue(str(problem)) from problem
+    own_engines = register_engines(options.engine)
     jobs, solver_names = whole_jobs(options.jobs), choose_solvers([*(options.solver or solvers()), *own_engines])
     files, own = load_files(options.case_file)
     out = check_out(options.out)
@@ -264,6 +261,14 @@ def plan_by_hand(
     return BuildPlan(
         out, case_list, (), solver_names, effort, whole_jobs(str(jobs)), (), True, check_store(store, out), fresh
     )
+
+
+def register_engines(files: Iterable[str]) -> tuple[str, ...]:
+    """The names of executables, registered as engines; raises BadValue, also where an engine is not installed."""
+    try:
+        return tuple(adapters.lookup.register(file) for file in files)
+    except ImportError as problem:
+        raise BadValue(str(problem)) from problem
 
 
 def choose_solvers(names: Iterable[str] | None) -> tuple[str, ...]:

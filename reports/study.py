@@ -24,20 +24,22 @@ def _work(words: list[str]) -> None:
     from .drawing.figure_files import for_print
 
     parser = options.parser(
-        COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "full", "jobs",
-        "store", "fresh", "paper", words={"NAME": "the study"},
+        COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "engine", "full",
+        "jobs", "store", "fresh", "paper", words={"NAME": "the study"},
         example=f"python -m {COMMAND} stability --solver reference pymunk",
     )  # fmt: skip
     arguments = parser.parse_args(words)
     study = studies.study(arguments.NAME)
-    for option in ("case", "solver"):
-        if getattr(arguments, option) and option not in study.TAKES:
+    for option, subject in {"case": "case", "solver": "solver", "engine": "solver"}.items():
+        if getattr(arguments, option) and subject not in study.TAKES:
             raise BadValue(f"{arguments.NAME} has its own; leave out --{option}")
     files, own = options.load_files(arguments.case_file)
     texts = arguments.case or own
     if own and "case" not in study.TAKES:
         raise BadValue(f"{arguments.NAME} has its own cases; leave out --case-file")
-    solvers, jobs = options.choose_solvers(arguments.solver), options.whole_jobs(arguments.jobs)
+    executables = options.register_engines(arguments.engine)
+    solvers = options.choose_solvers([*(arguments.solver or options.solvers()), *executables])
+    jobs = options.whole_jobs(arguments.jobs)
     variants = (case for text in texts for case in lookup.case_name(text).every(long=arguments.full))
     selection = tuple({case.label: case for case in variants}.values())
     request = studies.Request(selection, solvers, arguments.full)

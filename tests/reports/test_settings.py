@@ -1,10 +1,15 @@
 """Every rung lies on the lower envelope of a grid over the knobs; and a rung that does not is found."""
 
+import numpy as np
 import pytest
 
-from adapters import Setting
-from reports import studies
+import cases
+import reference
+from adapters import Setting, lookup
+from cases import NotSupported
+from reports import studies, study
 from reports.running.calls import Calls
+from reports.running.tasks import find_truth
 from reports.studies.settings import measure
 from reports.studies.settings.measure import SettingCell, beats, points
 
@@ -40,6 +45,45 @@ def test_scenes_count_alike_whatever_they_cost():
     (found,) = points(cells).values()
     rung, rival = found
     assert rung.cost / rival.cost == pytest.approx(2.0) and beats(rival, rung)
+
+
+COLUMNS = ("t", "x", "y", "theta", "vx", "vy", "omega")
+
+
+def run_executable(folder, cost: str):
+    """Outcome, CPU time and off of an executable that prints the true motion and that line, after a sleep."""
+    case = cases.load("disc_on_line[mu=0.1]")
+    times = np.linspace(0.0, case.duration, 200)
+    state = reference.simulate(case)(times)._asdict()
+    np.savetxt(
+        folder / "motion.csv", np.column_stack([times, *(state[name] for name in COLUMNS[1:])]), delimiter=",",
+        header=",".join(COLUMNS), comments="",
+    )  # fmt: skip
+    engine = folder / "replaying"
+    engine.write_text(f"#!/bin/sh\ncat {folder / 'motion.csv'}\necho '{cost}'\n")
+    engine.chmod(0o755)
+    return measure.run_setting(case, lookup.register(engine), "process", Setting.of(h=1e-2), find_truth(case))
+
+
+def test_cost_of_an_executable_is_the_time_of_its_own_process(tmp_path, monkeypatch):
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
+    outcome, seconds, off = run_executable(tmp_path, "# cost cpu_s=12.5 steps=199")
+    assert (outcome, seconds) == ("answered", 12.5) and off < 1e-3
+
+
+def test_executable_without_a_cost_has_no_place_in_the_comparison(tmp_path, monkeypatch):
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
+    with pytest.raises(NotSupported, match="reports no CPU time"):
+        run_executable(tmp_path, "")
+
+
+def test_study_takes_executables_and_rejects_a_file_that_is_none(tmp_path, capsys):
+    file = tmp_path / "engine.txt"
+    file.write_text("no program")
+    assert study.main(["settings", "--engine", str(file), "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.strip() == (
+        f"reports.study: the engine {file} is no executable file; give one (chmod +x {file})"
+    )
 
 
 @pytest.mark.slow

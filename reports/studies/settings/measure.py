@@ -10,11 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import exp, isfinite, log, nan
 from statistics import median
-from time import process_time
 from typing import Any, NamedTuple
 
 from adapters import Setting
-from cases import Case
+from cases import Case, NotSupported
 
 from ...judging.grades import grade
 from ...judging.score import score
@@ -112,14 +111,14 @@ def _cell(place: str, call: tuple[Case, str, str, Setting, Truth], answer: CallR
 
 
 def run_setting(case: Case, name: str, route: str, setting: Setting, truth: Truth) -> tuple[str, float, float]:
-    """Outcome, CPU time (s) of the fastest of some runs, and off; in a worker."""
+    """Outcome, CPU time (s) of the fastest of some runs, and off; in a worker. Raises NotSupported for an executable
+    that does not report its CPU time, which its own process has used."""
     module = solver(name)
-    motion, seconds = run_on_clock(module, case, route, setting), list[float]()
-    for _ in range(REPEATS):
-        model = module.build(case, route, setting)
-        start = process_time()
-        module.run(model)
-        seconds.append(process_time() - start)
+    motion = run_on_clock(module, case, route, setting)
+    if not isfinite(motion.cost.cpu_s):
+        raise NotSupported("It reports no CPU time (the line `# cost` in docs/process_protocol.md).")
+    # The first run also loads code and fills caches.
+    seconds = [run_on_clock(module, case, route, setting).cost.cpu_s for _ in range(REPEATS)]
     assert truth.scale is not None, "a case with a truth has a scale"
     return "answered", min(seconds), score(case, motion, true_motion(case, truth.method), truth.scale).off
 
