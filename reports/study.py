@@ -24,8 +24,8 @@ def _work(words: list[str]) -> None:
     from .drawing.figure_files import for_print
 
     parser = options.parser(
-        COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "engine", "full",
-        "jobs", "store", "fresh", "paper", words={"NAME": "the study"},
+        COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "engine",
+        "full", "jobs", "store", "fresh", "paper", words={"NAME": "the study"},
         example=f"python -m {COMMAND} stability --solver reference pymunk",
     )  # fmt: skip
     arguments = parser.parse_args(words)

@@ -27,7 +27,7 @@ OWN_STEPS = {"drake": 1e-3, "mujoco": 2e-3, "dartpy": 1e-3, "physx": 1e-2, "sico
 MODEST, MOST_FACETS = 64, 8000
 # Engines that take the curve itself.
 WITHOUT_FACETS = {"siconos"}
-MOST_BOXES = {"cannon": 200, "dartpy": 800, "drake": 800, "matter": 800, "mujoco": 800}
+MOST_BOXES = {"cannon": 200, "dartpy": 800, "drake": 800, "matter": 800, "mujoco": 800, "newton": 3200}
 # The knobs of an engine besides the step and the facets, for the study of settings; the first values are the ladder's.
 KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
     "cannon": {"iterations": (50, 10)},
@@ -35,6 +35,7 @@ KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
     "jolt": {"slop": (1e-4, 1e-3), "iterations": (20, 10)},
     "matter": {"velocity_iterations": (10, 4)},
     "mujoco": {"integrator": ("RK4", "Euler", "implicitfast"), "timeconst": (2, 4)},
+    "newton": {"solver": ("xpbd", "semi_implicit"), "iterations": (4, 20)},
     "physx": {"solver": ("pgs", "tgs"), "iterations": (10, 40)},
     "planck": {"iterations": (8, 20)},
     "rapier": {"iterations": (16, 4)},

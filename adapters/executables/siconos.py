@@ -28,7 +28,7 @@ except ImportError:
 import plane
 
 if "--version" in sys.argv:
-    print("siconos", siconos.__version__)
+    print("siconos", siconos.version)
     sys.exit(0)
 
 # A friction coefficient that no force exceeds.

@@ -265,12 +265,13 @@ class Stepper(Protocol):
 ROUNDINGS = 10
 
 
-def run_half_steps(scene, stepper: Stepper, rounding: float) -> None:
+def run_half_steps(scene, stepper: Stepper, rounding: float, of_places: float = 0.0) -> None:
     """Run an engine with semi-implicit Euler's step and rigid friction, and write the motion of a disc.
 
     Such a step is leapfrog if the velocities belong to half a step after the poses. So the start's velocities are set
     back by half of what the first step adds to them, which a trial step measures; a row has the means. The force of the
-    contact is what the momentum gains beyond gravity, up to the relative `rounding` of the engine's numbers.
+    contact is what the momentum gains beyond gravity, up to the relative `rounding` of the engine's numbers, and to
+    that `of_places` over the step, where the engine's velocities follow from places.
     """
     (count, h), start, pull, normal_at = steps(scene), scene["start"], gravity(scene), nearest_normal(scene)
     mass, radius = scene["plate"]["mass"], scene["plate"]["radius"]
@@ -279,21 +280,22 @@ def run_half_steps(scene, stepper: Stepper, rounding: float) -> None:
     stepper.step()
     trial = stepper.state()[1]
     stepper.set_state(pose, [1.5 * v - 0.5 * w for v, w in zip(velocities, trial, strict=True)])
-    motion, (_, before), fastest = MotionRows(scene), stepper.state(), 0.0
+    motion, (_, before), creep = MotionRows(scene), stepper.state(), 0.0
     for k in range(count + 1):
         stepper.step()
         following, after = stepper.state()
         speed = hypot(after[0], after[1]) + radius * abs(after[2])
-        fastest = max(fastest, speed)
+        noise = ROUNDINGS * rounding * speed + of_places * hypot(pose[0], pose[1]) / h
+        creep = max(creep, noise)
         force = mass * ((after[0] - before[0]) / h - pull[0]), mass * ((after[1] - before[1]) / h - pull[1])
         touches = []
-        if hypot(*force) * h > mass * ROUNDINGS * rounding * (speed + h * hypot(*pull)):
+        if hypot(*force) * h > mass * (noise + ROUNDINGS * rounding * h * hypot(*pull)):
             nx, ny = normal_at(pose[0], pose[1])
             touches.append(PlaneContact((pose[0] - radius * nx, pose[1] - radius * ny), (nx, ny), force))
         motion.note_half_step(k * h, pose, before, touches, after)
         turns = round((pose[2] - following[2]) / (2 * pi))
         pose, before = (following[0], following[1], following[2] + 2 * pi * turns), after
-    motion.write(ROUNDINGS * rounding * fastest)
+    motion.write(creep)
 
 
 def nearest_normal(scene) -> Callable[[float, float], tuple[float, float]]:
@@ -340,8 +342,8 @@ class MotionRows:
         slip = None if last is None or self.slip is None else 0.5 * (last + self.slip)
         velocities = [0.5 * (u + v) for u, v in zip(before, after, strict=True)]
         push = sum(touch.normal_force for touch in touches)
-        if not self.rows:  # the start has its own slip
-            slip = last
+        if not self.rows:  # the start has its own velocities and slip
+            velocities, slip = [self.scene["start"][name] for name in ("vx", "vy", "omega")], last
         self.rows.append((t, *pose, *velocities, slip, push, sum(touch.friction_force for touch in touches)))
 
     def _slip(self, pose, touches: list[PlaneContact], velocities) -> float | None:
