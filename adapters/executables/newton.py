@@ -128,8 +128,9 @@ class NewtonStepper:
     def set_state(self, pose, velocities) -> None:
         """Set pose and velocities."""
         x, y, theta = pose
-        self.now.body_q.assign(np.float32([[x, y, 0.0, 0.0, 0.0, sin(theta / 2), cos(theta / 2)]]))
-        self.now.body_qd.assign(np.float32([[velocities[0], velocities[1], 0.0, 0.0, 0.0, velocities[2]]]))
+        self.now.body_q.assign(np.array([[x, y, 0.0, 0.0, 0.0, sin(theta / 2), cos(theta / 2)]], dtype=np.float32))
+        rates = [[velocities[0], velocities[1], 0.0, 0.0, 0.0, velocities[2]]]
+        self.now.body_qd.assign(np.array(rates, dtype=np.float32))
 
     def step(self) -> None:
         """Contacts are found at the step's beginning."""
