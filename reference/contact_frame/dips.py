@@ -11,8 +11,10 @@ of the motion's time scale and of every feature's length, so that the second der
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -58,49 +60,65 @@ def _is_positive(low: float, high: float, bend: float) -> bool:
 
 
 class Dips:
-    """The search for short events in the steps of a phase, from `watch_from` (s) on: `guards` map (t, z) to numbers
-    that are positive while the phase lasts."""
+    """The search for short events in the steps of a phase, from `watch_from` (s) on."""
 
-    def __init__(self, guards: dict[str, Guard], watch_from: float):
-        self.guards, self.watch_from = guards, watch_from
-        self._time, self._state = inf, np.empty(0)
-        self._values, self._slopes = dict[str, float](), dict[str, float]()
+    def __init__(self, watch_from: float):
+        self.watch_from = watch_from
+        self._time, self._values, self._slopes = inf, dict[Any, float](), dict[Any, float]()
 
-    def value(self, name: str, t: float, z: np.ndarray) -> float:
+    def first(
+        self, value: Callable[[Any, float], float], start: float, end: float, values: Mapping[Any, float]
+    ) -> float | None:
+        """A time in the step from `start` to `end` at which a guard that is positive at both is not, s; None if there
+        is none. `value` maps a guard's name and a time to a number; `values` are those at the end, by name."""
+        start = max(start, self.watch_from)
+        if start >= end:
+            return None
+        before = self._values if self._time == start else {}
+        slopes = {name: (values[name] - value) / (end - start) for name, value in before.items() if name in values}
+        time = end
+        for name, last in values.items():
+            if last > 0.0 and not self._is_far(name, last, slopes, end - start):
+                time = min(time, excursion(partial(value, name), start, time) or time)
+        if time < end:
+            return time
+        self._time, self._values, self._slopes = end, dict(values), slopes
+        return None
+
+    def _is_far(self, name: Any, last: float, slopes: Mapping[Any, float], step: float) -> bool:
+        """Whether a guard rises in this step and the last, or is farther from zero than it changes in this step or, at
+        the last step's rate, in as long a time before. A quadratic function that is lowest inside this step falls in
+        the last, and changes by four times its depth below the step's ends."""
+        if name not in slopes or name not in self._slopes:
+            return False
+        now, before = slopes[name], self._slopes[name]
+        return (now > 0.0 and before > 0.0) or min(last, self._values[name]) > step * max(abs(now), abs(before))
+
+
+class PhaseDips(Dips):
+    """The same for a phase with `guards`, functions of (t, z) by name that are positive while it lasts."""
+
+    def __init__(self, guards: Mapping[Any, Guard], watch_from: float):
+        super().__init__(watch_from)
+        self.guards, self._state = guards, np.empty(0)
+
+    def value(self, name: Any, t: float, z: np.ndarray) -> float:
         """A guard at one state; the end of the last step is not evaluated again."""
         is_end = t == self._time and z is self._state
         return self._values[name] if is_end else self.guards[name](t, z)
 
-    def first(
+    def in_step(
         self, interpolant: Callable[[], Callable[[float], np.ndarray]], start: float, end: float, z: np.ndarray
     ) -> float | None:
-        """A time in the step from `start` to `end` at which a guard that is positive at both is not, s; None if there
-        is none. `z` is the state at the end."""
-        start = max(start, self.watch_from)
-        if start >= end:
-            return None
-        values = {name: guard(end, z) for name, guard in self.guards.items()}
-        before = self._values if self._time == start else {}
-        slopes = {name: (values[name] - value) / (end - start) for name, value in before.items()}
-        time, z_at = end, None
-        for name, guard in self.guards.items():
-            if not values[name] > 0.0 or self._is_far(name, values, slopes, end - start):
-                continue
+        """As `first`, with the state at the step's end, and a function that gives its interpolant."""
+        z_at: Callable[[float], np.ndarray] | None = None
+
+        def value(name: Any, t: float) -> float:
+            nonlocal z_at
             z_at = z_at or interpolant()
+            return self.guards[name](t, z_at(t))
 
-            def value(t: float, guard=guard, z_at=z_at) -> float:
-                return guard(t, z_at(t))
-
-            time = min(time, excursion(value, start, time) or time)
-        if time < end:
-            return time
-        self._time, self._state, self._values, self._slopes = end, z, values, slopes
-        return None
-
-    def _is_far(self, name: str, values: dict[str, float], slopes: dict[str, float], step: float) -> bool:
-        """Whether a guard is farther from zero than it changes in this step or, at the last step's rate, in as long a
-        time before: a quadratic function with a zero inside changes by four times as much."""
-        if name not in slopes or name not in self._slopes:
-            return False
-        change = step * max(abs(slopes[name]), abs(self._slopes[name]))
-        return min(values[name], self._values[name]) > change
+        time = self.first(value, start, end, {name: guard(end, z) for name, guard in self.guards.items()})
+        if time is None:
+            self._state = z
+        return time

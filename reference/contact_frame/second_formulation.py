@@ -26,7 +26,7 @@ from . import flight_guards
 from .advancement import TooManyRounds
 from .chain_overlaps import ChainOverlaps
 from .coulomb_law import AT_BOUND, leaves, lets_go
-from .dips import Dips
+from .dips import PhaseDips
 from .drive import in_fixed_frame
 from .equations import ContactPhase, ContactScene, Forces, rates
 from .knots import KnotEnds
@@ -377,7 +377,7 @@ def _integrate(
         at_zero |= {"couple+": True, "couple-": True, "side": True}  # bounds that vanish with the normal force
     pace = scene.pace(start, now.z, turns)
     blind = BLIND / pace if pace > 0.0 else inf
-    dips = Dips({name: guard for name, guard in guards.items() if name != "elsewhere"}, start + blind)
+    dips = PhaseDips({name: guard for name, guard in guards.items() if name != "elsewhere"}, start + blind)
     events = []
     for name, guard in guards.items():
         watch_from = start + blind if at_zero.get(name) else start

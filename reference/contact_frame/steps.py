@@ -14,7 +14,7 @@ from scipy.integrate import DOP853
 
 from cases.features import Features
 
-from .dips import Dips
+from .dips import PhaseDips
 
 # Steps per time scale of the motion: ten times the number at the largest `steps_per_turn` in use. Towards Painlevé's
 # singularity steps shrink without limit.
@@ -83,7 +83,7 @@ class FrequencyLimitedDOP853(DOP853):
         self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], steps_per_turn: int,
         work: WorkBudget,
         features: Sequence[tuple[int | None, Features]] = (), load_allows: Allows | None = None,
-        dips: Dips | None = None, after_step: Callable | None = None, **options,
+        dips: PhaseDips | None = None, after_step: Callable | None = None, **options,
     ):  # fmt: skip
         self.pace, self.steps_per_turn, self.work, self.load_allows = pace, steps_per_turn, work, load_allows
         self.dips, self.after_step, self.longest = dips, after_step, inf
@@ -107,7 +107,7 @@ class FrequencyLimitedDOP853(DOP853):
 
     def _dip(self, start: float) -> float | None:
         """The time in the last step, from `start`, of a short event, if there is one."""
-        time = self.dips.first(self.dense_output, start, self.t, self.y)  # type: ignore[union-attr]
+        time = self.dips.in_step(self.dense_output, start, self.t, self.y)  # type: ignore[union-attr]
         return None if time is None or time - start <= SHORTEST_STEPS * np.spacing(abs(start)) else time
 
     def _step_impl(self):

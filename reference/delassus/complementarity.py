@@ -15,6 +15,8 @@ import numpy as np
 MOST_PIVOTS = 50
 # Entries below this part of the largest are roundings, and no pivots.
 SMALL = 1e-11
+# Inequalities and complementarity of a solution hold to this part of the sums' terms; wrong ones are off by a tenth.
+SOLVED = 1e-8
 # Solutions that differ by less than this part are the same.
 SAME = 1e-7
 # Lemke's method follows one path for each covering vector; different ones may reach different solutions.
@@ -76,6 +78,13 @@ def complementary_cones(matrix: np.ndarray, right: np.ndarray) -> list[np.ndarra
         if residual <= SMALL * size:
             answers.append(np.where(z_side, values, 0.0))
     return answers
+
+
+def is_solution(matrix: np.ndarray, right: np.ndarray, z: np.ndarray) -> bool:
+    """Whether z solves the problem to rounding: pivots that are almost zero may end Lemke's method elsewhere."""
+    sizes = np.abs(matrix) @ np.abs(z) + np.abs(right).max(initial=0.0)
+    parts = z / (np.abs(z).max(initial=0.0) or 1.0), (matrix @ z + right) / np.where(sizes > 0.0, sizes, 1.0)
+    return bool(np.minimum(*parts).min(initial=0.0) >= -SOLVED and np.minimum(*parts).max(initial=0.0) <= SOLVED)
 
 
 def covers(n: int) -> list[np.ndarray]:
@@ -170,7 +179,7 @@ def solutions(
     is_scaled = mu.max(initial=0.0) <= LARGEST_MU
     if 1 < len(slips) and len(right) <= MOST_VARIABLES and least is not None and is_scaled:
         answers += complementary_cones(matrix, right)
-    forces = [to_forces @ np.append(z, 1.0) for z in answers if z is not None]
+    forces = [to_forces @ np.append(z, 1.0) for z in answers if z is not None and is_solution(matrix, right, z)]
     if len(slips) > 1 and mu.any() and least is None:
         # Contacts that press against each other may hold a plate that others would let go: start from large forces.
         large = PRESSED * size / min(delassus.diagonal()) * np.repeat([1.0, 0.0], len(slips))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
 from math import inf, pi, sqrt
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ from cases import Case
 from cases.contact_pairs import PairCase, pairs
 from cases.overlap import first_overlap
 
+from ..contact_frame.dips import Dips
 from .contacts import all_pairs, pair_at
 from .phase import SeveralContactPhase
 from .plate_state import TOUCHES, PlateState, SimulationEnd
@@ -78,6 +80,7 @@ class PhaseIntegration(PlateState):
             phase.rates, self.t, self.body, end, rtol=self.rtol, atol=1e-2 * self.rtol,
             max_step=2.0 * pi / (STEPS_PER_TURN * pace) if pace else end, first_step=self.first_step(tops.values()),
         )  # fmt: skip
+        dips = Dips(blind)
         while solver.status == "running":
             solver.step()
             self.steps += 1
@@ -100,9 +103,13 @@ class PhaseIntegration(PlateState):
                         return [("meeting", "")]
                     self.t, self.body = before, np.array(dense(before))
                     return [("forget", "")]
-                values = phase.guards(look, dense(look))
-                if look <= blind:
-                    values = {n: v for n, v in values.items() if n[0] != "slip" or n[1] not in self.beginning}
+                values = self.watched(phase, look, dense, blind)
+                watched = {name: value for name, value in values.items() if positive[name]}
+
+                guards_at = lru_cache(maxsize=None)(lambda t, dense=dense: phase.guards(t, dense(t)))
+                dip = dips.first(lambda name, t, at=guards_at: at(t)[name], before, look, watched)  # type: ignore[misc]
+                if dip is not None:
+                    look, values = dip, self.watched(phase, dip, dense, blind)
                 zeros = [
                     name for name, value in values.items()
                     if value <= (0.0 if positive[name] else -100.0 * RISEN * scales[name[0]])
@@ -117,6 +124,13 @@ class PhaseIntegration(PlateState):
                 return [("meeting", "")]
         self.t, self.body = solver.t, solver.y
         raise SimulationEnd("completed")
+
+    def watched(self, phase: SeveralContactPhase, t: float, dense, blind: float) -> dict[tuple[str, str], float]:
+        """The guards at a time of a step, until `blind` without those of slips that have just begun."""
+        return {
+            name: value for name, value in phase.guards(t, dense(t)).items()
+            if t > blind or name[0] != "slip" or name[1] not in self.beginning
+        }  # fmt: skip
 
     def tops(self, phase: SeveralContactPhase) -> dict[tuple[str, str], float]:
         """When contacts that open with a velocity are farthest from their supports, s: the gap of a small hop is

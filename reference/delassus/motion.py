@@ -15,7 +15,7 @@ from .impact_laws import velocities
 from .integration import EPS, FORGOTTEN, DenseStep, PhaseIntegration
 from .phase import SeveralContactPhase
 from .plate_state import MOVES, TOUCHES, SimulationEnd
-from .small_impacts import ImpactRecord
+from .small_impacts import SMALL_IMPACT, ImpactRecord
 
 # Small impacts are extrapolated to their end where the plate moves by less than this part of its size until then.
 SMALL_HOP = 1e-9
@@ -25,6 +25,9 @@ ENDS = 1e-3
 # corners take turns within so many impacts.
 LOWEST, TURNS = 1e-12, 8
 MOST_PHASES = 5_000
+# Impacts at one instant that follow from each other, at contacts whose gap is below this part of the plate's size: its
+# rounding.
+MOST_IMPACTS, NO_GAP = 50, 64 * EPS
 # Looks at a load in time while it may end a rest.
 REST_LOOKS = 200
 
@@ -207,11 +210,29 @@ class Simulation(PhaseIntegration):
                 self.clearances[contact.name] = pair.clearance
         self.speed = max(self.speed, float(np.abs(self.body[self.half :] * self.dynamics.units).max()))
         if may_strike:
-            self.strike(now)
+            self.strike_all(now)
             self.end_bouncing()
         self.hold()
 
     # --- impacts ------------------------------------------------------------------------------------------------------
+
+    def strike_all(self, now: Sequence[PairState]) -> None:
+        """The impact at the touched contacts, and those that it causes at once at others without a gap; small ones, of
+        corners that bounce alternately, have events of their own."""
+        for _ in range(MOST_IMPACTS):
+            self.strike(now)
+            lifts = [float(pair.lift_row @ self.body[3:]) for pair in now]
+            least = max(MOVES * self.speed, SMALL_IMPACT * self.impacts.fastest)
+            more = {
+                contact.name for contact, pair, lift in zip(self.contacts, now, lifts, strict=True)
+                if pair.gap <= NO_GAP * self.size() and lift < -least
+            }  # fmt: skip
+            if not more:
+                return
+            self.touching |= more
+            self.name_touching()
+            now = self.pairs()
+        raise SimulationEnd("accumulation")
 
     def strike(self, now: Sequence[PairState]) -> None:
         """The impact at the touched contacts, if one of them closes."""

@@ -114,6 +114,8 @@ class SeveralSimulation(WatchedPlate):
         if decision.regime is None:
             raise MotionEnds(self._no_regime(now, decision))
         regime, changes = decision.regime, list[Transition]()
+        if self._turns_about_a_corner(now, regime):
+            raise MotionEnds(self._held_point(now))
         for watch, mode, at in zip(self.watches, regime.modes, now.places, strict=True):
             bounced = watch.name in self.causes and self.causes[watch.name] == CAUSES["landing"]
             if mode is not watch.mode or (bounced and mode is Mode.FLIGHT):
@@ -206,11 +208,21 @@ class SeveralSimulation(WatchedPlate):
         touching = [now.places[k] for k in now.touching]
         rows = np.array([at.lift_row for at in touching] + [at.slip_row for at in touching if at.stick > 0.0])
         if len(touching) > 1 and np.linalg.matrix_rank(rows, tol=1e-9 * self.case.plate.reach) < min(len(rows), 3):
-            return BREAKDOWN, (
-                f"At t = {self.t:.9g} s {' and '.join(now.names[k] for k in now.touching)} hold one point of the "
-                "plate, which turns about it: their forces are not unique, and this motion is not computed."
-            )
+            return self._held_point(now)
         return NO_SLIP if any(now.places[k].stick == inf for k in now.touching) else NO_MODE
+
+    def _held_point(self, now: DecisionInstant) -> Ending:
+        return BREAKDOWN, (
+            f"At t = {self.t:.9g} s {' and '.join(now.names[k] for k in now.touching)} hold one point of the "
+            "plate, which turns about it: their forces are not unique, and this motion is not computed."
+        )
+
+    def _turns_about_a_corner(self, now: DecisionInstant, regime: SeveralRegime) -> bool:
+        """Whether the plate turns about a point that one contact holds and another touches, whose gap stays zero."""
+        held = [now.places[k] for k in regime.closed if regime.modes[k] is Mode.ROLL and not regime.rests]
+        leaving = [now.places[k] for k in now.touching if regime.modes[k] is Mode.FLIGHT]
+        close = 1e-9 * self.case.plate.reach
+        return any(np.hypot(*np.subtract(one.arm, other.arm)) <= close for one in held for other in leaving)
 
     def _phase(self, regime: SeveralRegime) -> Ending | None:
         """Integrate one phase and apply its event; returns an ending, or None."""
@@ -310,9 +322,10 @@ class SeveralSimulation(WatchedPlate):
         self.causes[name] = CAUSES[cause]
         if kind == "slip":
             stuck.add(name)
-        if kind == "normal":
+        closes = bool(self.closing(self.places()))  # the event and an impact at the same instant
+        if kind == "normal" and not closes:
             self.fixed = {name: (Mode.FLIGHT,)}
-        self.settle(stuck)
+        self.settle(stuck, struck=closes)
         return None
 
     def _meet(self, contact: PairCase, meeting: Meeting) -> Ending | None:

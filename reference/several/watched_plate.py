@@ -24,6 +24,9 @@ from .regimes import LOST, join
 TOUCHES = 1e-12
 # A contact closes if it does so faster than this part of the largest speed so far; slower is rounding.
 CLOSES = 1e-10
+# Impacts at one instant that follow from each other, at contacts whose gap is below this part of the plate's size: its
+# rounding.
+MOST_IMPACTS, NO_GAP = 50, 64 * EPS
 # The names of contacts that have not touched yet begin with this.
 OPEN_NAME = "open "
 
@@ -103,7 +106,7 @@ class WatchedPlate:
             self.watches[k].limit = 0.0 if self.watches[k].contact.has_unique_points else LOST * now[k].clearance
         self.speed = max(self.speed, self.present_speed())
         if struck:
-            stuck = self._impact(now, indices, stuck)
+            stuck = self._impacts(now, stuck)
             indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
         sticking = [k for k in indices if self.watches[k].name in stuck]
         self.body = without_velocity(self.case, self.body, now, indices, sticking)
@@ -124,10 +127,33 @@ class WatchedPlate:
         return next(name for i in range(1, len(used) + 2) if (name := contact_name(contact.support, i)) not in used)
 
     def _add_touching(self) -> None:
-        size = abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach
         for watch, at in zip(self.watches, self.places(), strict=True):
-            if at.gap <= TOUCHES * size:
+            if at.gap <= TOUCHES * self._size():
                 self.touching.add(watch.name)
+
+    def _size(self) -> float:
+        return abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach
+
+    def closing(self, now: Sequence[ContactPlace]) -> set[str]:
+        """The contacts without a gap that close."""
+        velocity = np.array(self.body[3:])
+        return {
+            watch.name for watch, at in zip(self.watches, now, strict=True)
+            if at.gap <= NO_GAP * self._size() and at.lift_row @ velocity < -CLOSES * self.speed
+        }  # fmt: skip
+
+    def _impacts(self, now: Sequence[ContactPlace], stuck: set[str]) -> set[str]:
+        """Apply the impact of the touched contacts, and those that follow at the same instant: it may turn the plate so
+        that another contact closes whose gap is rounding. Returns the contacts that do not slip afterwards."""
+        for _ in range(MOST_IMPACTS):
+            indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
+            stuck = self._impact(now, indices, stuck)
+            more = self.closing(now)
+            if not more:
+                return stuck
+            self.touching |= more
+            stuck = self._name_touching(stuck)
+        raise MotionEnds(("accumulation", f"{MOST_IMPACTS} impacts took no time at t = {self.t:.9g} s."))
 
     def _impact(self, now: Sequence[ContactPlace], indices: list[int], stuck: set[str]) -> set[str]:
         """Apply an impact if a touched contact closes; returns the names of contacts that do not slip after it (`stuck`
@@ -186,7 +212,7 @@ class WatchedPlate:
 
     def _is_unresolved(self, at: ContactPlace, lift: float) -> bool:
         """Whether a rebound rises no higher than positions' rounding."""
-        rounding = REBOUND_ROUNDINGS * EPS * (abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach)
+        rounding = REBOUND_ROUNDINGS * EPS * self._size()
         return lift * lift <= 2.0 * self.pull(at) * rounding
 
     def pull(self, at: ContactPlace) -> float:

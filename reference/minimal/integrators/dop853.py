@@ -23,6 +23,7 @@ from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
 from ..series import EPS
+from .first_step import open_gaps
 from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks
 
 # Places in a step at which guards are evaluated: Chebyshev–Lobatto points, which resolve a polynomial of DOP853's
@@ -46,6 +47,9 @@ def _interpolation() -> np.ndarray:
 
 _TO_FINE = _interpolation()
 
+
+# Next to an end of a step a guard is evaluated at this part of it, to see whether it falls from there.
+INWARD = 1e-6
 
 # Limit on the defect of a step's dense output, which is of order seven while the step is of order eight, in tolerances
 # to the power 7/8: steps that resolved their features stayed below 40 (bumps, steps and notches at 1e-4 … 1e-13).
@@ -289,7 +293,7 @@ def _guard(phase: Phase, piece, index: int, x: float) -> float:
 
 
 def _first_zero(phase: Phase, piece, at_nodes: np.ndarray, first: bool) -> tuple[str, float] | None:
-    """The first guard to reach zero inside the step, and its time; None if all stay positive."""
+    """The first guard to reach zero inside the step, and its time; None if all stay positive. `first`: of a phase."""
     if piece.t <= piece.t_old:
         return None
     if first:
@@ -301,8 +305,10 @@ def _first_zero(phase: Phase, piece, at_nodes: np.ndarray, first: bool) -> tuple
     near = ~(fine.min(axis=1) > 0.1 * (at_nodes.max(axis=1) - at_nodes.min(axis=1)))
     earliest = None
     names = list(phase.system.guards)
+    # A gap that is open at the start may close and open again before the first place of the grid.
+    open_at_start = {index for index, _ in open_gaps(phase, piece.t_old, piece.y_old.tolist())} if first else ()
     for index in np.flatnonzero(near).tolist():
-        when = _zero_of_one(phase, piece, index, fine[index], first)
+        when = _zero_of_one(phase, piece, index, fine[index], first and index not in open_at_start)
         if when is not None and (earliest is None or when < earliest[1]):
             earliest = (names[index], when)
     return earliest
@@ -334,8 +340,9 @@ def _zero_of_one(phase: Phase, piece, index: int, fine: np.ndarray, first: bool)
             return piece.t_old + h * brentq(value, low, high, xtol=1e-15, rtol=8.9e-16)
     # No change of sign on the fine grid: the lowest place inside the step may still dip below zero between its points.
     lowest = int(np.argmin(fine))
-    if 0 < lowest < len(_FINE) - 1:
-        low, high = float(_FINE[lowest - 1]), float(_FINE[lowest + 1])
+    low, high = float(_FINE[max(lowest - 1, 0)]), float(_FINE[min(lowest + 1, len(_FINE) - 1)])
+    # At an end of the step it may, if the guard falls from there.
+    if 0 < lowest < len(_FINE) - 1 or value(abs(float(_FINE[lowest]) - INWARD)) < fine[lowest]:
         dip = minimize_scalar(value, bounds=(low, high), method="bounded", options={"xatol": 1e-9})
         if dip.fun < 0.0 and not (first and low == 0.0):
             if value(low) <= 0.0:  # the interpolation is positive there, by a rounding

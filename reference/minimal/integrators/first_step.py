@@ -22,6 +22,8 @@ from .segment import BREAKDOWN
 PART = 1e-3
 # Highest power used there: later terms are less than (NEAR + 2) PART**(NEAR + 1) of the plate's size.
 NEAR = 8
+# A gap above this part of the plate's size and place is open: smaller ones are rounding, and grow.
+OPEN = 1e-12
 # The step is shortened tenfold this many times if a guard is not positive at its end: the rest is then rounding.
 SHORTER = 9
 
@@ -40,6 +42,9 @@ class FirstStep(NamedTuple):
 def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, tolerance: float) -> FirstStep:
     """Take the first step from t; all guards are positive at its end and half-way, or the result names one that is not.
 
+    A gap that is open at t may also close and open again in between: such a step is shortened, so that event detection
+    finds the impact.
+
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
     """
     # One call instead of a check of each number; large ones may overflow in it.
@@ -51,6 +56,7 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
     states, guards, parameters = _states(len(rows), len(rows[0])), phase.system.guards_of_numbers, phase.parameters
     part, span, values = PART, end - t, [0.0]
+    gaps = open_gaps(phase, t, y)
     for _ in range(SHORTER):
         h = min(part / often, span)
         if phase.checks_steps:
@@ -63,11 +69,29 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
             if not value > 0.0:
                 break
         else:
-            return FirstStep(t + h, state, 1, longest)
+            if not any(_dips(gap, values[i], values[i + len(values) // 2]) for i, gap in gaps):
+                return FirstStep(t + h, state, 1, longest)
         part *= 0.1
     names = tuple(phase.system.guards)
-    zero = next(i for i, value in enumerate(values) if not value > 0.0)
+    zero = next((i for i, value in enumerate(values) if not value > 0.0), None)
+    if zero is None:  # a gap closes within the shortest step
+        zero = next(i for i, gap in gaps if _dips(gap, values[i], values[i + len(names)]))
     return FirstStep(t, y, 0, longest, names[zero % len(names)])
+
+
+def open_gaps(phase: Phase, t: float, y) -> list[tuple[int, float]]:
+    """The gaps (m) of several contacts that are open at t, with the numbers of their guards."""
+    numbers = [i for i, name in enumerate(phase.system.guards) if name.startswith("gap")]
+    if not numbers:
+        return []
+    values, least = phase.system.guards_of_numbers(t, y, phase.parameters), OPEN * (phase.size + abs(y[0]) + abs(y[1]))
+    return [(i, values[i]) for i in numbers if values[i] > least]
+
+
+def _dips(start: float, half: float, end: float) -> bool:
+    """Whether the parabola through a positive quantity's values at a step's start, half and end reaches zero in it."""
+    bend, slope = 2.0 * (start - 2.0 * half + end), 4.0 * half - 3.0 * start - end
+    return slope < 0.0 and -slope < 2.0 * bend and slope * slope >= 4.0 * bend * start
 
 
 def _scales(phase: Phase, rows: list[list[float]], t: float) -> tuple[float, float]:
