@@ -107,7 +107,9 @@ class PhaseIntegration(PlateState):
                 watched = {name: value for name, value in values.items() if positive[name]}
 
                 guards_at = lru_cache(maxsize=None)(lambda t, dense=dense: phase.guards(t, dense(t)))
+                near = phase.near  # Newton's method goes on from this look
                 dip = dips.first(lambda name, t, at=guards_at: at(t)[name], before, look, watched)  # type: ignore[misc]
+                phase.near = near
                 if dip is not None:
                     look, values = dip, self.watched(phase, dip, dense, blind)
                 zeros = [

@@ -322,7 +322,8 @@ class SeveralSimulation(WatchedPlate):
         self.causes[name] = CAUSES[cause]
         if kind == "slip":
             stuck.add(name)
-        closes = bool(self.closing(self.places()))  # the event and an impact at the same instant
+        now = places(self.contacts(), self.body, [watch.pair for watch in self.watches])
+        closes = bool(self.closing(now))  # the event and an impact at the same instant
         if kind == "normal" and not closes:
             self.fixed = {name: (Mode.FLIGHT,)}
         self.settle(stuck, struck=closes)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..minimal.integrators.first_step import NOT_ZERO
 from .decisions import Columns, rows
 
 # The step, in parts of the motion's time scale: its fifth power, which is the method's error, is rounding.
@@ -31,7 +32,8 @@ class FirstSteps(NamedTuple):
 
 
 def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstSteps:
-    """The states after a first short step from `t`; `sound` where all guards are positive there and half-way."""
+    """The states after a first short step from `t`; `sound` where all guards are positive there and half-way, and do
+    not reach zero between."""
     p = now.system.positions
     largest_rate = _largest_rate(now, t, y)
     h = np.minimum(PART / largest_rate, end - t)
@@ -44,11 +46,21 @@ def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstS
     sound = np.isfinite(largest_rate) & (largest_rate > 0.0) & (h > 0.0)
     sound &= (np.abs(whole - later) <= ROUNDINGS * (scale + np.abs(y))).all(axis=0)
     velocities = [name in now.system.condition_rates for name in now.system.guards]
+    values = [rows(now.system.guards_of_arrays(t, y, now.parameters), len(t))]
     for part, state in ((0.5, half), (1.0, later)):
+        values.append(rows(now.system.guards_of_arrays(t + part * h, state, now.parameters), len(t)))
         speed = np.max([abs(u) / unit for u, unit in zip(state[p:], now.lengths, strict=False)] or [0.0 * t], axis=0)
         least = np.outer(velocities, CLEAR * now.size * speed)
-        sound &= (rows(now.system.guards_of_arrays(t + part * h, state, now.parameters), len(t)) > least).all(axis=0)
+        sound &= (values[-1] > least).all(axis=0)
+    sound &= ~_dips(*values).any(axis=0)
     return FirstSteps(t + h, later, sound)
+
+
+def _dips(start: np.ndarray, half: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Whether guards that are positive at a step's start, half-way and at its end reach zero between, by the parabola
+    through these values."""
+    bend, slope = 2.0 * (start - 2.0 * half + end), 4.0 * half - 3.0 * start - end
+    return (slope < 0.0) & (start > NOT_ZERO * end) & (-slope < 2.0 * bend) & (slope**2 >= 4.0 * bend * start)
 
 
 def _largest_rate(now: Columns, t: np.ndarray, y: np.ndarray) -> np.ndarray:

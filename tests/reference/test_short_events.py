@@ -13,7 +13,7 @@ from scipy.special import ellipk
 
 import cases
 import reference
-from cases import Flight, Impact, Mode
+from cases import Flight, Impact, Mode, Start
 from reference import contact_frame
 from reference.contact_frame.dips import excursion
 
@@ -58,18 +58,8 @@ def test_a_pendulum_slips_at_each_end_of_its_swing_for_as_long_as_friction_is_ov
     About the instant of rest friction exceeds its bound by c (δ² − τ²), so a slip from −δ on has the velocity
     c ∫(δ² − τ²) dτ, which is zero again at 2 δ; one that begins at rest ends at √3 δ.
     """
-    amplitude, length = 0.8, 0.9
-    case = cases.load("pendulum_at_the_cone", part=part)
-    answer, mu = solve(replace(case, duration=2.5)), np.tan(amplitude) / 3 * (1 + part)
-    cone = brentq(
-        lambda d: sin(amplitude - d) - mu * (7 * cos(amplitude - d) - 4 * cos(amplitude)), 0.0, 1e-3, xtol=1e-16
-    )
-    # φ̇² = (4 g/3 L)(cos φ − cos A) with φ = A − w²: no singularity in w.
-    rate = 4 * G / (3 * length)
-    before = quad(
-        lambda w: 2 * w / sqrt(2 * rate * sin(amplitude - w * w / 2) * sin(w * w / 2)), 1e-12, sqrt(cone), epsabs=0.0
-    )[0]
-    half = 2 * sqrt(1.5 * length / G) * float(ellipk(sin(amplitude / 2) ** 2))
+    answer = solve(replace(cases.load("pendulum_at_the_cone", part=part), duration=2.5))
+    half, before = swing(part)
     exact = [sqrt(3.0) * before, *(n * half + way * before for n in (1, 2) for way in (-1.0, 2.0))]
     assert [t.after for t in answer.transitions] == [
         Mode.ROLL, Mode.SLIP_BACKWARD, Mode.ROLL, Mode.SLIP_FORWARD, Mode.ROLL,
@@ -79,16 +69,42 @@ def test_a_pendulum_slips_at_each_end_of_its_swing_for_as_long_as_friction_is_ov
     assert [t.time for t in answer.transitions] == pytest.approx(exact, abs=2e-10)
 
 
+@pytest.mark.parametrize("method", [*reference.METHODS, "second"])
+def test_a_slip_that_begins_and_ends_in_the_first_step_of_a_phase_is_found(method):
+    case, (half, before) = cases.load("pendulum_at_the_cone", part=-1e-9), swing(-1e-9)
+    state = reference.simulate(case, rtol=1e-14)(half - before - 1e-5)
+    start = Start(xi1=float(state.xi1), omega=float(state.omega))
+    case = replace(case, start=start, duration=1e-3)
+    motion = solve(case) if method == "second" else reference.simulate(case, rtol=1e-13, method=method)
+    assert [t.after for t in motion.transitions] == [Mode.SLIP_BACKWARD, Mode.ROLL]
+    assert [t.time for t in motion.transitions] == pytest.approx([1e-5, 1e-5 + 3.0 * before], abs=2e-10)
+
+
+def swing(part: float) -> tuple[float, float]:
+    """The pendulum's half period, and how long before it rests friction reaches its cone, s."""
+    amplitude, length = 0.8, 0.9
+    mu = np.tan(amplitude) / 3 * (1 + part)
+    cone = brentq(
+        lambda d: sin(amplitude - d) - mu * (7 * cos(amplitude - d) - 4 * cos(amplitude)), 0.0, 1e-3, xtol=1e-16
+    )
+    # φ̇² = (4 g/3 L)(cos φ − cos A) with φ = A − w²: no singularity in w.
+    rate = 4 * G / (3 * length)
+    before = quad(
+        lambda w: 2 * w / sqrt(2 * rate * sin(amplitude - w * w / 2) * sin(w * w / 2)), 1e-12, sqrt(cone), epsabs=0.0
+    )[0]
+    return 2 * sqrt(1.5 * length / G) * float(ellipk(sin(amplitude / 2) ** 2)), before
+
+
 def test_a_slip_that_falls_below_zero_by_a_nanometre_per_second_sticks_for_eight_microseconds():
-    # v has its least value, -1e-9 m/s less 0, where v' = 0: the disc sticks from √(2e-9/v'') before it, and then
-    # friction is at its bound again.
+    # v has its least value, -1e-9 m/s, where v' = 0: the disc sticks from √(2e-9/v'') before it, and then friction is
+    # at its bound again.
     first = reference.simulate(cases.load("touching_slip[above=1e-09]"), rtol=1e-14)
-    slip_rate = brentq(lambda t: float(first(t + 1e-4).slip - first(t - 1e-4).slip), 0.31, 0.33, xtol=1e-15)
-    bend = (first(slip_rate + 1e-3).slip - 2 * first(slip_rate).slip + first(slip_rate - 1e-3).slip) / 1e-6
+    lowest = brentq(lambda t: float(first(t + 1e-4).slip - first(t - 1e-4).slip), 0.31, 0.33, xtol=1e-15)
+    bend = (first(lowest + 1e-3).slip - 2 * first(lowest).slip + first(lowest - 1e-3).slip) / 1e-6
     answer = solve(cases.load("touching_slip[above=-1e-09]"))
     assert [t.after for t in answer.transitions] == [Mode.ROLL, Mode.SLIP_FORWARD]
     sticks, slips = (t.time for t in answer.transitions)
-    assert slips == pytest.approx(slip_rate, abs=1e-8)
+    assert slips == pytest.approx(lowest, abs=1e-8)
     assert slips - sticks == pytest.approx(sqrt(2e-9 / bend), rel=1e-2)
 
 

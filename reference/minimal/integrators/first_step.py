@@ -6,7 +6,7 @@ that root again, and a cool-down after it would hide the next. So a first step l
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import exp, inf, isfinite
 from typing import NamedTuple
@@ -24,6 +24,9 @@ PART = 1e-3
 NEAR = 8
 # A gap above this part of the plate's size and place is open: smaller ones are rounding, and grow.
 OPEN = 1e-12
+# Any guard is positive at the start above this part of its value at the step's end: a guard that grows from a rounding
+# of zero with the third power of time is 1e-9 of its size at the end.
+NOT_ZERO = 1e-6
 # The step is shortened tenfold this many times if a guard is not positive at its end: the rest is then rounding.
 SHORTER = 9
 
@@ -42,8 +45,8 @@ class FirstStep(NamedTuple):
 def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, tolerance: float) -> FirstStep:
     """Take the first step from t; all guards are positive at its end and half-way, or the result names one that is not.
 
-    A gap that is open at t may also close and open again in between: such a step is shortened, so that event detection
-    finds the impact.
+    A guard that is positive at t may also fall below zero and rise again in between: such a step is shortened, so that
+    event detection finds the zero.
 
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
     """
@@ -56,7 +59,7 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
     states, guards, parameters = _states(len(rows), len(rows[0])), phase.system.guards_of_numbers, phase.parameters
     part, span, values = PART, end - t, [0.0]
-    gaps = open_gaps(phase, t, y)
+    starts = guards(t, y, parameters)
     for _ in range(SHORTER):
         h = min(part / often, span)
         if phase.checks_steps:
@@ -69,14 +72,27 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
             if not value > 0.0:
                 break
         else:
-            if not any(_dips(gap, values[i], values[i + len(values) // 2]) for i, gap in gaps):
+            for i, place in _lowest_places(starts, values):
+                if not guards(t + place * h, states(rows, place * h, h)[0], parameters)[i] > 0.0:
+                    values = [*starts[:i], 0.0]
+                    break
+            else:
                 return FirstStep(t + h, state, 1, longest)
         part *= 0.1
     names = tuple(phase.system.guards)
-    zero = next((i for i, value in enumerate(values) if not value > 0.0), None)
-    if zero is None:  # a gap closes within the shortest step
-        zero = next(i for i, gap in gaps if _dips(gap, values[i], values[i + len(names)]))
+    zero = next(i for i, value in enumerate(values) if not value > 0.0)
     return FirstStep(t, y, 0, longest, names[zero % len(names)])
+
+
+def _lowest_places(starts: Sequence[float], values: Sequence[float]) -> list[tuple[int, float]]:
+    """The guards that may reach zero inside a step, by number, and the part of the step at which they are lowest: by
+    the parabola through their values at its start, and half-way and at its end (`values`)."""
+    places = []
+    for i, (start, half, end) in enumerate(zip(starts, values, values[len(starts) :], strict=False)):
+        bend, slope = 2.0 * (start - 2.0 * half + end), 4.0 * half - 3.0 * start - end
+        if slope < 0.0 and start > NOT_ZERO * end and -slope < 2.0 * bend and slope * slope >= 4.0 * bend * start:
+            places.append((i, -0.5 * slope / bend))
+    return places
 
 
 def open_gaps(phase: Phase, t: float, y) -> list[tuple[int, float]]:
@@ -86,12 +102,6 @@ def open_gaps(phase: Phase, t: float, y) -> list[tuple[int, float]]:
         return []
     values, least = phase.system.guards_of_numbers(t, y, phase.parameters), OPEN * (phase.size + abs(y[0]) + abs(y[1]))
     return [(i, values[i]) for i in numbers if values[i] > least]
-
-
-def _dips(start: float, half: float, end: float) -> bool:
-    """Whether the parabola through a positive quantity's values at a step's start, half and end reaches zero in it."""
-    bend, slope = 2.0 * (start - 2.0 * half + end), 4.0 * half - 3.0 * start - end
-    return slope < 0.0 and -slope < 2.0 * bend and slope * slope >= 4.0 * bend * start
 
 
 def _scales(phase: Phase, rows: list[list[float]], t: float) -> tuple[float, float]:
