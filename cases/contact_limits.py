@@ -6,12 +6,13 @@ from functools import lru_cache
 
 from .case_class import Case
 from .chain import Chain
-from .contact_pairs import pairs
+from .contact_pairs import watched_pairs
 from .curves import Curve
 from .effects import Flight
+from .outline_features import features
 from .piece_case import has_pieces
 from .start_pose import TOUCHES
-from .supports import exclusion, features, why_not_by_features
+from .supports import exclusion, why_not_by_features
 
 
 def limitation(case: Case) -> str:
@@ -40,5 +41,6 @@ def touches_by_features(case: Case) -> bool:
         return False
     begin = case.start.motion(case.track, case.plate.outline)
     size = abs(begin.x) + abs(begin.y) + case.plate.reach
-    gaps = [pair.gap(begin.x, begin.y, begin.theta) for pair in pairs(case)]
+    watched = watched_pairs(case, begin.x, begin.y, begin.theta)
+    gaps = [one.pair.gap(begin.x, begin.y, begin.theta) for one in watched if not one.is_away]
     return sum(abs(gap) <= TOUCHES * size for gap in gaps) > 1

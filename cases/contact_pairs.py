@@ -6,9 +6,10 @@ and its effects are those of the support.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
-from math import cos, pi, sin
-from typing import cast
+from math import cos, inf, pi, sin
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -18,22 +19,25 @@ from .contact import find
 from .corner import Corner, turning
 from .curves import Curve
 from .line_or_circle import as_line
+from .outline_features import ArcRange, arc_ranges, features
 from .plate import Plate
 from .start import Start
-from .supports import TRACK, Support, features, is_convex
+from .supports import TRACK, Support, is_convex
 
 
 class PairCase(Case):
     """A case whose track is one support and whose outline is one feature of that of `whole`.
 
     `number`: which of `pairs(whole)` it is; `support`: the support's name; `has_unique_points`: whether the nearest
-    points are the only ones in every pose, so that the pair can be watched all the time. It is made by `pairs`.
+    points are the only ones in every pose, so that the pair can be watched all the time; `arc_range`: where an arc is
+    compared with the support, None if everywhere. It is made by `pairs`.
     """
 
     whole: Case
     number: int
     support: str
     has_unique_points: bool
+    arc_range: ArcRange | None
 
     def __eq__(self, other) -> bool:
         return isinstance(other, PairCase) and (self.whole, self.number) == (other.whole, other.number)
@@ -55,6 +59,12 @@ class PairCase(Case):
         if isinstance(feature, Corner):
             point = np.array([x + c * feature.x - s * feature.y, y + s * feature.x + c * feature.y])
             xi2 = (angle - feature.start) % (2.0 * pi)
+        elif isinstance(self.whole.plate.outline, Chain):
+            middle = 0.5 * sum(feature.span)
+            xi2 = middle + (angle - float(feature.tangent_angle(middle))) / turning(feature, middle)
+            xi2 = self.in_round(xi2, self.is_away(xi2))
+            u, v = feature.point(xi2)
+            point = np.array([x + c * u - s * v, y + s * u + c * v])
         else:
             grid = np.linspace(*feature.span, 721)
             turns = (np.asarray(feature.tangent_angle(grid)) - angle) / (2.0 * pi)
@@ -76,6 +86,34 @@ class PairCase(Case):
         round_length = 2.0 * pi / turning(feature, middle)
         rounds = np.round((xi2 - middle) / round_length)
         return xi2 - rounds * round_length + element.shift + rounds * (outline.period or 0.0)
+
+    def is_away(self, xi2: float) -> bool:
+        """Whether an arc is turned away from the support: a parameter outside its range, in any round."""
+        limits = self.arc_range
+        return limits is not None and not limits.low <= self.in_round(xi2, False) < limits.high
+
+    def in_round(self, xi2: float, is_away: bool) -> float:
+        """A parameter of the feature in the round in which its range is, or what follows its end if it is away."""
+        low, high = (self.arc_range.low, self.arc_range.high) if self.arc_range else self.plate.outline.span
+        length = 2.0 * pi / turning(self.plate.outline, 0.5 * sum(self.plate.outline.span))
+        middle = 0.5 * (low + high) + 0.5 * length * is_away
+        return float(xi2 - length * np.round((xi2 - middle) / length))
+
+    def limits_of_turn(self, is_away: bool) -> tuple[float, float]:
+        """The parameters between which an arc keeps facing the support, or stays turned away from it."""
+        if self.arc_range is None:
+            return -inf, inf
+        length = 2.0 * pi / turning(self.plate.outline, 0.5 * sum(self.plate.outline.span))
+        low, high = self.arc_range.low, self.arc_range.high
+        return (high, low + length) if is_away else (low, high)
+
+    def successor(self, xi2: float) -> PairCase | None:
+        """The pair to which a contact passes that leaves an arc at the end of its range next to a parameter."""
+        assert self.arc_range is not None
+        low, high, before, after = self.arc_range
+        number = before if self.in_round(xi2, False) < 0.5 * (low + high) else after
+        count = len(features(self.whole.plate.outline))
+        return None if number is None else pairs(self.whole)[self.number - self.number % count + number]
 
     def gap(self, x: float, y: float, theta: float) -> float:
         """The distance of the nearest points in a pose, m. Raises DoesNotFit."""
@@ -99,6 +137,33 @@ def pairs(case: Case) -> tuple[PairCase, ...]:
     )
 
 
+class WatchedPair(NamedTuple):
+    """A pair that is watched, parameters near its nearest points, and whether it is an arc that is turned away from the
+    support."""
+
+    pair: PairCase
+    points: tuple[float, float]
+    is_away: bool
+
+
+def watched_pairs(case: Case, x: float, y: float, theta: float) -> list[WatchedPair]:
+    """The pairs with unique nearest points that are watched in a pose: all but the features next to an arc that faces
+    the support, which touch after it has turned away."""
+    unique = [(pair, pair.guess(x, y, theta)) for pair in pairs(case) if pair.has_unique_points]
+    return without_covered([WatchedPair(pair, points, pair.is_away(points[1])) for pair, points in unique])
+
+
+def without_covered(watched: Sequence[WatchedPair]) -> list[WatchedPair]:
+    """Those of some pairs that are not next to an arc of them that faces the support."""
+    covered = set[int]()
+    for pair, _, is_away in watched:
+        count = len(features(pair.whole.plate.outline))
+        if pair.arc_range is not None and not is_away:
+            first = pair.number - pair.number % count
+            covered |= {first + number for number in pair.arc_range.neighbours}
+    return [one for one in watched if one.pair.number not in covered]
+
+
 def _make(whole: Case, support: Support, feature: Curve, number: int) -> PairCase:
     plate, case = object.__new__(Plate), object.__new__(PairCase)
     vars(plate).update(outline=feature, mass=whole.plate.mass, inertia=whole.plate.inertia)
@@ -110,9 +175,10 @@ def _make(whole: Case, support: Support, feature: Curve, number: int) -> PairCas
     values |= {"track": support.curve, "plate": plate, "start": start, "supports": (), "others": ()}
     values["effects"] = support.acting(whole.effects)
     straight = support.curve.domain is None and as_line(support.curve) is not None
+    limits = arc_ranges(outline)[number % len(features(outline))] if straight else None
     vars(case).update(
         values, whole=whole, number=number, support=TRACK if is_track else support.name,
-        has_unique_points=straight and (is_feature or (is_convex(feature) and bool(whole.supports))),
+        has_unique_points=straight and (is_feature or (is_convex(feature) and bool(whole.supports))), arc_range=limits,
     )  # fmt: skip
     return case
 

@@ -8,26 +8,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import cos, pi, sin
+from math import cos, sin
 from typing import Any
 
 import numpy as np
 
 from . import effects as all_effects
 from .chain import Chain
-from .corner import Corner, Edge, Piece
+from .corner import Corner
 from .curves import Curve
 from .effects import CoulombFriction, Effect, Impact, PerfectlyRough
 from .errors import BadValue, DoesNotFit
 from .line_or_circle import as_line
+from .outline_features import features, is_arc
 from .overlap import first_overlap
 from .own_effects import own_effects
 
 # The name of the track among the supports.
 TRACK = "track"
-# A circle that continues a round piece lies inside the plate if it reaches no farther than this part of its radius:
-# samples of the outline half a degree apart show its reach to 1e-5.
-INSIDE = 1e-4
 # A smooth outline is convex if its curvature is nowhere below this part of 1/reach.
 CONVEX = 1e-6
 # A plate overlaps a support where it begins if it lies deeper in it than this part of its size: far above rounding.
@@ -121,11 +119,8 @@ def why_not_by_features(track: Curve, outline: Curve) -> str:
         return "A plate with corners has several contacts on a straight track without ends only; give such a line."
     if not isinstance(outline, Chain) or not outline.is_closed or not features(outline):
         return "The outline is not closed, or has no corner or arc that bulges; give one that is and has."
-    if not all(isinstance(piece, Corner) or _continues_inside(piece, outline) for piece in features(outline)):
-        return (
-            "A round piece of the outline is no arc of a circle inside the plate's convex hull; give one whose pieces "
-            "are edges and such arcs."
-        )
+    if not all(isinstance(piece, Corner) or is_arc(piece) for piece in features(outline)):
+        return "A round piece of the outline is no arc of a circle; give one whose pieces are edges and arcs."
     return ""
 
 
@@ -161,10 +156,9 @@ def _check_features(case: Any) -> None:
     if not features(case.plate.outline):
         raise BadValue("the outline has no corner or arc that bulges; give one that has")
     for piece in features(case.plate.outline):
-        if isinstance(piece, Curve) and not _continues_inside(piece, case.plate.outline):
+        if isinstance(piece, Curve) and not is_arc(piece):
             raise BadValue(
-                "a round piece of the outline is no arc of a circle inside the plate's convex hull; give one whose "
-                "pieces are edges and such arcs"
+                "a round piece of the outline is no arc of a circle; give one whose pieces are edges and arcs"
             )
 
 
@@ -184,40 +178,6 @@ def check_start(case: Any, x: float, y: float, theta: float) -> None:
             is_deep = first_overlap(curve, outline, px, py, angle, near) is not None
         if is_deep:
             raise DoesNotFit(f"the plate overlaps support {support.name!r} where it begins; give another start")
-
-
-# --- features ---------------------------------------------------------------------------------------------------------
-
-
-@lru_cache(maxsize=256)
-def features(outline: Curve) -> tuple[Piece, ...]:
-    """What of an outline may touch a straight line: a smooth one itself, of a chain its corners and pieces that
-    bulge, in the outline's order."""
-    if not isinstance(outline, Chain):
-        return (outline,)
-    pieces = [element.piece for element in outline.elements]
-    return tuple(
-        piece for piece in pieces
-        if (piece.turn > 0.0 if isinstance(piece, Corner) else not isinstance(piece, Edge) and _bulges(piece))
-    )  # fmt: skip
-
-
-def _bulges(piece: Curve) -> bool:
-    return bool(np.max(piece.curvature(np.linspace(*piece.span, 17))) > 0.0)
-
-
-def _continues_inside(piece: Curve, outline: Curve) -> bool:
-    """Whether a piece is an arc of a circle that lies inside the convex hull of the outline."""
-    s = np.linspace(*piece.span, 17)
-    bend = piece.curvature(s)
-    if np.ptp(bend) > 1e-9 * abs(bend[0]):
-        return False
-    centre = piece.point(float(s[8])) + piece.normal(float(s[8])) / bend[8]
-    angles = np.linspace(0.0, 2.0 * pi, 721)
-    directions = np.array([np.cos(angles), np.sin(angles)])
-    points = outline.point(outline.vertices(0.01) if isinstance(outline, Chain) else np.linspace(*outline.span, 721))
-    reach = (directions.T @ points).max(axis=1)
-    return bool(np.all(directions.T @ centre + 1.0 / bend[8] <= reach + INSIDE / bend[8]))
 
 
 @lru_cache(maxsize=256)

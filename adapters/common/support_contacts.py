@@ -38,6 +38,8 @@ def refuses(case: Case) -> str | None:
             return f"Supports are straight lines without ends here, and {pair.support!r} is none."
         if not isinstance(pair.plate.outline, Corner) and as_circle(pair.plate.outline) is None:
             return "A plate on supports is round or has corners here, and this outline is another."
+        if pair.arc_range is not None:
+            return "An arc ends at a corner or bends beyond the plate's hull, which contacts from poses do not support."
     return None
 
 

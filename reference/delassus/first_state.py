@@ -10,7 +10,7 @@ import numpy as np
 from cases import Case, DoesNotFit, Mode, Transition
 from cases.contact import start_motion
 from cases.contact_limits import has_features
-from cases.contact_pairs import pairs
+from cases.contact_pairs import WatchedPair, pairs, watched_pairs
 from cases.trajectory import CONTACT
 
 from .contacts import all_pairs, friction_of, pair_at
@@ -91,22 +91,28 @@ def from_start(case: Case, rtol: float = 1e-13, times: Sequence[float] | np.ndar
 
 def _watch_features(motion: Simulation) -> None:
     """Watch all pairs of a support and a feature that have unique nearest points, and others that touch."""
+    watched = watched_pairs(motion.case, *motion.body[:3])
     for pair in pairs(motion.case):
+        if pair.has_unique_points:
+            continue
         near = pair.guess(*motion.body[:3])
-        if not pair.has_unique_points:
-            try:
-                gap = pair_at(pair, motion.body, near).gap
-            except DoesNotFit:
-                continue
-            if abs(gap) > TOUCHES * motion.size():
-                continue
-        motion.contacts.append(WatchedContact(f"{OPEN_NAME}{pair.number}", pair, near, Mode.FLIGHT))
+        try:
+            gap = pair_at(pair, motion.body, near).gap
+        except DoesNotFit:
+            continue
+        if abs(gap) <= TOUCHES * motion.size():
+            watched.append(WatchedPair(pair, near, False))
+    for pair, near, is_away in sorted(watched, key=lambda one: one.pair.number):
+        motion.contacts.append(WatchedContact(f"{OPEN_NAME}{pair.number}", pair, near, Mode.FLIGHT, is_away))
 
 
 def _close_own(motion: Simulation, own: tuple[float, float] | None, mode: Mode) -> None:
     """Close the contact at the pair `own`, in that mode, and all others that touch."""
     now = motion.pairs()
-    touching = [k for k, pair in enumerate(now) if abs(pair.gap) <= TOUCHES * motion.size()]
+    touching = [
+        k for k, (c, pair) in enumerate(zip(motion.contacts, now, strict=True))
+        if abs(pair.gap) <= TOUCHES * motion.size() and not c.is_away
+    ]  # fmt: skip
     if own is not None and touching:
         track = motion.case.track
         nearest = min(touching, key=lambda k: np.hypot(*(track.point(now[k].xi1) - track.point(own[0]))))

@@ -140,7 +140,8 @@ class PhaseIntegration(PlateState):
         tops, acceleration = {}, phase.forces(self.t, self.body).acceleration
         for contact, pair in zip(phase.contacts, phase.pairs(self.body), strict=True):
             pull = -float(pair.lift_row @ acceleration + pair.lift_bias)
-            if not contact.is_closed and pull > 0.0 and pair.lift > 0.0 and pair.gap <= TOUCHES * self.size():
+            may_hop = not contact.is_closed and not contact.is_away
+            if may_hop and pull > 0.0 and pair.lift > 0.0 and pair.gap <= TOUCHES * self.size():
                 tops["gap", contact.name] = self.t + pair.lift / pull
         return tops
 
@@ -187,7 +188,7 @@ class PhaseIntegration(PlateState):
             float(np.abs(phase.forces(self.t, self.body).normal).max(initial=0.0)),
         )
         speed = max(self.speed, float(np.abs(self.body[self.half :]).max()), 1e-300)
-        return {"gap": 1e-2 * self.size(), "slip": speed, "normal": force, "cone+": force, "cone-": force}
+        return {"gap": 1e-2 * self.size(), "slip": speed, "normal": force, "cone+": force, "cone-": force, "turn": 1.0}
 
     # --- contacts at other places -------------------------------------------------------------------------------------
 

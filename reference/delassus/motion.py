@@ -185,6 +185,8 @@ class Simulation(PhaseIntegration):
                 self.begins[name] = 1.0 if kind == "cone+" else -1.0
         if kinds & {"cone+", "cone-"}:
             self.vanishing(phase)
+        for name in [name for kind, name in guards if kind == "turn"]:
+            self.turn(name)
         self.settle(may_strike=bool(kinds & {"gap", "meeting"}))
 
     def vanishing(self, phase: SeveralContactPhase) -> None:
@@ -200,7 +202,7 @@ class Simulation(PhaseIntegration):
         """Remove roundings: gaps of touching contacts, and velocities that are zero."""
         if may_strike:
             for contact, pair in zip(self.contacts, self.pairs(), strict=True):
-                if pair.gap <= TOUCHES * self.size():
+                if pair.gap <= TOUCHES * self.size() and not contact.is_away:
                     self.touching.add(contact.name)
         self.name_touching()
         self.close_gaps()
@@ -303,7 +305,9 @@ class Simulation(PhaseIntegration):
         before, (end, body) = self.body.copy(), answer
         self.body = body
         now = self.pairs()
-        self.touching = {c.name for c, pair in zip(self.contacts, now, strict=True) if pair.gap <= size}
+        self.touching = {
+            c.name for c, pair in zip(self.contacts, now, strict=True) if pair.gap <= size and not c.is_away
+        }  # fmt: skip
         self.close_gaps()
         if np.abs(self.body[self.half :] * self.dynamics.units).max() <= noise:
             self.body[self.half :] = 0.0

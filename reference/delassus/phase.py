@@ -16,12 +16,14 @@ SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 
 
 class WatchedContact(NamedTuple):
-    """A watched contact: its name, its pair of a support and a feature, its points, and mode (FLIGHT: open)."""
+    """A watched contact: its name, its pair of a support and a feature, its points, mode (FLIGHT: open), and whether it
+    is an arc that is turned away from the support."""
 
     name: str
     case: PairCase
     pair: tuple[float, float]
     mode: Mode
+    is_away: bool = False
 
     @property
     def is_closed(self) -> bool:
@@ -104,6 +106,11 @@ class SeveralContactPhase:
         values: dict[tuple[str, str], float] = {}
         for k, (contact, pair) in enumerate(zip(self.contacts, now, strict=True)):
             normal, friction = float(forces.normal[k]), float(forces.friction[k])
+            if contact.case.arc_range is not None:
+                low, high = contact.case.limits_of_turn(contact.is_away)
+                values["turn", contact.name] = min(pair.xi2 - low, high - pair.xi2)
+            if contact.is_away:
+                continue
             if not contact.is_closed:
                 values["gap", contact.name] = pair.gap
             elif contact.mode is Mode.ROLL and not is_rough(contact.case):

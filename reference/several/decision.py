@@ -35,8 +35,8 @@ BALANCED = -1e-11
 
 
 class DecisionInstant(NamedTuple):
-    """What a decision needs: time, state, the contacts' places, names and limits, which of them touch, and the largest
-    speed of the motion so far (m/s)."""
+    """What a decision needs: time, state, the contacts' places, names and limits, which of them touch, the largest
+    speed of the motion so far (m/s), and which contacts are arcs turned away from their supports."""
 
     time: float
     state: tuple[float, ...]
@@ -45,6 +45,7 @@ class DecisionInstant(NamedTuple):
     limits: tuple[float, ...]
     touching: tuple[int, ...]
     speed: float
+    away: tuple[bool, ...]
 
     @property
     def pairs(self) -> tuple[int, ...]:
@@ -95,7 +96,7 @@ def consistent_motions(
     of `decide`. Raises Undecidable."""
     motions: list[tuple[SeveralRegime, np.ndarray]] = []
     for modes in product(*_options(now, fixed or {})):
-        regime = SeveralRegime(modes, now.names, now.limits, now.pairs)
+        regime = SeveralRegime(modes, now.names, now.limits, now.pairs, now.away)
         rows = sum(2 if mode is Mode.ROLL else mode is not Mode.FLIGHT for mode in modes)
         if rows > 2:
             if not may_rest or not _rests(case, now, modes):
@@ -156,7 +157,7 @@ def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
 def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error: float) -> bool:
     """Whether the conditions of a regime hold just after the instant along its own motion."""
     size = abs(now.state[0]) + abs(now.state[1]) + case.plate.reach
-    near = [at.gap <= NEAR * size for at in now.places]
+    near = [at.gap <= NEAR * size and not is_away for at, is_away in zip(now.places, now.away, strict=True)]
     if any(mode is Mode.FLIGHT and close for mode, close in zip(regime_of(phase).modes, near, strict=True)):
         return _by_series(phase, now.time, now.state, error)  # a gap has no size with which its value can be compared
     return follows(case, phase, now.time, now.state, error)

@@ -29,11 +29,16 @@ COLUMNS = ("normal", "friction", "slip", "gap", "lift")
 
 
 class ContactRows(Enum):
-    """What a contact contributes to the equations: nothing, a normal row, or a normal and a tangential row."""
+    """What a contact contributes to the equations: nothing, a normal row, or a normal and a tangential row. A contact
+    that is away cannot close until its arc turns to the support."""
 
+    AWAY = "away"
     OPEN = "open"
     SLIP = "slip"
     STICK = "stick"
+
+
+NO_ROWS = ContactRows.AWAY, ContactRows.OPEN
 
 
 class _ContactTerms(NamedTuple):
@@ -64,7 +69,7 @@ class _EquationRow(NamedTuple):
 class ContactForm(NamedTuple):
     """What the equations of one contact depend on: the structures of its support's curve and of its feature of the
     outline (a corner's is the sign of its turn), its rows, whether friction has a bound, whether the two curves have
-    ends, and whether its nearest points are unique in every pose."""
+    ends, whether its nearest points are unique in every pose, and whether its arc has a range."""
 
     track: Any
     outline: Any
@@ -72,6 +77,7 @@ class ContactForm(NamedTuple):
     rubs: bool
     has_ends: tuple[bool, bool]
     stays: bool
+    turns: bool
 
 
 def several_system(forms: tuple[ContactForm, ...], law: Laws) -> System:
@@ -92,7 +98,7 @@ def _contact(form: ContactForm, k: int) -> _ContactTerms:
     slip = VX * f.tx + VY * f.ty - OMEGA * h.hn
     lift = VY * f.tx - VX * f.ty + OMEGA * h.ht
     gap = (Y - f.y) * f.tx - (X - f.x) * f.ty + h.hn
-    apart = gap if kind is ContactRows.OPEN else ZERO
+    apart = gap if kind in NO_ROWS else ZERO
     shrink = ONE - apart * f.curvature
     if h.sign:  # the point is fixed, and ξ₂ follows from ω + sign ξ̇₂ = κ₁ ṡ₁
         return _ContactTerms(f, h, slip, lift, gap, slip / shrink, ZERO, shrink)
@@ -143,7 +149,7 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
     contacts = [_contact(form, k) for k, form in enumerate(forms)]
     ratios = [symbol(f"k_{k}") if form.rubs else ZERO for k, form in enumerate(forms)]
     rows = [
-        _rows(contact, kind, ratio) if kind is not ContactRows.OPEN else []
+        _rows(contact, kind, ratio) if kind not in NO_ROWS else []
         for contact, kind, ratio in zip(contacts, kinds, ratios, strict=True)
     ]
     flat = [row for some in rows for row in some]
@@ -163,9 +169,14 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
     rest = iter(multipliers)
     for k, (contact, form, ratio) in enumerate(zip(contacts, forms, ratios, strict=True)):
         kind, rubs = form.kind, form.rubs
-        normal = next(rest) if kind is not ContactRows.OPEN else ZERO
+        normal = next(rest) if kind not in NO_ROWS else ZERO
         friction = next(rest) if kind is ContactRows.STICK else ratio * normal
         columns += [normal, friction, contact.slip, contact.gap, contact.lift]
+        if form.turns:
+            xi2 = symbol(f"xi2_{k}")
+            limits |= {f"turn_low:{k}": xi2 - symbol(f"turn_low_{k}"), f"turn_high:{k}": symbol(f"turn_high_{k}") - xi2}
+        if kind is ContactRows.AWAY:
+            continue
         if kind is ContactRows.OPEN:
             conditions[f"gap:{k}"] = contact.gap
             if not form.stays:

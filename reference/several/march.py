@@ -136,7 +136,8 @@ class SeveralSimulation(WatchedPlate):
         modes = tuple(mode for mode, name in zip(regime.modes, regime.names, strict=True) if name in names)
         limits = tuple(float(np.float32(watch.limit)) for watch in self.watches)
         numbers = tuple(watch.contact.number for watch in self.watches)
-        return SeveralRegime(modes, tuple(watch.name for watch in self.watches), limits, numbers, regime.rests)
+        away = tuple(watch.is_away for watch in self.watches)
+        return SeveralRegime(modes, tuple(watch.name for watch in self.watches), limits, numbers, away, regime.rests)
 
     def _end_bouncing(self, now: DecisionInstant) -> DecisionInstant:
         """The instant at which impacts that accumulate end, if they do; the same instant otherwise.
@@ -147,7 +148,7 @@ class SeveralSimulation(WatchedPlate):
             return now
         limit, body = end
         watched, pairs = self.contacts(), [(at.xi1, at.xi2) for at in now.places]
-        near = [k for k, at in enumerate(places(watched, body, pairs)) if at.gap <= size]
+        near = [k for k, at in enumerate(places(watched, body, pairs)) if at.gap <= size and not now.away[k]]
         still = STILL * self.hops.strikes[-1].closing if limit > self.t else 2.0 * self.hops.strikes[-1].closing
         if np.abs(np.array(body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max() <= still:
             body[3:] = 0.0, 0.0, 0.0
@@ -309,6 +310,10 @@ class SeveralSimulation(WatchedPlate):
         stuck = {regime.names[k] for k, mode in enumerate(regime.modes) if mode is Mode.ROLL}
         if kind.startswith("lost"):
             del self.watches[int(number)]
+            self.settle(stuck)
+            return None
+        if kind in ("turn_low", "turn_high"):
+            self.turn(self.watches[int(number)])
             self.settle(stuck)
             return None
         if kind in ENDS:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cases import Case, DoesNotFit, Mode, Transition
 from cases.contact import start_motion
-from cases.contact_pairs import contact_name, pairs
+from cases.contact_pairs import WatchedPair, contact_name, pairs, watched_pairs
 from cases.supports import TRACK
 from cases.trajectory import CONTACT
 
@@ -16,7 +16,7 @@ from ..minimal.integrators.segment import Segment
 from ..minimal.phase_end import Ending
 from .geometry import places
 from .march import SeveralSimulation
-from .watched_plate import OPEN_NAME, TOUCHES, WatchState
+from .watched_plate import TOUCHES, WatchState, open_watch
 
 # A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
 # turn of 1e-11 (`cases.piece_case.LEVEL`).
@@ -80,7 +80,7 @@ def from_flat_side(
     """
     watches, size = _all_watches(case, body), abs(body[0]) + abs(body[1]) + case.plate.reach
     now = places([watch.contact for watch in watches], body, [watch.pair for watch in watches])
-    touching = [watch for watch, at in zip(watches, now, strict=True) if abs(at.gap) <= MEETS * size]
+    touching = [w for w, at in zip(watches, now, strict=True) if abs(at.gap) <= MEETS * size and not w.is_away]
     march = SeveralSimulation(case, rtol, integrate, t, list(body), watches)
     march.begins = t == 0.0
     if mode is not Mode.FLIGHT:
@@ -96,15 +96,15 @@ def from_flat_side(
 
 def _all_watches(case: Case, body: Sequence[float]) -> list[WatchState]:
     """The contacts that are watched from a pose on: all pairs with unique nearest points, and others that touch."""
-    watches, size = list[WatchState](), abs(body[0]) + abs(body[1]) + case.plate.reach
+    watches, size = watched_pairs(case, *body[:3]), abs(body[0]) + abs(body[1]) + case.plate.reach
     for pair in pairs(case):
+        if pair.has_unique_points:
+            continue
         points = pair.guess(*body[:3])
-        if not pair.has_unique_points:
-            try:
-                gap = places([pair], body, [points])[0].gap
-            except DoesNotFit:
-                continue
-            if abs(gap) > TOUCHES * size:
-                continue
-        watches.append(WatchState(f"{OPEN_NAME}{pair.number}", pair, points, Mode.FLIGHT, 0.0))
-    return watches
+        try:
+            gap = places([pair], body, [points])[0].gap
+        except DoesNotFit:
+            continue
+        if abs(gap) <= TOUCHES * size:
+            watches.append(WatchedPair(pair, points, False))
+    return [open_watch(one) for one in sorted(watches, key=lambda one: one.pair.number)]

@@ -32,13 +32,14 @@ class SeveralRegime(NamedTuple):
     """The modes of all watched contacts (FLIGHT: open) and the clearances (1/m) at which open ones are lost.
 
     `rests`: the closed contacts hold the plate; `names` are those of the contacts, `pairs` the numbers of their pairs
-    of a support and a feature of the outline.
+    of a support and a feature of the outline; `away`: which of them are arcs turned away from their supports.
     """
 
     modes: tuple[Mode, ...]
     names: tuple[str, ...]
     limits: tuple[float, ...]
     pairs: tuple[int, ...]
+    away: tuple[bool, ...]
     rests: bool = False
 
     @property
@@ -50,9 +51,12 @@ class SeveralRegime(NamedTuple):
     def kinds(self) -> tuple[ContactRows, ...]:
         """The kind of equations of each contact."""
         return tuple(
-            ContactRows.OPEN if mode is Mode.FLIGHT else ContactRows.STICK if mode is Mode.ROLL else ContactRows.SLIP
-            for mode in self.modes
-        )
+            ContactRows.AWAY if is_away
+            else ContactRows.OPEN if mode is Mode.FLIGHT
+            else ContactRows.STICK if mode is Mode.ROLL
+            else ContactRows.SLIP
+            for mode, is_away in zip(self.modes, self.away, strict=True)
+        )  # fmt: skip
 
 
 class SeveralPhase(Phase):
@@ -101,6 +105,7 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
             _structure(one.track), _structure(one.plate.outline), kind,
             rubs=coefficients(one)[1] > 0.0 and one.effect(PerfectlyRough) is None,
             has_ends=(_has_ends(one.track), _has_ends(one.plate.outline)), stays=one.has_unique_points,
+            turns=one.arc_range is not None,
         )
         for one, kind in zip(contacts, kinds, strict=True)
     )  # fmt: skip
@@ -110,6 +115,7 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
         sign, (mu, stick) = SLIP_SIGN.get(mode, 0.0), coefficients(one)
         values |= {f"k_{k}": -sign * mu if sign else 0.0, f"sigma_{k}": sign, f"stick_{k}": stick}
         values[f"lost_{k}"] = regime.limits[k]
+        values[f"turn_low_{k}"], values[f"turn_high_{k}"] = one.limits_of_turn(regime.away[k])
         values |= _sizes(one.track, f"track_{k}_") | _sizes(one.plate.outline, f"outline_{k}_")
     gyration = case.plate.gyration
     speeds = [_angle(piece, gyration) for one in contacts for piece in (one.track, one.plate.outline)]

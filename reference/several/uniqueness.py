@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cases import Case, Mode
-from cases.contact_pairs import contact_name, pairs
+from cases.contact_pairs import contact_name, watched_pairs
 
 from .decision import DecisionInstant, consistent_motions
 from .geometry import places
@@ -23,14 +23,15 @@ def motions_in(case: Case, body: Sequence[float]) -> list[dict[str, Mode]]:
     `body`: x, y (m), θ, vx, vy (m/s), ω. Modes that give the same accelerations are one motion, listed with the most
     contacts. No contact may close: an impact is no motion. Raises Undecidable, and DoesNotFit for points not found.
     """
-    every = [pair for pair in pairs(case) if pair.has_unique_points]
-    at = places(every, body, [pair.guess(*body[:3]) for pair in every])
+    every = [watched for watched in watched_pairs(case, *body[:3]) if not watched.is_away]
+    at = places([watched.pair for watched in every], body, [watched.points for watched in every])
     size = TOUCHES * (abs(body[0]) + abs(body[1]) + case.plate.reach)
     touching = [one for one in at if abs(one.gap) <= size]
     names = tuple(contact_name(one.contact.support, 1) for one in touching)
     speed = max(abs(body[3]), abs(body[4]), abs(body[5]) * case.plate.gyration)
     state = join(body, [(one.xi1, one.xi2) for one in touching])
-    now = DecisionInstant(0.0, state, touching, names, (0.0,) * len(names), tuple(range(len(names))), speed)
+    count = len(names)
+    now = DecisionInstant(0.0, state, touching, names, (0.0,) * count, tuple(range(count)), speed, (False,) * count)
     motions = consistent_motions(case, now, ERROR)
     most = [max(regimes, key=lambda regime: len(regime.closed)) for regimes in motions]
     return [dict(zip(names, regime.modes, strict=True)) for regime in most]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cases import Case, Impact, Mode
-from cases.contact_pairs import PairCase, contact_name
+from cases.contact_pairs import PairCase, WatchedPair, contact_name, pairs, without_covered
 from cases.supports import TRACK
 
 from ..minimal.flight_end import REBOUND_ROUNDINGS
@@ -41,14 +41,25 @@ class MotionEnds(Exception):
 
 @dataclass
 class WatchState:
-    """A watched contact: its name, its pair of a support and a feature, its pair of points and mode, and the clearance
-    (1/m) at which it is lost while open."""
+    """A watched contact: its name, its pair of a support and a feature, its pair of points and mode, the clearance
+    (1/m) at which it is lost while open, and whether it is an arc turned away from the support."""
 
     name: str
     contact: PairCase
     pair: tuple[float, float]
     mode: Mode
     limit: float
+    is_away: bool = False
+
+
+def open_name(pair: PairCase) -> str:
+    """The name of a contact that has not touched yet."""
+    return f"{OPEN_NAME}{pair.number}"
+
+
+def open_watch(watched: WatchedPair) -> WatchState:
+    """An open contact at a pair."""
+    return WatchState(open_name(watched.pair), watched.pair, watched.points, Mode.FLIGHT, 0.0, watched.is_away)
 
 
 @dataclass
@@ -82,13 +93,36 @@ class WatchedPlate:
         touching = tuple(k for k, watch in enumerate(self.watches) if watch.name in self.touching)
         names, limits = tuple(watch.name for watch in self.watches), tuple(watch.limit for watch in self.watches)
         pairs = [(at.xi1, at.xi2) for at in now]
-        return DecisionInstant(self.t, join(self.body, pairs), now, names, limits, touching, self.speed)
+        away = tuple(watch.is_away for watch in self.watches)
+        return DecisionInstant(self.t, join(self.body, pairs), now, names, limits, touching, self.speed, away)
 
     def new_watch(self, contact: PairCase, pair: tuple[float, float]) -> WatchState:
         """Watch an open contact, too."""
         watch = WatchState(self._free_name(contact), contact, pair, Mode.FLIGHT, 0.0)
         self.watches.append(watch)
         return watch
+
+    def turn(self, arc: WatchState) -> None:
+        """Watch other pairs where an arc turns to its support or away; a contact there passes on with name and mode."""
+        leaves = not arc.is_away
+        successor = arc.contact.successor(arc.pair[1]) if leaves else None
+        arc.is_away, arc.pair = leaves, (arc.pair[0], arc.contact.in_round(arc.pair[1], leaves))
+        before = {watch.contact.number: watch for watch in self.watches}
+        every = list[WatchedPair]()
+        for pair in pairs(self.case):
+            watch = before.get(pair.number)
+            points = watch.pair if watch else pair.guess(*self.body[:3])
+            is_away = watch.is_away if watch else pair != successor and pair.is_away(points[1])
+            every.append(WatchedPair(pair, points, is_away))
+        self.watches = [before.get(one.pair.number) or open_watch(one) for one in without_covered(every)]
+        ended = [watch for watch in before.values() if watch not in self.watches and watch.mode is not Mode.FLIGHT]
+        heirs = [watch for watch in self.watches if watch.contact == successor] if leaves else [arc]
+        for giver, heir in zip([arc] if leaves else ended, heirs, strict=False):
+            if giver.mode is not Mode.FLIGHT:
+                heir.name, heir.mode = giver.name, giver.mode
+                self.causes[heir.name] = CAUSES["piece"]
+        if leaves:
+            arc.name, arc.mode = open_name(arc.contact), Mode.FLIGHT
 
     def settle(self, stuck: set[str] | None = None, struck: bool = False) -> None:
         """Remove roundings from the state: no gap at contacts that touch, and no velocity where there is none.
@@ -128,7 +162,7 @@ class WatchedPlate:
 
     def _add_touching(self) -> None:
         for watch, at in zip(self.watches, self.places(), strict=True):
-            if at.gap <= TOUCHES * self._size():
+            if at.gap <= TOUCHES * self._size() and not watch.is_away:
                 self.touching.add(watch.name)
 
     def _size(self) -> float:
@@ -139,7 +173,7 @@ class WatchedPlate:
         velocity = np.array(self.body[3:])
         return {
             watch.name for watch, at in zip(self.watches, now, strict=True)
-            if at.gap <= NO_GAP * self._size() and at.lift_row @ velocity < -CLOSES * self.speed
+            if not watch.is_away and at.gap <= NO_GAP * self._size() and at.lift_row @ velocity < -CLOSES * self.speed
         }  # fmt: skip
 
     def _impacts(self, now: Sequence[ContactPlace], stuck: set[str]) -> set[str]:
