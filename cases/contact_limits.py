@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from .case_class import Case
 from .chain import Chain
-from .contact_pairs import watched_pairs
+from .contact_pairs import pairs_in_pose
 from .curves import Curve
 from .effects import Flight
 from .outline_features import features
@@ -41,6 +41,6 @@ def touches_by_features(case: Case) -> bool:
         return False
     begin = case.start.motion(case.track, case.plate.outline)
     size = abs(begin.x) + abs(begin.y) + case.plate.reach
-    watched = watched_pairs(case, begin.x, begin.y, begin.theta)
-    gaps = [one.pair.gap(begin.x, begin.y, begin.theta) for one in watched if not one.is_away]
+    some = pairs_in_pose(case, begin.x, begin.y, begin.theta)
+    gaps = [one.pair.gap(begin.x, begin.y, begin.theta) for one in some if not one.is_away]
     return sum(abs(gap) <= TOUCHES * size for gap in gaps) > 1

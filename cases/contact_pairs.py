@@ -146,22 +146,22 @@ class WatchedPair(NamedTuple):
     is_away: bool
 
 
-def watched_pairs(case: Case, x: float, y: float, theta: float) -> list[WatchedPair]:
+def pairs_in_pose(case: Case, x: float, y: float, theta: float) -> list[WatchedPair]:
     """The pairs with unique nearest points that are watched in a pose: all but the features next to an arc that faces
     the support, which touch after it has turned away."""
     unique = [(pair, pair.guess(x, y, theta)) for pair in pairs(case) if pair.has_unique_points]
-    return without_covered([WatchedPair(pair, points, pair.is_away(points[1])) for pair, points in unique])
+    return facing_pairs([WatchedPair(pair, points, pair.is_away(points[1])) for pair, points in unique])
 
 
-def without_covered(watched: Sequence[WatchedPair]) -> list[WatchedPair]:
+def facing_pairs(some: Sequence[WatchedPair]) -> list[WatchedPair]:
     """Those of some pairs that are not next to an arc of them that faces the support."""
-    covered = set[int]()
-    for pair, _, is_away in watched:
+    hidden = set[int]()
+    for pair, _, is_away in some:
         count = len(features(pair.whole.plate.outline))
         if pair.arc_range is not None and not is_away:
             first = pair.number - pair.number % count
-            covered |= {first + number for number in pair.arc_range.neighbours}
-    return [one for one in watched if one.pair.number not in covered]
+            hidden |= {first + number for number in pair.arc_range.neighbours}
+    return [one for one in some if one.pair.number not in hidden]
 
 
 def _make(whole: Case, support: Support, feature: Curve, number: int) -> PairCase:

@@ -46,6 +46,7 @@ class PairOfBodies:
     contact: PlateContact
     pair: Case
     has_unique_points = True
+    arc_range = None
 
     @property
     def track(self) -> Curve:

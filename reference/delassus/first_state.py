@@ -10,7 +10,7 @@ import numpy as np
 from cases import Case, DoesNotFit, Mode, Transition
 from cases.contact import start_motion
 from cases.contact_limits import has_features
-from cases.contact_pairs import WatchedPair, pairs, watched_pairs
+from cases.contact_pairs import WatchedPair, pairs, pairs_in_pose
 from cases.trajectory import CONTACT
 
 from .contacts import all_pairs, friction_of, pair_at
@@ -91,7 +91,7 @@ def from_start(case: Case, rtol: float = 1e-13, times: Sequence[float] | np.ndar
 
 def _watch_features(motion: Simulation) -> None:
     """Watch all pairs of a support and a feature that have unique nearest points, and others that touch."""
-    watched = watched_pairs(motion.case, *motion.body[:3])
+    some = pairs_in_pose(motion.case, *motion.body[:3])
     for pair in pairs(motion.case):
         if pair.has_unique_points:
             continue
@@ -101,8 +101,8 @@ def _watch_features(motion: Simulation) -> None:
         except DoesNotFit:
             continue
         if abs(gap) <= TOUCHES * motion.size():
-            watched.append(WatchedPair(pair, near, False))
-    for pair, near, is_away in sorted(watched, key=lambda one: one.pair.number):
+            some.append(WatchedPair(pair, near, False))
+    for pair, near, is_away in sorted(some, key=lambda one: one.pair.number):
         motion.contacts.append(WatchedContact(f"{OPEN_NAME}{pair.number}", pair, near, Mode.FLIGHT, is_away))
 
 

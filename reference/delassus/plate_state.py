@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cases import Case, Mode
-from cases.contact_pairs import PairCase, WatchedPair, contact_name, pairs, without_covered
+from cases.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
 
 from .contacts import PairState, PlateDynamics, pair_at
 from .phase import WatchedContact
@@ -75,23 +75,23 @@ class PlateState:
         arc = self.contacts[place]
         number, follower = arc.case.number, arc.case.successor(arc.pair[1])
         xi2 = arc.case.in_round(arc.pair[1], not arc.is_away)
-        watched = {contact.case.number: contact for contact in self.contacts}
-        watched[number] = arc._replace(pair=(arc.pair[0], xi2), is_away=not arc.is_away)
+        every = {contact.case.number: contact for contact in self.contacts}
+        every[number] = arc._replace(pair=(arc.pair[0], xi2), is_away=not arc.is_away)
         for pair in pairs(self.case):
-            if pair.number not in watched:
+            if pair.number not in every:
                 near = pair.guess(*self.body[:3])
                 is_away = pair != follower and pair.is_away(near[1])
-                watched[pair.number] = WatchedContact(f"{OPEN_NAME}{pair.number}", pair, near, Mode.FLIGHT, is_away)
-        if follower is not None and follower.number in watched:
+                every[pair.number] = WatchedContact(f"{OPEN_NAME}{pair.number}", pair, near, Mode.FLIGHT, is_away)
+        if follower is not None and follower.number in every:
             giver, heir = (arc.case, follower) if not arc.is_away else (follower, arc.case)
-            given = watched[giver.number]
-            if given.is_closed:
-                watched[heir.number] = watched[heir.number]._replace(name=given.name, mode=given.mode)
-                watched[giver.number] = given._replace(name=f"{OPEN_NAME}{giver.number}", mode=Mode.FLIGHT)
+            old = every[giver.number]
+            if old.is_closed:
+                every[heir.number] = every[heir.number]._replace(name=old.name, mode=old.mode)
+                every[giver.number] = old._replace(name=f"{OPEN_NAME}{giver.number}", mode=Mode.FLIGHT)
         if not arc.is_away:
-            watched[number] = watched[number]._replace(name=f"{OPEN_NAME}{number}")
-        remaining = without_covered([WatchedPair(c.case, c.pair, c.is_away) for c in watched.values()])
-        self.contacts = [watched[one.pair.number] for one in sorted(remaining, key=lambda one: one.pair.number)]
+            every[number] = every[number]._replace(name=f"{OPEN_NAME}{number}")
+        facing = facing_pairs([WatchedPair(c.case, c.pair, c.is_away) for c in every.values()])
+        self.contacts = [every[one.pair.number] for one in sorted(facing, key=lambda one: one.pair.number)]
 
     def close_gaps(self) -> None:
         """Move the plate so that the touching contacts have no gap."""

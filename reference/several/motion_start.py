@@ -8,7 +8,7 @@ import numpy as np
 
 from cases import Case, DoesNotFit, Mode, Transition
 from cases.contact import start_motion
-from cases.contact_pairs import WatchedPair, contact_name, pairs, watched_pairs
+from cases.contact_pairs import WatchedPair, contact_name, pairs, pairs_in_pose
 from cases.supports import TRACK
 from cases.trajectory import CONTACT
 
@@ -96,7 +96,7 @@ def from_flat_side(
 
 def _all_watches(case: Case, body: Sequence[float]) -> list[WatchState]:
     """The contacts that are watched from a pose on: all pairs with unique nearest points, and others that touch."""
-    watches, size = watched_pairs(case, *body[:3]), abs(body[0]) + abs(body[1]) + case.plate.reach
+    watches, size = pairs_in_pose(case, *body[:3]), abs(body[0]) + abs(body[1]) + case.plate.reach
     for pair in pairs(case):
         if pair.has_unique_points:
             continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cases import Case, Mode
-from cases.contact_pairs import contact_name, watched_pairs
+from cases.contact_pairs import contact_name, pairs_in_pose
 
 from .decision import DecisionInstant, consistent_motions
 from .geometry import places
@@ -23,8 +23,8 @@ def motions_in(case: Case, body: Sequence[float]) -> list[dict[str, Mode]]:
     `body`: x, y (m), θ, vx, vy (m/s), ω. Modes that give the same accelerations are one motion, listed with the most
     contacts. No contact may close: an impact is no motion. Raises Undecidable, and DoesNotFit for points not found.
     """
-    every = [watched for watched in watched_pairs(case, *body[:3]) if not watched.is_away]
-    at = places([watched.pair for watched in every], body, [watched.points for watched in every])
+    every = [one for one in pairs_in_pose(case, *body[:3]) if not one.is_away]
+    at = places([one.pair for one in every], body, [one.points for one in every])
     size = TOUCHES * (abs(body[0]) + abs(body[1]) + case.plate.reach)
     touching = [one for one in at if abs(one.gap) <= size]
     names = tuple(contact_name(one.contact.support, 1) for one in touching)

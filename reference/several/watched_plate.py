@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cases import Case, Impact, Mode
-from cases.contact_pairs import PairCase, WatchedPair, contact_name, pairs, without_covered
+from cases.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
 from cases.supports import TRACK
 
 from ..minimal.flight_end import REBOUND_ROUNDINGS
@@ -57,9 +57,9 @@ def open_name(pair: PairCase) -> str:
     return f"{OPEN_NAME}{pair.number}"
 
 
-def open_watch(watched: WatchedPair) -> WatchState:
+def open_watch(one: WatchedPair) -> WatchState:
     """An open contact at a pair."""
-    return WatchState(open_name(watched.pair), watched.pair, watched.points, Mode.FLIGHT, 0.0, watched.is_away)
+    return WatchState(open_name(one.pair), one.pair, one.points, Mode.FLIGHT, 0.0, one.is_away)
 
 
 @dataclass
@@ -114,10 +114,10 @@ class WatchedPlate:
             points = watch.pair if watch else pair.guess(*self.body[:3])
             is_away = watch.is_away if watch else pair != successor and pair.is_away(points[1])
             every.append(WatchedPair(pair, points, is_away))
-        self.watches = [before.get(one.pair.number) or open_watch(one) for one in without_covered(every)]
-        ended = [watch for watch in before.values() if watch not in self.watches and watch.mode is not Mode.FLIGHT]
+        self.watches = [before.get(one.pair.number) or open_watch(one) for one in facing_pairs(every)]
+        left = [watch for watch in before.values() if watch not in self.watches and watch.mode is not Mode.FLIGHT]
         heirs = [watch for watch in self.watches if watch.contact == successor] if leaves else [arc]
-        for giver, heir in zip([arc] if leaves else ended, heirs, strict=False):
+        for giver, heir in zip([arc] if leaves else left, heirs, strict=False):
             if giver.mode is not Mode.FLIGHT:
                 heir.name, heir.mode = giver.name, giver.mode
                 self.causes[heir.name] = CAUSES["piece"]
