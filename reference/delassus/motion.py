@@ -227,7 +227,7 @@ class Simulation(PhaseIntegration):
             least = max(MOVES * self.speed, SMALL_IMPACT * self.impacts.fastest)
             more = {
                 contact.name for contact, pair, lift in zip(self.contacts, now, lifts, strict=True)
-                if pair.gap <= NO_GAP * self.size() and lift < -least
+                if not contact.is_away and pair.gap <= NO_GAP * self.size() and lift < -least
             }  # fmt: skip
             if not more:
                 return
