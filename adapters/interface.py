@@ -57,6 +57,7 @@ Optional:
     refuses_several_contacts(case, route) -> str | None
                                                     why such a route does not report the contacts of this case, in one
                                                     sentence, or None
+    SEVERAL_PLATES: tuple[str, ...]                 the routes that support further plates (`Case.others`);
     SUPPORTS: tuple[str, ...]                       the routes that support further fixed curves (`Case.supports`);
                                                     without a declaration, `refusal` rejects such a case
     OWN_EFFECTS: tuple[type, ...]                   the effects of other packages that it supports (classes derived from
@@ -125,7 +126,7 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     friction = case.effect(CoulombFriction)
     if friction and friction.by_speed and route not in getattr(adapter, "SLIP_LAWS", ()):
         return f"The {route} route does not support friction that depends on the slip velocity."
-    if case.others:
+    if case.others and route not in getattr(adapter, "SEVERAL_PLATES", ()):
         return f"The {route} route does not support several plates (others)."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import hypot
+from math import atan2, hypot, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -91,6 +91,19 @@ def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
     return tuple(contacts)
 
 
+def parameter(outline: Curve, angle):
+    """The parameter of a circle about the origin at a polar angle, number or array."""
+    first, rate = _angle_of(outline)
+    return (angle - first) / rate
+
+
+@lru_cache(maxsize=256)
+def _angle_of(outline: Curve) -> tuple[float, float]:
+    """(a, b) of a circle about the origin, run through evenly: its polar angle at the parameter s is a + b s."""
+    x, y = outline.point(0.0)
+    return atan2(y, x), 2.0 * pi / (outline.period or 2.0 * pi)
+
+
 def start_poses(case: Any) -> np.ndarray:
     """(x, y, θ, vx, vy, ω) of every plate at time zero, shape (plates, 6)."""
     first = case.start.motion(case.track, case.plate.outline)
@@ -134,9 +147,11 @@ def _check_forms(case: Any) -> None:
     for name, plate in zip(names_of(case), plates_of(case), strict=True):
         angles = np.linspace(0.0, 6.0, 17)
         is_disc = plate.radius is not None and np.allclose(
-            plate.outline.point(angles), plate.radius * np.array([np.cos(angles), np.sin(angles)]), rtol=0.0,
+            plate.outline.point(parameter(plate.outline, angles)),
+            plate.radius * np.array([np.cos(angles), np.sin(angles)]),
+            rtol=0.0,
             atol=1e-12 * plate.radius,
-        )  # fmt: skip
+        )
         if not is_disc:
             raise BadValue(f"several plates need discs, and {name!r} is none; give disc(radius, mass)")
     for other in case.others:

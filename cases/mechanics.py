@@ -5,12 +5,16 @@ A motion is anything with x, y, vx, vy, omega in SI units, numbers or arrays: a 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from .case_class import Case
 from .contact import belt_speed, track_place
 from .effects import Drive, Gravity
 from .own_effects import ContactEffect, own_effects
+from .plate import Plate
+from .trajectory import Trajectory
 
 
 def gravity(case: Case) -> np.ndarray:
@@ -20,19 +24,35 @@ def gravity(case: Case) -> np.ndarray:
 
 
 def kinetic_energy(case: Case, motion):
-    """½ m (vx² + vy²) + ½ J ω², J; a number, or an array of the motion's length."""
-    vx, vy, omega = (np.asarray(v) for v in (motion.vx, motion.vy, motion.omega))
-    moving = 0.5 * case.plate.mass * (vx**2 + vy**2)
-    return moving + 0.5 * case.plate.inertia * omega**2 if case.plate.turns else moving
+    """½ m (vx² + vy²) + ½ J ω², J; a number, or an array of the motion's length. Of a Trajectory that of all its
+    plates."""
+    first, *further = (_kinetic_energy(plate, own) for plate, own in _each_plate(case, motion))
+    return sum(further, first)
 
 
 def energy(case: Case, motion):
-    """Kinetic energy plus the potential of the case's gravity, J, zero potential at the frame's origin."""
+    """Kinetic energy plus the potential of the case's gravity, J, zero potential at the frame's origin. Of a Trajectory
+    that of all its plates."""
     kinetic, effect = kinetic_energy(case, motion), case.effect(Gravity)
     if effect is None:
         return kinetic
     gx, gy = effect.vector
-    return kinetic - case.plate.mass * (gx * np.asarray(motion.x) + gy * np.asarray(motion.y))
+    for plate, own in _each_plate(case, motion):
+        kinetic = kinetic - plate.mass * (gx * np.asarray(own.x) + gy * np.asarray(own.y))
+    return kinetic
+
+
+def _each_plate(case: Case, motion) -> list[tuple[Plate, Any]]:
+    """All plates that a motion has, with their motions."""
+    names = motion.plate_names if isinstance(motion, Trajectory) else ()
+    further = [(other.plate, motion.plate(other.name)) for other in case.others if other.name in names]
+    return [(case.plate, motion), *further]
+
+
+def _kinetic_energy(plate: Plate, motion):
+    vx, vy, omega = (np.asarray(v) for v in (motion.vx, motion.vy, motion.omega))
+    moving = 0.5 * plate.mass * (vx**2 + vy**2)
+    return moving + 0.5 * plate.inertia * omega**2 if plate.turns else moving
 
 
 def contact_power(case: Case, t, motion):

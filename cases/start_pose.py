@@ -43,10 +43,7 @@ class StartPose:
 
 
 def as_start(pose: StartPose, track: Curve, outline: Curve) -> Start:
-    """The same start by the contact parameters of the nearest points. Raises BadValue for a track with corners, and
-    DoesNotFit where the points are not found."""
-    if isinstance(track, Chain):
-        raise BadValue("a StartPose needs a track without corners; give Start(xi1, xi2), off the track with gap")
+    """The same start by the contact parameters of the nearest points. Raises DoesNotFit where they are not found."""
     x, y, theta = pose.x, pose.y, pose.theta
     contact = min(_contacts(track, outline, x, y, theta), key=lambda contact: contact.gap, default=None)
     if contact is None:

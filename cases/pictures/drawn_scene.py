@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .layout import DrawnScene, Instant, place_outline, visible
+from .layout import DrawnScene, Instant, along_line, place_outline, visible
 from .style import FORCE, PLATE, TRACK
 
 
@@ -24,7 +24,11 @@ def draw(
     The spoke turns with the plate, and the dot is the contact point. In flight, the path of the centre is drawn.
     `others`: scenes of free plates, with their poses.
     """
-    ax.plot(*scene.track.point(visible(scene, path, xi1)), color=TRACK, linewidth=1.6)
+    shown, places = path, xi1
+    if others:
+        further = np.array([(pose.x, pose.y) for _, poses in others for pose in poses]).T
+        shown, places = np.hstack([path, further]), np.concatenate([xi1, along_line(scene.track, further)])
+    ax.plot(*scene.track.point(visible(scene, shown, places)), color=TRACK, linewidth=1.6)
     flying = np.where(np.isfinite(xi1), np.nan, path)
     if np.isfinite(flying).any():
         ax.plot(*flying, color=PLATE, linewidth=0.9, linestyle=(0, (2, 1.5)))

@@ -66,6 +66,12 @@ def free_plates(case: Any, motion: Any, times: Any, shades: Sequence[float]) -> 
     return results
 
 
+def along_line(track: Curve, path: np.ndarray) -> np.ndarray:
+    """The parameters of a straight track's points below a path, shape (2, n)."""
+    low = float(track.span[0])
+    return low + track.tangent(low) @ (path - track.point(low)[:, None]) / float(track.speed(low))
+
+
 def visible(scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> np.ndarray:
     """Evenly spaced track parameters for drawing: all of a closed track, otherwise the part near the plate's path.
 

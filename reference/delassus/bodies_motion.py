@@ -10,7 +10,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Case, Curve, Impact, Mode, Plate, Start, Transition
-from cases.free_plates import PlateContact, plate_contacts, plates_of, start_poses
+from cases.free_plates import PlateContact, parameter, plate_contacts, plates_of, start_poses
 from cases.library import hill
 
 from .bodies import FIXED, ContactOfBodies, _frame
@@ -40,11 +40,12 @@ class PlatesMotion(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PairOfBodies:
-    """A contact of two plates, or of a plate and a line, as a pair of curves: `base` is the number of the plate whose
-    boundary, run through clockwise, is the track, None for a line."""
+    """A contact of two plates, or of a plate and a line, as a pair of curves: `base` is the plate whose boundary, run
+    through clockwise, is the track, None for a line."""
 
     contact: PlateContact
     pair: Case
+    base: Plate | None
     has_unique_points = True
     arc_range = None
 
@@ -71,9 +72,9 @@ class PairOfBodies:
         """A parameter of the outline as one of the outline."""
         return xi2
 
-    def polar(self, xi1: float) -> float:
-        """A parameter of the track as one of the base's outline: its polar angle; of a line as it is."""
-        return xi1 if self.contact.base is None else 0.5 * pi - xi1
+    def whole_xi1(self, xi1: float) -> float:
+        """A parameter of the track as one of the base's outline; of a line as it is."""
+        return xi1 if self.base is None else float(parameter(self.base.outline, 0.5 * pi - xi1))
 
 
 class BodiesDynamics(PlateDynamics):
@@ -112,7 +113,7 @@ def _pair_of_bodies_at(pair: PairOfBodies, body: Sequence[float] | np.ndarray, n
         other = states[base]
         turn = -atan2(x - other[0], y - other[1])
         xi1 = -turn + other[2]
-    xi2 = turn - 0.5 * pi - theta
+    xi2 = float(parameter(pair.plate.outline, turn - 0.5 * pi - theta))
     xi1 += 2.0 * pi * round((near[0] - xi1) / (2.0 * pi)) if base is not None else 0.0
     one = ContactOfBodies(pair.pair, xi1, xi2, own, base)
     lift_row, slip_row, lift_bias, slip_bias = _frame(one, states)
@@ -177,13 +178,14 @@ class BodiesSimulation(Simulation):
         self.searched = []
         for contact in plate_contacts(case):
             plates = plates_of(case)
-            track = contact.curve if contact.base is None else hill(cast(float, plates[contact.base].radius))
+            base = None if contact.base is None else plates[contact.base]
+            track = contact.curve if base is None else hill(cast(float, base.radius))
             assert track is not None
             pair = replace(
                 case, track=track, plate=plates[contact.body], effects=contact.effects, start=_anywhere(track),
                 supports=(), others=(),
             )  # fmt: skip
-            watched = WatchedContact(contact.name, PairOfBodies(contact, pair), (0.0, 0.0), Mode.FLIGHT)  # type: ignore[arg-type]
+            watched = WatchedContact(contact.name, PairOfBodies(contact, pair, base), (0.0, 0.0), Mode.FLIGHT)  # type: ignore[arg-type]
             self.contacts.append(watched)
 
     def size(self) -> float:
@@ -247,7 +249,7 @@ class BodiesSimulation(Simulation):
             if mode is not contact.mode or (mode is Mode.FLIGHT and contact.name in self.struck):
                 xi1, xi2 = contact.pair
                 changes.append(
-                    Transition(self.t, contact.mode, mode, pair.polar(xi1), float(xi2), contact=contact.name)
+                    Transition(self.t, contact.mode, mode, pair.whole_xi1(xi1), float(xi2), contact=contact.name)
                 )
             self.contacts[k] = contact._replace(mode=mode)
         self.impacts.list_changes(self.t, [] if self.is_start else changes)  # the modes of a start are no changes

@@ -9,7 +9,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Case, Gravity
-from cases.free_plates import PlateContact, gap_of, plate_contacts, plates_of, size_of
+from cases.free_plates import PlateContact, gap_of, parameter, plate_contacts, plates_of, size_of
 
 from ..several.contact_law import coefficients, restitution
 
@@ -87,7 +87,7 @@ def place(case: Case, number: int, state: Sequence[float] | np.ndarray) -> Plate
         away = positions[body, :2] - positions[base, :2]
         nx, ny = (away / np.hypot(*away)).tolist()
         tx, ty = ny, -nx
-        xi1 = float(np.arctan2(ny, nx) - positions[base, 2])
+        xi1 = float(parameter(plates_of(case)[base].outline, np.arctan2(ny, nx) - positions[base, 2]))
         relative = velocities[body, :2] - velocities[base, :2]
         along, across = float(relative @ (tx, ty)), float(relative @ (nx, ny))
         lift_bias, slip_bias = along**2 / float(np.hypot(*away)), -along * across / float(np.hypot(*away))
@@ -95,7 +95,7 @@ def place(case: Case, number: int, state: Sequence[float] | np.ndarray) -> Plate
         slip_row[3 * base : 3 * base + 3] = -tx, -ty, radii[base]
     lift_row[3 * body : 3 * body + 2] = -ty, tx
     slip_row[3 * body : 3 * body + 3] = tx, ty, radii[body]
-    xi2 = float(np.arctan2(-tx, ty) - positions[body, 2])
+    xi2 = float(parameter(plates_of(case)[body].outline, np.arctan2(-tx, ty) - positions[body, 2]))
     return PlateContactPlace(contact, gap, (-ty, tx), xi1, xi2, lift_row, slip_row, lift_bias, slip_bias)
 
 

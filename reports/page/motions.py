@@ -20,7 +20,8 @@ import numpy as np
 
 import cases
 from cases import Case, Mode
-from cases.pictures.layout import visible
+from cases.pictures.layout import along_line, visible
+from cases.supports import TRACK
 
 from ..judging.grades import percent
 from ..running import per_solver
@@ -60,7 +61,11 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         return None
     times = _times(truth)
     x, y, xi1 = (truth.samples[name] for name in ("x", "y", "xi1"))
-    track_parameters = visible(case.scene, np.array([x, y]), xi1)
+    path = np.array([x, y])
+    for samples in truth.plate_samples.values():
+        further = np.array([samples["x"], samples["y"]])
+        path, xi1 = np.hstack([path, further]), np.concatenate([xi1, along_line(case.track, further)])
+    track_parameters = visible(case.scene, path, xi1)
     return {
         "label": case.label,
         "down": case.scene.down,
@@ -79,6 +84,14 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         "contacts": [
             {"name": name, "data": pack(np.array([at_contact(times, samples, column) for column in OF_CONTACT]))}
             for name, samples in truth.contact_samples.items()
+            if not case.others or name.endswith(f"/{TRACK}")  # a place on the track
+        ],
+        "plates": [
+            {
+                "outline": pack(case.scene._replace(outline=other.plate.outline).corners()),
+                "data": pack(np.array([_at(times, truth.plate_samples[other.name], q) for q in ("x", "y", "theta")])),
+            }
+            for other in case.others
         ],
         "runs": [_run(run, times) for run in moving_runs(experiment, case.label)],
     }

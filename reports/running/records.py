@@ -65,6 +65,7 @@ class Truth:
     scale: Scale | None = None  # errors of motions that ignore friction's law; of several contacts, the first one's
     contact_scales: dict[str, Scale] = field(default_factory=dict)  # of each contact, where there are several
     contact_samples: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)  # for the player, by contact
+    plate_samples: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)  # for the player, by free plate
     friction_sensitivity: float = float("nan")  # the score that 1 % of friction makes
     centre_bar: float = float("nan")  # error bar of the motion's centre, m
     kinds: tuple[str, ...] = ()

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from adapters import Setting
-from cases import Case, ContactEffect, NotSupported, Trajectory
+from cases import Case, ContactEffect, Trajectory
 from reference import solve
 from reference.minimal.modes import start_state
 
@@ -20,6 +20,7 @@ routes = solve.ROUTES
 SLIP_LAWS = routes
 # The paper's matrix is for one contact.
 SEVERAL_CONTACTS = tuple(route for route in routes if route != "augmented")
+SEVERAL_PLATES = SEVERAL_CONTACTS
 OWN_EFFECTS = (ContactEffect,)
 
 # From a coarse tolerance to the limit of double precision.
@@ -52,8 +53,6 @@ def build(case: Case, route: str, setting: Setting) -> _Model:
     """Derive and compile the equations of the first mode, later ones when a run enters them; raises NotSupported for an
     unsupported case."""
     if case.others:
-        if route == "augmented":
-            raise NotSupported("the method 'augmented' has one plate")
         _, integrator = solve.INTEGRATORS[route]
         return _Model(case, lambda: solve.solve_supports(case, setting["rtol"], integrator))
     start = start_state(case)

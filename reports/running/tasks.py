@@ -112,6 +112,7 @@ def find_truth(case: Case) -> Truth:
         scale=scale,
         contact_scales=contact_scales,
         contact_samples=_contact_samples(motion) if contact_scales else {},
+        plate_samples={name: _plate_samples(motion, name) for name in motion.plate_names[1:]},
         friction_sensitivity=friction_sensitivity(case, motion, contact_scales or {"": scale}),
         error_bars=tuple(row[2].bar for row in certified),
         first_mode=motion.first_mode,
@@ -133,9 +134,7 @@ def _contact_scales(case: Case, motion: Trajectory, events: tuple[Transition, ..
 
 def _contact_samples(motion: Trajectory) -> dict[str, dict[str, np.ndarray]]:
     """Samples of each contact of a motion with several, for the player; parameters only while it is closed."""
-    events = [event.time for event in motion.transitions]
-    times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SHOWN_SAMPLES - len(events)), events)
-    samples = {}
+    times, samples = _shown_times(motion), {}
     assert motion.contact_columns is not None, "a motion with several contacts has the columns of each"
     for name in motion.contact_names:
         now = motion.contact_columns(name, times)
@@ -148,6 +147,19 @@ def _contact_samples(motion: Trajectory) -> dict[str, dict[str, np.ndarray]]:
             "normal_high": now.normal_range[1],
         }
     return samples
+
+
+def _shown_times(motion: Trajectory) -> np.ndarray:
+    """Evenly spaced times, and those of the transitions."""
+    events = [event.time for event in motion.transitions]
+    return np.union1d(np.linspace(motion.t[0], motion.t[-1], _SHOWN_SAMPLES - len(events)), events)
+
+
+def _plate_samples(motion: Trajectory, name: str) -> dict[str, np.ndarray]:
+    """Samples of the pose of a free plate."""
+    times = _shown_times(motion)
+    now = motion.plate(name)(times)
+    return {"t": times, "x": np.asarray(now.x), "y": np.asarray(now.y), "theta": np.asarray(now.theta)}
 
 
 def in_catalogue(case: Case) -> bool:
@@ -170,8 +182,7 @@ def _centre_bar(certificate: Certificate, motion: Trajectory) -> float:
 
 def _evenly(motion: Trajectory) -> Trajectory:
     """A motion sampled at even distances and at its transitions."""
-    events = [event.time for event in motion.transitions]
-    times = np.union1d(np.linspace(motion.t[0], motion.t[-1], _SHOWN_SAMPLES - len(events)), events)
+    times = _shown_times(motion)
     return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
 
 

@@ -184,11 +184,6 @@ def test_where_a_flat_side_ends_the_motion_the_reason_says_what_to_give(case, wo
     assert motion.status == "second_contact" and words in motion.reason
 
 
-def test_a_pose_on_a_track_with_corners_is_rejected():
-    with pytest.raises(BadValue, match="needs a track without corners; give Start"):
-        on(Chain.polyline([(-1, 0), (1, 0), (1, -2)]), BOX, start=StartPose(0.0, 0.1))
-
-
 # --- both formulations ------------------------------------------------------------------------------------------------
 
 

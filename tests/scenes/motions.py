@@ -16,11 +16,13 @@ from cases import (
     CoulombFriction,
     Curve,
     Drive,
+    FreePlate,
     Gravity,
     Load,
     Outline,
     RollingResistance,
     Start,
+    StartPose,
     Trajectory,
 )
 from cases import curves as c
@@ -159,7 +161,24 @@ def mirrored(case: Case) -> Case:
         ),
         start=Start(-start.xi1, -start.xi2, -start.slip, -start.omega, case.start.gap, case.start.gap_rate),
         supports=tuple(replace(support, curve=_mirrored_curve(support.curve)) for support in case.supports),
+        others=tuple(_mirrored_plate(other) for other in case.others),
     )
+
+
+def _mirrored_plate(other: FreePlate) -> FreePlate:
+    s = other.start
+    start = StartPose(-s.x, s.y, -s.theta, -s.vx, s.vy, -s.omega)
+    return replace(other, plate=replace(other.plate, outline=_mirrored_curve(other.plate.outline)), start=start)
+
+
+def _turned_plate(other: FreePlate, length: float, time: float, mass: float, turn: float) -> FreePlate:
+    s, plate = other.start, other.plate
+    place, velocity = ((x + 1j * y) * np.exp(1j * turn) * length for x, y in ((s.x, s.y), (s.vx, s.vy)))
+    start = StartPose(
+        place.real, place.imag, s.theta + turn, velocity.real / time, velocity.imag / time, s.omega / time
+    )
+    outline, inertia = _turned_curve(plate.outline, length, 0), mass * length**2 * plate.inertia
+    return replace(other, plate=replace(plate, outline=outline, mass=mass * plate.mass, inertia=inertia), start=start)
 
 
 def in_other_units(case: Case, length: float, time: float, mass: float, turn: float) -> Case:
@@ -196,6 +215,7 @@ def in_other_units(case: Case, length: float, time: float, mass: float, turn: fl
             case.start.gap_rate * length / time,
         ),
         duration=case.duration * time,
+        others=tuple(_turned_plate(other, length, time, mass, turn) for other in case.others),
     )
 
 
@@ -241,7 +261,11 @@ def energy(case: Case, state) -> np.ndarray:
     kinetic = 0.5 * case.plate.mass * (state.vx**2 + state.vy**2)
     if case.plate.turns:
         kinetic = kinetic + 0.5 * case.plate.inertia * state.omega**2
-    return kinetic + case.plate.mass * gravity.g * height
+    total = kinetic + case.plate.mass * gravity.g * height
+    for other in case.others:
+        alone = replace(case, plate=other.plate, start=Start(0.0), others=())
+        total = total + energy(alone, state.plate(other.name))
+    return total
 
 
 def work_done(case: Case, motion: Trajectory) -> float:

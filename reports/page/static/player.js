@@ -51,15 +51,14 @@ suite.player = async (place) => {
   const flying = (values) => values.map((v, i) => (Number.isFinite(truth.xi1[i]) ? NaN : v));
   make("path", world, { d: polyline(track.x, track.y), class: "track" });
   make("path", world, { d: polyline(flying(truth.x), flying(truth.y)), class: "flight" });
-  const shape = `${polyline(outline.x, outline.y)}Z`, mark = `M0 0L${outline.x[0]} ${outline.y[0]}`;
-  const plateOf = (parent, kind) => {
+  const plateOf = (parent, kind, { x, y } = outline) => {
     const group = make("g", parent, { class: kind });
-    make("path", group, { d: shape });
-    make("path", group, { d: mark });
-    make("circle", group, { cx: 0.72 * outline.x[0], cy: 0.72 * outline.y[0], r: 0.09 * reach });
+    make("path", group, { d: `${polyline(x, y)}Z` });
+    make("path", group, { d: `M0 0L${x[0]} ${y[0]}` });
+    make("circle", group, { cx: 0.72 * x[0], cy: 0.72 * y[0], r: 0.09 * reach });
     return group;
   };
-  const plate = plateOf(world, "plate");
+  const plate = plateOf(world, "plate"), others = motion.plates.map((one) => ({ ...one, group: plateOf(world, "plate", one.outline) }));
   // Each route's runs, from the default setting to the finest.
   const ladders = [...motion.runs.reduce((map, run) => map.set(`${run.solver} ${run.route}`, [...(map.get(`${run.solver} ${run.route}`) ?? []), run]), new Map()).values()];
   const setting = part(".setting"), engines = part(".engines");
@@ -86,8 +85,12 @@ suite.player = async (place) => {
     };
   });
 
-  const xs = range([...track.x, ...truth.x.map((x) => x - reach), ...truth.x.map((x) => x + reach)]);
-  const ys = range([...track.y, ...truth.y.map((y) => y - reach), ...truth.y.map((y) => y + reach)]);
+  // The room of a plate: of a free one by its own size.
+  const around = (axis) => [{ ...truth, outline }, ...motion.plates].flatMap((one) => {
+    const size = Math.max(...Array.from(one.outline.x, Math.abs), ...Array.from(one.outline.y, Math.abs), one.outline === outline ? reach : 0);
+    return Array.from(one[axis]).flatMap((value) => [value - size, value + size]);
+  });
+  const xs = range([...track.x, ...around("x")]), ys = range([...track.y, ...around("y")]);
   const width = xs[1] - xs[0], height = ys[1] - ys[0], room = 0.04 * Math.max(width, height);
   const whole = [xs[0] - room, (up > 0 ? ys[0] : -ys[1]) - room, width + 2 * room, height + 2 * room];
   part(".follow").checked = Math.max(width, height) > 40 * reach;
@@ -143,6 +146,7 @@ suite.player = async (place) => {
     const x = now(truth.x), y = now(truth.y), angle = now(truth.angle), factor = 10 ** +larger.value;
     const put = (group, a, b, c) => group.setAttribute("transform", `translate(${a} ${b}) rotate(${(c * 180) / Math.PI})`);
     put(plate, x, y, angle);
+    for (const { group, x: cx, y: cy, angle: turn } of others) put(group, now(cx), now(cy), now(turn));
     for (const { run, group } of ghosts) {
       const [dx, dy, turn] = ["x", "y", "angle"].map((name) => now(run.off[name]));
       const there = suite.on(run.solver, run.route) && Number.isFinite(dx);

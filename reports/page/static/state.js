@@ -91,7 +91,10 @@ const suite = (() => {
     }
     const contacts = [];
     for (const { name, data: packed } of data.contacts) contacts.push({ name, ...columns(["xi1", "normal", "friction", "low", "high"], await numbers(packed)) });
-    return { ...data, t, truth, runs, contacts, track: { ...data.track, ...track }, outline: columns(["x", "y"], await numbers(data.outline)) };
+    const plates = [];
+    for (const { outline, data: packed } of data.plates)
+      plates.push({ outline: columns(["x", "y"], await numbers(outline)), ...columns(["x", "y", "angle"], await numbers(packed)) });
+    return { ...data, t, truth, runs, contacts, plates, track: { ...data.track, ...track }, outline: columns(["x", "y"], await numbers(data.outline)) };
   }
 
   const motion = (label) => cache.get(label) ?? (cache.set(label, read(label)), cache.get(label));
