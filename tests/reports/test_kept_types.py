@@ -67,14 +67,14 @@ ARRAYS = of_numpy.arrays(
 
 @st.composite
 def motions(draw) -> Trajectory:
-    """A motion as it travels: without a dense output, without its case, and with one contact."""
+    """A motion as it travels: without a dense output, without its case, and with one contact and one plate."""
     length = draw(st.integers(0, 4))
     columns = {name: draw(of_numpy.arrays(np.float64, (length,), fill=st.nothing())) for name in ("t", *State._fields)}
     rest = {
         f.name: draw(st.from_type(hints[f.name]))
         for hints in [get_type_hints(Trajectory, vars(cases.trajectory), vars(cases) | {"Case": cases.Case})]
         for f in dataclasses.fields(Trajectory)
-        if f.name not in (*columns, "dense", "case", "contact_columns")
+        if f.name not in (*columns, "dense", "case", "contact_columns", "plate_columns")
     }
     return Trajectory(**columns, **rest)
 
