@@ -17,6 +17,7 @@ from reports.judging import friction_factor, impacts, several_contacts
 from reports.judging.ledger import LedgerRow
 from reports.judging.null_motions import null_motions
 from reports.page import motions
+from reports.running.records import Truth
 
 ROCKING = cases.load("disc_rocking_in_groove")
 
@@ -140,3 +141,18 @@ def test_the_player_shows_the_contact_that_closes_at_the_instant_of_an_impact():
     times = np.array([0.0, 0.4, 0.6, 1.0, 1.5])
     np.testing.assert_allclose(motions.at_contact(times, closes, "xi1"), [np.nan, np.nan, 0.5, 0.5, 0.55])
     np.testing.assert_allclose(motions.at_contact(times, opens, "xi1"), [0.1, 0.1, np.nan, np.nan, np.nan])
+
+
+def test_the_player_begins_with_the_modes_of_all_contacts_that_change_later():
+    names = "plate/track", "upper/plate"
+    changes = (
+        Transition(0.5, Mode.ROLL, Mode.SLIP_FORWARD, contact=names[1]),
+        Transition(0.7, Mode.SLIP_FORWARD, Mode.FLIGHT, contact=names[1]),
+    )
+    samples = {name: {"t": np.array([0.0, 1.0])} for name in names}
+    record = Truth(
+        transitions=changes, first_mode=Mode.SLIDE, samples=samples[names[0]], contact_samples=samples,
+        contact_scales=dict.fromkeys(names, None),  # type: ignore[arg-type]
+    )  # fmt: skip
+    words = [mode for _, mode, _ in motions._modes(record)]
+    assert words[0] == "slide at plate/track, roll at upper/plate" and words[-1] == "slide at plate/track"
