@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,7 @@ def copy(tmp_path, monkeypatch):
     path = tmp_path / "truth.json"
     truth_file.write([read()[LABEL], read()["disc_on_line[mu=0.1]"]], path)
     whole = truth_file.read.__wrapped__
+    import_module("reference.certification.rebuild")  # it imports the function that is replaced here, and its cache
     monkeypatch.setattr(truth_file, "read", lambda path=path: whole(path))
     monkeypatch.setattr(fingerprint.certification, "read", truth_file.read)
     return path
