@@ -15,7 +15,7 @@ from .impact_laws import velocities
 from .integration import EPS, FORGOTTEN, DenseStep, PhaseIntegration
 from .phase import SeveralContactPhase
 from .plate_state import MOVES, TOUCHES, SimulationEnd
-from .small_impacts import SMALL_IMPACT, ImpactRecord
+from .small_impacts import ImpactRecord
 
 # Small impacts are extrapolated to their end where the plate moves by less than this part of its size until then.
 SMALL_HOP = 1e-9
@@ -219,15 +219,13 @@ class Simulation(PhaseIntegration):
     # --- impacts ------------------------------------------------------------------------------------------------------
 
     def strike_all(self, now: Sequence[PairState]) -> None:
-        """The impact at the touched contacts, and those that it causes at once at others without a gap; small ones, of
-        corners that bounce alternately, have events of their own."""
+        """The impact at the touched contacts, and those that it causes at once at others without a gap."""
         for _ in range(MOST_IMPACTS):
             self.strike(now)
             lifts = [float(pair.lift_row @ self.body[3:]) for pair in now]
-            least = max(MOVES * self.speed, SMALL_IMPACT * self.impacts.fastest)
             more = {
                 contact.name for contact, pair, lift in zip(self.contacts, now, lifts, strict=True)
-                if not contact.is_away and pair.gap <= NO_GAP * self.size() and lift < -least
+                if not contact.is_away and pair.gap <= NO_GAP * self.size() and lift < -MOVES * self.speed
             }  # fmt: skip
             if not more:
                 return
@@ -259,18 +257,20 @@ class Simulation(PhaseIntegration):
         names, closers = (frozenset(self.contacts[k].name for k in those) for those in (places_hit, closing))
         record = ImpactRecord(self.t, max(-now[k].lift for k in closing), names, closers, self.body.copy())
         self.impacts.count(record)
-        self.touching, self.stuck = set(), set()
+        self.touching, self.stuck, tiny = set(), set(), False
         for i, k in enumerate(places_hit):
             name, lift = self.contacts[k].name, float(now[k].lift_row @ velocity)
             if k in closing:
                 self.struck.add(name)
             if lift > small and not self.is_tiny(now[k], lift):
                 continue
-            if lift > small:
-                self.impacts.at_rest = True
+            tiny |= lift > small
             self.touching.add(name)
             if stuck[i]:
                 self.stuck.add(name)
+        # One corner may lie still while the other one bounces on.
+        recent = {name for record in self.impacts.strikes[-TURNS:] for name in record.names}
+        self.impacts.at_rest |= tiny and recent <= self.touching
 
     def velocities_after(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
         """Velocities after an impact at some contacts, and which of these do not slip."""
