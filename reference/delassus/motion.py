@@ -269,8 +269,8 @@ class Simulation(PhaseIntegration):
             if stuck[i]:
                 self.stuck.add(name)
         # One corner may lie still while the other one bounces on.
-        recent = {name for record in self.impacts.strikes[-TURNS:] for name in record.names}
-        self.impacts.at_rest |= tiny and recent <= self.touching
+        low = {c.name for c, pair in zip(self.contacts, now, strict=True) if pair.gap <= TOUCHES * self.size()}
+        self.impacts.at_rest |= tiny and low <= self.touching
 
     def velocities_after(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
         """Velocities after an impact at some contacts, and which of these do not slip."""
