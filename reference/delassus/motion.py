@@ -222,7 +222,7 @@ class Simulation(PhaseIntegration):
         """The impact at the touched contacts, and those that it causes at once at others without a gap."""
         for _ in range(MOST_IMPACTS):
             self.strike(now)
-            lifts = [float(pair.lift_row @ self.body[3:]) for pair in now]
+            lifts = [float(pair.lift_row @ self.body[self.half :]) for pair in now]
             more = {
                 contact.name for contact, pair, lift in zip(self.contacts, now, lifts, strict=True)
                 if not contact.is_away and pair.gap <= NO_GAP * self.size() and lift < -MOVES * self.speed
@@ -269,7 +269,10 @@ class Simulation(PhaseIntegration):
             if stuck[i]:
                 self.stuck.add(name)
         # One corner may lie still while the other one bounces on.
-        low = {c.name for c, pair in zip(self.contacts, now, strict=True) if pair.gap <= TOUCHES * self.size()}
+        low = {
+            c.name for c, pair in zip(self.contacts, now, strict=True)
+            if pair.gap <= TOUCHES * self.size() and not c.is_away
+        }  # fmt: skip
         self.impacts.at_rest |= tiny and low <= self.touching
 
     def velocities_after(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
