@@ -45,6 +45,7 @@ from cases import (
     Unilateral,
 )
 from cases.contact import start_motion
+from cases.contact_limits import touches_by_features
 from cases.errors import unknown_name
 from cases.mechanics import gravity
 
@@ -116,7 +117,7 @@ def refuses(case: Case, route: str) -> str | None:
         )
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles only, and this outline is none."
-    if case.supports and (problem := support_contacts.refuses(case)):
+    if touches_by_features(case) and (problem := support_contacts.refuses(case)):
         return problem
     if any(own != whole for own, whole in shapes.restitutions(case)):
         return "box2d takes the larger restitution of both shapes, and a support here has its own."

@@ -18,6 +18,7 @@ import numpy as np
 
 from cases import Case, Cost, CoulombFriction, Drive, Flight, Load, Trajectory
 from cases.contact import Contact, slip_velocity, start_motion
+from cases.contact_limits import touches_by_features
 from cases.mechanics import gravity
 from cases.moving_frame import relative_case
 
@@ -120,7 +121,7 @@ def _from_track(record: StepRecord) -> StepRecord:
 
 
 def _read(record: StepRecord) -> Trajectory:
-    if record.case.supports:
+    if touches_by_features(record.case):
         return _read_on_supports(record)
     case, samples = record.case, _samples(record)
     hop = _hop(record, samples)

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from cases import Case, CoulombFriction, PerfectlyRough, Trajectory
+from cases.contact_limits import touches_by_features
 from cases.contact_pairs import PairCase, contact_name, pairs
 from cases.corner import Corner, turning
 from cases.line_or_circle import as_circle, as_line
@@ -45,7 +46,7 @@ def refuses(case: Case) -> str | None:
 
 def refuses_several(case: Case) -> str | None:
     """Why the several contacts of a case, on supports or on its track, do not follow from its poses, or None."""
-    return refuses(case) if case.supports else several_contacts.supports(case)
+    return refuses(case) if touches_by_features(case) else several_contacts.supports(case)
 
 
 @dataclass(frozen=True)

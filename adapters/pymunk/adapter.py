@@ -32,6 +32,7 @@ from cases import (
     Unilateral,
 )
 from cases.contact import start_motion
+from cases.contact_limits import touches_by_features
 from cases.moving_frame import relative_case
 
 from ..common import driven_tracks, facets, half_steps, support_contacts
@@ -101,7 +102,7 @@ def refuses_several_contacts(case: Case, route: str) -> str | None:
 def _refuses_natively(case: Case) -> str | None:
     if facets.has_hollow_corners(case.plate.outline):
         return "pymunk's polygons are convex, and this outline has corners that point inwards."
-    if case.supports and (problem := support_contacts.refuses(case)):
+    if touches_by_features(case) and (problem := support_contacts.refuses(case)):
         return problem
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
