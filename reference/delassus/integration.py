@@ -175,7 +175,7 @@ class PhaseIntegration(PlateState):
             roots[name] = float(brentq(value, before, look, xtol=1e-15, rtol=8.9e-16)) if falls else before
         first = min(roots.values())
         self.stretches.append(DenseStep(self.stretches[-1].end if self.stretches else self.t, first, dense, phase))
-        self.stretches[-1] = self.stretches[-1]._replace(start=min(before, first))
+        self.stretches[-1] = self.stretches[-1]._replace(start=min(self.stretches[-1].start, first))
         if self.elsewhere(before, first, dense):
             return [("meeting", "")]
         self.t, self.body = first, dense(first)
