@@ -172,7 +172,7 @@ def _random_state(seed: int):
     )
     names, limits = ("plate/track", "plate/track 2"), (0.0, 0.0)
     state = join(body, [(one.xi1, one.xi2) for one in at])
-    return case, DecisionInstant(0.0, state, at, names, limits, (0, 1), max(abs(moves) * radius, 1.0))
+    return case, DecisionInstant(0.0, state, at, names, limits, (0, 1), max(abs(moves) * radius, 1.0), (False, False))
 
 
 def _accelerations(seed: int) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray | None]:
