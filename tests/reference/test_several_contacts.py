@@ -182,7 +182,7 @@ def _accelerations(seed: int) -> tuple[list[np.ndarray], list[np.ndarray], np.nd
     decision = decide(case, now, 1e-12)
     first = []
     for modes in decision.motions:
-        regime = SeveralRegime(modes, now.names, now.limits, now.pairs)
+        regime = SeveralRegime(modes, now.names, now.limits, now.pairs, now.away)
         still = sum(2 if m is Mode.ROLL else m is not Mode.FLIGHT for m in modes) > 2
         phase = None if still else several_phase(case, regime)
         rates = phase.system.rates_of_numbers(0.0, now.state, phase.parameters)[-3:] if phase else (0.0, 0.0, 0.0)
