@@ -33,8 +33,8 @@ def motion(raw: Any, case: Case) -> Trajectory:
     """The motion that an adapter returned for a case, as plain arrays, numbers and words.
 
     Other code judges whether it is a motion of the case. The columns of each contact are read once, at the samples; its
-    `dense` output and the passages between pieces are left out: nothing calls back into an adapter. Raises
-    EngineFailure in one sentence that names a value of the wrong type or size.
+    `dense` output, the passages between pieces and further plates are left out: nothing calls back into an adapter.
+    Raises EngineFailure in one sentence that names a value of the wrong type or size.
     """
     if not isinstance(raw, Trajectory):
         raise EngineFailure(f"it returned {_short_text(raw)} in place of a Trajectory")

@@ -160,8 +160,6 @@ def test_block_on_its_corner_is_carried_by_a_belt():
 @pytest.mark.parametrize(
     ("case", "status", "words"),
     [
-        (on(library.line(), Plate.half_disc(0.3, 1.0), Impact(0.3), xi1=0.0, xi2=0.5 * pi + 0.3, gap=0.1),
-         "second_contact", "flat side"),
         (on(TABLE, disc(R, 1.0), CoulombFriction(0.5), xi1=0.5, omega=-15.0), "landing", "names no Impact"),
         (on(Chain.polyline([(-1, -1), (0, 0), (1, -1)]), Plate.polygon([(-0.1, 0.1), (0, -0.1), (0.1, 0.1)], 1.0),
             Impact(0.3), xi1=sqrt(2) + pi / 4, xi2=sqrt(0.05) + 0.5 * (pi - 2 * np.arctan2(0.1, 0.2)), gap=0.2),
