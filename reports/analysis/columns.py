@@ -80,7 +80,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "grade": ("the score in words: excellent, very good, good, rough, poor, unusable; empty: no answer", ""),
     "sequence": ("how the sequence of modes agrees with the truth's", ""),
     "friction_sensitivity": ("off that 1 % more or less friction makes, the larger one", "1"),
-    "friction_share": ("pose error of the nearest null motion over the path of the truth", "1"),
+    "friction_share": ("pose error of the nearest null motion over the path of the truth; empty: no motion", "1"),
     "not_ranked": ("why the case does not rank engines; empty: it does", ""),
     # the verdict: of each route, over the cases that measure friction
     "digits_rank": ("1 + the routes with more digits by more than a tie; empty: partly this project's, or no case", ""),

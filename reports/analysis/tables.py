@@ -50,7 +50,7 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
         }
         common |= {
             "friction_sensitivity": truth.friction_sensitivity,
-            "friction_share": truth.scale.share if truth.scale else nan,
+            "friction_share": truth.scale.share if truth.scale and isfinite(truth.scale.share) else nan,
             "not_ranked": not_ranked(truth.friction_sensitivity, truth.scale),
         }
         notes = truth.failure or f"witnesses: {', '.join(truth.witnesses)}"

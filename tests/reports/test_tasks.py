@@ -1,13 +1,18 @@
 """One run and its verdict, and the tables."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import cases
 from adapters import EngineFailure, Setting
-from cases import Mode, NotSupported, State, Trajectory, Transition
+from cases import Mode, NotSupported, Start, State, Trajectory, Transition
+from reports.analysis import tables
+from reports.analysis.columns import Table
+from reports.page import text
 from reports.page.case_tables import error_text
 from reports.running import tasks
 from reports.running.records import Run, first_error
@@ -62,6 +67,15 @@ def test_truth_of_bowling_is_the_textbook_time(line):
     assert truth.failure == "" and len(truth.witnesses) >= 3
     assert [event.time for event in truth.transitions] == pytest.approx([1.0 / (3 * 0.1 * 9.81)], abs=1e-14)
     assert 0.0 < truth.error_bars[0] < 1e-12
+
+
+def test_truth_of_a_plate_at_rest_is_a_row_that_can_be_written(tmp_path):
+    """Its path is 0, so the error of ignoring friction is no share of it: an infinite share once ended a report."""
+    case = replace(cases.load("disc_on_line"), start=Start(xi1=0.0))
+    rows = tables.truth_rows(SimpleNamespace(truths={case.label: tasks.find_truth(case)}))
+    frames = {"truth": pd.DataFrame(rows)}
+    written = text.write(frames, {"truth": Table("truth", {})}, tmp_path, "make report")
+    assert written and frames["truth"].friction_share.isna().all()
 
 
 def test_exact_motion_is_right_to_rounding(monkeypatch, line):
