@@ -21,11 +21,28 @@ _SAME_SEQUENCE = "same sequence"
 def engine_map(
     experiment: Experiment, order: Iterable[tuple[str, str]], exclusions: Mapping[str, str]
 ) -> dict[str, Any]:
-    """Data of the map for its template: the cases that rank engines first, and two rows of cells for each route in
-    `order`. `exclusions`: why the other cases do not rank them."""
+    """Data of the map for its template: bands of cases, those that rank engines first, and in each band two rows of
+    cells for each route in `order`. Few cases share one band. `exclusions`: why the other cases do not rank them."""
     labels = [case.label for case in experiment.cases]
-    labels.sort(key=lambda label: label in exclusions)
+    ranking = [label for label in labels if label not in exclusions]
+    others = [label for label in labels if label in exclusions]
+    is_dense = len(labels) >= _DENSE
+    bands = [ranking, others] if is_dense and ranking else [ranking + others]
     groups = routes(experiment.runs)
+    return {
+        "bands": [_band(band, groups, list(order), exclusions) for band in bands if band],
+        "is_dense": is_dense,
+        "has_exclusions": bool(others),
+        "grades": _legend(),
+    }
+
+
+def _band(
+    labels: Sequence[str],
+    groups: Mapping[tuple[str, str, str], Sequence[Run]],
+    order: Sequence[tuple[str, str]],
+    exclusions: Mapping[str, str],
+) -> dict[str, Any]:
     entries = [
         {
             "solver": solver,
@@ -39,7 +56,7 @@ def engine_map(
         {"label": label, "anchor": anchor(label), "exclusion": exclusions.get(label, ""), "first": _is_first(labels, i)}
         for i, label in enumerate(labels)
     ]
-    return {"cases": cases, "routes": entries, "is_dense": len(labels) >= _DENSE, "grades": _legend()}
+    return {"cases": cases, "routes": entries}
 
 
 def _is_first(labels: Sequence[str], place: int) -> bool:
@@ -57,7 +74,9 @@ def _rows(groups: Mapping[str, Sequence[Run]], name: str) -> list[dict[str, Any]
         for settings, cell in (("default", first), ("finest", last)):
             tip = f"{name}, {settings} settings, {label}: {cell['tip']}"
             cells[settings].append(cell | {"tip": tip.replace("finest settings", "finest setting run")})
-    return [{"settings": settings, "cells": row} for settings, row in cells.items() if any(c["off"] for c in row)]
+    # A route without any motion keeps one row, hatched.
+    shown = [settings for settings, row in cells.items() if any(cell["off"] for cell in row)] or ["finest"]
+    return [{"settings": settings, "cells": cells[settings]} for settings in shown]
 
 
 def _missing(group: Sequence[Run]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ import re
 import zlib
 from base64 import b64decode
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -18,6 +19,7 @@ from cases import Mode, Transition
 from reference.proofs.record import DecimalInterval
 from reports.page import chapters, evidence, motions, vendor
 from reports.page.fragments import short_percent, table, verbatim
+from reports.page.grade_map import engine_map
 from reports.running.records import Experiment, Truth
 
 ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))
@@ -147,3 +149,18 @@ def test_no_two_cases_have_the_same_anchor():
     labels += [case.label for name in cases.names() for case in cases.select(name)]
     anchors = [chapters.anchor(label) for label in labels]
     assert len(set(anchors)) == len(labels) and all(re.fullmatch(r"case-[\w-]+", anchor) for anchor in anchors)
+
+
+def test_a_map_of_many_cases_shows_those_that_rank_engines_first():
+    """101 columns in one band had overlapping numbers; fewer than nine cases share one band."""
+    experiment = SimpleNamespace(cases=[SimpleNamespace(label=f"case_{n}") for n in range(12)], runs=[])
+    exclusions = {f"case_{n}": "does not depend on friction's law" for n in (0, 3, 11)}
+    shown = engine_map(experiment, [("pymunk", "native")], exclusions)
+    labels = [[case["label"] for case in band["cases"]] for band in shown["bands"]]
+    assert labels == [[f"case_{n}" for n in range(12) if n not in (0, 3, 11)], ["case_0", "case_3", "case_11"]]
+    # An engine without any motion keeps a row.
+    assert [[row["settings"] for row in band["routes"][0]["rows"]] for band in shown["bands"]] == [["finest"]] * 2
+    few = SimpleNamespace(cases=experiment.cases[:5], runs=[])
+    assert [len(band["cases"]) for band in engine_map(few, [], exclusions)["bands"]] == [5]
+    none_ranks = {case.label: "there is no truth" for case in experiment.cases}
+    assert [len(band["cases"]) for band in engine_map(experiment, [], none_ranks)["bands"]] == [12]
