@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 import cases
+import reference
 from cases import lookup, registry, trial
 from cases.commands import TEMPLATE, main
 from reference import narration
-from reports import animate, build, compare, options, sweep
+from reports import animate, build, compare, options, show, sweep
 
 
 @pytest.fixture
@@ -370,3 +371,11 @@ def test_the_list_of_cases_fits_the_terminal(width, monkeypatch, capsys):
     assert max(map(len, lines)) <= width
     # Continuation lines are indented, so that each name begins a line.
     assert [line.split()[0] for line in lines if not line.startswith(" ")] == list(cases.names())
+
+
+def test_the_motion_of_several_contacts_is_shown_contact_by_contact(monkeypatch):
+    monkeypatch.setattr("reports.running.experiment.offers", lambda *_: {})
+    case = cases.load("ladder_at_wall")
+    text = show.facts(case, reference.simulate(case))
+    assert "begins: plate/track slide, plate/track 2 flight, plate/wall slide" in text
+    assert "0.576585244 s: plate/wall flight (the normal force vanished)" in text
