@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import ceil, log10
 
 import numpy as np
 
@@ -149,8 +150,10 @@ def _following(
     if guard == "normal_force":
         other = regime._replace(side=-regime.side)
         others = [other] if other in candidates(case) else []
-        # The force vanishes along the step's polynomial; at the state it has what the tolerance leaves.
-        return decide(case, t, y, LOCATION_ERROR, others) or decide(case, t, y, error, others)
+        # The force vanishes along the step's polynomial; at the state it has what the tolerance leaves. The least error
+        # that explains it decides: with a larger one a slow slip would count as none.
+        errors = np.geomspace(LOCATION_ERROR, error, 1 + ceil(log10(error / LOCATION_ERROR)))
+        return next(filter(None, (decide(case, t, y, float(size), others) for size in errors)), None)
     if guard in BEGINS:
         # Friction or resistance has reached its bound from inside; the motion that begins is against it.
         slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])

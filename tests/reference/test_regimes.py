@@ -57,6 +57,19 @@ def test_a_guide_presses_from_its_other_side_at_a_coarse_tolerance(method, rtol)
     assert only.time == pytest.approx(0.558574238439291, rel=rtol)  # proved, see reference/proofs/catalogue.json
 
 
+@pytest.mark.parametrize(
+    ("method", "mu"),
+    [("dop853", 0.3), *(pytest.param("taylor", mu, marks=pytest.mark.slow) for mu in (0.3, 0.5))],
+)
+def test_a_guide_changes_its_side_while_the_plate_slips_slowly(method, mu):
+    """The slip is then less than the tolerance's part of the spin, but not zero: the plate continues to slip."""
+    case = cases.load("guided_loop", ratio=8.0, mu=mu)
+    rough, fine = reference.simulate(case, rtol=1e-2, method=method), reference.simulate(case, rtol=1e-12)
+    assert rough.status == "completed", rough.reason
+    assert [(e.before, e.after) for e in rough.transitions] == [(e.before, e.after) for e in fine.transitions]
+    assert [e.time for e in rough.transitions] == pytest.approx([e.time for e in fine.transitions], rel=1e-2)
+
+
 def swinging(spin: float) -> Case:
     """A disc spun up and let go on the flank of a circle: its slip r·omega + L·ξ̇₁ is smallest at the bottom."""
     circle = Curve(lambda s: (c.cos(s), c.sin(s)))
