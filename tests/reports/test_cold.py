@@ -163,13 +163,13 @@ def late_module(tmp_path, monkeypatch):
     sys.modules.pop("imported_late_by_an_engine", None)
 
 
-def imports(watch: Watch, name: str) -> SimpleNamespace:
-    """An engine that imports late, for ten seconds, and makes a module that no file holds."""
+def imports(watch: Watch, name: str, lasts: float = 10.0) -> SimpleNamespace:
+    """An engine that imports late, for `lasts` seconds, and makes a module that no file holds."""
     adapter = watch.engine(BUILD, RUN, READ)
 
     def build(case, route, setting):
         if name not in sys.modules:
-            watch.spend(10.0)
+            watch.spend(lasts)
         __import__(name)
         sys.modules.setdefault("made_by_an_engine", ModuleType("made_by_an_engine"))
         watch.spend(BUILD)
@@ -198,7 +198,14 @@ def test_a_call_counts_unless_it_imported_something_a_file_holds(watch, monkeypa
     assert len(made) == calls
 
 
-def test_a_call_that_imported_stands_in_where_no_other_fits(watch, monkeypatch, late_module):
+def test_a_short_call_that_imported_is_repeated_whatever_is_left_of_the_budget(watch, monkeypatch, late_module):
+    """SciPy's integrators took half a second of a call of 30 ms, and the budget was spent."""
+    engine(monkeypatch, imports(watch, late_module, lasts=0.5))
+    ((value, _),) = cold_start.first_calls(who(1.0), 0.0).values()
+    assert value.build_s == pytest.approx(BUILD) and value.repeats == 1
+
+
+def test_a_long_call_that_imported_stands_in_where_no_other_fits(watch, monkeypatch, late_module):
     engine(monkeypatch, imports(watch, late_module))
     ((value, _),) = cold_start.first_calls(who(1.0), 0.0).values()
     assert value.build_s == pytest.approx(10.0 + BUILD) and value.repeats == 1

@@ -26,6 +26,10 @@ from .clock import LEAST_REPEATS, Contestant, Key, calibrate, is_slow_loop
 # Time limit of a cold start, s. It derives and compiles; the slowest of the catalogue, a measured outline, takes 30 s.
 _LIMIT = 60.0
 
+# s. Imports take up to half a second of CPU time (SciPy's integrators): less than a tenth of a longer call. A shorter
+# call that imported modules is repeated without them, whatever is left of the budget.
+_LONG = 5.0
+
 
 class ColdStart(NamedTuple):
     """CPU seconds of a cold start: building, running and reading; medians of `repeats`, and whether all of them were
@@ -52,6 +56,11 @@ class _ColdRepeat(NamedTuple):
     loop: float
     modules: tuple[str, ...]
 
+    @property
+    def call(self) -> float:
+        """CPU seconds of the whole call."""
+        return self.build + self.run + self.read
+
 
 @dataclass
 class _ColdEntry:
@@ -72,15 +81,18 @@ def first_calls(contestants: Sequence[Contestant], budget: float) -> dict[Key, t
 
     All are repeated in turn, up to three times, the cheapest first, within about `budget` wall seconds in addition to
     the calls made for imports. If such a call imported nothing, because an earlier call had, it counts as a repeat. If
-    no repeat fits into the budget, the first setting of a route uses its importing call, because imports are negligible
-    in so long a call; the other settings have neither a result nor a reason.
+    no repeat fits into the budget, the first setting of a route is repeated once if its importing call was short, and
+    uses that call if it was long, because imports are negligible there; the other settings have neither a result nor a
+    reason.
     """
     entries = _import_all(contestants)
     deadline = time.perf_counter() + budget
     for turn in range(1, LEAST_REPEATS + 1):
         for entry in sorted(entries, key=lambda entry: entry.next_call_s):
             is_done = len(entry.repeats) >= turn
-            if is_done or entry.failure or time.perf_counter() + entry.next_call_s > deadline:
+            is_needed = turn == 1 and entry.importing is not None and entry.importing.call < _LONG
+            is_late = time.perf_counter() + entry.next_call_s > deadline
+            if is_done or entry.failure or (is_late and not is_needed):
                 continue
             began = time.perf_counter()
             answer = _in_child(_call, entry.contestant)
