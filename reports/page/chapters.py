@@ -40,7 +40,7 @@ def anchor(label: str) -> str:
 
 def case_summary(case: Case | None) -> str:
     """The first line of a case function's docstring; empty for a case that is not in the catalogue."""
-    return catalogue.entry(case.name).summary if case and case.name in catalogue.names() else ""
+    return catalogue.entry(case.name).summary.replace("`", "") if case and case.name in catalogue.names() else ""
 
 
 def cases(
