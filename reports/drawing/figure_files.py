@@ -6,9 +6,7 @@ Matplotlib is imported only when a figure is made, so a report whose figures are
 from __future__ import annotations
 
 import hashlib
-import re
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -20,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..running.per_solver import LeftOut
+from .minify_svg import minify
 from .print_layout import fit_to_print
 
 if TYPE_CHECKING:
@@ -28,9 +27,6 @@ if TYPE_CHECKING:
 
 # Whether figures are also written as PDF: set once by a command, for all its figures.
 _WRITES_PDF = ContextVar("printed", default=False)
-# Matplotlib's typeface first; the fallbacks are equally wide.
-_TYPEFACES = "DejaVu Sans, Verdana, sans-serif"
-
 
 # File systems limit names to 255 bytes; a figure's name also has a prefix for its kind.
 _READABLE_BYTES, _DIGITS = 150, 8
@@ -176,169 +172,3 @@ def embed_command(folder: Path, entry: FigureEntry, command: str) -> None:
     start = text.index(">", text.index("<svg")) + 1
     words = f"<desc>{escape(entry.title)}. Make it again: {escape(command)}</desc>"
     file.write_text(text[:start] + words + text[start:], encoding="utf-8")
-
-
-def minify(svg: str) -> str:
-    """Shorten an SVG without visible change.
-
-    Coordinates are rounded to a tenth of a point, points that a curve's shape does not need are left out, shared styles
-    become classes, lines of a grid and marks of an axis become one path each, and metadata is removed.
-    """
-    svg = re.sub(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-    # Marks are small: a hundredth of a point shows in their shape.
-    svg = re.sub(r'( id="[^"]*")? d="([^"]*)"', lambda m: f'{m[1] or ""} d="{_path(m[2], 2 if m[1] else 1)}"', svg)
-    # Matplotlib before 3.9 lists the place of every letter of some texts.
-    svg = re.sub(r' (x|y)="([^"]*)"', lambda m: f' {m[1]}="{" ".join(_short(float(n)) for n in m[2].split())}"', svg)
-    svg = re.sub(r"\s*\n\s*", "\n", svg)
-    svg = re.sub(r'<g id="[^"]*"', "<g", svg)  # groups are named and never referred to
-    for place, name in enumerate(dict.fromkeys(re.findall(r' id="([^"]*)"', svg))):
-        svg = svg.replace(f'"{name}"', f'"i{place}"')
-        svg = re.sub(rf'#{re.escape(name)}(?=["\)])', f"#i{place}", svg)  # one name may be the prefix of another
-    svg = re.sub(
-        r"(rotate\([-\d.]+) ([-\d.]+) ([-\d.]+)\)",
-        lambda m: f"{m[1]} {_short(float(m[2]))} {_short(float(m[3]))})",
-        svg,
-    )
-    svg = re.sub(r'font-family: [^;"]*;? ?|(?<=style="); | transform="rotate\(-?0 [^"]*"', "", svg)
-    svg = _join_segments(_bare_groups(_unique_ids(_styles_once(svg))))
-    return svg.replace("<svg ", f'<svg font-family="{_TYPEFACES}" ', 1).strip() + "\n"
-
-
-# A path with at least this many points is a curve: its points are close to each other. Those this near (points, 1/72
-# inch) to the line between their neighbours are left out: lines are three to five times as wide.
-_CURVE, _NEAR = 30, 0.3
-
-
-def _short(value: float, digits: int = 1) -> str:
-    """The number without zeros that it does not need: .5, -.5, 3."""
-    text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
-
-
-def _path(text: str, digits: int = 1) -> str:
-    """A path rounded to so many digits, with relative coordinates, which take half the characters; of a curve only the
-    points that its shape needs."""
-    words = re.findall(r"[A-Za-z]|-?[0-9.]+(?:e[-+]?[0-9]+)?", text)
-    if not set(filter(str.isalpha, words)) <= set("MLz"):
-        return re.sub(
-            r" (?=[A-Za-z-])|(?<=[A-Za-z]) ",
-            "",
-            " ".join(w if w.isalpha() else _short(float(w), digits) for w in words),
-        )
-    if len(words) < 3 * _CURVE:
-        return _relative(words, digits)
-    starts = [place for place, word in enumerate(words) if word == "M"]
-    parts = [words[begin:end] for begin, end in zip(starts, [*starts[1:], len(words)], strict=True)]
-    return "".join(_relative(_simplify(part), digits) for part in parts)
-
-
-def _relative(words: Sequence[str], digits: int) -> str:
-    words_out, before, here = [], "", (0.0, 0.0)
-    for command, x, y in re.findall(r"(z|[ML])(?: ([^\sA-Za-z]\S*) (\S+))?", " ".join(words)):
-        if command == "z":
-            words_out.append("z")
-        else:
-            # Differences of rounded positions, so that rounding errors do not add up.
-            there = round(float(x), digits), round(float(y), digits)
-            shift = there if command == "M" else (there[0] - here[0], there[1] - here[1])
-            pair = f"{_short(shift[0], digits)} {_short(shift[1], digits)}".replace(" -", "-")
-            letter = "M" if command == "M" else "l" if before != "L" else "" if pair.startswith("-") else " "
-            words_out.append(letter + pair)
-            here = there
-        before = command
-    return "".join(words_out)
-
-
-def _simplify(words: Sequence[str]) -> list[str]:
-    """The words of a part of a path without the points near the line between their neighbours (Ramer, Douglas and
-    Peucker's method)."""
-    end = list(words[-1:]) if words[-1] == "z" else []
-    points = np.array([float(word) for word in words if not word.isalpha()]).reshape(-1, 2)
-    corners, spans = {0, len(points) - 1}, [(0, len(points) - 1)]
-    while spans:
-        first, last = spans.pop()
-        if last - first < 2:
-            continue
-        chord, others = points[last] - points[first], points[first + 1 : last] - points[first]
-        along = np.clip(others @ chord / max(float(chord @ chord), 1e-12), 0.0, 1.0)
-        distance = np.hypot(*(others - along[:, None] * chord).T)
-        if distance.max() > _NEAR:
-            middle = first + 1 + int(distance.argmax())
-            corners.add(middle)
-            spans += [(first, middle), (middle, last)]
-    path = [word for i in sorted(corners) for word in ("L" if i else "M", *map(str, points[i]))]
-    return [*path, *end]
-
-
-# A segment: a path of two points, as a line of a grid; and a mark that repeats a segment, as the ticks of an axis do.
-_SEGMENT = re.compile(r'<path d="(M[-\d. ]+)l(-?[\d.]+) ?(-?[\d.]+)"([^>]*)/>')
-_MARK = re.compile(r'<use xlink:href="#([^"]*)" x="([^"]*)" y="([^"]*)"/>')
-_MARKER = re.compile(r'<path id="([^"]*)" d="M0 0(l[-\d. ]+)" (class="[^"]*")/>')
-# What Matplotlib writes between the lines and marks of an axis, over which none of them is drawn.
-_OF_AXIS = re.compile(r"<text\b[^>]*>[^<]*</text>|<defs>(?:<path[^>]*/>)*</defs>")
-_ELEMENT = re.compile(rf"{_OF_AXIS.pattern}|<[^>]*>|[^<]+")
-
-
-def _join_segments(svg: str) -> str:
-    """Join segments with the same attributes that only texts and other segments separate into one path."""
-    markers = {name: (shift, look) for name, shift, look in _MARKER.findall(svg)}
-
-    def as_segment(use: re.Match) -> str:
-        if use[1] not in markers:
-            return use[0]
-        shift, look = markers[use[1]]
-        return f'<path d="M{use[2]} {use[3]}{shift}" {look}/>'
-
-    parts: list[str] = []
-    paths: dict[str, int] = {}  # attributes of the segments since the last other element, and their path's place
-    for element in _ELEMENT.findall(_MARK.sub(as_segment, svg)):
-        segment = _SEGMENT.fullmatch(element)
-        if segment is None:
-            paths = paths if _OF_AXIS.fullmatch(element) else {}
-            parts.append(element)
-            continue
-        begin, x, y, look = segment.groups()
-        line = begin + (f"v{y}" if x == "0" else f"h{x}" if y == "0" else f"l{x} {y}".replace(" -", "-"))
-        if look in paths:
-            parts[paths[look]] += line
-        else:
-            paths[look] = len(parts) + 1
-            parts += ['<path d="', line, f'"{look}/>']
-    svg = "".join(parts)
-    unused = [name for name in markers if f'"#{name}"' not in svg]
-    for name in unused:
-        svg = re.sub(rf'<path id="{name}"[^>]*/>', "", svg)
-    return svg.replace("<defs></defs>", "")
-
-
-def _unique_ids(svg: str) -> str:
-    """Remove the class of a marker if the path that it repeats has the same class."""
-    classes = dict(re.findall(r'<path id="([^"]*)" d="[^"]*" class="([^"]*)"', svg))
-    return re.sub(
-        r'(<use xlink:href="#([^"]*)"[^>]*?) class="([^"]*)"',
-        lambda m: m[1] if classes.get(m[2]) == m[3] else m[0],
-        svg,
-    )
-
-
-def _bare_groups(svg: str) -> str:
-    """Remove groups without attributes."""
-    parts, bare = [], []
-    for part in re.split(r"(<g\b[^>]*>|</g>)", svg):
-        if part.startswith("<g") and part.endswith("/>"):
-            parts.append(part)  # an empty element
-        elif part.startswith("<g"):
-            bare.append(part == "<g>")
-            parts.append("" if bare[-1] else part)
-        else:
-            parts.append("" if part == "</g>" and bare.pop() else part)
-    return re.sub(r">\n+<", "><", "".join(parts))
-
-
-def _styles_once(svg: str) -> str:
-    """Replace styles that several elements share by classes of a style sheet."""
-    counts = Counter(re.findall(r'style="([^"]*)"', svg))
-    names = {style: f"c{i}" for i, style in enumerate(style for style, count in counts.items() if count > 1)}
-    svg = re.sub(r'style="([^"]*)"', lambda m: f'class="{names[m[1]]}"' if m[1] in names else m[0], svg)
-    sheet = "".join(f".{name}{{{style}}}\n" for style, name in names.items())
-    return svg.replace("</style>", f"\n{sheet}</style>", 1)

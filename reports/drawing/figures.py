@@ -302,6 +302,7 @@ def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
         for side, ax in enumerate(row):
             _mark_transitions(ax, truth, width=270.0 if place == side == 0 else 0.0)
             ax.margins(x=0)
+            ax.patch.set_visible(False)  # white, as the figure's
     for column in axes.T:
         column[-1].set_xlabel("time / s")
         times, (begin, end) = column[-1].get_xticks(), column[-1].get_xlim()
