@@ -18,6 +18,10 @@ from .geometry import ContactPlace, places
 from .meetings import gaps
 from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
 
+# Equations of equilibrium whose singular values are below this part of the largest, and forces that take a smaller part
+# in what balances nothing, are rounded zeros.
+OPEN_FORCE = 1e-9
+
 
 class OneContactColumns(NamedTuple):
     """One contact at n instants, arrays (n,), as the first columns of `cases.ContactColumns`."""
@@ -133,11 +137,14 @@ def _rest_forces(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray
     at = places(contacts_of(case, regime_of(now)), body_of(state), pairs_of(state))
     held = [i for i in closed if at[i].stick > 0.0]
     rows = [at[i].lift_row for i in closed] + [at[i].slip_row for i in held]
-    matrix = np.array(rows).T
-    if np.linalg.matrix_rank(matrix, tol=1e-9) < matrix.shape[1]:
-        return np.full(times.shape, np.nan), np.full(times.shape, np.nan)
-    load = np.array([load_at(case, float(t), body_of(state)) for t in times]).T
-    values, *_ = np.linalg.lstsq(matrix, -load, rcond=None)
+    units = units_of(case.plate.gyration)[:, None]
+    matrix = units * np.array(rows).T
+    load = units * np.array([load_at(case, float(t), body_of(state)) for t in times]).T
+    values, *_ = np.linalg.lstsq(matrix, -load, rcond=OPEN_FORCE)
+    # Forces that balance nothing may be added: the normal forces on one line are unique, their frictions' sum is.
+    _, sizes, basis = np.linalg.svd(matrix)
+    free = basis[int((sizes > OPEN_FORCE * sizes[0]).sum()) :]
+    values[np.abs(free).max(axis=0, initial=0.0) > OPEN_FORCE] = np.nan
     friction = values[len(closed) + held.index(k)] if k in held else 0.0 * times
     return values[closed.index(k)], friction
 

@@ -144,6 +144,8 @@ class WatchedPlate:
             indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
         sticking = [k for k in indices if self.watches[k].name in stuck]
         self.body = without_velocity(self.case, self.body, now, indices, sticking)
+        if self.present_speed() <= EPS * self.speed:  # a rounding, which decisions would take for a motion
+            self.body[3:] = [0.0, 0.0, 0.0]
 
     def _name_touching(self, stuck: set[str]) -> set[str]:
         """Name the contacts that touch for the first time by their order; returns `stuck` with their names."""

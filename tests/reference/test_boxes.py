@@ -4,8 +4,9 @@ from math import cos, hypot, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
+from scipy.integrate import quad, solve_ivp
 
+import cases
 import reference
 from cases import (
     BadValue,
@@ -58,6 +59,9 @@ def test_a_box_slides_on_its_flat_side_and_stops(method):
     assert [t.time for t in motion.transitions] == pytest.approx([1.0 / (0.3 * G)] * 2, rel=EXACT)
     end = motion(2.0)
     assert (end.x, end.y, end.theta) == pytest.approx((1.0 / (2 * 0.3 * G), 0.1, 0.0), abs=EXACT)
+    rest = [motion.contact_columns(name, np.array([1.5])) for name in motion.contact_names]
+    assert [float(one.normal_force[0]) for one in rest] == pytest.approx([0.75 * G] * 2, rel=EXACT)
+    assert all(np.isnan(one.friction_force[0]) for one in rest)  # only their sum is unique
     # The front corner carries more: friction has the arm of half the height.
     front, back = (float(motion.of(name)(0.1).normal_force) for name in motion.contact_names)
     assert front + back == pytest.approx(1.5 * G, rel=EXACT)
@@ -142,6 +146,96 @@ def test_a_box_dropped_flat_bounces_as_a_point_mass():
     assert times == pytest.approx([fall, 2 * fall, 2.5 * fall], rel=EXACT)
     # The geometric series of the bounces ends after 3 times the fall.
     assert motion.transitions[-1].time == pytest.approx(3 * fall, rel=1e-9)
+
+
+# --- the catalogue ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_box_slides_down_a_slope_and_stops():
+    motion = reference.simulate(cases.load("sliding_box", mu=0.4, slope=0.2), rtol=1e-14)
+    pull = G * (0.4 * cos(0.2) - sin(0.2))
+    assert [t.time for t in motion.transitions] == pytest.approx([1.0 / pull] * 2, rel=EXACT)
+    end = motion(1.0)
+    assert hypot(end.x - motion(0.0).x, end.y - motion(0.0).y) == pytest.approx(0.5 / pull, abs=EXACT)
+
+
+@pytest.mark.slow
+def test_a_sliding_box_tips_about_its_front_corner_and_overturns():
+    """While it slides N (1 + (d²/k²) sin ψ (sin ψ − μ cos ψ)) = m (g − d cos ψ ψ̇²), ψ from the vertical over the
+    corner, d the distance and k the radius of gyration; once the corner sticks, energy is constant."""
+    mu, arm, first = 0.9, hypot(0.1, 0.2), np.arctan2(0.1, 0.2)
+    gyration = (0.2**2 + 0.4**2) / 12.0
+
+    def law(t, state):
+        psi, rate, speed = state
+        turning = arm * (sin(psi) - mu * cos(psi)) / gyration
+        force = (G - arm * cos(psi) * rate**2) / (1.0 + arm * sin(psi) * turning)
+        return rate, force * turning, -mu * force
+
+    def slip(t, state):
+        return state[2] + arm * cos(state[0]) * state[1]
+
+    slip.terminal = True
+    path = solve_ivp(law, (0.0, 0.2), (first, 0.0, 1.5), "DOP853", events=slip, rtol=1e-13, atol=1e-15)
+    motion = reference.simulate(cases.load("sliding_box", mu=mu, width=0.2, height=0.4, v=1.5), rtol=1e-14)
+    stop = motion.transitions[0]
+    assert (stop.before, stop.after) == (Mode.SLIP_FORWARD, Mode.ROLL)
+    assert stop.time == pytest.approx(path.t_events[0][0], rel=1e-11)  # SciPy's step errors
+    psi, rate, _ = path.y_events[0][0]
+    assert (motion(stop.time).theta, motion(stop.time).omega) == pytest.approx((psi - first, rate), rel=1e-11)
+
+    def wait(angle):
+        return 1.0 / sqrt(rate**2 + 2.0 * G * arm * (cos(psi) - cos(angle)) / (gyration + arm**2))
+
+    upright = quad(wait, 0.0, psi, epsabs=1e-14, epsrel=1e-13)[0]
+    assert motion(stop.time + upright).theta == pytest.approx(-first, abs=1e-11)
+    assert motion(1.0).theta == pytest.approx(-pi / 2, abs=EXACT) and motion(1.0).omega == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [0.9, 0.0])
+def test_a_dropped_box_lies_down_where_its_corner_sticks_and_without_friction(mu):
+    tilt, drop, arm, lever = 0.3, 0.2, hypot(0.2, 0.1), np.arctan2(0.2, 0.1)
+    gyration, high, side = (0.4**2 + 0.2**2) / 12.0, arm * cos(lever - tilt), arm * sin(lever - tilt)
+    fall = sqrt(2.0 * (drop - high) / G)
+    spin = side * G * fall / (gyration + side**2 + (high**2 if mu else 0.0))
+
+    def inertia(theta):  # a corner that sticks is the centre; else the centre of mass falls vertically
+        return gyration + (arm**2 if mu else (arm * sin(lever - theta)) ** 2)
+
+    def wait(theta):
+        return sqrt(inertia(theta) / (inertia(tilt) * spin**2 + 2.0 * G * (high - arm * cos(lever - theta))))
+
+    down = fall + quad(wait, 0.0, tilt, epsabs=1e-15, epsrel=1e-14)[0]
+    motion = reference.simulate(cases.load("dropped_box", mu=mu), rtol=1e-14)
+    assert motion.status == "completed"
+    assert [t.time for t in motion.transitions] == pytest.approx([fall, down], rel=EXACT)
+    end = motion(1.0)
+    assert (end.y, end.theta, end.omega) == pytest.approx((0.1, 0.0, 0.0), abs=EXACT)
+    assert end.x == pytest.approx(0.2 - side if mu else 0.0, abs=EXACT)
+
+
+@pytest.mark.slow
+def test_a_half_disc_rocks_with_constant_energy_while_it_rolls():
+    case = cases.load("half_disc_rocking", mu=0.5)
+    motion, r, off = reference.simulate(case, rtol=1e-14), 0.2, 0.8 / (3.0 * pi)
+    assert case.plate.inertia == pytest.approx(r**2 * (0.5 - (4.0 / (3.0 * pi)) ** 2), rel=EXACT)
+
+    def inertia(angle):  # about the contact
+        return case.plate.inertia + r**2 + off**2 - 2.0 * r * off * cos(angle)
+
+    def wait(part):  # angle = 1.2 cos part removes the singularities of the turning points
+        angle = 1.2 * cos(part)
+        fall = 2.0 * G * off * 2.0 * sin(0.6 + 0.5 * angle) * sin(0.6 - 0.5 * angle)
+        return 1.2 * sin(part) * sqrt(inertia(angle) / fall)
+
+    half = quad(wait, 0.0, pi, epsabs=1e-14, epsrel=1e-13)[0]
+    assert motion.status == "completed" and motion.transitions == ()
+    assert abs(motion(half).theta) == pytest.approx(1.2, abs=1e-11) and motion(half).omega == pytest.approx(
+        0, abs=1e-10
+    )
+    assert motion(half).theta == pytest.approx(-float(motion(0.0).theta), abs=1e-11)
 
 
 # --- starts -----------------------------------------------------------------------------------------------------------

@@ -1,0 +1,70 @@
+"""Plates with a flat side on one straight track: they slide, tip, fall, lie down and rock. Gravity pulls along −Y."""
+
+from math import cos, pi, sin
+
+from cases import Case, CoulombFriction, Flight, Gravity, Impact, Plate, Start, StartPose, Unilateral, case
+from cases.errors import not_negative, positive
+from cases.library import line
+
+
+def _effects(mu: float, g: float) -> tuple:
+    """Contact with inelastic impacts; with mu = 0 without friction."""
+    friction = (CoulombFriction(mu),) if not_negative("mu", mu) else ()
+    return (Gravity(g), Unilateral(), Flight(), Impact(0.0, "moreau"), *friction)
+
+
+@case(variants=[dict(), dict(mu=0.4, slope=0.2), dict(mu=0.9, width=0.2, height=0.4, v=1.5)])
+def sliding_box(mu=0.3, slope=0.0, v=1.0, width=0.4, height=0.2, m=1.0, g=9.81, duration=1.0):
+    """A box slides on its flat side until friction stops it. A slender one tips about its front corner and overturns.
+
+    Why: two corners share the load, the front one carries more, and both stop at one instant.
+    Source: a textbook problem of dynamics (known to us, not looked up); derived. The last variant overturns.
+    Known exactly: it stops after v/(g (μ cos α − sin α)) if μ < width/height; the front corner carries
+    m g cos α (1 + μ height/width)/2. A box that tips stops to slide while it tips.
+    """
+    half = 0.5 * positive("width of sliding_box", width)
+    high = 0.5 * positive("height of sliding_box", height)
+    return Case(
+        track=line(slope),
+        plate=Plate.rectangle(2 * half, 2 * high, m),
+        effects=_effects(mu, g),
+        start=StartPose(high * sin(slope), high * cos(slope), -slope, v * cos(slope), -v * sin(slope)),
+        duration=duration,
+    )
+
+
+@case(variants=[dict(), dict(tilt=-0.5, drop=0.3, slope=0.2, mu=0.15)])
+def dropped_box(tilt=0.3, drop=0.2, slope=0.0, mu=0.9, width=0.4, height=0.2, m=1.0, g=9.81, duration=1.0):
+    """A tilted box falls onto a straight track, lands on a corner, turns about it and lies down.
+
+    Why: an impact on a corner, then one along a side; how an engine makes them decides where and when the box rests.
+    Source: derived by the angular momentum about the corner, and the energy. The last variant slides on.
+    Known exactly: where the corner sticks, and without friction, the box lies down at a time by quadrature.
+    """
+    return Case(
+        track=line(slope),
+        plate=Plate.rectangle(positive("width of dropped_box", width), positive("height of dropped_box", height), m),
+        effects=_effects(mu, g),
+        start=StartPose(0.0, positive("drop of dropped_box", drop), tilt),
+        duration=duration,
+    )
+
+
+@case(variants=[dict(), dict(mu=0.5)])
+def half_disc_rocking(tilt=1.2, mu=0.3, r=0.2, m=1.0, g=9.81, duration=1.5):
+    """A half disc rocks on its round side; with little friction it slips in every swing.
+
+    Why: its centre of mass is not the centre of its arc, so the normal force swings, and slip begins and ends twice
+    in each period.
+    Source: a textbook problem of dynamics (known to us, not looked up); derived. The last variant rolls only.
+    Known exactly: while it rolls, (J + m d²) ω²/2 + m g y is constant, d the distance of the centre of mass from the
+    contact; J = m r² (1/2 − (4/(3π))²).
+    """
+    plate = Plate.half_disc(positive("r of half_disc_rocking", r), m)
+    return Case(
+        track=line(),
+        plate=plate,
+        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
+        start=Start(xi1=0.0, xi2=plate.outline.span[0] + pi / 2 + tilt),
+        duration=duration,
+    )
