@@ -328,7 +328,8 @@ class SeveralSimulation(WatchedPlate):
         if kind == "slip":
             stuck.add(name)
         now = places(self.contacts(), self.body, [watch.pair for watch in self.watches])
-        closes = bool(self.closing(now))  # the event and an impact at the same instant
+        # The event and an impact at the same instant. A contact that was closed has a velocity within the tolerance.
+        closes = bool(self.closing(now) - self.touching)
         if kind == "normal" and not closes:
             self.fixed = {name: (Mode.FLIGHT,)}
         self.settle(stuck, struck=closes)

@@ -138,6 +138,16 @@ def test_without_friction_the_speed_along_the_next_flank_is_kept():
     assert speeds[jumps + 1] / speeds[jumps] == pytest.approx([cos(2 * alpha)] * 6, rel=1e-10)
 
 
+@pytest.mark.parametrize(("name", "digits"), [("ladder_at_wall", 4), ("round_ladder_at_wall", 3.75)])
+def test_a_closed_contact_is_not_struck_where_another_one_opens(name, digits):
+    """At a coarse tolerance a closed contact has a velocity along its normal, which was taken as an impact's."""
+    motion = reference.simulate(cases.load(name), rtol=10.0**-digits, method="dop853")
+    exact = reference.simulate(cases.load(name), rtol=1e-12)
+    assert motion.status == "completed", motion.reason
+    assert [(e.contact, e.after) for e in motion.transitions] == [(e.contact, e.after) for e in exact.transitions]
+    assert [e.time for e in motion.transitions] == pytest.approx([e.time for e in exact.transitions], rel=1e-4)
+
+
 def test_a_second_contact_without_a_law_of_impact_ends_the_motion_and_says_what_to_add():
     effects = Gravity(G), CoulombFriction(0.2), Unilateral()
     motion = reference.simulate(Case(groove(radians(20), 0.01), disc(0.5, 1.0), effects, Start(-0.6), 3.0))
