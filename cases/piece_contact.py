@@ -259,7 +259,8 @@ def _polygon(curve: Curve, low: float, high: float) -> np.ndarray:
 
 
 def _element(curve: Curve, s: float) -> Element:
-    """The element at a vertex of the polygon: the corner where there is one, else the piece."""
+    """The element at a vertex of the polygon: the corner where there is one, else the piece; of two pieces that join
+    smoothly the one that is more bent, as the end of an edge is nearest only if the contact is beyond it."""
     if not isinstance(curve, Chain):
         return Element(curve, 0.0, 0.0, 0, 0)
     element = curve.element_at(float(s))
@@ -267,9 +268,14 @@ def _element(curve: Curve, s: float) -> Element:
     rounding = 16 * geometry.EPS * (abs(float(s)) + abs(element.shift))
     for is_there, step in ((place <= low + rounding, -1), (place >= high - rounding, 1)):
         near = curve.element(element.number + step)
-        if is_there and near is not None and isinstance(near.piece, Corner):
+        if is_there and near is not None and (isinstance(near.piece, Corner) or _bend(near, s) > _bend(element, s)):
             return near
     return element
+
+
+def _bend(element: Element, s: float) -> float:
+    """The curvature of a piece at its end next to a parameter of the chain, 1/m, without sign."""
+    return abs(float(element.piece.curvature(_inside(element, float(s)) - element.shift)))
 
 
 def entry_time(pose: Pose, entry: Entry, before: float, inside: float, earliest: float) -> float:
