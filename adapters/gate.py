@@ -14,7 +14,8 @@ import numpy as np
 
 from cases import Case, Cost, Mode, State, Trajectory, Transition
 from cases.errors import describe
-from cases.sampled_contacts import SampledContacts
+from cases.free_plates import names_of
+from cases.sampled_contacts import SampledContacts, SampledPlates
 from cases.trajectory import ContactColumns
 
 from .interface import EngineFailure, Setting
@@ -32,8 +33,8 @@ MOST_WORD, MOST_SENTENCE = 100, 2000
 def motion(raw: Any, case: Case) -> Trajectory:
     """The motion that an adapter returned for a case, as plain arrays, numbers and words.
 
-    Other code judges whether it is a motion of the case. The columns of each contact are read once, at the samples; its
-    `dense` output, the passages between pieces and further plates are left out: nothing calls back into an adapter.
+    Other code judges whether it is a motion of the case. The columns of each contact and plate are read once, at the
+    samples; its `dense` output and the passages between pieces are left out: nothing calls back into an adapter.
     Raises EngineFailure in one sentence that names a value of the wrong type or size.
     """
     if not isinstance(raw, Trajectory):
@@ -54,6 +55,7 @@ def motion(raw: Any, case: Case) -> Trajectory:
             first_mode=None if raw.first_mode is None else _mode("first_mode", raw.first_mode),
             case=case,
             **_contacts(raw, columns["t"]),
+            **_plates(raw, columns, case),
         )
     except EngineFailure:
         raise
@@ -84,6 +86,24 @@ def _contact(raw: Trajectory, name: str, length: int) -> ContactColumns:
         if columns[field].shape not in ((length,), (2, length)):
             raise EngineFailure(f"its {field} of {name} has {columns[field].shape[-1]} samples and its t has {length}")
     return ContactColumns(**columns)
+
+
+def _plates(raw: Trajectory, columns: dict[str, np.ndarray], case: Case) -> dict[str, Any]:
+    """Names and columns of the plates of a case that has several."""
+    names, read = names_of(case), raw.plate_columns
+    if len(names) == 1:
+        return {}
+    given = tuple(_text("name of a plate", name, MOST_WORD) for name in islice(raw.plate_names, len(names) + 1))
+    if given != names or read is None:
+        raise EngineFailure(f"it gives the plates {', '.join(given)}; give {', '.join(names)}")
+    t, fields = columns["t"], ("x", "y", "theta", "vx", "vy", "omega")
+    plates = {names[0]: np.array([columns[name] for name in fields])}
+    for name in names[1:]:
+        now = read(name, None)
+        plates[name] = np.array([_column(f"{field} of {name}", getattr(now, field)) for field in fields])
+        if plates[name].shape[1] != len(t):
+            raise EngineFailure(f"its {name} has {plates[name].shape[1]} samples and its t has {len(t)}")
+    return {"plate_names": names, "plate_columns": SampledPlates(t, plates)}
 
 
 def cost(raw: Any) -> Cost:

@@ -13,6 +13,7 @@ import numpy as np
 
 from cases import Belt, Case, Chain, Curve, Drive, Flight, Load
 from cases.contact import pose, start_motion
+from cases.free_plates import plates_of, start_poses
 from cases.line_or_circle import Circle, Line, as_circle, as_line
 from cases.mechanics import gravity, kinetic_energy
 from cases.moving_frame import relative_case
@@ -173,10 +174,18 @@ def visible_span(case: Case) -> tuple[float, float]:
 
 
 def ends(case: Case, line: Line) -> np.ndarray:
-    """Two points (m) of a straight support, shape (2, 2), beyond what the plate reaches within the duration."""
+    """Two points (m) of a straight support, shape (2, 2), beyond what any plate reaches within the duration.
+
+    In the norm of the kinetic energy the velocity of all plates grows by at most that norm of gravity.
+    """
     start, pull = start_motion(case), float(np.hypot(*gravity(case)))
-    speed = float(np.hypot(start.vx, start.vy)) + abs(start.omega) * case.plate.reach
-    way = 2.0 * (case.plate.reach + speed * case.duration + 0.5 * pull * case.duration**2)
+    poses, plates = start_poses(case), plates_of(case)
+    masses, sizes = np.array([plate.mass for plate in plates]), np.array([plate.reach for plate in plates])
+    speeds = np.hypot(poses[:, 3], poses[:, 4]) + np.abs(poses[:, 5]) * sizes
+    share = np.sqrt(masses.sum() / masses.min())
+    spread = float(np.hypot(poses[:, 0] - start.x, poses[:, 1] - start.y).max())
+    fastest = share * float(speeds.max())
+    way = 2.0 * (spread + sizes.max() + fastest * case.duration + 0.5 * share * pull * case.duration**2)
     middle = line.point + line.direction * float(line.direction @ ((start.x, start.y) - line.point))
     return np.array([middle - way * line.direction, middle + way * line.direction])
 

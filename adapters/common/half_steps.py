@@ -8,6 +8,7 @@ one, and only its mean is meaningful. Independent of any engine.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
@@ -245,17 +246,19 @@ def _torsor(record: StepRecord) -> np.ndarray:
     return _inertia(record.case) * change / (late + ahead) - _external(record)
 
 
-def rates_at_poses(before: np.ndarray, after: np.ndarray, size: float, rest: float = 0.5) -> np.ndarray:
+def rates_at_poses(
+    before: np.ndarray, after: np.ndarray, size: float | Sequence[float], rest: float = 0.5
+) -> np.ndarray:
     """Velocities at the poses' times, interpolated from those `rest` of a step before and 1 − `rest` of a step after.
 
     Arrays (n, 3); the first row is the start's. Linear interpolation has an error of rest (1 − rest)/2 h² times the
     second derivative, as large as the engine's own. It is corrected by the smaller of the second differences to either
-    side, so that none extends across a jump of the acceleration. (All three components use the same side, because a
-    slip velocity combines them. Spin is scaled by the plate's `size`, m.)
+    side, so that none extends across a jump of the acceleration. (All components use the same side, because a slip
+    velocity combines them. Spin is scaled by the plate's `size`, m; of several plates there are 3 columns each.)
     """
     bend = np.diff(after, 2, axis=0)
     earlier, later = np.vstack([bend[:1], bend]), np.vstack([bend, bend[-1:]])
-    scale = np.array([1.0, 1.0, size])
+    scale = np.array([value for each in np.atleast_1d(size) for value in (1.0, 1.0, each)])
     nearer = np.linalg.norm(earlier * scale, axis=1) < np.linalg.norm(later * scale, axis=1)
     smaller = np.where(nearer[:, None], earlier, later)
     rates = (1.0 - rest) * before + rest * after

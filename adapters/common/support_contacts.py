@@ -25,11 +25,11 @@ from cases.trajectory import ContactColumns
 from . import several_contacts
 
 # A contact force below this part of the whole is none: noise of a step's momentum in engines of single precision.
-_UNNEEDED = 1e-3
+UNNEEDED = 1e-3
 # Rounding of a gap for coordinates of size 1: a dozen operations.
-_ROUNDING = 16 * float(np.finfo(float).eps)
+ROUNDING = 16 * float(np.finfo(float).eps)
 # The angle of a cone that no force leaves.
-_ROUGH = 1e6
+ROUGH = 1e6
 
 
 def refuses(case: Case) -> str | None:
@@ -71,7 +71,7 @@ class _Contact:
     def cone(self) -> np.ndarray:
         """The two edges of the friction cone, shape (2, 2)."""
         friction = self.pair.effect(CoulombFriction)
-        mu = _ROUGH if self.pair.effect(PerfectlyRough) else friction.at_rest if friction else 0.0
+        mu = ROUGH if self.pair.effect(PerfectlyRough) else friction.at_rest if friction else 0.0
         return np.array([self.normal + mu * self.tangent, self.normal - mu * self.tangent]) / np.hypot(1.0, mu)
 
 
@@ -95,9 +95,9 @@ def with_supports(
     if torsor is not None:
         is_closed = _pushing(contacts, is_closed, torsor, case.plate.reach)
     else:
-        rounding = _ROUNDING * (case.plate.reach + float(np.max(np.hypot(motion.x, motion.y))))
-        touching = [_touching(one.gap, shut, rounding) for one, shut in zip(contacts, is_closed, strict=True)]
-        is_closed = [_from_first_to_last(*each) for each in zip(is_closed, touching, strict=True)]
+        rounding = ROUNDING * (case.plate.reach + float(np.max(np.hypot(motion.x, motion.y))))
+        steady = [touching(one.gap, shut, rounding) for one, shut in zip(contacts, is_closed, strict=True)]
+        is_closed = [from_first_to_last(*each) for each in zip(is_closed, steady, strict=True)]
     columns, names = dict[str, ContactColumns](), list[str]()
     count = np.sum(is_closed, axis=0)
     for one, shut in zip(contacts, is_closed, strict=True):
@@ -180,16 +180,16 @@ def _pushing(
     pushing = [shut.copy() for shut in closed]
     for i in np.flatnonzero(np.sum(closed, axis=0) > 1):
         target = torsors[i]
-        least = _UNNEEDED * max(usual, float(np.linalg.norm(target)))
+        least = UNNEEDED * max(usual, float(np.linalg.norm(target)))
         here = [k for k in range(len(contacts)) if closed[k][i]]
         edges = {k: _edges(contacts[k], int(i), size) for k in here}
         for k in here:
             others = np.hstack([edges[other] for other in here if other != k])
             pushing[k][i] = nnls(others, target)[1] > least
-    return [_from_first_to_last(*each) for each in zip(closed, pushing, strict=True)]
+    return [from_first_to_last(*each) for each in zip(closed, pushing, strict=True)]
 
 
-def _touching(gap: np.ndarray, closed: np.ndarray, rounding: float) -> np.ndarray:
+def touching(gap: np.ndarray, closed: np.ndarray, rounding: float) -> np.ndarray:
     """The samples of each closed range whose gap is at most twice (noise) the largest one of its middle half, or zero
     within `rounding` (m).
 
@@ -209,7 +209,7 @@ def _ranges(closed: np.ndarray) -> list[tuple[int, int]]:
     return list(zip(edges[::2], edges[1::2], strict=True))
 
 
-def _from_first_to_last(closed: np.ndarray, pushing: np.ndarray) -> np.ndarray:
+def from_first_to_last(closed: np.ndarray, pushing: np.ndarray) -> np.ndarray:
     """Each range of samples with a small gap, without what is before its first push and after its last one."""
     result = np.zeros(len(closed), dtype=bool)
     for start, stop in _ranges(closed):

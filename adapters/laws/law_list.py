@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from cases import NotSupported
 from cases.own_effects import registered
 
-from . import effects, mechanics
+from . import effects, free_plates, mechanics
 from .mechanics import Law
 from .runs import MissingQuantity, Route
 
@@ -21,7 +21,7 @@ def _own_laws() -> dict[str, Law]:
     return {law.__name__: law for law in laws}
 
 
-LAWS: dict[str, Law] = {**mechanics.LAWS, **effects.LAWS, **_own_laws()}
+LAWS: dict[str, Law] = {**mechanics.LAWS, **effects.LAWS, **free_plates.LAWS, **_own_laws()}
 
 
 class Verdict(NamedTuple):

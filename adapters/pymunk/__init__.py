@@ -4,6 +4,7 @@ from .adapter import (
     CORNERS,
     NAME,
     SEVERAL_CONTACTS,
+    SEVERAL_PLATES,
     SLIP_LAWS,
     SUPPORTS,
     bare_run,
@@ -22,6 +23,7 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
-    "CORNERS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SLIP_LAWS", "SUPPORTS", "build", "default_grid", "grid",
-    "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run", "bare_run", "version", "wide_grid",
+    "CORNERS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SLIP_LAWS", "SUPPORTS", "build",
+    "default_grid", "grid", "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run", "bare_run",
+    "version", "wide_grid",
 ]  # fmt: skip

@@ -35,9 +35,9 @@ from cases.contact import start_motion
 from cases.contact_limits import touches_by_features
 from cases.moving_frame import relative_case
 
-from ..common import driven_tracks, facets, half_steps, support_contacts
+from ..common import driven_tracks, facets, half_steps, plates_in_steps, support_contacts
 from ..interface import EngineFailure, Setting
-from . import assisted, native, older_versions
+from . import assisted, free_plates, native, older_versions
 from .load import LoadInSteps
 
 __all__ = [
@@ -69,8 +69,9 @@ SLIP_LAWS = ("assisted",)
 CORNERS = ("native",)
 # Routes that report each contact of a plate that touches its track in several places.
 SEVERAL_CONTACTS = ("native",)
-# Routes that have further fixed curves.
+# Routes that have further fixed curves, and several plates.
 SUPPORTS = ("native",)
+SEVERAL_PLATES = ("native",)
 
 
 def version() -> str:
@@ -96,13 +97,13 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return support_contacts.refuses_several(case)
+    return None if case.others else support_contacts.refuses_several(case)
 
 
 def _refuses_natively(case: Case) -> str | None:
     if facets.has_hollow_corners(case.plate.outline):
         return "pymunk's polygons are convex, and this outline has corners that point inwards."
-    if touches_by_features(case) and (problem := support_contacts.refuses(case)):
+    if touches_by_features(case) and not case.others and (problem := support_contacts.refuses(case)):
         return problem
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
@@ -190,7 +191,7 @@ def wide_grid(case: Case, route: str) -> tuple[Setting, ...]:
 
 @dataclass
 class PymunkModel:
-    """One run: the space, its moving body, the step (s), the number of steps, the recorded rows.
+    """One run: the space, its first moving body, the step (s), the number of steps, the recorded rows.
 
     `engine_case` is the case that the engine has: on the assisted route, a driven track's as the track sees it.
     `drive`: its load; `rough`: sagitta (m) of the facets that approximate the curves; `guide`: the source of the
@@ -206,12 +207,14 @@ class PymunkModel:
     drive: LoadInSteps | None = None
     rough: float = 0.0
     guide: assisted.ContactGuide | None = None
-    # Functions that record the plate after a step, and that return the rows.
+    # The bodies of free plates.
+    others: tuple[pymunk.Body, ...] = ()
+    # Functions that record the plates after a step, and that return the rows.
     note: Callable[[], None] = field(init=False)
     rows: Callable[[], np.ndarray] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.note, self.rows = older_versions.recorder(self.space, self.body)
+        self.note, self.rows = older_versions.recorder(self.space, (self.body, *self.others))
 
 
 def build(case: Case, route: str, setting: Setting) -> PymunkModel:
@@ -222,6 +225,9 @@ def build(case: Case, route: str, setting: Setting) -> PymunkModel:
 def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkModel:
     steps = max(2, round(case.duration / setting["h"]))
     h, engine_case = case.duration / steps, case if route == "native" else relative_case(case)
+    if case.others:
+        space, (body, *others) = free_plates.build(case, setting, h)
+        return PymunkModel(case, case, space, body, h, steps, others=tuple(others))
     if route == "native":
         space, body = native.build(case, setting)
         native.drive_track(case, space, h)
@@ -289,8 +295,11 @@ def read(model: PymunkModel) -> Trajectory:
         raise EngineFailure(f"The load has no value somewhere: {drive.problem}") from drive.problem
     if guide and guide.problem:
         raise EngineFailure(f"The contact for pymunk could not be computed: {guide.problem}") from guide.problem
+    if model.case.others:
+        return plates_in_steps.read(plates_in_steps.PlatesRecord(model.case, model.h, model.steps, rows))
     contacts, load = guide.contacts if guide else None, np.array(drive.rows) if drive else None
-    motion = half_steps.read(
-        half_steps.StepRecord(model.engine_case, model.h, model.steps, rows, contacts, load=load, rough=model.rough)
+    record = half_steps.StepRecord(
+        model.engine_case, model.h, model.steps, rows[:, 0], contacts, load=load, rough=model.rough
     )
+    motion = half_steps.read(record)
     return motion if model.engine_case is model.case else driven_tracks.to_fixed_frame(model.case, motion)

@@ -12,7 +12,8 @@ from ..interface import Meaning
 MEANINGS = (
     Meaning(
         CoulombFriction,
-        "friction of both shapes, multiplied; here mu and 1, with supports 1 and mu",
+        "friction of both shapes, multiplied; here mu and 1, with supports 1 and mu, of free plates the root of mu "
+        "each; a support's own is set in each step",
         "Coulomb's cone for the impulses of a step, one coefficient for slip and stick; mu(v) is not supported",
         routes=("native",),
     ),
@@ -25,7 +26,7 @@ MEANINGS = (
     Meaning(PerfectlyRough, "friction", "Coulomb's cone with a coefficient of 1e9"),
     Meaning(
         Impact,
-        "elasticity of both shapes, multiplied; here e and 1",
+        "elasticity of both shapes, multiplied; here e and 1, of free plates the root of e each",
         MOREAU,
         routes=("native",),
         differs=not_moreaus,

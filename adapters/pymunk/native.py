@@ -85,7 +85,7 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
 def space_knobs(case: Case) -> dict[str, float | int]:
     """The space's knobs for every rung but the first: all overlap beyond a small slop is corrected at once."""
     knobs: dict[str, float | int] = dict(collision_slop=1e-5 * case.plate.inner, collision_bias=0.0)
-    if not case.plate.radius:
+    if not case.plate.radius or case.others:
         knobs["iterations"] = 20
     return knobs
 
@@ -169,7 +169,7 @@ def _support_segments(case: Case, space: pymunk.Space, setting: Setting) -> list
     for support in case.supports:
         line, own = as_line(support.curve), replace(case, effects=support.acting(case.effects), supports=())
         assert line is not None, "refuses() accepts straight supports only"
-        segment = _line_segment(case, space, space.static_body, line, setting["thickness"], ends(case, line))
+        segment = line_segment(case, space, space.static_body, line, setting["thickness"], ends(case, line))
         impact = own.effect(Impact)
         segment.friction, segment.elasticity = friction_coefficient(own), 1.0
         if impact and whole and whole.restitution > 0.0:
@@ -263,9 +263,7 @@ def _track_shapes(case: Case, space: pymunk.Space, body: pymunk.Body, setting: S
     if line:
         part = stretch(case)
         own = np.array([case.track.point(s) for s in (part.low, part.high)])
-        return [
-            _line_segment(case, space, body, line, setting["thickness"], ends(case, line) if case.supports else own)
-        ]
+        return [line_segment(case, space, body, line, setting["thickness"], ends(case, line) if case.supports else own)]
     return _chain(case, body, setting)
 
 
@@ -274,7 +272,12 @@ def _track_circle(body: pymunk.Body, circle: Circle) -> pymunk.Shape:
     return pymunk.Circle(body, circle.radius, (float(x), float(y)))
 
 
-def _line_segment(
+def lift(case: Case, space: pymunk.Space) -> float:
+    """How far (m) a surface is above its curve."""
+    return 0.5 * min(space.collision_slop, 1e-6 * case.plate.inner)
+
+
+def line_segment(
     case: Case, space: pymunk.Space, body: pymunk.Body, line: Line, thickness: float, ends: np.ndarray
 ) -> pymunk.Shape:
     """One segment between its ends, its surface above the line by half the slop that the engine allows.
@@ -282,8 +285,7 @@ def _line_segment(
     The engine detects a contact only where shapes overlap: without that overlap the plate would fall for one step.
     """
     normal = np.array([-line.direction[1], line.direction[0]])
-    lift = normal * (0.5 * min(space.collision_slop, 1e-6 * case.plate.inner) - thickness)
-    (ax, ay), (bx, by) = (end + lift for end in ends)
+    (ax, ay), (bx, by) = (end + normal * (lift(case, space) - thickness) for end in ends)
     return pymunk.Segment(body, (float(ax), float(ay)), (float(bx), float(by)), thickness)
 
 

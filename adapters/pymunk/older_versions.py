@@ -5,7 +5,7 @@ Each looks at the installed interface, not at a version number.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.metadata import version as package_version
 from typing import Any
@@ -20,8 +20,6 @@ except ImportError:
 
 # The numbers of a body in a record.
 _NUMBERS = 6
-# The engine's record of a space: the plate comes first, then the track's static body.
-_BODIES = 2
 
 
 def version() -> str:
@@ -29,13 +27,14 @@ def version() -> str:
     return package_version("pymunk")
 
 
-def recorder(space: pymunk.Space, body: pymunk.Body) -> tuple[Callable[[], None], Callable[[], np.ndarray]]:
-    """A function that records the body now, and one that returns the rows (x, y, theta, vx, vy, omega), shape (n, 6).
+def recorder(space: pymunk.Space, bodies: Sequence[pymunk.Body]) -> tuple[Callable[[], None], Callable[[], np.ndarray]]:
+    """A function that records the bodies now, the space's first ones, and one that returns the rows (x, y, theta, vx,
+    vy, omega) of each, shape (n, bodies, 6).
 
     Reading the numbers one by one takes longer than a native step; the engine's own record needs pymunk 6.6.
     """
     if batch is None:
-        return _recorder_in_python(body)
+        return _recorder_in_python(bodies)
     fields = (
         batch.BodyFields.POSITION
         | batch.BodyFields.ANGLE
@@ -45,19 +44,20 @@ def recorder(space: pymunk.Space, body: pymunk.Body) -> tuple[Callable[[], None]
     buffer = batch.Buffer()
 
     def rows() -> np.ndarray:
-        # A copy: the engine's memory is freed with the model.
-        return np.frombuffer(buffer.float_buf()).reshape(-1, _BODIES, _NUMBERS)[:, 0].copy()
+        # A copy: the engine's memory is freed with the model. The track's static body comes last.
+        return np.frombuffer(buffer.float_buf()).reshape(-1, len(bodies) + 1, _NUMBERS)[:, :-1].copy()
 
     return partial(batch.get_space_bodies, space, fields, buffer), rows
 
 
-def _recorder_in_python(body: pymunk.Body) -> tuple[Callable[[], None], Callable[[], np.ndarray]]:
+def _recorder_in_python(bodies: Sequence[pymunk.Body]) -> tuple[Callable[[], None], Callable[[], np.ndarray]]:
     record: list[tuple[float, ...]] = []
 
     def note() -> None:
-        record.append((*body.position, body.angle, *body.velocity, body.angular_velocity))
+        for body in bodies:
+            record.append((*body.position, body.angle, *body.velocity, body.angular_velocity))
 
-    return note, lambda: np.array(record)
+    return note, lambda: np.array(record).reshape(-1, len(bodies), _NUMBERS)
 
 
 def on_collision(space: pymunk.Space, one: int, other: int, pre_solve: Callable[[Any, Any, Any], None]) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from math import nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cases import Case, State, Trajectory
 from cases.mechanics import energy, kinetic_energy
+from cases.sampled_contacts import SampledPlates
 
 # The square of a larger number is close to the largest double, or overflows.
 _LARGEST_SQUARE_ROOT = 1e150
@@ -42,7 +43,8 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
 
     Keys: t, x, y (m), centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (`multiplier`),
     and pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
-    root-mean-square distance of the plate's points;
+    root-mean-square distance of the plate's points; centre and pose are of the plate that is farthest off, the others
+    of the case's plate;
     force_share: the difference of the normal force relative to the mean true force at these times (not to m g, so that
     it is also defined without gravity);
     energy_share: the difference of the mechanical energy relative to the true motion's largest kinetic energy.
@@ -50,7 +52,7 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     """
     times, state = _states(trajectory, truth)
     exact = truth(times)
-    result = {"t": times, "centre": np.hypot(state.x - exact.x, state.y - exact.y)}
+    result = {"t": times}
     for key, name in (
         ("x", "x"),
         ("y", "y"),
@@ -63,15 +65,49 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
         result[key] = getattr(state, name) - np.asarray(getattr(exact, name))
     turns = np.round(result["angle"][:1] / (2 * np.pi))
     result["angle"] = result["angle"] - 2 * np.pi * (turns[0] if len(turns) else 0.0)
+    own, true = (_of_all_plates(motion, times, now) for motion, now in ((trajectory, state), (truth, exact)))
+    result["centre"], result["pose"] = farthest(case, own, true)
     result["lambda"] = multiplier(case, result["normal_force"], exact.xi1)
-    result["pose"] = np.hypot(result["centre"], case.plate.gyration * result["angle"])
     force = np.abs(np.asarray(exact.normal_force))
     press = float(force.mean()) if len(force) else nan
-    fastest = np.max(kinetic_energy(case, exact), initial=0.0)
+    fastest = np.max(kinetic_energy(case, true), initial=0.0)
     result["force_share"] = result["normal_force"] / (press if press > 0.0 else nan)
-    off = energy(case, state) - energy(case, exact)
+    off = energy(case, own) - energy(case, true)
     result["energy_share"] = off / (fastest if fastest > 0.0 else nan)
     return result
+
+
+def farthest(case: Case, own: State | Trajectory, true: State | Trajectory) -> tuple[np.ndarray, np.ndarray]:
+    """The largest error of the centre, m, and of the pose, m, over all plates that both motions have, at each time."""
+    pairs = [(case.plate, own, true)]
+    if isinstance(own, Trajectory) and isinstance(true, Trajectory):
+        pairs += [(other.plate, own.plate(other.name), true.plate(other.name)) for other in case.others]
+    centres, poses = [], []
+    for plate, one, other in pairs:
+        centres.append(np.hypot(np.asarray(one.x) - np.asarray(other.x), np.asarray(one.y) - np.asarray(other.y)))
+        angle = np.asarray(one.theta) - np.asarray(other.theta)
+        turns = np.round(angle[:1] / (2 * np.pi))
+        poses.append(np.hypot(centres[-1], plate.gyration * (angle - 2 * np.pi * (turns[0] if len(turns) else 0.0))))
+    return np.max(centres, axis=0), np.max(poses, axis=0)
+
+
+def _of_all_plates(motion: Trajectory, times: np.ndarray, first: State) -> State | Trajectory:
+    """The states of all plates of a motion at these times, as a motion; with one plate those of it, `first`."""
+    if motion.plate_columns is None:
+        return first
+    plates = {name: np.array(states_at(motion.plate(name), times)[:6]) for name in motion.plate_names}
+    columns: dict[str, Any] = first._asdict()
+    return Trajectory(t=times, **columns, plate_names=motion.plate_names, plate_columns=SampledPlates(times, plates))
+
+
+def states_at(motion: Trajectory, times: np.ndarray) -> State:
+    """The states of a motion at these times: its own samples, if they are among them."""
+    if motion.dense is not None:
+        return motion(times)
+    inside = (motion.t >= times[0]) & (motion.t <= times[-1]) if len(times) else np.zeros(len(motion.t), dtype=bool)
+    if np.array_equal(motion.t[inside], times):
+        return State(*(getattr(motion, name)[inside] for name in State._fields))
+    return motion(times)
 
 
 def multiplier(case: Case, normal_force, xi1) -> np.ndarray:

@@ -15,6 +15,8 @@ import numpy as np
 import reference
 from cases import Belt, Case, CaseError, CoulombFriction, Mode, RollingResistance, Trajectory
 from cases.contact import start_motion
+from cases.free_plates import names_of, start_poses
+from cases.sampled_contacts import SampledPlates
 from cases.trajectory import EVEN_TIMES
 
 
@@ -37,14 +39,21 @@ def rolling(case: Case) -> Trajectory:
 
 
 def resting(case: Case) -> Trajectory:
-    """The plate stays where it is at the start; its forces are not known."""
+    """All plates stay where they are at the start; their forces are not known."""
     start = start_motion(case)
     here = dict(x=start.x, y=start.y, theta=start.theta, xi1=start.xi1, xi2=start.xi2)
     still = dict(vx=0.0, vy=0.0, omega=0.0, slip=0.0, normal_force=nan, friction_force=nan)
     times = np.linspace(0.0, case.duration, EVEN_TIMES)
     columns: dict[str, Any] = {name: np.full(EVEN_TIMES, value) for name, value in (here | still).items()}
     mode = Mode.ROLL if case.effect(RollingResistance) is None and case.plate.turns else Mode.REST
-    return Trajectory(t=times, **columns, first_mode=mode)
+    motion = Trajectory(t=times, **columns, first_mode=mode)
+    if not case.others:
+        return motion
+    plates = {
+        name: np.repeat(np.append(pose[:3], np.zeros(3))[:, None], EVEN_TIMES, axis=1)
+        for name, pose in zip(names_of(case), start_poses(case), strict=True)
+    }
+    return replace(motion, plate_names=names_of(case), plate_columns=SampledPlates(times, plates))
 
 
 NULL_MOTIONS: dict[str, Callable[[Case], Trajectory]] = {

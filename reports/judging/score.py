@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Mode, Trajectory, Transition
+from cases import Case, CoulombFriction, Mode, Plate, State, Trajectory, Transition
 
 from . import doubts, transitions
 from .distances import differences
@@ -108,7 +108,7 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
     motions by name."""
     end = float(truth.t[-1])
     state = truth(np.linspace(0.0, end, _EVEN))
-    path = float(np.hypot(np.hypot(np.ptp(state.x), np.ptp(state.y)), case.plate.gyration * np.ptp(state.theta)))
+    path = max(_path(plate, own) for plate, own in _plates(case, truth, np.linspace(0.0, end, _EVEN), state))
     moves = path > _RESTS * case.plate.reach
     speed = float(np.hypot(state.vx, state.vy).max()) if moves else case.plate.reach / case.duration
     slowest = _SAME * speed
@@ -145,6 +145,16 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
         share=pose / path if moves else np.inf,
         most_creep=_MOST_CREEP * max(fastest_slip, _fastest_slip(nulls[nearest]) if nearest else 0.0),
     )
+
+
+def _plates(case: Case, motion: Trajectory, times: np.ndarray, first: State) -> list[tuple[Plate, State]]:
+    """All plates of a motion with their states at these times; `first`: those of the case's plate."""
+    others = [other for other in case.others if other.name in motion.plate_names]
+    return [(case.plate, first), *((other.plate, motion.plate(other.name)(times)) for other in others)]
+
+
+def _path(plate: Plate, state: State) -> float:
+    return float(np.hypot(np.hypot(np.ptp(state.x), np.ptp(state.y)), plate.gyration * np.ptp(state.theta)))
 
 
 def _slip_scale(errors: Mapping[str, tuple[float, float]], nearest: str, least: float) -> float:
@@ -374,9 +384,17 @@ def _standing(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pose and slip errors at the times of a plate at rest in its last pose before the time `begin`."""
     true = truth(times)
+    poses = [_standing_pose(case.plate, motion, truth, true, begin)]
+    for other in case.others:
+        one, exact = motion.plate(other.name), truth.plate(other.name)
+        poses.append(_standing_pose(other.plate, one, exact, exact(times), begin))
+    return np.max(poses, axis=0), np.asarray(true.slip)
+
+
+def _standing_pose(plate: Plate, motion: Trajectory, truth: Trajectory, true: State, begin: float) -> np.ndarray:
     i = max(int(np.searchsorted(motion.t, begin, side="right")) - 1, 0)
     first = truth(float(np.clip(motion.t[0], 0.0, truth.t[-1])))
     turns = 2 * np.pi * np.round((motion.theta[0] - first.theta) / (2 * np.pi))
     angle = motion.theta[i] - turns - np.asarray(true.theta)
     centre = np.hypot(motion.x[i] - np.asarray(true.x), motion.y[i] - np.asarray(true.y))
-    return np.hypot(centre, case.plate.gyration * angle), np.asarray(true.slip)
+    return np.hypot(centre, plate.gyration * angle)

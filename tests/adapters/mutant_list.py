@@ -44,6 +44,7 @@ from .mutants import (
     track,
     where,
 )
+from .plate_mutants import FREE_PLATES
 
 G, MU, E = "g of Gravity", "mu of CoulombFriction", "restitution of Impact"
 IN_CIRCLE, IN_VALLEY, LOADED = equations("disc in a circle"), equations("disc in a valley"), equations("loaded disc")
@@ -421,4 +422,6 @@ BELTS = [
     ),
 ]
 
-MUTANTS: list[Mutant] = [*GRAVITY, *FRICTION, *PLATES, *STARTS, *LOADS, *IMPACTS, *CONTACTS, *BELTS, *COLUMNS]
+MUTANTS: list[Mutant] = [
+    *GRAVITY, *FRICTION, *PLATES, *STARTS, *LOADS, *IMPACTS, *CONTACTS, *BELTS, *COLUMNS, *FREE_PLATES,
+]  # fmt: skip

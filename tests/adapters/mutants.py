@@ -30,6 +30,7 @@ from cases import (
 from cases.contact import start_motion
 from cases.effects import MOTION
 from cases.line_or_circle import as_line
+from cases.sampled_contacts import SampledPlates
 from cases.slip_laws import SLIP_SPEED
 
 # Samples of a motion, about as many as an engine's steps in a scene of the laws.
@@ -52,6 +53,7 @@ def of_case(change: Callable[[Case], Case] = lambda case: case, spoil=lambda cas
         NAME="mutant",
         routes=("native",),
         SLIP_LAWS=("native",),
+        SEVERAL_PLATES=("native",),
         refuses=lambda case, route: None,
         ladder=lambda case, route: (Setting.of(), Setting.of()),
         build=lambda case, route, setting: case,
@@ -66,7 +68,9 @@ def _sampled(case: Case) -> Trajectory:
     motion = reference.simulate(case)
     times = np.linspace(motion.t[0], motion.t[-1], max(3, round(STEPS * motion.t[-1] / case.duration) + 1))
     state = {name: np.array(values) for name, values in motion(times)._asdict().items()}
-    return replace(motion, dense=None, t=times, **state)
+    names = motion.plate_names if case.others else ()
+    plates = SampledPlates(times, {name: np.array(motion.plate(name)(times)[:6]) for name in names}) if names else None
+    return replace(motion, dense=None, t=times, **state, plate_columns=plates)
 
 
 def of_motion(**columns: Callable[[Trajectory], np.ndarray]) -> Any:

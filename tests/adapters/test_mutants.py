@@ -53,12 +53,16 @@ def test_the_collection_has_the_size_it_should():
     assert {mutant.law for mutant in MUTANTS} <= LAWS.keys()
 
 
-def _families() -> list[str]:
+# Laws whose scene takes the reference more than a second.
+_LONG = ("pile_of_free_plates",)
+
+
+def _families() -> list:
     """The first entry of each law."""
     first: dict[str, str] = {}
     for law in LAWS:
         first.setdefault(law.partition("[")[0], law)
-    return list(first.values())
+    return [pytest.param(law, marks=pytest.mark.slow) if law in _LONG else law for law in first.values()]
 
 
 @pytest.mark.parametrize("law", _families())

@@ -287,12 +287,12 @@ def test_invalid_cases_are_rejected_in_a_sentence():
         reference.simulate(good, method="augmented")
 
 
-def test_engines_reject_several_plates_in_a_sentence():
-    from adapters import pymunk
+def test_several_plates_are_rejected_in_a_sentence():
+    from adapters import exudyn
     from adapters.by_process import scene_file
     from reference.sweeping.scenario_values import structure
 
-    assert refusal(pymunk.adapter, on_top(), "native") == "The native route does not support several plates (others)."
+    assert refusal(exudyn, on_top(), "native") == "The native route does not support several plates (others)."
     with pytest.raises(NotSupported, match="has one plate"):
         scene_file.scene(on_top())
     with pytest.raises(NotSupported, match="a sweep does not support several plates"):

@@ -1,0 +1,152 @@
+"""Laws of several free plates: momentum and restitution between them, friction, and a pile at rest.
+
+Each follows from Newton's and Coulomb's laws in a line or two, given in its docstring, for values that are drawn from
+the route's seed. Tolerances are those of `adapters.laws.runs`.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from cases import Case, CoulombFriction, Flight, FreePlate, Gravity, Impact, Plate, StartPose, Unilateral
+from cases.effects import Effect
+
+from .effects import RESTITUTION
+from .mechanics import Law
+from .runs import LawRun, Route, hold
+from .scenes import LEVEL, Draw
+
+
+def _two_discs(d: Draw, restitution: float, *friction: CoulombFriction) -> tuple[Case, float, float, float]:
+    """A disc that meets another one in flight, high above the track, and its speed (m/s), the height of both centres
+    (m) and the time (s) at which they meet."""
+    radii, g = (d.between(0.08, 0.12), d.between(0.13, 0.2)), d.g()
+    first, second = d.disc(radii[0]), d.disc(radii[1])
+    gap, speed = d.between(0.4, 0.6) * radii[0], d.signed(1.0, 2.0) * sqrt(g * radii[0])
+    meets = gap / abs(speed)
+    high = 4.0 * radii[1] + 4.0 * g * meets**2
+    spin = 0.0
+    if friction:
+        # Twice the spin that friction would stop: it slips through the whole impact.
+        impulse = abs(speed) / (1.0 / first.mass + 1.0 / second.mass)
+        levers = 1.0 / first.mass + 1.0 / second.mass + _lever(first) ** 2 + _lever(second) ** 2
+        spin = 2.0 * d.signed(1.0, 1.5) * friction[0].mu * impulse * levers / radii[0]
+    far = np.sign(speed) * (sum(radii) + gap)
+    other = FreePlate(second, StartPose(float(far), high), "second")
+    effects: tuple[Effect, ...] = (Gravity(g), Unilateral(), Flight(), Impact(restitution, "moreau"), *friction)
+    start = StartPose(0.0, high, vx=speed, omega=spin)
+    return Case(LEVEL, first, effects, start, duration=1.8 * meets, others=(other,)), speed, high, meets
+
+
+def _lever(plate: Plate) -> float:
+    """r/√J, 1/√kg."""
+    return (plate.radius or 0.0) / sqrt(plate.inertia)
+
+
+def _last_velocities(run: LawRun, meets: float) -> list[tuple[float, float, float]]:
+    """(vx, vy, ω) of both plates, the means of the samples after the impact."""
+    after = run.motion.t > meets + 2 * run.step
+    plates = (run.motion, run.motion.plate("second"))
+    return [tuple(float(getattr(own, name)[after].mean()) for name in ("vx", "vy", "omega")) for own in plates]  # type: ignore[misc]
+
+
+def collision_of_free_plates(route: Route) -> None:
+    """A disc meets another in flight without friction: their momentum stays, and they part with e times the speed."""
+    d = route.draw("collision of free plates")
+    case, speed, high, meets = _two_discs(d, d.but(0.3, 0.8, 0.5, 0.05))
+    run, impact = route.simulate(case), case.effect(Impact)
+    assert impact is not None
+    masses = case.plate.mass, case.others[0].plate.mass
+    (first, _, spin), (second, _, other_spin) = _last_velocities(run, meets)
+    suspect = "the reaction on the other plate, or the mass of each"
+    momentum = masses[0] * first + masses[1] * second - masses[0] * speed
+    tolerance = (10 * run.rounding * len(run.motion.t) ** 0.5 + 1e-9) * sum(masses) * abs(speed)
+    hold("collision of free plates", "the momentum", momentum, tolerance, suspect)
+    parting, exact = np.sign(speed) * (second - first), impact.restitution * abs(speed)
+    suspect = f"restitution of Impact: {parting / abs(speed):.4g} would fit, the case has {impact.restitution:g}"
+    hold("collision of free plates", "the speed of parting", parting - exact, 2 * RESTITUTION * abs(speed), suspect)
+    spins = max(abs(spin), abs(other_spin)) * case.plate.reach
+    hold("collision of free plates", "a spin", spins, RESTITUTION * abs(speed), "friction where the case has none")
+    fall = run.motion.plate("second").y - high + 0.5 * _gravity(case) * run.motion.t**2
+    hold("collision of free plates", "y of the second plate", fall, run.kick * run.motion.t[-1], "its start, or g")
+
+
+def _gravity(case: Case) -> float:
+    """The strength of gravity, m/s²."""
+    gravity = case.effect(Gravity)
+    assert gravity is not None, "the scenes have gravity"
+    return gravity.g
+
+
+def friction_of_free_plates(route: Route) -> None:
+    """A spinning disc meets another in flight: friction takes μ of the impulse, with opposite forces on both."""
+    d = route.draw("friction of free plates")
+    mu = d.mu(0.1, 0.3)
+    case, speed, _, meets = _two_discs(d, 0.0, CoulombFriction(mu))
+    run = route.simulate(case)
+    plates = case.plate, case.others[0].plate
+    impulse = abs(speed) / (1.0 / plates[0].mass + 1.0 / plates[1].mass)
+    (_, up, spin), (_, other_up, other_spin) = _last_velocities(run, meets)
+    along = -np.sign(case.start.omega)
+    found = plates[0].inertia * along * (spin - case.start.omega) / ((plates[0].radius or 1.0) * impulse)
+    suspect = f"mu of CoulombFriction between the plates: {found:.4g} would fit, the case has {mu:g}"
+    # The direction of the contact turns if one plate falls a step longer than the other.
+    tolerance = RESTITUTION * mu + run.kick * run.step / (case.plate.reach + plates[1].reach)
+    hold("friction of free plates", "the impulse on the first spin over the normal one", found - mu, tolerance, suspect)
+    other = plates[1].inertia * along * other_spin / ((plates[1].radius or 1.0) * impulse)
+    suspect = "the reaction on the other plate, or the inertia of each"
+    hold(
+        "friction of free plates", "the impulse on the second spin over the normal one", other - mu, tolerance, suspect
+    )
+    # The forces are opposite: the sum of m vy is gravity's.
+    falls = plates[0].mass * up + plates[1].mass * other_up
+    after = run.motion.t[run.motion.t > meets + 2 * run.step]
+    exact = -(plates[0].mass + plates[1].mass) * _gravity(case) * float(after.mean())
+    grain = (plates[0].mass + plates[1].mass) * run.kick
+    hold("friction of free plates", "the momentum along gravity", falls - exact, grain, suspect)
+
+
+def row_of_free_plates(route: Route) -> None:
+    """Equal discs in a row on a floor, some way apart, e = 1, without friction: each passes its speed on."""
+    d = route.draw("row of free plates")
+    radius, g = d.between(0.08, 0.15), d.g()
+    plate, gap, speed = d.disc(radius), d.between(0.3, 0.5) * radius, d.signed(1.0, 2.0) * sqrt(g * radius)
+    way = np.sign(speed) * (2.0 * radius + gap)
+    others = tuple(
+        FreePlate(plate, StartPose(float(number * way), radius), name)
+        for number, name in enumerate(("second", "third"), start=1)
+    )
+    effects = Gravity(g), Unilateral(), Flight(), Impact(1.0, "moreau")
+    start = StartPose(0.0, radius, vx=speed)
+    run = route.simulate(Case(LEVEL, plate, effects, start, duration=4.0 * gap / abs(speed), others=others))
+    for name, share in zip(run.motion.plate_names, (0.0, 0.0, 1.0), strict=True):
+        off = float(run.motion.plate(name).vx[-1]) - share * speed
+        hold("row of free plates", f"vx of {name}", off, 3 * RESTITUTION * abs(speed), "restitution of Impact")
+
+
+def pile_of_free_plates(route: Route) -> None:
+    """Two discs that touch and one on both rest if μ is above 2 − √3."""
+    d = route.draw("pile of free plates")
+    radius, g = d.between(0.08, 0.15), d.g()
+    plate, mu = d.disc(radius), d.between(0.45, 0.6)
+    others = (
+        FreePlate(plate, StartPose(2.0 * radius, radius), "second"),
+        FreePlate(plate, StartPose(radius, (1.0 + sqrt(3.0)) * radius), "upper"),
+    )
+    effects = Gravity(g), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(mu)
+    start = StartPose(0.0, radius)
+    run = route.simulate(Case(LEVEL, plate, effects, start, duration=6.0 * sqrt(radius / g), others=others))
+    # A step's fall, what engines leave of overlap, and as much for each of the steps in which contacts settle.
+    tolerance = 10.0 * run.kick * run.step + 2e-3 * radius
+    for name in run.motion.plate_names:
+        own = run.motion.plate(name)
+        off = np.hypot(own.x - own.x[0], own.y - own.y[0])
+        hold("pile of free plates", f"the way of {name}", off, tolerance, "mu of CoulombFriction between the plates")
+
+
+LAWS: dict[str, Law] = {
+    law.__name__: law
+    for law in (collision_of_free_plates, friction_of_free_plates, row_of_free_plates, pile_of_free_plates)
+}
