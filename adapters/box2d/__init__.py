@@ -5,6 +5,7 @@ from .adapter import (
     NAME,
     ROUNDING,
     SEVERAL_CONTACTS,
+    SEVERAL_PLATES,
     SUPPORTS,
     build,
     default_grid,
@@ -20,6 +21,6 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
-    "CORNERS", "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS", "SUPPORTS", "build", "default_grid", "grid",
-    "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run", "version",
+    "CORNERS", "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SUPPORTS", "build",
+    "default_grid", "grid", "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run", "version",
 ]  # fmt: skip

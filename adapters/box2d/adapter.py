@@ -47,9 +47,10 @@ from cases import (
 from cases.contact import start_motion
 from cases.contact_limits import touches_by_features
 from cases.errors import unknown_name
+from cases.free_plates import plates_of, start_poses
 from cases.mechanics import gravity
 
-from ..common import driven_tracks, facets, half_steps, support_contacts
+from ..common import driven_tracks, facets, half_steps, plates_in_steps, support_contacts
 from ..interface import Setting
 from . import shapes
 
@@ -60,8 +61,9 @@ KNOWN = "pyb2d3>=0.5"
 
 # Routes that report each contact of a plate that touches its track in several places.
 SEVERAL_CONTACTS = ("native",)
-# Routes that have further fixed curves.
+# Routes that have further fixed curves, and several plates.
 SUPPORTS = ("native",)
+SEVERAL_PLATES = ("native",)
 
 # The engine's numbers are of single precision.
 ROUNDING = float(np.finfo(np.float32).eps)
@@ -117,7 +119,9 @@ def refuses(case: Case, route: str) -> str | None:
         )
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return "box2d has RollingResistance for circles only, and this outline is none."
-    if touches_by_features(case) and (problem := support_contacts.refuses(case)):
+    if case.others and (problem := shapes.refuses_plates(case)):
+        return problem
+    if touches_by_features(case) and not case.others and (problem := support_contacts.refuses(case)):
         return problem
     if any(own != whole for own, whole in shapes.restitutions(case)):
         return "box2d takes the larger restitution of both shapes, and a support here has its own."
@@ -126,7 +130,7 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return support_contacts.refuses_several(case)
+    return None if case.others else support_contacts.refuses_several(case)
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:
@@ -157,14 +161,15 @@ def grid(case: Case, route: str) -> tuple[Setting, ...]:
 
 @dataclass
 class Box2dModel:
-    """One run: the case, its setting, the step (s), the number of steps, the engine's world and plate, and the rows."""
+    """One run: the case, its setting, the step (s), the number of steps, the engine's world and plates, and the rows of
+    each plate."""
 
     case: Case
     knobs: dict[str, Any]
     h: float
     steps: int
     world: pyb2d3.World
-    plate: pyb2d3.Body
+    plates: list[pyb2d3.Body]
     track: pyb2d3.Body
     rows: list[tuple[float, ...]] = field(default_factory=list)
 
@@ -187,42 +192,56 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
     track = shapes.track_body(case, world, scale)
     shapes.add_track(case, track, belt, scale, knobs.get("facets", 1))
     shapes.add_supports(case, track, scale)
-    place = scale * start.x, scale * start.y
-    plate = world.create_dynamic_body(position=place, rotation=shapes.rotation(start.theta))
-    shapes.add_plate(case, plate, material, scale, knobs.get("vertices", 1))
-    mass = pyb2d3.MassData()
-    mass.mass, mass.center, mass.rotational_inertia = case.plate.mass, (0.0, 0.0), 0.0
-    if case.plate.turns:  # for the engine no inertia is an infinite one
-        mass.rotational_inertia = case.plate.inertia * scale**2
-    plate.mass_data = mass
-    plate.linear_velocity, plate.angular_velocity = (scale * start.vx, scale * start.vy), start.omega
-    return Box2dModel(case, knobs, h, steps, world, plate, track)
+    begins = [(start.x, start.y, start.theta, start.vx, start.vy, start.omega)]
+    begins += start_poses(case)[1:].tolist()
+    plates = []
+    for plate, (x, y, theta, vx, vy, omega) in zip(plates_of(case), begins, strict=True):
+        body = world.create_dynamic_body(position=(scale * x, scale * y), rotation=shapes.rotation(theta))
+        shapes.add_plate(case, plate, body, material, scale, knobs.get("vertices", 1))
+        mass = pyb2d3.MassData()
+        mass.mass, mass.center, mass.rotational_inertia = plate.mass, (0.0, 0.0), 0.0
+        if plate.turns:  # for the engine no inertia is an infinite one
+            mass.rotational_inertia = plate.inertia * scale**2
+        body.mass_data = mass
+        body.linear_velocity, body.angular_velocity = (scale * vx, scale * vy), omega
+        plates.append(body)
+    return Box2dModel(case, knobs, h, steps, world, plates, track)
 
 
 def run(model: Box2dModel) -> None:
     """Step through the duration and record poses and the velocities after the next step, in the engine's units."""
-    h, step, plate, note, substeps = model.h, model.world.step, model.plate, model.rows.append, model.knobs["substeps"]
+    h, step, plates, note, substeps = (
+        model.h,
+        model.world.step,
+        model.plates,
+        model.rows.append,
+        model.knobs["substeps"],
+    )
     rest = half_steps.rest(substeps) * h
     follow = shapes.track_follower(model.case, model.track, h, model.knobs["scale"])
     for k in range(model.steps + 1):
-        (x, y), angle = plate.position, shapes.angle(plate)
+        poses = [(*plate.position, shapes.angle(plate)) for plate in plates]
         follow(k)
         step(h if k else h - rest, substeps)
-        (vx, vy), omega = plate.linear_velocity, plate.angular_velocity
-        note((x, y, angle, vx, vy, omega))
-        if k == 0:
-            # The engine accelerates first, then moves: half a substep of acceleration is missing, no displacement is.
-            (x, y), angle = plate.position, shapes.angle(plate)
-            plate.set_transform((x + rest * vx, y + rest * vy), shapes.rotation(angle + rest * omega))
+        for pose, plate in zip(poses, plates, strict=True):
+            (vx, vy), omega = plate.linear_velocity, plate.angular_velocity
+            note((*pose, vx, vy, omega))
+            if k == 0:
+                # The engine accelerates first, then moves: half a substep of acceleration is missing, no displacement.
+                (x, y), angle = plate.position, shapes.angle(plate)
+                plate.set_transform((x + rest * vx, y + rest * vy), shapes.rotation(angle + rest * omega))
 
 
 def read(model: Box2dModel) -> Trajectory:
     """The motion at the poses' times, cut where the plate left its track. Raises EngineFailure if it is no motion."""
     case, knobs, scale = model.case, model.knobs, model.knobs["scale"]
-    rows = np.array(model.rows) / np.array([scale, scale, 1.0, scale, scale, 1.0])
+    rows = np.array(model.rows).reshape(-1, len(model.plates), 6) / np.array([scale, scale, 1.0, scale, scale, 1.0])
     # The engine's angle has no whole turns.
-    theta = np.unwrap(rows[:, 2])
-    rows[:, 2] = theta + 2 * np.pi * np.round((start_motion(case).theta - theta[0]) / (2 * np.pi))
+    theta = np.unwrap(rows[..., 2], axis=0)
+    begin = [start_motion(case).theta, *(other.start.theta for other in case.others)]
+    rows[..., 2] = theta + 2 * np.pi * np.round((begin - theta[0]) / (2 * np.pi))
     rough = facets.sagitta(case, knobs.get("facets"), knobs.get("vertices")) + SLOP / scale
     engine: dict[str, Any] = dict(rough=rough, lever=0.5, rounding=ROUNDING, rest=half_steps.rest(knobs["substeps"]))
-    return half_steps.read(half_steps.StepRecord(case, model.h, model.steps, rows, **engine))
+    if case.others:
+        return plates_in_steps.read(plates_in_steps.PlatesRecord(case, model.h, model.steps, rows, **engine))
+    return half_steps.read(half_steps.StepRecord(case, model.h, model.steps, rows[:, 0], **engine))

@@ -10,7 +10,7 @@ from math import atan2, cos, sin
 import numpy as np
 import pyb2d3
 
-from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, PerfectlyRough, Plate, RollingResistance
 from cases.corner import Edge
 from cases.line_or_circle import as_circle, as_line
 
@@ -84,31 +84,44 @@ def moves_itself(case: Case) -> bool:
 
 
 def plate_material(case: Case) -> pyb2d3.SurfaceMaterial:
-    """The surface material of the plate. With supports its friction is 1, and that of each support is mu², so that
-    their geometric mean is mu."""
+    """The surface material of the plates. With supports its friction is 1, and that of each support is mu², so that
+    their geometric mean is mu; of several plates it is the case's, and that of each support mu_support²/mu."""
     surface = material(case)
-    if case.supports:
+    if case.supports and not case.others:
         surface.friction = 1.0
     return surface
 
 
+def refuses_plates(case: Case) -> str | None:
+    """Why the engine's mean of two shapes' friction does not give that of all contacts of several plates, or None."""
+    frictions = [material(own).friction for own in _own_cases(case)]
+    if material(case).friction == 0.0 and any(frictions):
+        return "box2d takes the geometric mean of two shapes' friction: it is zero at a support if plates have none."
+    return None
+
+
+def _own_cases(case: Case) -> list[Case]:
+    """For each further support the case with its effects."""
+    return [replace(case, effects=support.acting(case.effects), supports=()) for support in case.supports]
+
+
 def restitutions(case: Case) -> list[tuple[float, float]]:
     """The restitution of each further support, and that of the case."""
-    own = (replace(case, effects=support.acting(case.effects), supports=()) for support in case.supports)
-    return [(material(each).restitution, material(case).restitution) for each in own]
+    return [(material(own).restitution, material(case).restitution) for own in _own_cases(case)]
 
 
 def add_supports(case: Case, body: pyb2d3.Body, scale: float) -> None:
     """Add a segment of a chain for each further support."""
-    for support in case.supports:
+    for support, own in zip(case.supports, _own_cases(case), strict=True):
         line = as_line(support.curve)
         assert line is not None, "refuses() accepts straight supports only"
-        own = replace(case, effects=support.acting(case.effects), supports=())
-        _add_line(body, facets.ends(case, line), _squared(material(own)), scale)
+        _add_line(body, facets.ends(case, line), _against_plate(case, material(own)), scale)
 
 
-def _squared(surface: pyb2d3.SurfaceMaterial) -> pyb2d3.SurfaceMaterial:
-    surface.friction = surface.friction**2
+def _against_plate(case: Case, surface: pyb2d3.SurfaceMaterial) -> pyb2d3.SurfaceMaterial:
+    """The material of a line such that the geometric mean of its friction and the plates' is the given one."""
+    if surface.friction > 0.0:
+        surface.friction = surface.friction**2 / plate_material(case).friction
     return surface
 
 
@@ -185,8 +198,8 @@ def _belt_follower(case: Case, belt: Belt, body: pyb2d3.Body, h: float, scale: f
 def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
     """Add a circle, or `count` segments whose corners the engine smooths."""
     circle, line, kind = as_circle(case.track), as_line(case.track), facets.track_kind(case)
-    if case.supports and line:
-        _add_line(body, facets.ends(case, line), _squared(material), scale)
+    if (case.supports or case.others) and line:
+        _add_line(body, facets.ends(case, line), _against_plate(case, material), scale)
         return
     if kind == "hill" and circle:
         shape = pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius)
@@ -203,10 +216,15 @@ def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, s
     body.create_chain(pyb2d3.chain_def(points=scale * corners.T[::-1], material=material, is_loop=closed))
 
 
-def add_plate(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int) -> None:
-    """Add a circle, or a fan of polygons with `count` corners on its rim; triangles if the outline is not convex."""
+def add_plate(
+    case: Case, plate: Plate, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int
+) -> None:
+    """Add a circle, or a fan of polygons with `count` corners on its rim; triangles if the outline is not convex.
+
+    Of several plates all are circles.
+    """
     define = pyb2d3.shape_def(material=material)
-    circle = facets.round_plate(case)
+    circle = as_circle(plate.outline) if plate.outline.period else None
     if circle:
         body.create_shape(define, pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius))
         return

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from cases import Case, CoulombFriction, Impact, PerfectlyRough
+from cases.free_plates import gap_of, plate_contacts, plates_of, size_of, start_poses
+from cases.start_pose import TOUCHES
 
 # The law of engines that solve for the velocities at a step's end.
 MOREAU = "Moreau's (Newton's restitution, and Coulomb's law on the velocity after the impact)"
@@ -19,3 +21,12 @@ def not_moreaus(case: Case) -> bool:
     """
     impact = case.effect(Impact)
     return impact is not None and impact.law != "moreau" and has_friction(case) and case.plate.radius is None
+
+
+def plates_touch(case: Case) -> bool:
+    """Whether two of several plates touch each other at the start, so that an impact may act on several contacts."""
+    if not case.others:
+        return False
+    poses, radii = start_poses(case), tuple(plate.reach for plate in plates_of(case))
+    gaps = [gap_of(contact, radii, poses) for contact in plate_contacts(case) if contact.base is not None]
+    return min(gaps) <= TOUCHES * size_of(poses, radii)

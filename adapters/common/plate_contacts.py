@@ -62,17 +62,24 @@ class _PairContact:
 
 
 def with_plates(
-    case: Case, t: np.ndarray, poses: np.ndarray, rates: np.ndarray, clear: float, torsor: np.ndarray | None = None
+    case: Case,
+    t: np.ndarray,
+    poses: np.ndarray,
+    rates: np.ndarray,
+    clear: float,
+    torsor: np.ndarray | None = None,
+    slip_lever: float = 0.0,
 ) -> Trajectory:
     """The motion of several plates with the columns of each contact that closes at some time.
 
     `poses`, `rates`: (x, y, θ) and (vx, vy, ω) of all plates at the times `t`, shape (n, plates, 3). `clear`: the gap
     (m) below which a contact is closed. `torsor`: force (N) and moment (N m) of all contacts on each plate, like
-    `poses`; without it a contact is open as soon as its gap grows, and forces are not known.
+    `poses`; without it a contact is open as soon as its gap grows, and forces are not known. The engine's friction acts
+    at the share `slip_lever` of the gap from the plate that is named first.
     """
     # Each step rounds the poses.
     size = float(np.abs(poses[..., :2]).max()) + max(plate.reach for plate in plates_of(case))
-    every = [_along(case, contact, poses, rates) for contact in plate_contacts(case)]
+    every = [_along(case, contact, poses, rates, slip_lever) for contact in plate_contacts(case)]
     some = [one for one in every if (one.gap <= clear).any()]
     closed = [one.gap <= clear for one in some]
     steady = [touching(one.gap, shut, ROUNDING * size * len(t)) for one, shut in zip(some, closed, strict=True)]
@@ -102,7 +109,7 @@ def with_plates(
     )
 
 
-def _along(case: Case, contact: PlateContact, poses: np.ndarray, rates: np.ndarray) -> _PairContact:
+def _along(case: Case, contact: PlateContact, poses: np.ndarray, rates: np.ndarray, slip_lever: float) -> _PairContact:
     plates, body, base = plates_of(case), contact.body, contact.base
     (x, y, theta), (vx, vy, omega) = poses[:, body].T, rates[:, body].T
     radius = plates[body].reach
@@ -115,7 +122,7 @@ def _along(case: Case, contact: PlateContact, poses: np.ndarray, rates: np.ndarr
         gap = np.sum(off * normal, axis=0) - radius
         begin = np.asarray(curve.point(low)) - line.point
         xi1 = low + np.sum((off - begin[:, None]) * tangent, axis=0) / float(curve.speed(low))
-        slip = vx * tangent[0] + vy * tangent[1] + radius * omega
+        slip = vx * tangent[0] + vy * tangent[1] + (radius + slip_lever * gap) * omega
     else:
         own = plates[base].reach
         off = poses[:, body, :2].T - poses[:, base, :2].T
@@ -125,7 +132,8 @@ def _along(case: Case, contact: PlateContact, poses: np.ndarray, rates: np.ndarr
         polar = np.unwrap(np.arctan2(normal[1], normal[0]))
         xi1 = np.asarray(parameter(plates[base].outline, polar - poses[:, base, 2]))
         relative = rates[:, body, :2].T - rates[:, base, :2].T
-        slip = np.sum(relative * tangent, axis=0) + radius * omega + own * rates[:, base, 2]
+        arms = radius + slip_lever * gap, own + (1.0 - slip_lever) * gap
+        slip = np.sum(relative * tangent, axis=0) + arms[0] * omega + arms[1] * rates[:, base, 2]
     inwards = np.unwrap(np.arctan2(-normal[1], -normal[0]))
     xi2 = np.asarray(parameter(plates[body].outline, inwards - theta))
     return _PairContact(contact, gap, slip, tangent, normal, xi1, xi2)

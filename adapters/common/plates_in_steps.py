@@ -22,13 +22,14 @@ from .plate_contacts import with_plates
 @dataclass(frozen=True)
 class PlatesRecord:
     """The record of a run: rows (x, y, theta, vx, vy, omega) of every plate at every step of `h` s, shape (n, plates,
-    6), `steps` + 1 if it is complete. `rough`, `rounding` and `rest` are those of `half_steps.StepRecord`."""
+    6), `steps` + 1 if it is complete. `rough`, `lever`, `rounding` and `rest` are those of `half_steps.StepRecord`."""
 
     case: Case
     h: float
     steps: int
     rows: np.ndarray
     rough: float = 0.0
+    lever: float = 0.0
     rounding: float = float(np.finfo(float).eps)
     rest: float = 0.5
 
@@ -53,7 +54,7 @@ def read(record: PlatesRecord) -> Trajectory:
     clear = max(1e-6, 1e3 * record.rounding) * min(plate.inner for plate in plates) + 4.0 * record.rough
     clear += 2.0 * float(np.hypot(*gravity(case))) * h**2
     t = np.linspace(0.0, case.duration, record.steps + 1)[: len(rows)]
-    motion = with_plates(case, t, rows[..., :3], rates, clear, torsor)
+    motion = with_plates(case, t, rows[..., :3], rates, clear, torsor, record.lever)
     return replace(motion, slip_resolution=_creep(record, motion, torsor), cost=Cost(steps=len(rows)))
 
 

@@ -10,14 +10,15 @@ import pytest
 
 import cases
 import reference
-from adapters import EngineFailure, gate, refusal
+from adapters import EngineFailure, engine, gate, other_laws, refusal
 from adapters.common.plate_contacts import with_plates
 from cases import Case, CoulombFriction, Curve, FreePlate, StartPose, Support
 from cases.free_plates import names_of, plates_of
 from reports.judging.distances import differences
 from tests.adapters.test_engine_effects import play
 
-NATIVE = ("pymunk",)
+# Engines, and the rounding of their numbers.
+NATIVE = {"pymunk": 2e-16, "box2d": 1e-7}
 EACH = pytest.mark.parametrize("name", NATIVE)
 
 
@@ -53,21 +54,32 @@ def test_contacts_of_free_plates_follow_from_the_poses(label):
 def test_a_disc_leaves_a_free_disc_and_momentum_stays(name):
     """It leaves after 0.444077645 s (derived in tests/reference/test_free_plates.py); the floor is without friction."""
     case = cases.load("disc_on_free_disc")
-    for rung, error in ((0, 3e-2), (3, 8e-3)):  # a push every few steps: an error of order √h, on the early side
+    pytest.importorskip(f"adapters.{name}")
+    for rung in (0, 3):
         motion = play(name, "native", case, rung)
         upper, lower = motion.plate("upper"), motion.plate("plate")
-        assert np.abs(2.0 * lower.vx + upper.vx).max() < 1e-12
+        # Rounding of velocities of 1 m/s, in a hundred to 1,300 steps.
+        assert np.abs(2.0 * lower.vx + upper.vx).max() < 1e3 * NATIVE[name]
         last = np.flatnonzero(np.isfinite(motion.contacts["upper/plate"].slip))[-1]
-        assert -error < motion.t[last] - 0.444077645 < 1e-3
+        # The weaker a contact, the more steps are between two pushes: 1.6 to 5.1 steps are measured.
+        assert abs(motion.t[last] - 0.444077645) < 6.0 * motion.t[1]
         assert set(motion.contact_names) == {"plate/track", "upper/track", "upper/plate"}
 
 
-@EACH
-@pytest.mark.parametrize("gap,speeds", [(0.01, (0.0, 0.0, 1.0)), (0.0, (-1 / 3, 2 / 3, 2 / 3))])
-def test_an_impact_goes_through_a_row_as_moreaus_law_says(name, gap, speeds):
-    """Discs that touch are one contact problem: −1/3, 2/3, 2/3 of the speed, as derived in test_bodies."""
-    motion = play(name, "native", cases.load("row_of_discs", gap=gap), 2)
-    assert [float(motion.plate(one).vx[-1]) for one in motion.plate_names] == pytest.approx(speeds, abs=1e-6)
+@pytest.mark.parametrize("name,gap,speeds", [
+    ("pymunk", 0.01, (0.0, 0.0, 1.0)),
+    ("pymunk", 0.0, (-1 / 3, 2 / 3, 2 / 3)),  # Moreau's law, as derived in test_bodies
+    ("box2d", 0.01, (0.0, 0.0, 1.0)),
+    ("box2d", 0.0, (-0.118, 0.236, 0.882)),  # measured: its own law
+])  # fmt: skip
+def test_an_impact_goes_through_a_row(name, gap, speeds):
+    """Where discs touch, the law of impact decides; an engine with another one says so in its rows."""
+    case = cases.load("row_of_discs", gap=gap)
+    motion = play(name, "native", case, 2)
+    tolerance = 1e-6 if name == "pymunk" else 2e-3
+    assert [float(motion.plate(one).vx[-1]) for one in motion.plate_names] == pytest.approx(speeds, abs=tolerance)
+    laws = other_laws(engine(name), case, "native")
+    assert bool(laws) == (name == "box2d" and gap == 0.0)
 
 
 def pile_on_floor(mu_floor: float) -> Case:
@@ -89,7 +101,8 @@ def test_a_support_has_its_own_friction_under_free_plates(name):
     for share, stands in ((1.05, True), (0.95, False)):
         motion = play(name, "native", pile_on_floor(share * needed), 2)
         upper = motion.plate("upper")
-        assert (np.abs(upper.y - upper.y[0]).max() < 1e-4) == stands
+        # It moves by 5 mm where it slides; contacts of Box2D give way by 0.1 mm.
+        assert (np.abs(upper.y - upper.y[0]).max() < 1e-3) == stands
         assert motion.contact_names[0] == "plate/floor"
 
 
