@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
+import importlib
 import mmap
 import os
 import signal
@@ -119,6 +120,13 @@ def meet(thing: str, own: str, other: str, folder: Path) -> int:
 def grow(megabytes: int) -> int:
     """Keep so much memory, as a cache would; the process it is kept in."""
     kept.append(b"x" * (megabytes * 2**20))
+    return os.getpid()
+
+
+def import_engines(number: int) -> int:
+    """Import what a timing of all solvers needs; the process that does."""
+    for module in ("reference", "scipy.integrate", "heyoka", "exudyn", "pymunk"):
+        importlib.import_module(module)
     return os.getpid()
 
 

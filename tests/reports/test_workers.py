@@ -14,6 +14,7 @@ from reports.running.processes import workers
 from .called import (
     ends_itself_at_first,
     grow,
+    import_engines,
     leave_behind,
     meet,
     misbehave,
@@ -170,8 +171,16 @@ def wait_until(holds) -> None:
 
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not tell a process's memory")
 def test_a_worker_that_has_grown_is_replaced():
-    first, second, third = (answer.value for _, answer in run(grow, [(1,), (300,), (2,)]))
+    first, second, third = (answer.value for _, answer in run(grow, [(1,), (400,), (2,)]))
     assert first == second != third
+
+
+@pytest.mark.slow  # two seconds of imports
+def test_a_worker_that_has_imported_every_engine_is_kept():
+    for module in ("heyoka", "exudyn", "pymunk"):
+        pytest.importorskip(module)
+    first, second = (answer.value for _, answer in run(import_engines, [(1,), (2,)]))
+    assert first == second
 
 
 def test_calls_on_one_thing_go_to_one_worker_and_nobody_is_left_idle(tmp_path):

@@ -36,9 +36,10 @@ _FILE_BYTES = 32 * 2**20
 # Limit of the resident memory of a worker and its child processes, in bytes: far above the need of a plane body, far
 # below a machine's memory. Address space is not bounded: WebAssembly engines reserve 10 to 24 GB of it and use little.
 MEMORY_BYTES = 3 * 2**30
-# A worker that has grown by more than this since its first call (by compiled code) is replaced. Two such workers and
-# the main process stay well below a gigabyte; a new worker costs one or two seconds.
-_GROWTH_BYTES = 150 * 2**20
+# A worker that has grown by more than this since its first call (by compiled code) is replaced. Imports of engines and
+# of SciPy's integrators take 90 to 170 MB of it. A new worker costs one or two seconds; two of this size and the main
+# process take less than 1.5 GB.
+_GROWTH_BYTES = 300 * 2**20
 # Characters kept of a call's output: enough for the last error message of an engine.
 _OUTPUT_CHARACTERS = 2000
 # A worker sends this when it starts a call; the time limit runs from then.
