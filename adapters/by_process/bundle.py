@@ -31,11 +31,12 @@ MOST_BOXES = {"cannon": 200, "dartpy": 800, "drake": 800, "matter": 800, "mujoco
 # The knobs of an engine besides the step and the facets, for the study of settings; the first values are the ladder's.
 KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {
     "cannon": {"iterations": (50, 10)},
+    "dartpy": {"solver": ("dantzig", "pgs", "nsgs"), "split_impulse": ("off", "on")},
     "drake": {"approximation": ("tamsi", "similar", "lagged"), "stiction": (1e-5, 1e-4)},
-    "jolt": {"slop": (1e-4, 1e-3), "iterations": (20, 10)},
+    "jolt": {"slop": (1e-6, 1e-4), "iterations": (20, 10)},
     "matter": {"velocity_iterations": (10, 4)},
     "mujoco": {"integrator": ("RK4", "Euler", "implicitfast"), "timeconst": (2, 4)},
-    "newton": {"solver": ("xpbd", "semi_implicit"), "iterations": (4, 20)},
+    "newton": {"solver": ("xpbd", "semi_implicit", "vbd"), "iterations": (4, 20)},
     "physx": {"solver": ("pgs", "tgs"), "iterations": (10, 40)},
     "planck": {"iterations": (8, 20)},
     "rapier": {"iterations": (16, 4)},

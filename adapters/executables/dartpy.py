@@ -58,7 +58,16 @@ world.setGravity(list(plane.gravity(scene)))
 world.setTimeStep(h)
 if is_tuned:
     # The default detector turns shapes into meshes; DART's own detector has spheres and boxes.
-    world.getConstraintSolver().setCollisionDetector(dart.collision.DARTCollisionDetector())
+    solver = world.getConstraintSolver()
+    solver.setCollisionDetector(dart.collision.DARTCollisionDetector())
+    solver.setSplitImpulseEnabled(scene["setting"].get("split_impulse", "off") == "on")
+    kind = scene["setting"].get("solver", "dantzig")  # which is the engine's own
+    if kind == "pgs":
+        # Gauss-Seidel on the same pyramid; it has no constructor, but the engine keeps one for where Dantzig fails.
+        solver.setBoxedLcpSolver(solver.getSecondaryBoxedLcpSolver())
+    elif kind == "nsgs":
+        # Gauss-Seidel on Coulomb's cone.
+        solver.setBoxedLcpSolver(dart.constraint.NsgsFrictionSolver())
 ground = dart.dynamics.Skeleton("track")
 fixed = ground.createWeldJointAndBodyNodePair()[1]
 ground.setMobile(False)
