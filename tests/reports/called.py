@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from cases import Case
+from reports.running.processes import worker_process
 
 FE_UPWARD = 0x800  # <fenv.h> of x86
 MAP_NORESERVE = 0x4000  # <sys/mman.h> of Linux
@@ -123,11 +124,12 @@ def grow(megabytes: int) -> int:
     return os.getpid()
 
 
-def import_engines(number: int) -> int:
-    """Import what a timing of all solvers needs; the process that does."""
+def import_engines() -> int:
+    """Import what a timing of all solvers needs; the bytes by which the process grows."""
+    before = worker_process._resident()
     for module in ("reference", "scipy.integrate", "heyoka", "exudyn", "pymunk"):
         importlib.import_module(module)
-    return os.getpid()
+    return worker_process._resident() - before
 
 
 def prepared(number: int) -> tuple[int, bool]:

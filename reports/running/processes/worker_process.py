@@ -37,8 +37,8 @@ _FILE_BYTES = 32 * 2**20
 # below a machine's memory. Address space is not bounded: WebAssembly engines reserve 10 to 24 GB of it and use little.
 MEMORY_BYTES = 3 * 2**30
 # A worker that has grown by more than this since its first call (by compiled code) is replaced. Imports of engines and
-# of SciPy's integrators take 90 to 170 MB of it. A new worker costs one or two seconds; two of this size and the main
-# process take less than 1.5 GB.
+# of SciPy's integrators take 110 MB of it, the first run of each 40 MB. A new worker costs one or two seconds; two of
+# this size and the main process take less than 1.5 GB.
 _GROWTH_BYTES = 300 * 2**20
 # Characters kept of a call's output: enough for the last error message of an engine.
 _OUTPUT_CHARACTERS = 2000
