@@ -44,7 +44,7 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     Keys: t, x, y (m), centre (distance, m), angle, slip, xi1, xi2, normal_force (N), lambda (`multiplier`),
     and pose: root of the centre's distance squared plus the angle times the radius of gyration squared, m, which is the
     root-mean-square distance of the plate's points; centre and pose are of the plate that is farthest off, the others
-    of the case's plate;
+    of the case's plate; of each further plate "x of NAME", "y of NAME" and "angle of NAME";
     force_share: the difference of the normal force relative to the mean true force at these times (not to m g, so that
     it is also defined without gravity);
     energy_share: the difference of the mechanical energy relative to the true motion's largest kinetic energy.
@@ -63,10 +63,15 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
         ("normal_force", "normal_force"),
     ):
         result[key] = getattr(state, name) - np.asarray(getattr(exact, name))
-    turns = np.round(result["angle"][:1] / (2 * np.pi))
-    result["angle"] = result["angle"] - 2 * np.pi * (turns[0] if len(turns) else 0.0)
+    result["angle"] = _without_turns(result["angle"])
     own, true = (_of_all_plates(motion, times, now) for motion, now in ((trajectory, state), (truth, exact)))
     result["centre"], result["pose"] = farthest(case, own, true)
+    for other in case.others:
+        if isinstance(own, Trajectory) and isinstance(true, Trajectory):
+            one, exact_one = own.plate(other.name), true.plate(other.name)
+            result[f"x of {other.name}"] = np.asarray(one.x) - np.asarray(exact_one.x)
+            result[f"y of {other.name}"] = np.asarray(one.y) - np.asarray(exact_one.y)
+            result[f"angle of {other.name}"] = _without_turns(np.asarray(one.theta) - np.asarray(exact_one.theta))
     result["lambda"] = multiplier(case, result["normal_force"], exact.xi1)
     force = np.abs(np.asarray(exact.normal_force))
     press = float(force.mean()) if len(force) else nan
@@ -85,10 +90,15 @@ def farthest(case: Case, own: State | Trajectory, true: State | Trajectory) -> t
     centres, poses = [], []
     for plate, one, other in pairs:
         centres.append(np.hypot(np.asarray(one.x) - np.asarray(other.x), np.asarray(one.y) - np.asarray(other.y)))
-        angle = np.asarray(one.theta) - np.asarray(other.theta)
-        turns = np.round(angle[:1] / (2 * np.pi))
-        poses.append(np.hypot(centres[-1], plate.gyration * (angle - 2 * np.pi * (turns[0] if len(turns) else 0.0))))
+        angle = _without_turns(np.asarray(one.theta) - np.asarray(other.theta))
+        poses.append(np.hypot(centres[-1], plate.gyration * angle))
     return np.max(centres, axis=0), np.max(poses, axis=0)
+
+
+def _without_turns(angle: np.ndarray) -> np.ndarray:
+    """A difference of angles without its whole turns at the start."""
+    turns = np.round(angle[:1] / (2 * np.pi))
+    return angle - 2 * np.pi * (turns[0] if len(turns) else 0.0)
 
 
 def _of_all_plates(motion: Trajectory, times: np.ndarray, first: State) -> State | Trajectory:

@@ -45,7 +45,8 @@ def resting(case: Case) -> Trajectory:
     still = dict(vx=0.0, vy=0.0, omega=0.0, slip=0.0, normal_force=nan, friction_force=nan)
     times = np.linspace(0.0, case.duration, EVEN_TIMES)
     columns: dict[str, Any] = {name: np.full(EVEN_TIMES, value) for name, value in (here | still).items()}
-    mode = Mode.ROLL if case.effect(RollingResistance) is None and case.plate.turns else Mode.REST
+    rolls = case.effect(RollingResistance) is None and (case.plate.turns or case.others)
+    mode = Mode.ROLL if rolls else Mode.REST
     motion = Trajectory(t=times, **columns, first_mode=mode)
     if not case.others:
         return motion

@@ -93,7 +93,7 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
             }
             for other in case.others
         ],
-        "runs": [_run(run, times) for run in moving_runs(experiment, case.label)],
+        "runs": [_run(run, times, case) for run in moving_runs(experiment, case.label)],
     }
 
 
@@ -114,11 +114,16 @@ def family(case: Case) -> str:
     return name.rpartition(".")[2].replace("_", " ").capitalize() if ".catalogue." in f".{name}" else "Your own"
 
 
-def _run(run: Run, times: np.ndarray) -> dict[str, Any]:
+def _run(run: Run, times: np.ndarray, case: Case) -> dict[str, Any]:
     columns = [_at(coarse(times), run.off, name) for name in OFF]
+    plates = [
+        [_at(coarse(times), run.off, f"{name} of {other.name}") for name in ("x", "y", "angle")]
+        for other in case.others
+    ]
     events = [row.time for row in run.ledger if isfinite(row.time)]
     facts = {"solver": run.solver, "route": run.route, "setting": str(run.setting), "default": run.setting.is_default}
     facts |= {"score": percent(run.score.off) if run.score else "", "grade": run.grade}
+    facts |= {"plates": [pack(np.array(one), bits=_BITS_OF_DIFFERENCES) for one in plates]}
     return facts | {"events": events[:_EXACT], "data": pack(np.array(columns), bits=_BITS_OF_DIFFERENCES)}
 
 

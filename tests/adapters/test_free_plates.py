@@ -15,6 +15,7 @@ from adapters.common.plate_contacts import with_plates
 from cases import Case, CoulombFriction, Curve, FreePlate, StartPose, Support
 from cases.free_plates import names_of, plates_of
 from reports.judging.distances import differences
+from reports.running.tasks import find_truth, perform
 from tests.adapters.test_engine_effects import play
 
 # Engines, and the rounding of their numbers.
@@ -128,3 +129,15 @@ def test_a_motion_without_its_free_plates_is_a_failure_of_the_engine():
     assert gate.motion(motion, case).plate_names == ("plate", "second", "third")
     with pytest.raises(EngineFailure, match="gives the plates plate; give plate, second, third"):
         gate.motion(replace(motion, plate_names=("plate",), plate_columns=None), case)
+
+
+@pytest.mark.slow
+@EACH
+def test_contacts_of_a_plate_that_does_not_turn_roll(name):
+    """A disc that sticks to a hemisphere was read as at rest, since the hemisphere does not turn: 100 % off."""
+    pytest.importorskip(f"adapters.{name}")
+    case = cases.load("disc_on_free_hemisphere")
+    truth, setting = find_truth(case), engine(name).ladder(case, "native")[-2]
+    run = perform(case, name, "native", setting, 1, truth)
+    assert run.score is not None and run.score.off < 0.02
+    assert {"x of upper", "y of upper", "angle of upper"} <= run.off.keys()

@@ -65,15 +65,16 @@ suite.player = async (place) => {
   setting.max = Math.max(0, ...ladders.map((ladder) => ladder.length - 1));
   part(".ladder").hidden = setting.max < 1;
   const ghosts = ladders.map((ladder) => {
-    const [{ solver, route }] = ladder, group = plateOf(world, "ghost"), line = engines.appendChild(document.createElement("li"));
+    const [{ solver, route }] = ladder, group = make("g", world), line = engines.appendChild(document.createElement("li"));
     const row = document.createElement("div");
-    for (const one of [group, line, row]) {
+    const plates = [undefined, ...motion.plates.map((one) => one.outline)].map((outline) => plateOf(group, "ghost", outline));
+    for (const one of [...plates, line, row]) {
       one.style.setProperty("--of", `var(--of-${solver.replace(/[^A-Za-z0-9_-]/g, "_")})`);
       one.dataset.solver = solver;
       one.dataset.route = route;
     }
-    if (route !== "native") { group.classList.add("dashed"); line.classList.add("dashed"); }
-    return { ladder, group, line, row, run: ladder[0] };
+    if (route !== "native") for (const one of [...plates, line]) one.classList.add("dashed");
+    return { ladder, plates, line, row, run: ladder[0] };
   });
   const arrows = make("g", world, { class: "arrows" });
   // A point and two arrows for each contact.
@@ -147,11 +148,13 @@ suite.player = async (place) => {
     const put = (group, a, b, c) => group.setAttribute("transform", `translate(${a} ${b}) rotate(${(c * 180) / Math.PI})`);
     put(plate, x, y, angle);
     for (const { group, x: cx, y: cy, angle: turn } of others) put(group, now(cx), now(cy), now(turn));
-    for (const { run, group } of ghosts) {
-      const [dx, dy, turn] = ["x", "y", "angle"].map((name) => now(run.off[name]));
-      const there = suite.on(run.solver, run.route) && Number.isFinite(dx);
-      group.style.display = there ? "" : "none";
-      if (there) put(group, x + factor * dx, y + factor * dy, angle + factor * turn);
+    for (const { run, plates } of ghosts) {
+      [truth, ...others].forEach((true_, i) => {
+        const off = [run.off, ...run.plates][i], [dx, dy, turn] = ["x", "y", "angle"].map((name) => now(off[name]));
+        const there = suite.on(run.solver, run.route) && Number.isFinite(dx);
+        plates[i].style.display = there ? "" : "none";
+        if (there) put(plates[i], now(true_.x) + factor * dx, now(true_.y) + factor * dy, now(true_.angle) + factor * turn);
+      });
     }
     const touching = contacts.filter((contact) => drawContact(contact));
     const wide = 12 * reach;

@@ -86,8 +86,13 @@ const suite = (() => {
     const runs = [], coarse = t.filter((_, i) => i % 2 === 0 || i === t.length - 1);
     const fill = (values) => Float32Array.from(t, (time) => at(coarse, values, time));
     for (const run of data.runs) {
-      const given = columns(OFF, await numbers(run.data));
-      runs.push({ ...run, off: Object.fromEntries(OFF.map((name) => [name, fill(given[name])])) });
+      const filled = async (names, packed) => {
+        const given = columns(names, await numbers(packed));
+        return Object.fromEntries(names.map((name) => [name, fill(given[name])]));
+      };
+      const further = [];
+      for (const packed of run.plates) further.push(await filled(OFF.slice(0, 3), packed));
+      runs.push({ ...run, off: await filled(OFF, run.data), plates: further });
     }
     const contacts = [];
     for (const { name, data: packed } of data.contacts) contacts.push({ name, ...columns(["xi1", "normal", "friction", "low", "high"], await numbers(packed)) });
