@@ -24,6 +24,9 @@ from .plate import Plate
 from .start import Start
 from .supports import TRACK, Support, is_convex
 
+# Newton's method for a guess on a line: quadratic, so that these are many, and how close the guess is to be.
+MOST_STEPS, NEAR = 20, 1e-6
+
 
 class PairCase(Case):
     """A case whose track is one support and whose outline is one feature of that of `whole`.
@@ -71,9 +74,13 @@ class PairCase(Case):
             xi2 = float(grid[np.argmin(np.abs(turns - np.round(turns)))])
             u, v = feature.point(xi2)
             point = np.array([x + c * u - s * v, y + s * u + c * v])
-        low = float(self.track.span[0])
-        along = float((point - line.point) @ line.direction)
-        return low + along / float(self.track.speed(low)), xi2
+        xi1 = float(self.track.span[0])
+        for _ in range(MOST_STEPS):  # one step, unless the line's parameter runs unevenly
+            step = float((point - self.track.point(xi1)) @ line.direction) / float(self.track.speed(xi1))
+            xi1 += step
+            if abs(step) <= NEAR * (1.0 + abs(xi1)):
+                break
+        return xi1, xi2
 
     def whole_xi2(self, xi2):
         """A parameter of the feature as one of the whole outline, numbers or arrays; it is counted on from round to

@@ -7,7 +7,7 @@ track and a curve.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, pi, sin
+from math import cos, hypot, pi, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -151,7 +151,9 @@ def _foot(piece: Curve, point: np.ndarray, s: float) -> float:
         slope = dx * xs + dy * ys - xp * xp - yp * yp
         step = (dx * xp + dy * yp) / slope if slope else 0.0
         s -= step
-        if abs(step) <= 4 * geometry.EPS * (abs(s) + piece.span[1] - piece.span[0]):
+        # Rounding of the parameter, and of the places from which it is computed.
+        away = (abs(x) + abs(y) + abs(dx) + abs(dy)) / hypot(xp, yp)
+        if abs(step) <= 4 * geometry.EPS * (abs(s) + piece.span[1] - piece.span[0] + away):
             return s
     raise DoesNotFit(f"no foot of the point ({point[0]:.6g}, {point[1]:.6g}) is near")
 

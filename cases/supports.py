@@ -114,6 +114,9 @@ def why_not_by_features(track: Curve, outline: Curve) -> str:
     """Why a plate with corners on that track alone cannot have several contacts, in a sentence that says what to give
     instead; "" if it can: its corners and arcs are all that can touch a straight track without ends."""
     if isinstance(track, Chain):
+        if any(isinstance(one.piece, Corner) and one.piece.turn < 0.0 for one in track.elements):
+            # Supports are lines without ends: they cannot be the sides of an edge.
+            return "A plate on a track with an edge has one contact; give a line as track if it stays on one part."
         return "A plate on a track with corners has one contact; give a line as track and its other parts as supports."
     if track.domain is not None or as_line(track) is None:
         return "A plate with corners has several contacts on a straight track without ends only; give such a line."

@@ -104,9 +104,13 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
     bounds = [error * abs(v) for v in y[:positions]] + [error * fastest for _ in y[positions:]]
     values = dict(zip(candidate.system.conditions, _values(candidate, t, y, bounds, order), strict=True))
     velocities = candidate.system.condition_rates
-    forces = {name: value for name, value in values.items() if name not in velocities}
-    rounding = AT_BOUND * max((abs(_value(force)) for force in forces.values()), default=0.0)
-    return {name: series.sign(v, rounding if name in forces else 0.0) for name, v in values.items()}
+    gaps = {name: value for name, value in values.items() if name.startswith("gap:")}
+    forces = {name: value for name, value in values.items() if name not in velocities and name not in gaps}
+    rounding = dict.fromkeys(forces, AT_BOUND * max((abs(_value(force)) for force in forces.values()), default=0.0))
+    if gaps:  # of poses: not in the units of forces
+        lengths = [abs(_value(gap)) for gap in gaps.values()]
+        rounding |= dict.fromkeys(gaps, AT_BOUND * (candidate.size + abs(y[0]) + abs(y[1]) + max(lengths)))
+    return {name: series.sign(v, rounding.get(name, 0.0)) for name, v in values.items()}
 
 
 def _value(condition: Series | float) -> float:
