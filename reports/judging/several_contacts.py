@@ -6,7 +6,7 @@ contact. Forces are not compared: where they are not unique the law leaves them 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -19,8 +19,8 @@ from . import ledger
 from .distances import differences
 from .ledger import LedgerRow
 from .score import Scale, Score, scale_of, score_and_reading
-from .slip_phases import Reading
-from .transitions import MotionReader, ReadChange, SampleStretch
+from .slip_phases import RESOLVABLE_GAPS, Reading
+from .transitions import LEAST_SHARE, MotionReader, ReadChange, SampleStretch
 
 # Samples next to where a contact closes or opens whose velocities may be means of both sides of an impact.
 _EDGE = 2
@@ -63,7 +63,7 @@ def judge(
     first = Mode.FLIGHT
     for name, partner in partners.items():
         one, exact = only(motion, partner), truth.of(name)
-        reader = _ContactReader(gap_of(motion, partner))
+        reader = ContactReader(gap_of(motion, partner))
         score, reading = score_and_reading(case, one, exact, scales[name], differences(one, exact, case), reader)
         scores[name] = score
         first = reading.first_mode if name == truth.contact_names[0] else first
@@ -150,7 +150,7 @@ def _matched(truth: Trajectory, nulls: Mapping[str, Trajectory], name: str) -> d
     return {null: only(motion, same_contacts(motion, truth)[name]) for null, motion in nulls.items()}
 
 
-class _ContactReader:
+class ContactReader:
     """Reads first mode and transitions of one contact of several, with its gaps (m) at the samples.
 
     While it is open the plate may touch its track elsewhere, so that nothing follows from the laws of free flight: a
@@ -182,8 +182,22 @@ class _OneOfSeveral(MotionReader):
             last = first + 1
         return super()._contact(SampleStretch(False, first, last))
 
-    def _rebounds(self, stretch: SampleStretch, landing: ReadChange | None) -> tuple[ReadChange, ...]:
-        return ()
+    def _rebounds(self, stretch: SampleStretch, landing: ReadChange | None) -> Iterator[ReadChange]:
+        """The times within a flight at which the contact closes for too short a time to be more than an impact, if they
+        are fast enough to be listed and followed by a long enough flight."""
+        t, inside = self.all.t, np.arange(stretch.start, stretch.stop)
+        closed = np.isfinite(self.all.xi1[inside])
+        begins = inside[1:][closed[1:] & ~closed[:-1]].tolist()
+        ends = [float(t[i]) for i in (*begins[1:], stretch.stop - 1)] if begins else []
+        shortest = RESOLVABLE_GAPS * float(np.max(np.diff(t[inside]), initial=0.0))
+        greatest = 0.0
+        for i, end in zip(begins, ends, strict=True):
+            change = self._landing(SampleStretch(True, stretch.start, i), SampleStretch(False, i, i + 1), Mode.FLIGHT)
+            closing = (self.gap[i - 1] - self.gap[i]) / (t[i] - t[i - 1]) if t[i] > t[i - 1] else 0.0
+            greatest = max(greatest, closing)
+            is_last = landing is None and i == begins[-1]
+            if closing >= LEAST_SHARE * greatest and (is_last or end - change.time >= shortest):
+                yield change._replace(cause="impact")
 
     def _landing(self, flight: SampleStretch, contact: SampleStretch, after: Mode) -> ReadChange:
         i, j = flight.stop - 1, contact.start

@@ -35,7 +35,7 @@ from .slip_phases import Reading
 
 # An impact is listed if it closes with at least this part of the greatest closing speed since the plate last lay on its
 # track (the reference's rule), and if samples resolve the flight that it begins.
-_LEAST_SHARE = 7e-4
+LEAST_SHARE = 7e-4
 # A rebound that flies for a whole gap g between samples needs a jump of the velocity by a·g at least, with the
 # acceleration a of free flight: half of that is an impact.
 _JUMP = 0.5
@@ -222,7 +222,7 @@ class MotionReader:
             # The last flight of a motion counts however short it is.
             goes_on = landing is None and impact is impacts[-1] and end - impact.time > _ROUNDING * end
             whole = end - impact.time >= shortest or goes_on
-            if whole and impact.closing >= _LEAST_SHARE * greatest:
+            if whole and impact.closing >= LEAST_SHARE * greatest:
                 yield ReadChange(impact.time, Mode.FLIGHT, Mode.FLIGHT, impact.spread, "impact")
 
     def _impacts(self, stretch: SampleStretch) -> list[_Impact]:

@@ -12,8 +12,9 @@ import cases
 import reference
 from adapters import EngineFailure, engine, gate, other_laws, refusal
 from adapters.common.plate_contacts import with_plates
-from cases import Case, CoulombFriction, Curve, FreePlate, StartPose, Support
+from cases import Case, CoulombFriction, Curve, FreePlate, Mode, StartPose, Support
 from cases.free_plates import names_of, plates_of
+from reports.judging import several_contacts
 from reports.judging.distances import differences
 from reports.running.tasks import find_truth, perform
 from tests.adapters.test_engine_effects import play
@@ -129,6 +130,19 @@ def test_a_motion_without_its_free_plates_is_a_failure_of_the_engine():
     assert gate.motion(motion, case).plate_names == ("plate", "second", "third")
     with pytest.raises(EngineFailure, match="gives the plates plate; give plate, second, third"):
         gate.motion(replace(motion, plate_names=("plate",), plate_columns=None), case)
+
+
+def test_impacts_within_a_row_are_read_at_each_contact():
+    """Discs that are apart touch for an instant only: 0.3 and 0.31 s, each from one flight to the next. (In Box2D they
+    touch for two steps.)"""
+    case = cases.load("row_of_discs")
+    motion = play("pymunk", "native", case, 2)
+    for contact, time in (("second/plate", 0.3), ("third/second", 0.31)):
+        one = several_contacts.only(motion, contact)
+        reading = several_contacts.ContactReader(several_contacts.gap_of(motion, contact))(case, one)
+        (impact,) = reading.transitions
+        assert (impact.before, impact.after, impact.cause) == (Mode.FLIGHT, Mode.FLIGHT, "impact")
+        assert impact.time == pytest.approx(time, abs=2.0 * motion.t[1])
 
 
 @pytest.mark.slow
