@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from decimal import ROUND_UP, Context
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +51,7 @@ class Tables:
 
         def write_frames(*args: Any) -> tuple[dict[str, pd.DataFrame], Mapping[str, Table]]:
             frames = {name: with_version(frame, self.versions) for name, frame in make(*args).items()}
-            frames = {name: _with_short_times(frame) for name, frame in frames.items()}
+            frames = {name: _with_short_numbers(frame) for name, frame in frames.items()}
             descriptions = words or {
                 name: describe_column(holds[name], map(str, frame.columns)) for name, frame in frames.items()
             }
@@ -75,19 +77,29 @@ class Tables:
 
 # A column in seconds of the motion, not of the computer.
 _OF_MOTIONS = {"end_s"}
+# Columns that say how uncertain a number is; errors and scores keep all digits.
+_UNCERTAINTIES = {"truth_error_bar", "floor_error", "reading_doubt", "doubt"}
+# Decimal arithmetic to four digits that never makes an error bar smaller.
+_UPWARDS = Context(prec=4, rounding=ROUND_UP)
 
 
-def _with_short_times(frame: pd.DataFrame) -> pd.DataFrame:
-    """The table with its computing times to six digits: the others are noise, and a fifth of the longest table.
+def _with_short_numbers(frame: pd.DataFrame) -> pd.DataFrame:
+    """The table with its computing times to six digits and its uncertainties to four, rounded up: the other digits are
+    noise, and a tenth of the tables.
 
     A column may hold other values than numbers, as a solver returned them: these stay.
     """
 
-    def shorter(value: Any) -> Any:
+    def short_time(value: Any) -> Any:
         return float(f"{value:.6g}") if isinstance(value, float) else value
 
-    times = [c for c in frame.columns if str(c).endswith("_s") and c not in _OF_MOTIONS]
-    return frame.assign(**{str(c): frame[c].map(shorter) for c in times})
+    def short_bar(value: Any) -> Any:
+        is_number = isinstance(value, float) and isfinite(value)
+        return float(_UPWARDS.create_decimal(repr(float(value)))) if is_number else value
+
+    names = [str(c) for c in frame.columns]
+    short = {name: frame[name].map(short_time) for name in names if name.endswith("_s") and name not in _OF_MOTIONS}
+    return frame.assign(**short, **{name: frame[name].map(short_bar) for name in names if name in _UNCERTAINTIES})
 
 
 def write(
