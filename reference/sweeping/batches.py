@@ -187,10 +187,13 @@ class _Wave:
             else:
                 self._after(number, list(columns.system.guards)[guard], indices[some], times[some], y)
 
-    def _integrate(self, integrator, columns: Columns, times, states, end, sound: np.ndarray, indices: np.ndarray):
+    def _integrate(
+        self, compiled: taylor.Compiled, columns: Columns, times, states, end, sound: np.ndarray, indices: np.ndarray
+    ):
         """Integrate from `times` and `states`, which are overwritten by those of the events; returns the guards and the
         steps so far."""
-        pars, state = integrator.pars, integrator.state
+        integrator, pars, state = compiled.integrator, compiled.pars, compiled.state
+        compiled.parameters = ()
         count, many = len(pars), taylor.CHUNK
         success, limit, all_steps = taylor.SUCCESS, taylor.TIME_LIMIT, taylor.STEP_LIMIT
         events = len(columns.system.guards)

@@ -27,7 +27,7 @@ pytestmark = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not inst
 def test_small_systems_and_those_of_many_runs_are_optimised(name, optimised, level):
     case = cases.load(name)
     system = phase(case, candidates(case)[0]).system
-    integrator = taylor.integrators_of(system, 1e-10, float, optimised).call(lambda one: one)
+    integrator = taylor.integrators_of(system, 1e-10, float, optimised).call(lambda one: one.integrator)
     assert integrator.llvm_state.opt_level == level
 
 
@@ -35,7 +35,7 @@ def test_in_quadruple_precision_nothing_is_written_out_nor_optimised():
     case = cases.load("disc_in_circle")
     integrator = taylor.integrators_of(
         phase(case, candidates(case)[0]).system, taylor.QUADRUPLE_TOLERANCE, taylor.hy.real128
-    ).call(lambda one: one)
+    ).call(lambda one: one.integrator)
     assert integrator.compact_mode and integrator.llvm_state.opt_level == 0
 
 
@@ -66,6 +66,6 @@ def test_compiled_for_many_runs_a_motion_is_the_same_to_rounding_and_changes_no_
     assert again.x.tolist() == before.x.tolist()
     system = phase(case, candidates(case)[0]).system
     level = taylor.integrators_of(system, taylor.tolerance_of(1e-10), float, True).call(
-        lambda one: one.llvm_state.opt_level
+        lambda one: one.integrator.llvm_state.opt_level
     )
     assert level == 3

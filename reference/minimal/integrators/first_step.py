@@ -7,9 +7,9 @@ that root again, and a cool-down after it would hide the next. So a first step l
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import exp, inf, isfinite
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,6 +27,9 @@ OPEN = 1e-12
 # Any guard is positive at the start above this part of its value at the step's end: a guard that grows from a rounding
 # of zero with the third power of time is 1e-9 of its size at the end.
 NOT_ZERO = 1e-6
+# The bounds on terms that the largest root sets are lowered by more than their rounding, and not set by terms so small
+# that products with them are subnormal.
+BELOW, SMALLEST = 1.0 - 1e-9, 1e-290
 # The step is shortened tenfold this many times if a guard is not positive at its end: the rest is then rounding.
 SHORTER = 9
 
@@ -53,42 +56,49 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
     # One call instead of a check of each number; large ones may overflow in it.
     if not isfinite(np.vdot(coefficients, coefficients)) and not np.isfinite(coefficients).all():
         return FirstStep(t, y, 0, inf, BREAKDOWN)
-    rows = coefficients.tolist()
-    longest, often = _scales(phase, rows, t)
+    rows, guards, parameters = coefficients.tolist(), phase.system.guards_of_numbers, phase.parameters
+    # If all terms vanish, the forces balance, and a load may change them: they enter by the time in which they would
+    # move the plate by its size.
+    normal, friction = phase.system.forces_of_numbers(t, y, parameters)
+    travel = (max(abs(normal), abs(friction)) / phase.size) ** 0.5
+    states = partial(_states(len(rows), len(phase.lengths), len(rows[0])), rows, phase.lengths, travel)
+    part, span, zero = PART, end - t, 0
+    longest, often, h, half, state = states(part, span)
     if not phase.system.guards or not 0.0 < often < inf:
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
-    states, guards, parameters = _states(len(rows), len(rows[0])), phase.system.guards_of_numbers, phase.parameters
-    part, span, values = PART, end - t, [0.0]
     starts = guards(t, y, parameters)
     for _ in range(SHORTER):
-        h = min(part / often, span)
         if phase.checks_steps:
-            h = min(h, clear_part(phase, Expansion(t, h, coefficients), tolerance) * h)
-        half, state = states(rows, 0.5 * h, h)
-        values = guards(t + 0.5 * h, half, parameters) + guards(t + h, state, parameters)
+            clear = clear_part(phase, Expansion(t, h, coefficients), tolerance)
+            if clear < 1.0:
+                _, _, h, half, state = states(part, clear * h)
+        halves, ends = guards(t + 0.5 * h, half, parameters), guards(t + h, state, parameters)
         # A guard that is positive at the end and half-way has left zero and not come back; else the step is shortened
         # until the event lies behind it.
-        for value in values:
-            if not value > 0.0:
+        for start, middle, last in zip(starts, halves, ends, strict=True):
+            slope = 4.0 * middle - 3.0 * start - last
+            if not (middle > 0.0 and last > 0.0) or 0.0 < -slope < 4.0 * (start - 2.0 * middle + last):
                 break
         else:
-            for i, place in _lowest_places(starts, values):
-                if not guards(t + place * h, states(rows, place * h, h)[0], parameters)[i] > 0.0:
-                    values = [*starts[:i], 0.0]
-                    break
-            else:
-                return FirstStep(t + h, state, 1, longest)
+            return FirstStep(t + h, state, 1, longest)
+        values = halves + ends
+        for i, place in _lowest_places(starts, halves, ends) if all(v > 0.0 for v in values) else ():
+            if not guards(t + place * h, states(part, place * h)[-1], parameters)[i] > 0.0:
+                values = [*starts[:i], 0.0]
+                break
+        zero = next((i for i, value in enumerate(values) if not value > 0.0), -1)
+        if zero < 0:
+            return FirstStep(t + h, state, 1, longest)
         part *= 0.1
-    names = tuple(phase.system.guards)
-    zero = next(i for i, value in enumerate(values) if not value > 0.0)
-    return FirstStep(t, y, 0, longest, names[zero % len(names)])
+        _, _, h, half, state = states(part, span)
+    return FirstStep(t, y, 0, longest, tuple(phase.system.guards)[zero % len(starts)])
 
 
-def _lowest_places(starts: Sequence[float], values: Sequence[float]) -> list[tuple[int, float]]:
+def _lowest_places(starts: Sequence[float], halves: Sequence[float], ends: Sequence[float]) -> list[tuple[int, float]]:
     """The guards that may reach zero inside a step, by number, and the part of the step at which they are lowest: by
-    the parabola through their values at its start, and half-way and at its end (`values`)."""
+    the parabola through their values at its start, half-way and at its end."""
     places = []
-    for i, (start, half, end) in enumerate(zip(starts, values, values[len(starts) :], strict=False)):
+    for i, (start, half, end) in enumerate(zip(starts, halves, ends, strict=True)):
         bend, slope = 2.0 * (start - 2.0 * half + end), 4.0 * half - 3.0 * start - end
         if slope < 0.0 and start > NOT_ZERO * end and -slope < 2.0 * bend and slope * slope >= 4.0 * bend * start:
             places.append((i, -0.5 * slope / bend))
@@ -104,22 +114,11 @@ def open_gaps(phase: Phase, t: float, y) -> list[tuple[int, float]]:
     return [(i, values[i]) for i in numbers if values[i] > least]
 
 
-def _scales(phase: Phase, rows: list[list[float]], t: float) -> tuple[float, float]:
-    """The longest step (s) that the upper half of the coefficients allows, and the rate (1/s) at which a term grows to
-    the plate's size or the forces move the plate that far."""
-    # If all terms vanish, the forces balance, and a load may change them: they enter by the time in which they would
-    # move the plate by its size.
-    normal, friction = phase.system.forces_of_numbers(t, [row[0] for row in rows], phase.parameters)
-    fastest, growth = _roots(len(rows), len(phase.lengths), len(rows[0]))(rows, phase.lengths)
-    travel = (max(abs(normal), abs(friction)) / phase.size) ** 0.5
-    return exp(-2.0) / fastest if fastest else inf, max(travel, growth)
-
-
 @lru_cache(maxsize=64)
-def _roots(variables: int, positions: int, terms: int) -> Callable[..., tuple[float, float]]:
-    """(coefficients, lengths) -> the largest k-th root of the terms k in the upper half, in parts of the state or of 1;
-    and that of all terms of positions, in parts of their lengths. Written out with comparisons: loops, and
-    calls of max, take twice as long.
+def _states(variables: int, positions: int, terms: int) -> Callable[..., tuple[float, float, float, list, list]]:
+    """(coefficients, lengths, travel, part, span) -> the longest step (s) that the upper half of the coefficients
+    allows; the rate (1/s) at which a term grows to the plate's size, at least `travel`; h = part/rate, at most `span`;
+    and the polynomials' values at h/2 and at h. Written out: loops, and calls of max, take twice as long.
 
     heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) uses the last two terms. A motion from
     rest at a symmetric place has only every fourth power, and both may vanish; so may all even or all odd ones.
@@ -127,52 +126,52 @@ def _roots(variables: int, positions: int, terms: int) -> Callable[..., tuple[fl
     names = [[f"c{i}_{k}" for k in range(terms)] for i in range(variables)]
     units = [f"length_{i}" for i in range(positions)]
     lines = [
-        "def roots(coefficients, lengths):",
-        f"    {', '.join('(' + ', '.join(row) + ')' for row in names)} = coefficients",
+        "def states(coefficients, lengths, travel, part, span):",
+        f"    {', '.join('(' + ', '.join(row) + ')' for row in names)}, = coefficients",
         f"    {', '.join(units)}, = lengths",
-        "    upper = growth = 0.0",
         "    largest = 1.0",
+        *(f"    if not -largest <= {row[0]} <= largest: largest = abs({row[0]})" for row in names),
+        *_largest_root("upper", names, [], range(terms // 2, terms), " / largest"),
+        *_largest_root("often", names[:positions], units, range(1, terms), ""),
+        f"    longest = {exp(-2.0)!r} / upper if upper else inf",
+        "    if not often > travel: often = travel",
+        "    h = part / often if 0.0 < often < inf else span",
+        "    if span < h: h = span",
+        "    half = 0.5 * h",
     ]
-    for k in range(terms):
-        column, power = [row[k] for row in names], f" ** {1.0 / max(k, 1)!r}"
-        lines += [f"    {c} = abs({c})" for c in column]
-        if k == 0:
-            lines += [f"    if {c} > largest: largest = {c}" for c in column]
-        if k >= terms // 2:
-            lines += [f"    size = {column[0]}", *(f"    if {c} > size: size = {c}" for c in column[1:])]
-            lines += [
-                "    if size:",
-                f"        size = (size / largest){power}",
-                "        if size > upper: upper = size",
-            ]
-        if k >= 1:
-            lines.append(f"    size = {column[0]} / {units[0]}")
-            lines += [
-                f"    if {c} / {unit} > size: size = {c} / {unit}"
-                for c, unit in zip(column[1:], units[1:], strict=False)
-            ]
-            lines += ["    if size:", f"        size = size{power}", "        if size > growth: growth = size"]
-    lines.append("    return upper, growth")
-    scope: dict[str, Callable[..., tuple[float, float]]] = {}
-    exec("\n".join(lines), scope)
-    return scope["roots"]
-
-
-@lru_cache(maxsize=64)
-def _states(variables: int, terms: int) -> Callable[..., tuple[list[float], list[float]]]:
-    """(coefficients, h, k) -> the polynomials' values at h and at k, by Horner's rule, written out."""
-    used = [f"c{k}" for k in range(min(NEAR + 1, terms))]
-    rest = ", *_" if terms > len(used) else ""
-    lines = ["def states(coefficients, h, k):", f"    {', '.join(f'row{i}' for i in range(variables))}, = coefficients"]
-    for i in range(variables):
-        lines.append(f"    {', '.join(used)}{rest}, = row{i}")
-        for at in ("h", "k"):
-            value = used[-1]
-            for lower in used[-2::-1]:
-                value = f"({value}) * {at} + {lower}"
-            lines.append(f"    {at}{i} = {value}")
-    both = (", ".join(f"{at}{i}" for i in range(variables)) for at in ("h", "k"))
-    lines.append("    return " + ", ".join(f"[{values}]" for values in both))
-    scope: dict[str, Callable[..., tuple[list[float], list[float]]]] = {}
+    for time in ("half", "h"):
+        for i, row in enumerate(names):
+            value, *lower = row[NEAR::-1]
+            for term in lower:
+                value = f"({value}) * {time} + {term}"
+            lines.append(f"    {time}{i} = {value}")
+    half, end = (", ".join(f"{time}{i}" for i in range(variables)) for time in ("half", "h"))
+    lines.append(f"    return longest, often, h, [{half}], [{end}]")
+    scope: dict[str, Any] = {"inf": inf}
     exec("\n".join(lines), scope)
     return scope["states"]
+
+
+def _largest_root(name: str, rows: list[list[str]], units: list[str], powers: range, divisor: str) -> list[str]:
+    """Lines that set `name` to the largest k-th root, over these k, of the largest term k, in parts of its unit if
+    there are units. Most terms are within the bounds that the largest root so far sets: theirs are not computed."""
+    bounds = [f"bound_{i}" for i in range(len(units) or 1)]
+    sizes_of_bounds = [f"{BELOW!r} * size * {unit}" for unit in units] or [f"{BELOW!r} * size"]
+    lines = [f"    {name} = ratio = {' = '.join(bounds)} = 0.0"]
+    for k in reversed(powers):
+        column = [row[k] for row in rows]
+        within = [f"-{b} <= {c} <= {b}" for c, b in zip(column, bounds if units else bounds * len(rows), strict=False)]
+        sizes = [f"abs({c}) / {unit}" for c, unit in zip(column, units, strict=False)] or [f"abs({c})" for c in column]
+        lines += [
+            *(f"    {bound} *= ratio" for bound in bounds),
+            f"    if not ({' and '.join(within)}):",
+            f"        size = {sizes[0]}",
+            *(f"        if {size} > size: size = {size}" for size in sizes[1:]),
+            f"        root = (size{divisor}) ** {1.0 / k!r}",
+            f"        if root > {name}:",
+            f"            {name} = root",
+            f"            if size > {SMALLEST!r}:",
+            "                ratio = 1.0 / root",
+            *(f"                {b} = {value}" for b, value in zip(bounds, sizes_of_bounds, strict=True)),
+        ]
+    return lines

@@ -6,6 +6,7 @@ Optional: without heyoka, `AVAILABLE` is False and DOP853 is used.
 from __future__ import annotations
 
 from bisect import bisect_right
+from copy import deepcopy
 from functools import lru_cache, partial
 from math import inf, ulp
 
@@ -60,7 +61,42 @@ CHUNK = 1000
 def integrators_of(system: System, tolerance: float, real: type = float, optimised: bool = False) -> IntegratorPool:
     """The compiled integrators of a system, with one terminal event for each guard; `optimised`: fully optimised,
     however long that takes, for thousands of runs."""
-    return IntegratorPool(lambda: _compile(system, tolerance, real, optimised))
+    return IntegratorPool(lambda: Compiled(_compile(system, tolerance, real, optimised), real))
+
+
+class Compiled:
+    """A compiled integrator with the arrays of its memory: heyoka makes a new array each time that `state`, `pars` or
+    `tc` is read, which takes as long as a step.
+
+    `parameters` are those of the phase that are set, to be emptied by code that sets `pars` itself.
+    """
+
+    __slots__ = ("integrator", "real", "state", "pars", "coefficients", "parameters", "with_events")
+
+    def __init__(self, integrator, real: type = float):
+        self.integrator, self.real, self.with_events = integrator, real, integrator.with_events
+        self.state, self.pars, self.coefficients = integrator.state, integrator.pars, integrator.tc
+        self.parameters: tuple[float, ...] = ()
+
+    def __deepcopy__(self, memo) -> Compiled:
+        return Compiled(deepcopy(self.integrator, memo), self.real)
+
+    def use(self, phase: Phase) -> None:
+        """Set the phase's parameters."""
+        if self.parameters is phase.parameters:
+            return
+        self.parameters = ()  # an interrupt may come before all are set
+        used = phase.parameters[: len(self.pars)]  # only as many as the equations use
+        self.pars[:] = used if self.real is float else [self.real(value) for value in used]
+        self.parameters = phase.parameters
+
+    def set(self, t: float, y) -> None:
+        """Set time and state."""
+        real = self.real
+        self.integrator.time = t if real is float else real(t)
+        self.state[:] = y if real is float else [real(float(value)) for value in y]
+        if self.with_events:
+            self.integrator.reset_cooldowns()
 
 
 def _compile(system: System, tolerance: float, real: type, optimised: bool):
@@ -111,7 +147,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float, optimised: boo
     integrators = integrators_of(phase.system, tolerance, float, optimised)
     outcome = None if phase.checks_steps else integrators.call(_at_once, phase, t, y, end, tolerance)
     if outcome is None:
-        return integrators.call(_one_by_one, phase, t, y, end, float, tolerance)
+        return integrators.call(_one_by_one, phase, t, y, end, tolerance)
     event, steps = outcome
     # No closure, to spare the garbage collector.
     return Segment(
@@ -122,62 +158,62 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float, optimised: boo
 def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: float, steps: int, optimised: bool):
     """Times and dense output of a phase that the compiled loop integrated to its end in `steps` steps."""
     integrators = integrators_of(phase.system, tolerance, float, optimised)
-    again = integrators.call(_one_by_one, phase, t, y, end, float, tolerance, most_steps=steps)
+    again = integrators.call(_one_by_one, phase, t, y, end, tolerance, most_steps=steps)
     return np.append(again.times[:-1], end_time), again.states
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """Integrate in quadruple precision, start and end of the phase rounded to double; `rtol` is ignored."""
     integrators = integrators_of(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
-    return integrators.call(_one_by_one, phase, t, y, end, hy.real128, QUADRUPLE_TOLERANCE)
+    return integrators.call(_one_by_one, phase, t, y, end, QUADRUPLE_TOLERANCE)
 
 
-def _at_once(integrator, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
+def _at_once(compiled: Compiled, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
     """The event that ends the phase and the number of steps, by heyoka's own loop; None if its outcome is unclear."""
-    _parametrise(integrator, phase, float)
-    first = _leave(integrator, phase, t, y, end, float, tolerance)
+    integrator = compiled.integrator
+    first = _leave(compiled, phase, t, y, end, tolerance)
     if first.guard:
         return None
     outcome = int(integrator.step(min(end - first.time, first.longest))[0])
-    steps, guard = first.steps + 1, _guard(outcome, phase)
+    steps, guard, time = first.steps + 1, _guard(outcome, phase), integrator.time
     if guard is None and outcome not in (SUCCESS, TIME_LIMIT):
         return None
-    while guard is None and integrator.time < end:
+    while guard is None and time < end:
         result, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
-        outcome = int(result)
+        outcome, time = int(result), integrator.time
         steps, guard = steps + count, _guard(outcome, phase)
         if guard is None and steps >= MOST_STEPS:
             guard = OUT_OF_STEPS
         is_known = guard is not None or outcome in (TIME_LIMIT, STEP_LIMIT)
-        if shortest <= SHORTEST * ulp(integrator.time) or not is_known:
+        if shortest <= SHORTEST * ulp(time) or not is_known:
             return None
-    return Event(guard, integrator.time, tuple(integrator.state.tolist())), steps
+    return Event(guard, time, tuple(compiled.state.tolist())), steps
 
 
 def _guard(outcome: int, phase: Phase) -> str | None:
     """The guard of the event that ended a step: heyoka numbers terminal events down from -1, other outcomes lower."""
-    guards = tuple(phase.system.guards)
-    return guards[-outcome - 1] if -len(guards) <= outcome < 0 else None
+    guards = phase.system.guards
+    return tuple(guards)[-outcome - 1] if -len(guards) <= outcome < 0 else None
 
 
 def _one_by_one(
-    integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float, most_steps: int = MOST_LOOKED_AT
+    compiled: Compiled, phase: Phase, t: float, y, end: float, tolerance: float, most_steps: int = MOST_LOOKED_AT
 ) -> Segment:
     """Integrate the phase step by step; returns the segment with all its steps."""
-    _parametrise(integrator, phase, real)
-    first = _leave(integrator, phase, t, y, end, real, tolerance)
+    integrator, real = compiled.integrator, compiled.real
+    first = _leave(compiled, phase, t, y, end, tolerance)
     guard = first.guard
-    times, coefficients = ([t, first.time], [integrator.tc.astype(float)]) if first.steps else ([t], [])
+    times, coefficients = ([t, first.time], [compiled.coefficients.astype(float)]) if first.steps else ([t], [])
     last, longest, tries = real(end), real(first.longest), 0
     with np.errstate(over="ignore"):  # quadruple-precision coefficients may overflow doubles near a singularity
         while integrator.time < end and guard is None:
             if len(coefficients) >= most_steps or tries >= MOST_TRIES:
                 guard = OUT_OF_STEPS
                 break
-            outcome, count = _step(integrator, phase, min(last - integrator.time, longest), real, tolerance)
+            outcome, count = _step(compiled, phase, min(last - integrator.time, longest), tolerance)
             tries += count
             longest = real(inf)
-            coefficients.append(_doubles(integrator.tc))
+            coefficients.append(_doubles(compiled.coefficients))
             times.append(float(integrator.time))
             if int(outcome) not in (SUCCESS, TIME_LIMIT):
                 guard = _guard(int(outcome), phase)
@@ -185,26 +221,27 @@ def _one_by_one(
                     return _breakdown(phase, times, coefficients, y)
             elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
                 return _breakdown(phase, times, coefficients, y)
-    event = Event(guard, float(integrator.time), tuple(float(v) for v in integrator.state))
+    event = Event(guard, float(integrator.time), tuple(float(v) for v in compiled.state))
     return Segment.of(phase, np.array(times), _TaylorOutput(times, coefficients, y), event, len(coefficients))
 
 
-def _step(integrator, phase: Phase, longest, real: type, tolerance: float):
+def _step(compiled: Compiled, phase: Phase, longest, tolerance: float):
     """Take one step of at most `longest`; repeat it shorter if it passes a feature or does not satisfy the equations.
     Returns its outcome and the number of tries."""
+    integrator, real = compiled.integrator, compiled.real
     if not phase.checks_steps:
         return integrator.step(longest, True)[0], 1
-    start, before, tries = integrator.time, integrator.state.copy(), 1
+    start, before, tries = integrator.time, compiled.state.copy(), 1
     outcome, _ = integrator.step(longest, True)
-    while np.all(np.isfinite(integrator.tc.astype(float))):
+    while np.isfinite(coefficients := compiled.coefficients.astype(float)).all():
         length = float(integrator.time - start)
-        course = Expansion(float(start), length, integrator.tc.astype(float))
+        course = Expansion(float(start), length, coefficients)
         part = good_part(phase, course, tolerance, max(DEFECT * tolerance, ROUNDING))
         if part == 1.0 or part * length <= SHORTEST * np.spacing(float(start)):
             break
         integrator.time = start
-        integrator.state[:] = before
-        if integrator.with_events:
+        compiled.state[:] = before
+        if compiled.with_events:
             integrator.reset_cooldowns()
         outcome, _ = integrator.step(real(part * length), True)
         tries += 1
@@ -234,26 +271,15 @@ def _breakdown(phase: Phase, times, coefficients, y) -> Segment:
     return Segment.of(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
 
 
-def _leave(integrator, phase: Phase, t: float, y, end: float, real: type, tolerance: float) -> FirstStep:
+def _leave(compiled: Compiled, phase: Phase, t: float, y, end: float, tolerance: float) -> FirstStep:
     """Take the phase's first step by its Taylor polynomial, and set the integrator to its end."""
-    _set(integrator, t, y, real)
-    integrator.step(real(0.0), True)
-    first = leave(phase, integrator.tc if real is float else integrator.tc.astype(float), t, y, end, tolerance)
-    _set(integrator, first.time, first.state, real)
+    compiled.use(phase)
+    compiled.set(t, y)
+    compiled.integrator.step(compiled.real(0.0), True)
+    coefficients = compiled.coefficients
+    first = leave(phase, coefficients if compiled.real is float else coefficients.astype(float), t, y, end, tolerance)
+    compiled.set(first.time, first.state)
     return first
-
-
-def _parametrise(integrator, phase: Phase, real: type) -> None:
-    pars = integrator.pars  # only as many as the equations use
-    used = phase.parameters[: len(pars)]
-    pars[:] = used if real is float else [real(value) for value in used]
-
-
-def _set(integrator, t: float, y, real: type) -> None:
-    integrator.time = real(t)
-    integrator.state[:] = y if real is float else [real(float(value)) for value in y]
-    if integrator.with_events:
-        integrator.reset_cooldowns()
 
 
 class _TaylorOutput:
