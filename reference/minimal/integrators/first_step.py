@@ -27,9 +27,9 @@ OPEN = 1e-12
 # Any guard is positive at the start above this part of its value at the step's end: a guard that grows from a rounding
 # of zero with the third power of time is 1e-9 of its size at the end.
 NOT_ZERO = 1e-6
-# The bounds on terms that the largest root sets are lowered by more than their rounding, and not set by terms so small
-# that products with them are subnormal.
-BELOW, SMALLEST = 1.0 - 1e-9, 1e-290
+# The bounds on terms that the largest root sets are lowered by more than their rounding. Roots below SLOWEST (1/s) set
+# none: their powers may be subnormal.
+BELOW, SLOWEST = 1.0 - 1e-9, 1e-9
 # The step is shortened tenfold this many times if a guard is not positive at its end: the rest is then rounding.
 SHORTER = 9
 
@@ -53,9 +53,6 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
 
     `coefficients` (variables, order + 1) are those of the phase's Taylor polynomial at (t, y).
     """
-    # One call instead of a check of each number; large ones may overflow in it.
-    if not isfinite(np.vdot(coefficients, coefficients)) and not np.isfinite(coefficients).all():
-        return FirstStep(t, y, 0, inf, BREAKDOWN)
     rows, guards, parameters = coefficients.tolist(), phase.system.guards_of_numbers, phase.parameters
     # If all terms vanish, the forces balance, and a load may change them: they enter by the time in which they would
     # move the plate by its size.
@@ -63,7 +60,9 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
     travel = (max(abs(normal), abs(friction)) / phase.size) ** 0.5
     states = partial(_states(len(rows), len(phase.lengths), len(rows[0])), rows, phase.lengths, travel)
     part, span, zero = PART, end - t, 0
-    longest, often, h, half, state = states(part, span)
+    longest, often, h, half, state, check = states(part, span)
+    if not isfinite(check) and not np.isfinite(coefficients).all():  # the sum of large ones may overflow
+        return FirstStep(t, y, 0, inf, BREAKDOWN)
     if not phase.system.guards or not 0.0 < often < inf:
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
     starts = guards(t, y, parameters)
@@ -71,7 +70,7 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         if phase.checks_steps:
             clear = clear_part(phase, Expansion(t, h, coefficients), tolerance)
             if clear < 1.0:
-                _, _, h, half, state = states(part, clear * h)
+                _, _, h, half, state, _ = states(part, clear * h)
         halves, ends = guards(t + 0.5 * h, half, parameters), guards(t + h, state, parameters)
         # A guard that is positive at the end and half-way has left zero and not come back; else the step is shortened
         # until the event lies behind it.
@@ -83,14 +82,14 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
             return FirstStep(t + h, state, 1, longest)
         values = halves + ends
         for i, place in _lowest_places(starts, halves, ends) if all(v > 0.0 for v in values) else ():
-            if not guards(t + place * h, states(part, place * h)[-1], parameters)[i] > 0.0:
+            if not guards(t + place * h, states(part, place * h)[-2], parameters)[i] > 0.0:
                 values = [*starts[:i], 0.0]
                 break
         zero = next((i for i, value in enumerate(values) if not value > 0.0), -1)
         if zero < 0:
             return FirstStep(t + h, state, 1, longest)
         part *= 0.1
-        _, _, h, half, state = states(part, span)
+        _, _, h, half, state, _ = states(part, span)
     return FirstStep(t, y, 0, longest, tuple(phase.system.guards)[zero % len(starts)])
 
 
@@ -115,23 +114,27 @@ def open_gaps(phase: Phase, t: float, y) -> list[tuple[int, float]]:
 
 
 @lru_cache(maxsize=64)
-def _states(variables: int, positions: int, terms: int) -> Callable[..., tuple[float, float, float, list, list]]:
+def _states(variables: int, positions: int, terms: int) -> Callable[..., tuple[float, float, float, list, list, float]]:
     """(coefficients, lengths, travel, part, span) -> the longest step (s) that the upper half of the coefficients
     allows; the rate (1/s) at which a term grows to the plate's size, at least `travel`; h = part/rate, at most `span`;
-    and the polynomials' values at h/2 and at h. Written out: loops, and calls of max, take twice as long.
+    the polynomials' values at h/2 and at h; and a sum that is finite only if all coefficients are. Written out: loops,
+    and calls of max, take twice as long.
 
     heyoka's rule (said to be of Jorba & Zou 2005; known to us, not looked up) uses the last two terms. A motion from
     rest at a symmetric place has only every fourth power, and both may vanish; so may all even or all odd ones.
     """
     names = [[f"c{i}_{k}" for k in range(terms)] for i in range(variables)]
+    # Those that are compared with no bound; the others are summed where they are not within their bounds.
+    unbounded = [c for i, row in enumerate(names) for c in row[: 1 if i < positions else terms // 2]]
     units = [f"length_{i}" for i in range(positions)]
     lines = [
         "def states(coefficients, lengths, travel, part, span):",
         f"    {', '.join('(' + ', '.join(row) + ')' for row in names)}, = coefficients",
         f"    {', '.join(units)}, = lengths",
         "    largest = 1.0",
-        *(f"    if not -largest <= {row[0]} <= largest: largest = abs({row[0]})" for row in names),
-        *_largest_root("upper", names, [], range(terms // 2, terms), " / largest"),
+        f"    check = {' + '.join(unbounded)}",
+        *(f"    if abs({row[0]}) > largest: largest = abs({row[0]})" for row in names),
+        *_largest_root("upper", names, [], range(terms - 1, terms // 2 - 1, -1), " / largest"),
         *_largest_root("often", names[:positions], units, range(1, terms), ""),
         f"    longest = {exp(-2.0)!r} / upper if upper else inf",
         "    if not often > travel: often = travel",
@@ -146,7 +149,7 @@ def _states(variables: int, positions: int, terms: int) -> Callable[..., tuple[f
                 value = f"({value}) * {time} + {term}"
             lines.append(f"    {time}{i} = {value}")
     half, end = (", ".join(f"{time}{i}" for i in range(variables)) for time in ("half", "h"))
-    lines.append(f"    return longest, often, h, [{half}], [{end}]")
+    lines.append(f"    return longest, often, h, [{half}], [{end}], check")
     scope: dict[str, Any] = {"inf": inf}
     exec("\n".join(lines), scope)
     return scope["states"]
@@ -154,24 +157,26 @@ def _states(variables: int, positions: int, terms: int) -> Callable[..., tuple[f
 
 def _largest_root(name: str, rows: list[list[str]], units: list[str], powers: range, divisor: str) -> list[str]:
     """Lines that set `name` to the largest k-th root, over these k, of the largest term k, in parts of its unit if
-    there are units. Most terms are within the bounds that the largest root so far sets: theirs are not computed."""
+    there are units. Most terms are within the bounds that the largest root so far sets: theirs are not computed. In the
+    upper half the last roots are often the largest, of all terms the first."""
     bounds = [f"bound_{i}" for i in range(len(units) or 1)]
     sizes_of_bounds = [f"{BELOW!r} * size * {unit}" for unit in units] or [f"{BELOW!r} * size"]
     lines = [f"    {name} = ratio = {' = '.join(bounds)} = 0.0"]
-    for k in reversed(powers):
+    for k in powers:
         column = [row[k] for row in rows]
         within = [f"-{b} <= {c} <= {b}" for c, b in zip(column, bounds if units else bounds * len(rows), strict=False)]
         sizes = [f"abs({c}) / {unit}" for c, unit in zip(column, units, strict=False)] or [f"abs({c})" for c in column]
         lines += [
             *(f"    {bound} *= ratio" for bound in bounds),
             f"    if not ({' and '.join(within)}):",
+            f"        check += {' + '.join(column)}",
             f"        size = {sizes[0]}",
             *(f"        if {size} > size: size = {size}" for size in sizes[1:]),
             f"        root = (size{divisor}) ** {1.0 / k!r}",
             f"        if root > {name}:",
             f"            {name} = root",
-            f"            if size > {SMALLEST!r}:",
-            "                ratio = 1.0 / root",
+            f"            if root > {SLOWEST!r}:",
+            f"                ratio = {'root' if powers.step > 0 else '1.0 / root'}",
             *(f"                {b} = {value}" for b, value in zip(bounds, sizes_of_bounds, strict=True)),
         ]
-    return lines
+    return [*lines, f"    check += {' + '.join(bounds)}"]  # no coefficient exceeds an infinite bound
