@@ -188,12 +188,12 @@ class _Wave:
                 self._after(number, list(columns.system.guards)[guard], indices[some], times[some], y)
 
     def _integrate(
-        self, compiled: taylor.Compiled, columns: Columns, times, states, end, sound: np.ndarray, indices: np.ndarray
+        self, workspace: taylor.Workspace, columns: Columns, times, states, end, sound: np.ndarray, indices: np.ndarray
     ):
         """Integrate from `times` and `states`, which are overwritten by those of the events; returns the guards and the
         steps so far."""
-        integrator, pars, state = compiled.integrator, compiled.pars, compiled.state
-        compiled.parameters = ()
+        integrator, pars, state = workspace.integrator, workspace.pars, workspace.state
+        workspace.parameters = ()
         count, many = len(pars), taylor.CHUNK
         success, limit, all_steps = taylor.SUCCESS, taylor.TIME_LIMIT, taylor.STEP_LIMIT
         events = len(columns.system.guards)

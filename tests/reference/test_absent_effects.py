@@ -61,9 +61,9 @@ def test_frictionless_disc_compiles_to_no_more_operations_than_written_by_hand()
 @needs_heyoka
 def test_frictionless_disc_runs_as_fast_as_by_hand():
     now = frictionless()
-    compiled = taylor.integrators_of(now.system, taylor.FINEST).call(lambda one: one)
-    contestants = [compiled.integrator, by_hand()]
-    compiled.use(now)
+    workspace = taylor.integrators_of(now.system, taylor.FINEST).call(lambda one: one)
+    contestants = [workspace.integrator, by_hand()]
+    workspace.use(now)
     contestants[1].pars[:] = [0.0, -G, 0.1, 1.0]
     seconds = [[], []]
     for _ in range(200):

@@ -61,10 +61,10 @@ CHUNK = 1000
 def integrators_of(system: System, tolerance: float, real: type = float, optimised: bool = False) -> IntegratorPool:
     """The compiled integrators of a system, with one terminal event for each guard; `optimised`: fully optimised,
     however long that takes, for thousands of runs."""
-    return IntegratorPool(lambda: Compiled(_compile(system, tolerance, real, optimised), real))
+    return IntegratorPool(lambda: Workspace(_compile(system, tolerance, real, optimised), real))
 
 
-class Compiled:
+class Workspace:
     """A compiled integrator with the arrays of its memory: heyoka makes a new array each time that `state`, `pars` or
     `tc` is read, which takes as long as a step.
 
@@ -78,8 +78,8 @@ class Compiled:
         self.state, self.pars, self.coefficients = integrator.state, integrator.pars, integrator.tc
         self.parameters: tuple[float, ...] = ()
 
-    def __deepcopy__(self, memo) -> Compiled:
-        return Compiled(deepcopy(self.integrator, memo), self.real)
+    def __deepcopy__(self, memo) -> Workspace:
+        return Workspace(deepcopy(self.integrator, memo), self.real)
 
     def use(self, phase: Phase) -> None:
         """Set the phase's parameters."""
@@ -168,10 +168,10 @@ def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> S
     return integrators.call(_one_by_one, phase, t, y, end, QUADRUPLE_TOLERANCE)
 
 
-def _at_once(compiled: Compiled, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
+def _at_once(workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
     """The event that ends the phase and the number of steps, by heyoka's own loop; None if its outcome is unclear."""
-    integrator = compiled.integrator
-    first = _leave(compiled, phase, t, y, end, tolerance)
+    integrator = workspace.integrator
+    first = _leave(workspace, phase, t, y, end, tolerance)
     if first.guard:
         return None
     outcome = int(integrator.step(min(end - first.time, first.longest))[0])
@@ -187,7 +187,7 @@ def _at_once(compiled: Compiled, phase: Phase, t: float, y, end: float, toleranc
         is_known = guard is not None or outcome in (TIME_LIMIT, STEP_LIMIT)
         if shortest <= SHORTEST * ulp(time) or not is_known:
             return None
-    return Event(guard, time, tuple(compiled.state.tolist())), steps
+    return Event(guard, time, tuple(workspace.state.tolist())), steps
 
 
 def _guard(outcome: int, phase: Phase) -> str | None:
@@ -197,23 +197,23 @@ def _guard(outcome: int, phase: Phase) -> str | None:
 
 
 def _one_by_one(
-    compiled: Compiled, phase: Phase, t: float, y, end: float, tolerance: float, most_steps: int = MOST_LOOKED_AT
+    workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float, most_steps: int = MOST_LOOKED_AT
 ) -> Segment:
     """Integrate the phase step by step; returns the segment with all its steps."""
-    integrator, real = compiled.integrator, compiled.real
-    first = _leave(compiled, phase, t, y, end, tolerance)
+    integrator, real = workspace.integrator, workspace.real
+    first = _leave(workspace, phase, t, y, end, tolerance)
     guard = first.guard
-    times, coefficients = ([t, first.time], [compiled.coefficients.astype(float)]) if first.steps else ([t], [])
+    times, coefficients = ([t, first.time], [workspace.coefficients.astype(float)]) if first.steps else ([t], [])
     last, longest, tries = real(end), real(first.longest), 0
     with np.errstate(over="ignore"):  # quadruple-precision coefficients may overflow doubles near a singularity
         while integrator.time < end and guard is None:
             if len(coefficients) >= most_steps or tries >= MOST_TRIES:
                 guard = OUT_OF_STEPS
                 break
-            outcome, count = _step(compiled, phase, min(last - integrator.time, longest), tolerance)
+            outcome, count = _step(workspace, phase, min(last - integrator.time, longest), tolerance)
             tries += count
             longest = real(inf)
-            coefficients.append(_doubles(compiled.coefficients))
+            coefficients.append(_doubles(workspace.coefficients))
             times.append(float(integrator.time))
             if int(outcome) not in (SUCCESS, TIME_LIMIT):
                 guard = _guard(int(outcome), phase)
@@ -221,27 +221,27 @@ def _one_by_one(
                     return _breakdown(phase, times, coefficients, y)
             elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
                 return _breakdown(phase, times, coefficients, y)
-    event = Event(guard, float(integrator.time), tuple(float(v) for v in compiled.state))
+    event = Event(guard, float(integrator.time), tuple(float(v) for v in workspace.state))
     return Segment.of(phase, np.array(times), _TaylorOutput(times, coefficients, y), event, len(coefficients))
 
 
-def _step(compiled: Compiled, phase: Phase, longest, tolerance: float):
+def _step(workspace: Workspace, phase: Phase, longest, tolerance: float):
     """Take one step of at most `longest`; repeat it shorter if it passes a feature or does not satisfy the equations.
     Returns its outcome and the number of tries."""
-    integrator, real = compiled.integrator, compiled.real
+    integrator, real = workspace.integrator, workspace.real
     if not phase.checks_steps:
         return integrator.step(longest, True)[0], 1
-    start, before, tries = integrator.time, compiled.state.copy(), 1
+    start, before, tries = integrator.time, workspace.state.copy(), 1
     outcome, _ = integrator.step(longest, True)
-    while np.isfinite(coefficients := compiled.coefficients.astype(float)).all():
+    while np.isfinite(coefficients := workspace.coefficients.astype(float)).all():
         length = float(integrator.time - start)
         course = Expansion(float(start), length, coefficients)
         part = good_part(phase, course, tolerance, max(DEFECT * tolerance, ROUNDING))
         if part == 1.0 or part * length <= SHORTEST * np.spacing(float(start)):
             break
         integrator.time = start
-        compiled.state[:] = before
-        if compiled.with_events:
+        workspace.state[:] = before
+        if workspace.with_events:
             integrator.reset_cooldowns()
         outcome, _ = integrator.step(real(part * length), True)
         tries += 1
@@ -271,14 +271,14 @@ def _breakdown(phase: Phase, times, coefficients, y) -> Segment:
     return Segment.of(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
 
 
-def _leave(compiled: Compiled, phase: Phase, t: float, y, end: float, tolerance: float) -> FirstStep:
+def _leave(workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float) -> FirstStep:
     """Take the phase's first step by its Taylor polynomial, and set the integrator to its end."""
-    compiled.use(phase)
-    compiled.set(t, y)
-    compiled.integrator.step(compiled.real(0.0), True)
-    coefficients = compiled.coefficients
-    first = leave(phase, coefficients if compiled.real is float else coefficients.astype(float), t, y, end, tolerance)
-    compiled.set(first.time, first.state)
+    workspace.use(phase)
+    workspace.set(t, y)
+    workspace.integrator.step(workspace.real(0.0), True)
+    coefficients = workspace.coefficients
+    first = leave(phase, coefficients if workspace.real is float else coefficients.astype(float), t, y, end, tolerance)
+    workspace.set(first.time, first.state)
     return first
 
 
