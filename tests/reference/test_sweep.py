@@ -103,6 +103,14 @@ def test_short_slips_near_the_cone_are_not_missed():
     assert np.all(np.diff(rows.first_time.to_numpy()) > 0.0)
 
 
+def test_a_motion_is_the_same_before_and_after_a_sweep():
+    # An integrator keeps its phase's parameters, and a sweep uses it with others.
+    case = cases.load("disc_in_circle", mu=0.2)
+    before = reference.simulate(case).transitions
+    reference.sweep("disc_in_circle", mu=[0.1, 0.3])
+    assert reference.simulate(case).transitions == before
+
+
 def test_a_grid_runs_its_last_parameter_fastest_and_every_sample_has_its_place():
     asked = plan("disc_in_circle", dict(mu="0.1:0.3:3", xi1="0.1:0.2:2"))
     assert len(asked) == 6
