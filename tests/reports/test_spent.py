@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 from reports.running.timing import phase_times
 from reports.running.timing.phase_times import PhaseTime, PhaseTimes
 
@@ -23,9 +25,11 @@ def test_the_line_names_the_longest_and_sums_up_the_others():
     assert phase_times.parts_words(phases) == "a 9 s, b 8 s, c 7 s, d 6 s, e 5 s, all else 4 s"
 
 
-def test_work_of_a_process_that_was_started_counts_while_it_runs_and_after():
+@pytest.mark.parametrize("fork", ["", "import os\nif os.fork(): os._exit(os.wait()[1])\n"], ids=["child", "grandchild"])
+def test_work_of_a_process_that_was_started_counts_while_it_runs_and_after(fork):
+    """A worker is the child of its supervisor."""
     ledger = PhaseTimes()
-    work = "import time\nwhile time.process_time() < 0.3: pass\nprint(flush=True)\ninput()"
+    work = f"{fork}import time\nwhile time.process_time() < 0.3: pass\nprint(flush=True)\ninput()"
     with subprocess.Popen([sys.executable, "-c", work], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         assert process.stdout and process.stdout.readline()
         ledger.book("while it runs")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import resource
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -68,21 +69,23 @@ def parts_words(phases: Mapping[str, PhaseTime]) -> str:
 
 
 def _cpu_seconds() -> float:
-    """CPU seconds of this process and its child processes; of running ones only if the system reports them (Linux)."""
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime + sum(map(_of_process, _children()))
+    """CPU seconds of this process and its descendants; of running ones only if the system reports them (Linux).
+
+    A worker is a child of its supervisor, which is this process's child."""
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + ended.ru_utime + ended.ru_stime + sum(map(_of_process, _descendants("self")))
 
 
-def _children() -> Iterable[int]:
-    try:
-        return [
-            int(number) for file in Path("/proc/self/task").glob("*/children") for number in file.read_text().split()
-        ]
-    except OSError:
-        return []
+def _descendants(process: str) -> Iterator[str]:
+    """The numbers of the running child processes of a process, and of theirs."""
+    for file in Path(f"/proc/{process}/task").glob("*/children"):
+        with suppress(OSError):  # the thread or process has ended
+            for child in file.read_text().split():
+                yield child
+                yield from _descendants(child)
 
 
-def _of_process(number: int) -> float:
+def _of_process(number: str) -> float:
     """CPU seconds of a process and its ended child processes; 0 if it is gone or the system does not report them."""
     try:
         # After the name, which may hold anything: the 14th to 17th fields are user and system time, and the children's.
