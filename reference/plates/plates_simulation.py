@@ -72,7 +72,7 @@ class PlatesSimulation:
     def simulate(self) -> Ending:
         """Simulate phases until the end."""
         try:
-            self._settle(set(), struck=True)
+            self._settle(set(), closing=self.touching)
             for _ in range(MOST_PHASES):
                 ending = self._phase(self._decide())
                 if ending:
@@ -167,8 +167,7 @@ class PlatesSimulation:
             return ENDS[kind]
         number, _ = moving_contacts(self.case, regime)[int(index)]
         if kind == "gap":
-            self.touching.add(number)
-            self._settle(stuck, struck=True)
+            self._settle(stuck, closing={number})
             return None
         self.causes[number] = CAUSES["normal_force" if kind == "normal" else kind]
         if kind == "slip":
@@ -189,17 +188,19 @@ class PlatesSimulation:
 
     # --- states without roundings, and impacts ------------------------------------------------------------------------
 
-    def _settle(self, stuck: set[int], struck: bool = False) -> None:
-        """Remove roundings: no gap at contacts that touch, and no velocity where there is none.
+    def _settle(self, stuck: set[int], closing: set[int] | None = None) -> None:
+        """Remove errors of the integration: no gap at contacts that touch, and no velocity where there is none.
 
-        `struck`: a contact may have closed with a velocity, which is an impact."""
-        stuck = set(stuck)
-        if struck:
+        `closing`: contacts that may have closed with a velocity, which is an impact, as may others without a gap; the
+        velocities of those that touched before are no part of it. None: no contact has closed."""
+        stuck, closed = set(stuck), self.touching - (closing or set())
+        if closing is not None:
             least = TOUCHES * size(self.case, self.state)
-            self.touching |= {n for n in self.modes if place(self.case, n, self.state).gap <= least}
+            self.touching |= closing | {n for n in self.modes if place(self.case, n, self.state).gap <= least}
         self.state = project(self.case, self.state, sorted(self.touching))
         self.speed = max(self.speed, speed(self.case, self.state))
-        if struck:
+        if closing is not None:
+            self.state = without_velocity(self.case, self.state, sorted(closed), sorted(stuck & closed))
             stuck = self._impacts(stuck)
         self.state = without_velocity(self.case, self.state, sorted(self.touching), sorted(stuck & self.touching))
 

@@ -85,7 +85,7 @@ class SeveralSimulation(WatchedPlate):
 
     def _simulate_phases(self) -> Ending:
         try:
-            self.settle(self.stuck, struck=True)
+            self.settle(self.stuck, closing=self.touching)
             for _ in range(MOST_PHASES):
                 ending = self._phase(self._decide())
                 if ending:
@@ -320,19 +320,17 @@ class SeveralSimulation(WatchedPlate):
             return ENDS[kind]
         name = regime.names[int(number)]
         if kind == "gap":
-            self.touching.add(name)
-            self.settle(stuck, struck=True)
+            self.settle(stuck, closing={name})
             return None
         cause = {"normal": "normal_force"}.get(kind, kind)
         self.causes[name] = CAUSES[cause]
         if kind == "slip":
             stuck.add(name)
         now = places(self.contacts(), self.body, [watch.pair for watch in self.watches])
-        # The event and an impact at the same instant. A contact that was closed has a velocity within the tolerance.
-        closes = bool(self.closing(now) - self.touching)
-        if kind == "normal" and not closes:
+        closing = self.closing(now) - self.touching  # the event and an impact at the same instant
+        if kind == "normal" and not closing:
             self.fixed = {name: (Mode.FLIGHT,)}
-        self.settle(stuck, struck=closes)
+        self.settle(stuck, closing or None)
         return None
 
     def _meet(self, contact: PairCase, meeting: Meeting) -> Ending | None:
@@ -340,6 +338,5 @@ class SeveralSimulation(WatchedPlate):
         regime = regime_of(self.segments[-1].phase)
         self.touching = {regime.names[k] for k in regime.closed}
         watch = self.new_watch(contact, (meeting.xi1, meeting.xi2))
-        self.touching.add(watch.name)
-        self.settle({n for n, m in zip(regime.names, regime.modes, strict=True) if m is Mode.ROLL}, struck=True)
+        self.settle({n for n, m in zip(regime.names, regime.modes, strict=True) if m is Mode.ROLL}, {watch.name})
         return None

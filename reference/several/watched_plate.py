@@ -124,12 +124,15 @@ class WatchedPlate:
         if leaves:
             arc.name, arc.mode = open_name(arc.contact), Mode.FLIGHT
 
-    def settle(self, stuck: set[str] | None = None, struck: bool = False) -> None:
-        """Remove roundings from the state: no gap at contacts that touch, and no velocity where there is none.
+    def settle(self, stuck: set[str] | None = None, closing: set[str] | None = None) -> None:
+        """Remove errors of the integration from the state: no gap at contacts that touch, and no velocity where there
+        is none.
 
-        `struck`: a contact may have closed with a velocity, which is an impact."""
-        stuck = set(stuck or ())
-        if struck:
+        `closing`: contacts that may have closed with a velocity, which is an impact, as may others without a gap; the
+        velocities of those that touched before are no part of it. None: no contact has closed."""
+        stuck, closed = set(stuck or ()), self.touching - (closing or set())
+        if closing is not None:
+            self.touching |= closing
             self._add_touching()
         stuck = self._name_touching(stuck)
         indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
@@ -139,7 +142,10 @@ class WatchedPlate:
         for k in indices:
             self.watches[k].limit = 0.0 if self.watches[k].contact.has_unique_points else LOST * now[k].clearance
         self.speed = max(self.speed, self.present_speed())
-        if struck:
+        if closing is not None:
+            kept = [k for k in indices if self.watches[k].name in closed]
+            held = [k for k in kept if self.watches[k].name in stuck]
+            self.body = without_velocity(self.case, self.body, now, kept, held)
             stuck = self._impacts(now, stuck)
             indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
         sticking = [k for k in indices if self.watches[k].name in stuck]
