@@ -100,11 +100,21 @@ class Simulation(PhaseIntegration):
         """The modes of the contacts that stay closed, by their places, and the forces at `closed`, or at `every`
         contact that touches if those have no solution. Raises SimulationEnd."""
         answer = self.solution(now, closed)
+        if every and not closed and self._must_pull([now[k] for k in every]):
+            raise SimulationEnd("paradox")
         if answer is None and len(every) > len(closed):
             answer = self.solution(now, every)
         if answer is None:
             raise SimulationEnd("paradox")
         return answer
+
+    def _must_pull(self, some: Sequence[PairState]) -> bool:
+        """Whether a perfectly rough contact that can no longer press could not open: the free plate would move into its
+        support."""
+        _, rows = self.dynamics.delassus(some)
+        free = self.dynamics.free_rates(self.t, self.body, some, rows)
+        small = MOVES * float(np.abs(free).max())
+        return any(is_rough(pair.contact) and rate < -small for pair, rate in zip(some, free, strict=False))
 
     def solution(self, now: Sequence[PairState], closed: list[int]) -> tuple[dict[int, Mode], np.ndarray] | None:
         """The modes of the contacts that stay closed, by their places, and the forces; None without a solution."""
@@ -119,7 +129,12 @@ class Simulation(PhaseIntegration):
         delassus, rows = self.dynamics.delassus(some)
         free = self.dynamics.free_rates(self.t, self.body, some, rows)
         mu, stick = frictions(some)
-        answers = solutions(delassus, free, slips, mu, stick)
+        rough = np.array([is_rough(pair.contact) for pair in some])
+        answers = [one for one in solutions(delassus, free, slips, mu, stick) if not _slips(delassus, free, one, rough)]
+        if len(closed) == 1 and rough[0] and slips[0] is None:
+            # It stays where it can, as in the first formulation, even if the plate could leave it, too.
+            held = -np.linalg.solve(delassus, free)
+            answers += [held] if held[0] > 0.0 else []
         if not answers:
             return None
         if len(answers) > 1 and len(closed) > 1 and not (stick > mu).any():
@@ -364,3 +379,12 @@ class Simulation(PhaseIntegration):
         self.stretches.append(DenseStep(self.t, high, lambda t: still, phase))
         self.t, self.touching = high, {c.name for c in self.contacts if c.is_closed}
         self.stuck = set(self.touching)
+
+
+def _slips(delassus: np.ndarray, free: np.ndarray, force: np.ndarray, rough: np.ndarray) -> bool:
+    """Whether a perfectly rough contact, whose coefficient is a large number here, would slip with these forces: it
+    would have to pull in order not to."""
+    rates = np.abs(delassus @ force + free)
+    small = MOVES * max(float(np.abs(free).max()), float(np.abs(delassus).max() * np.abs(force).max()))
+    count = len(rough)
+    return bool((rough & (rates[:count] <= small) & (rates[count:] > small)).any())
