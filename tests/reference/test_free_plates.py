@@ -247,6 +247,20 @@ def test_both_formulations_agree_in_random_scenes(seed):
 
 
 @pytest.mark.slow
+def test_a_contact_that_opens_just_before_another_one_closes_is_not_struck_at_once():
+    """Its gap is rounding in a first step that is shortened to some microseconds."""
+    case, times = random_scene(96), np.array([0.7, 0.9])
+    one, other = reference.simulate(case, rtol=1e-12), bodies_motion(case, times=times)
+    assert one.status == other.status == "completed"
+    for ours, theirs in zip(one.transitions[-3:], other.transitions[-3:], strict=True):
+        assert (ours.contact, ours.after) == (theirs.contact, theirs.after)
+        assert ours.time == pytest.approx(theirs.time, abs=5e-11)
+    for b, plate in enumerate(one.plate_names):
+        own = one.plate(plate)(times)
+        assert np.array([own.x, own.y, own.theta]) == pytest.approx(other.motions[3 * b : 3 * b + 3], abs=2e-10)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", RATTLES)
 def test_impacts_that_accumulate_without_a_known_end_are_reported(seed):
     one, other = reference.simulate(random_scene(seed)), bodies_motion(random_scene(seed))

@@ -30,6 +30,8 @@ NOT_ZERO = 1e-6
 # The bounds on terms that the largest root sets are lowered by more than their rounding. Roots below SLOWEST (1/s) set
 # none: their powers may be subnormal.
 BELOW, SLOWEST = 1.0 - 1e-9, 1e-9
+# Roundings of a gap, in those of the plate's size and place: a dozen operations.
+ROUNDINGS, EPS = 16, float(np.finfo(float).eps)
 # The step is shortened tenfold this many times if a guard is not positive at its end: the rest is then rounding.
 SHORTER = 9
 
@@ -65,13 +67,15 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         return FirstStep(t, y, 0, inf, BREAKDOWN)
     if not phase.system.guards or not 0.0 < often < inf:
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
-    starts = guards(t, y, parameters)
+    starts, grown = guards(t, y, parameters), set[int]()
     for _ in range(SHORTER):
         if phase.checks_steps:
             clear = clear_part(phase, Expansion(t, h, coefficients), tolerance)
             if clear < 1.0:
                 _, _, h, half, state, _ = states(part, clear * h)
         halves, ends = guards(t + 0.5 * h, half, parameters), guards(t + h, state, parameters)
+        if grown:
+            halves, ends = (_without_rounding(phase, y, values, grown) for values in (halves, ends))
         # A guard that is positive at the end and half-way has left zero and not come back; else the step is shortened
         # until the event lies behind it.
         for start, middle, last in zip(starts, halves, ends, strict=True):
@@ -88,9 +92,18 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         zero = next((i for i, value in enumerate(values) if not value > 0.0), -1)
         if zero < 0:
             return FirstStep(t + h, state, 1, longest)
+        grown |= {i for i, pair in enumerate(zip(halves, ends, strict=True)) if min(pair) > 0.0}
         part *= 0.1
         _, _, h, half, state, _ = states(part, span)
     return FirstStep(t, y, 0, longest, tuple(phase.system.guards)[zero % len(starts)])
+
+
+def _without_rounding(phase: Phase, y, values: Sequence[float], grown: set[int]) -> list[float]:
+    """The guards' values with those gaps positive that were so in a longer step and are rounding in this one: a contact
+    that opens as its force vanishes has a gap that grows with the third power of time."""
+    least = ROUNDINGS * EPS * (phase.size + abs(y[0]) + abs(y[1]))
+    gaps = {i for i, name in enumerate(phase.system.guards) if i in grown and name.startswith("gap")}
+    return [least if i in gaps and abs(value) <= least else value for i, value in enumerate(values)]
 
 
 def _lowest_places(starts: Sequence[float], halves: Sequence[float], ends: Sequence[float]) -> list[tuple[int, float]]:
