@@ -99,6 +99,7 @@ class System:
         self.guards, self.load_quantities = equations.guards, equations.load_quantities
         self.check_layout = equations.check_layout
         self.forces = (self.outputs.normal, self.outputs.friction)
+        self.forces_and_guards = (*self.forces, *self.guards.values())
         # The places among the conditions of those that have rates.
         self.rated = tuple(i for i, name in enumerate(self.conditions) if name in self.condition_rates)
         self.names = tuple(symbol.name for symbol in equations.parameters)
@@ -221,6 +222,11 @@ class System:
     def forces_of_numbers(self):
         """(t, y, parameters) -> [normal force, friction force] per mass, on floats."""
         return self._compile("forces", ON_FLOATS)
+
+    @derived
+    def forces_and_guards_of_numbers(self):
+        """(t, y, parameters) -> [normal force, friction force per mass, guard values …], on floats."""
+        return self._compile("forces_and_guards", ON_FLOATS)
 
     @derived
     def load_quantities_of_arrays(self):

@@ -58,20 +58,26 @@ def convert(outputs: Iterable[Node], known: Mapping[Node, Any]) -> list:
     """Nodes as heyoka's expressions, with those in `known` as they are there."""
     outputs = list(outputs)
     results = dict(known)
+    moving = {T, *(symbol for symbol, value in known.items() if hy.get_variables([value]))}
     for current in in_order(outputs, known):
         if current not in results:
-            results[current] = _number(current.args[0]) if current.op == "number" else _operation(current, results)
+            results[current] = (
+                _number(current.args[0]) if current.op == "number" else _operation(current, results, moving)
+            )
     return [results[output] for output in outputs]
 
 
-def _operation(current: Node, results: Mapping[Node, Any]):
+def _operation(current: Node, results: Mapping[Node, Any], moving: set[Node]):
     x = results[current.args[0]]
     if current.op == "**":
         return _power(x, current.args[1], results)
     if current.op == "tanh":
         return _tanh(x)
     if current.op in _ARITHMETIC:
-        return _ARITHMETIC[current.op](x, results[current.args[1]])
+        y = results[current.args[1]]
+        # A constant factor comes first: products that differ only in their order are then computed once.
+        is_second = current.op == "*" and moving.isdisjoint(current.args[1].symbols)
+        return _ARITHMETIC[current.op](*((y, x) if is_second else (x, y)))
     try:
         return getattr(hy, current.op)(x)
     except AttributeError as problem:  # in an older version

@@ -58,7 +58,9 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
     rows, guards, parameters = coefficients.tolist(), phase.system.guards_of_numbers, phase.parameters
     # If all terms vanish, the forces balance, and a load may change them: they enter by the time in which they would
     # move the plate by its size.
-    normal, friction = phase.system.forces_of_numbers(t, y, parameters)
+    normal, friction, *starts = phase.system.forces_and_guards_of_numbers(t, y, parameters)
+    if normal != normal:  # one of the guards may have no value here
+        (normal, friction), starts = phase.system.forces_of_numbers(t, y, parameters), guards(t, y, parameters)
     travel = (max(abs(normal), abs(friction)) / phase.size) ** 0.5
     states = partial(_states(len(rows), len(phase.lengths), len(rows[0])), rows, phase.lengths, travel)
     part, span, zero = PART, end - t, 0
@@ -67,7 +69,7 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         return FirstStep(t, y, 0, inf, BREAKDOWN)
     if not phase.system.guards or not 0.0 < often < inf:
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
-    starts, grown = guards(t, y, parameters), set[int]()
+    grown = set[int]()
     for _ in range(SHORTER):
         if phase.checks_steps:
             clear = clear_part(phase, Expansion(t, h, coefficients), tolerance)
