@@ -315,7 +315,7 @@ def compare(case):
         np.testing.assert_allclose(getattr(ours, name), theirs[name], rtol=0.0, atol=1e-8)
 
 
-@pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3))])
+@pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1, 2, 11))])
 def test_both_formulations_agree_on_random_boxes(seed):
     compare(random_box(seed))
 
