@@ -207,6 +207,7 @@ def test_rigid_friction_leaves_roundings_alone(engine, rounding):
     assert abs(slip) < 10 * rounding * np.abs(motion.vx).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["siconos"], indirect=True)
 def test_siconos_has_the_suites_law_exact_on_a_line_and_of_first_order_in_a_circle(engine, pool):
     assert abs(row(pool, engine, "disc_on_line[mu=0.1]").ledger[0].error) < 1e-14
@@ -366,6 +367,7 @@ def test_mujoco_runs_belts_whose_speed_changes_with_time(engine):
     assert fine < 6e-4 and fine < 0.4 * coarse
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["siconos"], indirect=True)
 def test_siconos_spins_and_rocks_in_a_v(engine):
     """The suite's law at both planes: exact to rounding while both slip, of first order where impacts hand over."""

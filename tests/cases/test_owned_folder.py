@@ -232,8 +232,9 @@ def memory():
     shutil.rmtree(folder)
 
 
-def test_killed_at_any_step_a_file_is_the_old_or_the_new_one(memory):
-    for steps in range(40):
+@pytest.mark.parametrize("stride", [3, pytest.param(1, marks=pytest.mark.slow)], ids=["some", "all"])
+def test_killed_at_any_step_a_file_is_the_old_or_the_new_one(memory, stride):
+    for steps in range(0, 40, stride):
         report = made(memory, ["index.html", "tables/a.csv"])
         ended = killed_after(steps, lambda report=report: report.write("tables/a.csv", b"new"))
         assert holds(memory)["tables/a.csv"] in ("ours", "new")
@@ -242,9 +243,10 @@ def test_killed_at_any_step_a_file_is_the_old_or_the_new_one(memory):
     assert ended, "so many steps are enough"
 
 
-def test_killed_at_any_step_a_report_is_the_old_or_the_new_one_or_unfinished(memory):
+@pytest.mark.parametrize("stride", [3, pytest.param(1, marks=pytest.mark.slow)], ids=["some", "all"])
+def test_killed_at_any_step_a_report_is_the_old_or_the_new_one_or_unfinished(memory, stride):
     old, new = {"index.html": "ours", "tables/a.csv": "ours"}, {"index.html": "new", "tables/b.csv": "new"}
-    for steps in range(80):
+    for steps in range(0, 80, stride):
         report = made(memory, old)
         ended = killed_after(steps, lambda: made(memory, new, "new"))
         report.check()

@@ -99,8 +99,10 @@ def test_the_eliminated_equations_agree_with_the_literal_matrix(mu):
 @pytest.mark.parametrize(
     ("mu", "mu_static"),
     [
-        (STRIBECK, None), (HYPERBOLIC, 0.4),
-        *(pytest.param(*each, marks=pytest.mark.slow) for each in ((STRIBECK, 0.4), (HYPERBOLIC, None))),
+        (HYPERBOLIC, 0.4),
+        pytest.param(STRIBECK, None, marks=pytest.mark.slow),
+        pytest.param(STRIBECK, 0.4, marks=pytest.mark.slow),
+        pytest.param(HYPERBOLIC, None, marks=pytest.mark.slow),
     ],
 )  # fmt: skip
 def test_all_methods_agree_in_a_circle(mu, mu_static):
