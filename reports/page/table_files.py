@@ -51,7 +51,7 @@ class Tables:
 
         def write_frames(*args: Any) -> tuple[dict[str, pd.DataFrame], Mapping[str, Table]]:
             frames = {name: with_version(frame, self.versions) for name, frame in make(*args).items()}
-            frames = {name: _with_short_numbers(frame) for name, frame in frames.items()}
+            frames = {name: with_short_numbers(frame) for name, frame in frames.items()}
             descriptions = words or {
                 name: describe_column(holds[name], map(str, frame.columns)) for name, frame in frames.items()
             }
@@ -83,7 +83,7 @@ _UNCERTAINTIES = {"truth_error_bar", "floor_error", "reading_doubt", "doubt"}
 _UPWARDS = Context(prec=4, rounding=ROUND_UP)
 
 
-def _with_short_numbers(frame: pd.DataFrame) -> pd.DataFrame:
+def with_short_numbers(frame: pd.DataFrame) -> pd.DataFrame:
     """The table with its computing times to six digits and its uncertainties to four, rounded up: the other digits are
     noise, and a tenth of the tables.
 

@@ -79,6 +79,7 @@ def test_a_curve_by_its_curvature_has_it():
     assert circle.point(circle.domain[1]) == pytest.approx([0.0, 0.0], abs=1e-15)
 
 
+@pytest.mark.slow
 def test_a_track_that_crosses_itself_is_a_second_contact_where_the_plate_meets_it():
     """A coaster's loop, by a curvature whose integral is one turn: the disc meets the way out before the loop."""
     bend = 2 * float(np.pi) ** 0.5
@@ -171,6 +172,7 @@ def oval(r, a, b):
     ])  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_closed_curve_of_pieces_is_rolled_through_again():
     """Without gravity a disc in an oval rolls round and round with the speed of its start."""
     track = oval(0.5, 0.6, 0.8)
