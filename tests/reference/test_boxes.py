@@ -31,7 +31,7 @@ from cases.contact_limits import touches_by_features
 from cases.corner import Edge
 from cases.curves import cos as cosine
 from cases.curves import sin as sine
-from reference.certification.witnesses import _by_second
+from tests.scenes.agreement import check_several_contacts
 
 G = 9.81
 # Step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14.
@@ -301,23 +301,9 @@ def random_box(seed):
     return on(library.line(float(chance.uniform(0, 0.4))), plate, *effects, start=start, duration=0.8)
 
 
-def compare(case):
-    motion, second = reference.simulate(case, rtol=1e-13), _by_second(case, "second", 1e-12)
-    assert motion.status == second.status
-    assert [(t.contact, t.before, t.after) for t in motion.transitions] == [
-        (t.contact, t.before, t.after) for t in second.transitions
-    ]
-    for a, b in zip(motion.transitions, second.transitions, strict=True):
-        assert a.time == pytest.approx(b.time, abs=1e-9)
-    times = np.linspace(0.0, float(motion.t[-1]), 9)[:-1]
-    ours, theirs = motion(times), second.states(times)
-    for name in ("x", "y", "theta"):
-        np.testing.assert_allclose(getattr(ours, name), theirs[name], rtol=0.0, atol=1e-8)
-
-
 @pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1, 2, 11))])
 def test_both_formulations_agree_on_random_boxes(seed):
-    compare(random_box(seed))
+    check_several_contacts(random_box(seed))
 
 
 @pytest.mark.slow

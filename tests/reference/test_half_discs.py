@@ -20,7 +20,6 @@ from cases import (
     Plate,
     StartPose,
     Support,
-    Trajectory,
     Unilateral,
     library,
 )
@@ -29,6 +28,7 @@ from cases.corner import Edge
 from cases.outline import arc
 from cases.outline_features import arc_ranges, features
 from reference.certification.witnesses import _by_second
+from tests.scenes.agreement import check_several_contacts
 
 G, R = 9.81, 0.2
 EXACT = 1e-12  # step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14
@@ -192,28 +192,11 @@ def random_case(seed: int) -> Case:
     return on(slope, plate, *effects, start=start, duration=1.0, supports=supports)
 
 
-def compare(case: Case) -> Trajectory:
-    """Both formulations: the same transitions, end and poses."""
-    motion, second = reference.simulate(case, rtol=1e-13), _by_second(case, "second", 1e-12)
-    assert motion.status == second.status
-    assert motion.t[-1] == pytest.approx(second.end, abs=1e-9)
-    assert [(t.contact, t.before, t.after) for t in motion.transitions] == [
-        (t.contact, t.before, t.after) for t in second.transitions
-    ]
-    for a, b in zip(motion.transitions, second.transitions, strict=True):
-        assert a.time == pytest.approx(b.time, abs=1e-9)
-    times = np.linspace(0.0, float(motion.t[-1]), 9)[:-1]
-    ours, theirs = motion(times), second.states(times)
-    for name in ("x", "y", "theta"):
-        np.testing.assert_allclose(getattr(ours, name), theirs[name], rtol=0.0, atol=1e-8)
-    return motion
-
-
 # In seed 25 the plate lands next to a smooth joint of an arc and an edge.
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_both_formulations_agree_on_plates_of_arcs_and_edges(seed):
-    compare(random_case(seed))
+    check_several_contacts(random_case(seed))
 
 
 # At 37 a rough contact could stay or open; at 50, 52 and 59 it would have to pull, and cannot open.
@@ -225,7 +208,7 @@ TWO_MOTIONS = pytest.param(16, marks=pytest.mark.xfail(reason="not_unique in the
 def test_both_formulations_agree_on_rough_plates_at_a_wall(seed):
     case = random_case(seed)
     rough = (PerfectlyRough() if isinstance(effect, CoulombFriction) else effect for effect in case.effects)
-    motion = compare(replace(case, effects=tuple(rough)))
+    motion = check_several_contacts(replace(case, effects=tuple(rough)))
     assert motion.status == ("completed" if seed == 37 else "paradox")
 
 

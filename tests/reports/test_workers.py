@@ -169,13 +169,13 @@ def wait_until(holds) -> None:
         time.sleep(0.02)
 
 
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not tell a process's memory")
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not report a process's memory")
 def test_a_worker_that_has_grown_is_replaced():
     first, second, third = (answer.value for _, answer in run(grow, [(1,), (400,), (2,)]))
     assert first == second != third
 
 
-@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not tell a process's memory")
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="the system does not report a process's memory")
 @pytest.mark.slow  # two seconds of imports
 def test_imports_leave_room_for_compiled_code():
     """Else each timed case has a process of its own."""

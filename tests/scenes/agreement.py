@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import reference
 from cases import Case, Trajectory
 from reference import contact_frame
+from reference.certification.witnesses import _by_second
 
 # Two integrations at 1e-13 over seconds: rounding grows with the motion; a grazing slip loses the square root of it.
 TIME, STATE = 1e-8, 1e-6
@@ -58,3 +60,21 @@ def _difference_of_sequence(motion: Trajectory, other) -> str:
         return f"its status is {other.status} instead of {motion.status}"
     late = [abs(a.time - b.time) for a, b in zip(other.transitions, motion.transitions, strict=True)]
     return f"a transition is {max(late):.3g} s away" if max(late, default=0.0) > TIME else ""
+
+
+def check_several_contacts(case: Case) -> Trajectory:
+    """Assert that both formulations of a motion with several contacts have the same transitions, end and poses; returns
+    the motion."""
+    motion, second = reference.simulate(case, rtol=1e-13), _by_second(case, "second", 1e-12)
+    assert motion.status == second.status
+    assert motion.t[-1] == pytest.approx(second.end, abs=1e-9)
+    assert [(t.contact, t.before, t.after) for t in motion.transitions] == [
+        (t.contact, t.before, t.after) for t in second.transitions
+    ]
+    for a, b in zip(motion.transitions, second.transitions, strict=True):
+        assert a.time == pytest.approx(b.time, abs=1e-9)
+    times = np.linspace(0.0, float(motion.t[-1]), 9)[:-1]
+    ours, theirs = motion(times), second.states(times)
+    for name in ("x", "y", "theta"):
+        np.testing.assert_allclose(getattr(ours, name), theirs[name], rtol=0.0, atol=1e-8)
+    return motion
