@@ -2,15 +2,10 @@
 
 from math import cos, pi, sin
 
-from cases import Case, CoulombFriction, Flight, Gravity, Impact, Plate, Start, StartPose, Unilateral, case
-from cases.errors import not_negative, positive
+from cases import Case, CoulombFriction, Gravity, Plate, Start, StartPose, Unilateral, case
+from cases.catalogue.contact_effects import contact_with_impacts
+from cases.errors import positive
 from cases.library import line
-
-
-def _effects(mu: float, g: float) -> tuple:
-    """Contact with inelastic impacts; with mu = 0 without friction."""
-    friction = (CoulombFriction(mu),) if not_negative("mu", mu) else ()
-    return (Gravity(g), Unilateral(), Flight(), Impact(0.0, "moreau"), *friction)
 
 
 @case(variants=[dict(), dict(mu=0.4, slope=0.2), dict(mu=0.9, width=0.2, height=0.4, v=1.5)])
@@ -27,7 +22,7 @@ def sliding_box(mu=0.3, slope=0.0, v=1.0, width=0.4, height=0.2, m=1.0, g=9.81, 
     return Case(
         track=line(slope),
         plate=Plate.rectangle(2 * half, 2 * high, m),
-        effects=_effects(mu, g),
+        effects=contact_with_impacts(mu, g),
         start=StartPose(high * sin(slope), high * cos(slope), -slope, v * cos(slope), -v * sin(slope)),
         duration=duration,
     )
@@ -44,7 +39,7 @@ def dropped_box(tilt=0.3, drop=0.2, slope=0.0, mu=0.9, width=0.4, height=0.2, m=
     return Case(
         track=line(slope),
         plate=Plate.rectangle(positive("width of dropped_box", width), positive("height of dropped_box", height), m),
-        effects=_effects(mu, g),
+        effects=contact_with_impacts(mu, g),
         start=StartPose(0.0, positive("drop of dropped_box", drop), tilt),
         duration=duration,
     )

@@ -7,26 +7,17 @@ from cases import (
     Case,
     CoulombFriction,
     Curve,
-    Flight,
-    Gravity,
-    Impact,
     Outline,
     Plate,
     StartPose,
     Support,
-    Unilateral,
     arc,
     case,
     disc,
 )
+from cases.catalogue.contact_effects import contact_with_impacts
 from cases.errors import not_negative, positive
 from cases.library import line
-
-
-def _effects(mu: float, g: float) -> tuple:
-    """Contact with inelastic impacts; with mu = 0 without friction."""
-    friction = (CoulombFriction(mu),) if not_negative("mu", mu) else ()
-    return (Gravity(g), Unilateral(), Flight(), Impact(0.0, "moreau"), *friction)
 
 
 def _stop(x: float, y: float, slope: float) -> Support:
@@ -61,7 +52,7 @@ def ladder_at_wall(angle=1.2, mu=0.0, mu_wall=0.0, half=1.0, m=1.0, g=9.81, dura
     return Case(
         track=line(),
         plate=_rod(half, 0.02 * half, m),
-        effects=_effects(mu, g),
+        effects=contact_with_impacts(mu, g),
         start=StartPose(half * cos(angle), half * sin(angle), pi - angle),
         duration=duration,
         supports=(Support(line(pi / 2), "wall", own),),
@@ -80,7 +71,7 @@ def round_ladder_at_wall(angle=1.2, half=1.0, radius=0.05, m=1.0, g=9.81, durati
     return Case(
         track=line(),
         plate=_capsule(half, radius, m),
-        effects=_effects(0.0, g),
+        effects=contact_with_impacts(0.0, g),
         start=StartPose(radius + half * cos(angle), radius + half * sin(angle), pi - angle),
         duration=duration,
         supports=(Support(line(pi / 2), "wall"),),
@@ -100,7 +91,7 @@ def block_on_incline(slope=0.3, mu=0.2, width=1.0, height=2.0, m=1.0, g=9.81, du
     return Case(
         track=line(slope),
         plate=Plate.rectangle(2 * half, 2 * high, m),
-        effects=_effects(mu, g),
+        effects=contact_with_impacts(mu, g),
         start=StartPose(high * sin(slope), high * cos(slope), -slope),
         duration=duration,
         supports=(_stop(10 * high * cos(slope), -10 * high * sin(slope), slope),),
@@ -122,7 +113,7 @@ def rocking_block(tilt=0.1, slenderness=0.25, height=2.0, mu=2.0, m=1.0, g=9.81,
     return Case(
         track=line(),
         plate=Plate.rectangle(2 * half, 2 * high, m),
-        effects=_effects(mu, g),
+        effects=contact_with_impacts(mu, g),
         start=StartPose(x - half, y, tilt),
         duration=duration,
         supports=(_stop(5 * high, 0.0, 0.0),),
@@ -140,7 +131,7 @@ def disc_spinning_in_v(incline=pi / 6, mu=0.3, omega=20.0, r=0.5, m=1.0, g=9.81,
     return Case(
         track=line(incline),
         plate=disc(r, m),
-        effects=_effects(mu, g),
+        effects=contact_with_impacts(mu, g),
         start=StartPose(0.0, r / cos(incline), omega=omega),
         duration=duration,
         supports=(Support(line(-incline), "right"),),

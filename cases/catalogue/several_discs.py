@@ -2,15 +2,10 @@
 
 from math import cos, inf, sin, sqrt
 
-from cases import Case, CoulombFriction, Flight, FreePlate, Gravity, Impact, StartPose, Unilateral, case, disc
+from cases import Case, FreePlate, StartPose, case, disc
+from cases.catalogue.contact_effects import contact_with_impacts
 from cases.errors import not_negative, positive
 from cases.library import line
-
-
-def _effects(mu: float, restitution: float, g: float) -> tuple:
-    """Contact with Moreau's law of impact; with mu = 0 without friction."""
-    friction = (CoulombFriction(mu),) if not_negative("mu", mu) else ()
-    return (Gravity(g), Unilateral(), Flight(), Impact(restitution, "moreau"), *friction)
 
 
 @case(variants=[dict(), dict(mu=0.5)])
@@ -26,7 +21,7 @@ def disc_on_free_disc(phi=0.3, mu=0.0, r_lower=0.5, r=0.4, m_lower=2.0, m=1.0, g
     return Case(
         track=line(),
         plate=disc(r_lower, m_lower),
-        effects=_effects(mu, 0.0, g),
+        effects=contact_with_impacts(mu, g),
         start=StartPose(0.0, r_lower),
         duration=duration,
         others=(upper,),
@@ -45,7 +40,7 @@ def disc_on_free_hemisphere(phi=0.3, mu=0.3, r_base=0.5, r=0.4, m_base=2.0, m=1.
     return Case(
         track=line(),
         plate=disc(r_base, m_base, inertia=inf),
-        effects=_effects(mu, 0.0, g),
+        effects=contact_with_impacts(mu, g),
         start=StartPose(0.0, r_base),
         duration=duration,
         others=(upper,),
@@ -64,7 +59,7 @@ def row_of_discs(gap=0.01, restitution=1.0, speed=1.0, r=0.1, m=1.0, g=9.81, dur
     return Case(
         track=line(),
         plate=disc(r, m),
-        effects=_effects(0.0, restitution, g),
+        effects=contact_with_impacts(0.0, g, restitution),
         start=StartPose(-5.0 * r, r, vx=speed),
         duration=duration,
         others=(
@@ -86,7 +81,7 @@ def pile_of_discs(mu=0.3, r=0.5, m=1.0, g=9.81, duration=1.0):
     return Case(
         track=line(),
         plate=disc(r, m),
-        effects=_effects(mu, 0.0, g),
+        effects=contact_with_impacts(mu, g),
         start=StartPose(-r, r),
         duration=duration,
         others=(
