@@ -51,6 +51,7 @@ from .phase_end import (
     ROUGH,
     Ending,
     Step,
+    singular_ending,
     work_limit_ending,
 )
 
@@ -213,7 +214,7 @@ def breakdown(now: Phase, segment: Segment) -> Ending:
         # Steps vanish as a divisor does; a hundredth of its first value shows that it does.
         if limit in names and last[names.index(limit)] <= 1e-2 * first[names.index(limit)]:
             return ENDS[limit]
-    return BREAKDOWN, f"The equations became singular at t = {segment.times[-1]:.9g} s, and no step was small enough."
+    return singular_ending(segment.times[-1])
 
 
 def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> Ending:

@@ -108,6 +108,11 @@ def undecidable(t: float) -> Ending:
     return BREAKDOWN, f"After t = {t:.9g} s {why}."
 
 
+def singular_ending(t: float) -> Ending:
+    """The ending if the equations became singular and no step can continue."""
+    return BREAKDOWN, f"The equations became singular at t = {t:.9g} s, and no step was small enough."
+
+
 def work_limit_ending(t: float, steps: int) -> Ending:
     """The ending if a motion reaches its limit on steps."""
     return "unfinished", (

@@ -10,33 +10,27 @@ import numpy as np
 from cases import Case, Impact, Mode, Transition
 from cases.free_plates import plate_contacts, start_poses
 
-from ..minimal.decision import Undecidable
 from ..minimal.flight_end import REBOUND_ROUNDINGS
-from ..minimal.hybrid import MOST_PHASES
 from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Segment
 from ..minimal.phase_end import (
     CAUSES,
     COMPLETION,
     ENDS,
     ENERGY,
-    LOCATION_ERROR,
-    MOST_STEPS,
     NO_MODE,
-    ROUGH,
     Ending,
-    undecidable,
+    singular_ending,
     work_limit_ending,
 )
 from ..minimal.series import EPS
 from ..several.hops import ImpactSeries, Strike
 from ..several.impact import Inertia, NoImpact, impact_of_all
+from ..several.phase_loop import PhaseLoop, several_motions
 from ..several.watched_plate import CLOSES, TOUCHES, MotionEnds
 from .group_decision import GroupDecision, decide, groups, plates_in
 from .plate_places import PlateContactPlace, numbers_of, place, places, project, size, speed, without_velocity
 from .plates_phase import PlatesPhase, PlatesRegime, moving_contacts, plates_phase
 
-# This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
-IDLE, STUCK = 4, 50
 # Impacts are extrapolated to their end where plates move by less than this part of their size until then.
 SMALL_HOP = 1e-9
 # Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
@@ -47,8 +41,8 @@ REMAINS = 1e-3
 MOST_COMBINATIONS = 4**6
 
 
-class PlatesSimulation:
-    """A simulation of several plates; `simulate` goes on until an ending."""
+class PlatesSimulation(PhaseLoop):
+    """A simulation of several plates."""
 
     def __init__(self, case: Case, rtol: float, integrate: Callable[..., Segment]):
         poses = start_poses(case)
@@ -69,29 +63,17 @@ class PlatesSimulation:
         """All transitions so far."""
         return self.hops.all
 
-    def simulate(self) -> Ending:
-        """Simulate phases until the end."""
-        try:
-            self._settle(set(), closing=self.touching)
-            for _ in range(MOST_PHASES):
-                ending = self._phase(self._decide())
-                if ending:
-                    return ending
-                if self.work >= MOST_STEPS:
-                    return work_limit_ending(self.t, self.work)
-        except MotionEnds as end:
-            return end.ending
-        except Undecidable:
-            return undecidable(self.t)
-        except np.linalg.LinAlgError as problem:
-            return BREAKDOWN, f"After t = {self.t:.9g} s {problem}."
-        return "unfinished", f"The modes changed {MOST_PHASES} times until t = {self.t:.9g} s, the limit of a run."
+    def _begin(self) -> None:
+        self._settle(set(), closing=self.touching)
+
+    def _next_phase(self) -> Ending | None:
+        return self._phase(self._decide())
 
     # --- one phase ----------------------------------------------------------------------------------------------------
 
     def _decide(self) -> PlatesRegime:
         self._end_bouncing()
-        error = LOCATION_ERROR if self.idle <= IDLE else ROUGH
+        error = self._decision_error()
         modes, resting, idle = dict.fromkeys(self.modes, Mode.FLIGHT), set[int](), set[int]()
         for group in groups(self.case, sorted(self.touching)):
             self._check_count(group)
@@ -134,13 +116,7 @@ class PlatesSimulation:
     def _no_modes(self, group: Sequence[int], decision: GroupDecision) -> Ending:
         names = [self.contacts[number].name for number in group]
         if decision.motions:
-            choices = "; ".join(
-                ", ".join(f"{name} {mode}" for name, mode in zip(names, modes, strict=True))
-                for modes in decision.motions
-            )
-            return "not_unique", (
-                f"{len(decision.motions)} motions of rigid Coulomb contact are consistent at {self.t:.9g} s: {choices}."
-            )
+            return several_motions(self.t, names, decision.motions)
         if decision.is_singular:
             return BREAKDOWN, (
                 f"At t = {self.t:.9g} s the forces of {', '.join(names)} are not unique while the plates move, and "
@@ -161,7 +137,7 @@ class PlatesSimulation:
         if guard == OUT_OF_STEPS:
             return work_limit_ending(self.t, segment.steps)
         if guard == BREAKDOWN:
-            return BREAKDOWN, f"The equations became singular at t = {self.t:.9g} s, and no step was small enough."
+            return singular_ending(self.t)
         kind, _, index = guard.partition(":")
         if kind in ENDS:
             return ENDS[kind]
@@ -178,11 +154,7 @@ class PlatesSimulation:
         return None
 
     def _advance(self, segment: Segment) -> None:
-        self.segments.append(segment)
-        self.work += segment.steps
-        self.idle = self.idle + 1 if segment.event.time == self.t else 0
-        if self.idle > STUCK:
-            raise MotionEnds(("accumulation", f"{STUCK} changes of mode took no time at t = {self.t:.9g} s."))
+        self._count(segment)
         self.t, self.state = segment.event.time, tuple(segment.event.state)
         self.speed = max(self.speed, speed(self.case, self.state))
 
@@ -337,5 +309,5 @@ def simulate(
 ) -> tuple[list[Segment], list[Transition], Ending]:
     """The motion of several plates: (segments, transitions, (status, sentence))."""
     simulation = PlatesSimulation(case, rtol, integrate)
-    ending = simulation.simulate()
+    ending = simulation.simulate_phases()
     return simulation.segments, simulation.transitions, ending

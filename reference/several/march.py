@@ -7,13 +7,11 @@ from math import inf
 
 import numpy as np
 
-from cases import Case, DoesNotFit, Flight, Mode, Transition
+from cases import Case, Flight, Mode, Transition
 from cases.contact_pairs import PairCase, pairs
 
 from ..minimal.boxes import Geometry
 from ..minimal.curve_pieces import TooMuch
-from ..minimal.decision import Undecidable
-from ..minimal.hybrid import MOST_PHASES
 from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
 from ..minimal.meetings import Meeting, MeetingSearch
 from ..minimal.phase_end import (
@@ -22,24 +20,21 @@ from ..minimal.phase_end import (
     ENDS,
     LIFT_OFF,
     LOCATION_ERROR,
-    MOST_STEPS,
     NO_MODE,
     NO_SLIP,
-    ROUGH,
     Ending,
-    undecidable,
+    singular_ending,
     work_limit_ending,
 )
 from ..minimal.scales import frequency
 from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time
 from .geometry import places, project, without_velocity
 from .meetings import first_meeting
+from .phase_loop import PhaseLoop, several_motions
 from .regimes import SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
 from .rest import RestStates, StraightStates, limit_of_rest
 from .watched_plate import MotionEnds, WatchedPlate, WatchState
 
-# This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
-IDLE, STUCK = 4, 50
 # Impacts are extrapolated to their end where the plate moves by less than this part of its size until then: gaps of
 # larger hops have five digits.
 SMALL_HOP = 1e-9
@@ -52,7 +47,7 @@ LOW_HOP = 1e-12
 FLIES = 4.0
 
 
-class SeveralSimulation(WatchedPlate):
+class SeveralSimulation(WatchedPlate, PhaseLoop):
     """A simulation with several contacts; `simulate` continues it until an ending."""
 
     def __init__(
@@ -79,33 +74,23 @@ class SeveralSimulation(WatchedPlate):
 
     def simulate(self) -> Ending:
         """Simulate phases until the end."""
-        ending = self._simulate_phases()
+        try:
+            ending = self.simulate_phases()
+        except TooMuch:
+            ending = "unfinished", f"The search for further contacts reached its limit at {self.t:.9g} s."
         self.transitions = self.hops.all
         return ending
 
-    def _simulate_phases(self) -> Ending:
-        try:
-            self.settle(self.stuck, closing=self.touching)
-            for _ in range(MOST_PHASES):
-                ending = self._phase(self._decide())
-                if ending:
-                    return ending
-                if self.work >= MOST_STEPS:
-                    return work_limit_ending(self.t, self.work)
-        except MotionEnds as end:
-            return end.ending
-        except Undecidable:
-            return undecidable(self.t)
-        except (DoesNotFit, np.linalg.LinAlgError) as problem:
-            return BREAKDOWN, f"After t = {self.t:.9g} s {problem}."
-        except TooMuch:
-            return "unfinished", f"The search for further contacts reached its limit at {self.t:.9g} s."
-        return "unfinished", f"The modes changed {MOST_PHASES} times until t = {self.t:.9g} s, the limit of a run."
+    def _begin(self) -> None:
+        self.settle(self.stuck, closing=self.touching)
+
+    def _next_phase(self) -> Ending | None:
+        return self._phase(self._decide())
 
     def _decide(self) -> SeveralRegime:
         now = self.instant()
         now = self._end_bouncing(now)
-        error = LOCATION_ERROR if self.idle <= IDLE else ROUGH
+        error = self._decision_error()
         fixed = {k: self.fixed[name] for k, name in enumerate(now.names) if name in self.fixed}
         decision = decide(self.case, now, error, fixed, may_rest=not self.held_out)
         self.held_out = False
@@ -197,15 +182,7 @@ class SeveralSimulation(WatchedPlate):
 
     def _no_regime(self, now: DecisionInstant, decision: SeveralDecision) -> Ending:
         if decision.motions:
-            choices = "; ".join(
-                ", ".join(f"{name} {mode}" for name, mode in zip(now.names, modes, strict=True))
-                for modes in decision.motions
-            )
-            count = len(decision.motions)
-            return (
-                "not_unique",
-                f"{count} motions of rigid Coulomb contact are consistent at {self.t:.9g} s: {choices}.",
-            )
+            return several_motions(self.t, now.names, decision.motions)
         touching = [now.places[k] for k in now.touching]
         rows = np.array([at.lift_row for at in touching] + [at.slip_row for at in touching if at.stick > 0.0])
         if len(touching) > 1 and np.linalg.matrix_rank(rows, tol=1e-9 * self.case.plate.reach) < min(len(rows), 3):
@@ -275,11 +252,7 @@ class SeveralSimulation(WatchedPlate):
         return Segment.of(phase, np.array([self.t, end]), RestStates(y), Event(guard, end, y), 0)
 
     def _advance(self, segment: Segment) -> None:
-        self.segments.append(segment)
-        self.work += segment.steps
-        self.idle = self.idle + 1 if segment.event.time == self.t else 0
-        if self.idle > STUCK:
-            raise MotionEnds(("accumulation", f"{STUCK} changes of mode took no time at t = {self.t:.9g} s."))
+        self._count(segment)
         self.t, state = segment.event.time, segment.event.state
         self.body = body_of(state)
         for watch, pair in zip(self.watches, pairs_of(state), strict=True):
@@ -299,7 +272,7 @@ class SeveralSimulation(WatchedPlate):
         if guard == OUT_OF_STEPS:
             return work_limit_ending(self.t, segment.steps)
         if guard == BREAKDOWN:
-            return BREAKDOWN, f"The equations became singular at t = {self.t:.9g} s, and no step was small enough."
+            return singular_ending(self.t)
         if guard == "rest":
             # The contacts no longer hold the plate: some contact slips or opens.
             self.causes = {name: "the forces at rest reached their limit" for name in self.touching}
