@@ -17,7 +17,6 @@ from .curves import Curve
 from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, parameter, positive, real
 from .free_plates import FreePlate, check_others, check_places
-from .own_effects import own_effects
 from .plate import Plate
 from .size_limits import check_sizes
 from .start import Start
@@ -179,13 +178,7 @@ def _check_start_at_supports(case: Case) -> None:
 
 
 def _check_rotation(case: Case) -> None:
-    """Raise BadValue or DoesNotFit for a plate of infinite inertia with a rotation, or a resistance to it; and for an
-    effect of the user's own together with such a plate or a driven track."""
-    own = own_effects(case.effects)
-    if own and (case.effect(effects.Drive) is not None or not case.plate.turns):
-        raise DoesNotFit(
-            f"{type(own[0]).__name__} is not supported with Drive or a plate of infinite inertia; leave one of them out"
-        )
+    """Raise BadValue or DoesNotFit for a plate of infinite inertia with a rotation, or a resistance to it."""
     if case.plate.turns:
         return
     if isinstance(case.track, Chain) or isinstance(case.plate.outline, Chain):

@@ -286,6 +286,9 @@ def check_formula(effects) -> tuple[Effect, ...]:
             # What it adds no solver would know, and what it contradicts no check.
             raise BadValue(f"{kind.__name__} is a class of its own; give {base.__name__}, which solvers know")
         raise BadValue(f"{e!r} is not an effect; give objects such as Gravity(9.81), with the brackets")
+    statuses = [end.status for e in effects if isinstance(e, ContactEffect) for end in e.ends()]
+    if same := next((status for status in statuses if statuses.count(status) > 1), None):
+        raise BadValue(f"two conditions end the motion with the status {same!r}; give each a status of its own")
     twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
     if twice:
         raise BadValue(f"the case asks for {twice.__name__} more than once; give one of each effect")

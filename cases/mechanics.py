@@ -56,30 +56,32 @@ def _kinetic_energy(plate: Plate, motion):
 
 
 def contact_power(case: Case, t, motion):
-    """The power of the contact's forces on a plate, W: friction by the velocity of the plate's point along the track,
-    which is slip plus speed of a belt, and both forces by the velocity of a driven track's point. 0 in flight; without
-    the couple of a rolling resistance."""
-    slip, friction = np.asarray(motion.slip), np.asarray(motion.friction_force)
-    power = friction * (slip + belt_speed(case, t))
+    """The power of the contact's forces on a plate, W: those along the track, which are friction and those of the
+    user's own effects, by the velocity of the plate's point, which is slip plus speed of a belt; and all forces by the
+    velocity of a driven track's point. 0 in flight; without the couple of a rolling resistance."""
+    slip, tangential = np.asarray(motion.slip), np.asarray(motion.friction_force)
+    normal, spin_power = np.asarray(motion.normal_force), 0.0
     for effect in own_effects(case.effects):
-        along, _, couple = own_forces(effect, t, motion)
-        power = power + along * (slip + belt_speed(case, t)) + couple * np.asarray(motion.omega)
+        along, across, couple = own_forces(case, effect, t, motion)
+        tangential, normal = tangential + along, normal + across
+        spin_power = spin_power + couple * np.asarray(motion.omega)
+    power = tangential * (slip + belt_speed(case, t)) + spin_power
     if case.effect(Drive) is not None:
         place, xi1 = track_place(case, t), np.asarray(motion.xi1)
         c, s = np.cos(place.angle), np.sin(place.angle)
         (tx, ty), (X, Y) = case.track.tangent(xi1), case.track.point(xi1)
-        normal = np.asarray(motion.normal_force)
-        fx, fy = friction * tx - normal * ty, friction * ty + normal * tx
+        fx, fy = tangential * tx - normal * ty, tangential * ty + normal * tx
         # In the axes of the track's frame: the velocity of its point is Qᵀ ċ + α̇ U Γ.
         ux, uy = c * place.vx + s * place.vy - place.spin * Y, c * place.vy - s * place.vx + place.spin * X
         power = power + fx * ux + fy * uy
     return np.where(np.isnan(slip), 0.0, power)
 
 
-def own_forces(effect: ContactEffect, t, motion):
+def own_forces(case: Case, effect: ContactEffect, t, motion):
     """The force of an effect of the user's own along tangent and normal (N), and its couple (N m), at each sample."""
     slip = np.nan_to_num(np.asarray(motion.slip))
-    rows = [effect.at(*map(float, state))[:3] for state in np.broadcast(t, slip, np.asarray(motion.omega))]
+    turning = np.asarray(motion.omega) - track_place(case, t).spin
+    rows = [effect.at(*map(float, state))[:3] for state in np.broadcast(t, slip, turning)]
     return np.array(rows).T.reshape(3, *np.shape(slip))
 
 

@@ -18,7 +18,8 @@ from .derivation import derived
 from .effect_formulas import formula_in, values_of
 from .errors import BadValue, describe
 
-# What a force at the contact may depend on: time (s), slip velocity (m/s) and spin (rad/s).
+# What a force at the contact may depend on: time (s), slip velocity (m/s) and spin (rad/s), both relative to the track,
+# which a Drive may turn.
 CONTACT = sp.symbols("t slip omega", real=True)
 GROUP = "slip_to_roll.effects"
 
@@ -35,8 +36,8 @@ class ContactForce(NamedTuple):
 
 
 class EndCondition(NamedTuple):
-    """A condition that ends the motion: its status, a formula of t, slip, omega that is positive until then, and a
-    sentence."""
+    """A condition that ends the motion: its status, which no other condition of the case has, a formula of t, slip,
+    omega that is positive until then, and a sentence."""
 
     status: str
     positive: Formula

@@ -155,7 +155,7 @@ def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution
         return float(xi - domain[0] if end == "start" else domain[1] - xi)
     if name.startswith(OWN_END):
         slip = 0.0 if equations.rolls else slip_velocity(k, belt_of(case, t)[0])
-        return _own_end(case, name.removeprefix(OWN_END), (t, slip, k.theta_dot))
+        return _own_end(case, name.removeprefix(OWN_END), (t, slip, k.turning))
     pressing = regime.side * forces.normal_force
     if name == "normal_force":
         return pressing / mass

@@ -92,7 +92,7 @@ def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
 
 def own_torsor(case: Case, k: Kinematics, time: float, slip: float) -> np.ndarray:
     """The forces of the user's own effects, which act at the contact, as a torsor at the centre of mass."""
-    return own_torsor_at(case, k.Rp / sqrt(k.Rp @ k.Rp), k.turn @ k.r, time, slip, float(k.theta_dot))
+    return own_torsor_at(case, k.Rp / sqrt(k.Rp @ k.Rp), k.turn @ k.r, time, slip, float(k.turning))
 
 
 def own_torsor_at(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pickle
 import subprocess
 import sys
-from dataclasses import dataclass
-from math import pi
+from dataclasses import dataclass, replace
+from math import inf, pi
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -22,6 +22,8 @@ from cases import (
     ContactEffect,
     ContactForce,
     CoulombFriction,
+    Drive,
+    EndCondition,
     Gravity,
     Mode,
     NotSupported,
@@ -114,6 +116,48 @@ def test_a_condition_ends_the_motion_with_its_status_and_sentence():
     assert reference.simulate(case).reason == "The spin reached the limit of the magnet."
 
 
+def test_a_magnet_holds_a_disc_on_an_accelerated_plate():
+    """A disc rolls with a/3 on a plate with the acceleration a while a ≤ 3 μ (g + pull/m), and slides with
+    μ (g + pull/m) on a faster one."""
+    for a in (6.0, 12.0):
+        effects = (Gravity(9.81), CoulombFriction(0.1), magnet(20.0), Unilateral(), Drive(x=f"{a / 2}*t**2"))
+        case = Case(line(), disc(0.1, 1.0), effects, Start(0.0), 1.0)
+        for motion in all_motions(case):
+            assert motion.status == "completed" and not motion.transitions
+        for method in reference.METHODS:
+            end = reference.simulate(case, 1e-13, method)(1.0)
+            assert end.vx == pytest.approx(min(a / 3, 0.1 * 29.81), abs=1e-12)
+        assert examine(case, reference.simulate(case, 1e-13)).energy <= 1e-12
+
+
+def test_eddy_currents_brake_the_rotation_relative_to_a_track_that_turns():
+    """In a drum that turns with w about its centre, without gravity, (J + m r²) ω̇ = −brake (ω − w) while it rolls."""
+    spin, brake = 2.0, 0.01
+    effects = (CoulombFriction(0.8), magnet(5.0, brake, 30.0), Drive(angle=f"{spin}*t"))
+    case = Case(circle(1.0), disc(0.1, 1.0), effects, Start(-pi / 2, omega=-20.0), 2.0)
+    times = np.linspace(0.0, 2.0, 20)
+    exact = spin + (-20.0 - spin) * np.exp(-brake / 0.015 * times)
+    for method in reference.solve.ROUTES:
+        motion = reference.simulate(case, 1e-13, method)
+        assert motion(times).omega == pytest.approx(exact, abs=1e-11)
+        assert examine(case, motion).energy <= 1e-11
+    second = contact_frame.solve(case, rtol=1e-13, times=times)
+    assert second.motions[contact_frame.MOTION.index("omega")] == pytest.approx(exact, abs=1e-11)
+    # The limit of the magnet's spin is that relative to the drum: with 31 relative and 29 fixed it is passed.
+    fast = replace(case, start=replace(case.start, omega=-29.0))
+    assert all(motion.status == "too_fast" and motion.t[-1] == 0.0 for motion in [reference.simulate(fast)])
+
+
+def test_a_magnet_stops_a_block_that_does_not_turn():
+    """v̇ = −μ (g + pull/m) for a plate of infinite inertia, and the track carries the couple."""
+    effects = (Gravity(9.81), CoulombFriction(0.1), magnet(20.0, 0.01), Unilateral())
+    case = Case(line(), disc(0.1, 1.0, inf), effects, Start(0.0, slip=1.0), 1.0)
+    for motion in all_motions(case):
+        assert [t.after for t in motion.transitions] == [Mode.REST]
+        assert motion.transitions[0].time == pytest.approx(1.0 / (0.1 * 29.81), abs=1e-13)
+    assert examine(case, reference.simulate(case, 1e-13)).energy <= 1e-12
+
+
 def test_adapters_reject_it_in_one_sentence_unless_they_declare_it():
     case = in_circle(magnet(60.0))
     adapter = SimpleNamespace(NAME="other", refuses=lambda case, route: None)
@@ -197,6 +241,12 @@ class Unknown(ContactEffect):
 
 
 @dataclass(frozen=True)
+class Ending(ContactEffect):
+    def ends(self):
+        return EndCondition("ended", "1 - t", "Time."), EndCondition("ended", "1 - slip", "Slip.")
+
+
+@dataclass(frozen=True)
 class Failing(ContactEffect):
     def force(self):
         raise KeyError("pull")
@@ -209,6 +259,7 @@ class Failing(ContactEffect):
         (Sine(), "no polynomial of degree 2"),
         (Unknown(), "couple of Unknown"),
         (Failing(), "the formulas of Failing fail"),
+        (Ending(), "two conditions end the motion with the status 'ended'"),
     ],
 )
 def test_a_wrong_effect_gets_one_line(effect, words):
