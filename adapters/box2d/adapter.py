@@ -16,8 +16,11 @@ A known error: the spring follows the plate's material contact point, which in a
 The plate then falls towards it, and the normal force is too small by ½ m r ω ω̇ h: where friction only just suffices
 to roll, the plate slips.
 
-The first transition's time converges with h² down to single precision: with h = 1e-4 s the rounding of the positions,
-over h, opens the contact every other step, and spurious transitions appear. The ladder ends before.
+The first transition's time converges with h² down to single precision. Positions of 1 m are rounded to 1.2e-7 m, and
+over h² this is 0.14 of the weight at h = 3e-4 s, 0.3 of it at 2e-4 s. At 2e-4 s the contact opens in a tenth of all
+steps, and spurious transitions appear. The ladder ends at the last step at which rounding adds less to the scatter of
+the forces than the facets, whose part is the same with every step: of the differences of consecutive normal forces of
+the disc in a circle, 95 % are below 12 N from 8e-3 to 5e-4 s, 14 N at 3e-4 s, 24 N at 2e-4 s.
 
 Sources: the Box2D manual ("Simulation") and the comments of its headers types.h and math_functions.h.
 """
@@ -73,8 +76,8 @@ KNOWN_EFFECTS = (Gravity, CoulombFriction, PerfectlyRough, RollingResistance, Un
 # Routes whose shapes have a curve's corners.
 CORNERS = ("native",)
 
-# Steps in seconds for a case of a few seconds; a longer case has as many steps.
-STEPS, USUAL_DURATION = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4), 2.5
+# Steps in seconds for a case of a few seconds; a longer case has as many steps. With shorter ones rounding dominates.
+STEPS, USUAL_DURATION = (8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 3e-4), 2.5
 # The grid's steps, and stiffnesses that the engine allows at the longest of them, its default among them.
 GRID_STEPS, GRID_HERTZ = (4e-3, 2e-3, 1e-3, 5e-4), (15.0, 30.0, 62.5)
 # Units per metre: slop is then 5 µm, less than a thousandth of any plate here, and facets may be as short as a step's

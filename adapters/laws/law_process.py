@@ -114,8 +114,6 @@ class AdapterProcess:
 
 def _serve(name: str, there: Connection) -> None:
     """The adapter's process: report the adapter's name and routes, then check the requested laws."""
-    from . import judge
-
     quiet = os.open(os.devnull, os.O_WRONLY)
     os.dup2(quiet, 1)  # the output of an engine is discarded
     os.dup2(quiet, 2)
@@ -135,6 +133,8 @@ def _serve(name: str, there: Connection) -> None:
     except (Exception, SystemExit) as problem:
         say(ImportError(f"the adapter {name} fails while it is imported: {type(problem).__name__}: {problem}"))
         return
+    from . import judge  # a slow import, which a name that is no adapter's does not need
+
     while True:
         try:
             number, route, law, seed = there.recv()
