@@ -10,6 +10,7 @@ after the cone saturates at t0, v' grows from zero, so v ~ (t - t0)^2 and sqrt(v
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import takewhile
 from math import isfinite, nan
 from typing import NamedTuple
@@ -220,37 +221,85 @@ def branch_zero(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float]
     if gap <= 0.0:
         return None
     tau, limit = (t - t[-1]) / gap, (end - float(t[-1])) / gap + 1.0
+    trials = _trials(len(t))
+    # The last window and the earliest, whose zeros differ most; the one between them is rarely needed.
+    outer = _zeros(tau, y, [w for trial in trials for w in (trial.last, trial.earliest)], limit)
     best: tuple[float, float] | None = None
-    for degree in _DEGREES:
-        for width in {degree + 1 + spare for spare in _SPARE} | {len(t) // part for part in _PARTS}:
-            earlier = max(2, width // 4)
-            if width < degree + 2 or width + earlier > len(t):
-                continue
-            shifts = (0, max(1, width // 8), earlier)
-            zeros: list[float] = []
-            for shift in shifts:
-                zeros.append(_root(tau, y, len(t) - shift, width, degree, limit))
-                spread = float(np.ptp(zeros))  # NaN where a window has no zero
-                if not isfinite(spread) or (best is not None and spread >= best[1]):
-                    break  # another window makes it no smaller
-            else:
-                best = (zeros[0], spread)
+    for trial, last, earliest in zip(trials, outer[::2], outer[1::2], strict=True):
+        if not abs(last - earliest) < (np.inf if best is None else best[1]):  # NaN where a window has no zero
+            continue
+        spread = float(np.ptp([last, earliest, *_zeros(tau, y, [trial.between], limit)]))
+        if isfinite(spread) and (best is None or spread < best[1]):
+            best = (last, spread)
     if best is None:
         return _chord(t, y, end)
     return float(t[-1]) + best[0] * gap, best[1] * gap
 
 
-def _root(tau: np.ndarray, y: np.ndarray, stop: int, width: int, degree: int, limit: float) -> float:
-    """First zero after the last sample of the polynomial through a window of samples; NaN if there is none."""
-    window = slice(stop - width, stop)
-    span = -tau[stop - width]
-    coefficients = np.linalg.lstsq(np.vander(tau[window] / span, degree + 1), y[window], rcond=None)[0]
-    if not coefficients.any():
-        return nan
-    roots = np.roots(coefficients)  # in windows, so that no unit of time counts
-    real = span * roots.real[np.abs(roots.imag) <= 1e-9 * (1.0 + np.abs(roots.real))]
-    real = real[(real >= 0.0) & (real <= limit)]
-    return float(real.min()) if len(real) else nan
+class _Window(NamedTuple):
+    """A polynomial's degree and the samples that it is fitted to: so many, ending so many before the last."""
+
+    degree: int
+    width: int
+    shift: int
+
+
+class _Trial(NamedTuple):
+    """The windows of one degree and width."""
+
+    last: _Window
+    between: _Window
+    earliest: _Window
+
+
+@lru_cache(maxsize=64)
+def _trials(count: int) -> tuple[_Trial, ...]:
+    """The trials for a branch of so many samples."""
+    trials = []
+    for degree in _DEGREES:
+        for width in {degree + 1 + spare for spare in _SPARE} | {count // part for part in _PARTS}:
+            earlier = max(2, width // 4)
+            if degree + 2 <= width <= count - earlier:
+                trials.append(_Trial(*(_Window(degree, width, shift) for shift in (0, max(1, width // 8), earlier))))
+    return tuple(trials)
+
+
+def _zeros(tau: np.ndarray, y: np.ndarray, windows: Sequence[_Window], limit: float) -> list[float]:
+    """First zero after the last sample of the polynomial fitted to each window; NaN if there is none.
+
+    The zeros of all polynomials of a degree are computed in one call, as eigenvalues of their companion matrices."""
+    zeros = [nan] * len(windows)
+    powers: dict[tuple[int, int], np.ndarray] = {}
+    fits: dict[int, list[tuple[int, float, np.ndarray]]] = {}
+    for i, (degree, width, shift) in enumerate(windows):
+        stop = len(tau) - shift
+        span = -tau[stop - width]  # in windows, so that no unit of time counts
+        if (width, shift) not in powers:
+            powers[width, shift] = np.vander(tau[stop - width : stop] / span, _DEGREES[-1] + 1)
+        columns = powers[width, shift][:, _DEGREES[-1] - degree :]
+        coefficients = np.linalg.lstsq(columns, y[stop - width : stop], rcond=None)[0]
+        if coefficients.all():
+            fits.setdefault(degree, []).append((i, span, coefficients))
+        elif coefficients.any():  # of a lower degree, or with zeros at 0
+            zeros[i] = float(_first(np.roots(coefficients), span, limit))
+    for degree, rows in fits.items():
+        places, spans, coefficients = (np.array(column) for column in zip(*rows, strict=True))
+        companion = np.zeros((len(rows), degree, degree))
+        companion[:, 0] = -coefficients[:, 1:] / coefficients[:, :1]
+        below = np.arange(degree - 1)
+        companion[:, below + 1, below] = 1.0
+        firsts = _first(np.linalg.eigvals(companion), spans[:, None], limit)
+        for place, first in zip(places.tolist(), firsts.tolist(), strict=True):
+            zeros[place] = first
+    return zeros
+
+
+def _first(roots: np.ndarray, span: np.ndarray | float, limit: float) -> np.ndarray:
+    """The smallest of each row's real roots, in windows of that span, from 0 to the limit; NaN if there is none."""
+    real = span * roots.real
+    in_reach = (np.abs(roots.imag) <= 1e-9 * (1.0 + np.abs(roots.real))) & (real >= 0.0) & (real <= limit)
+    least = np.min(np.where(in_reach, real, np.inf), axis=-1, initial=np.inf)
+    return np.where(np.isfinite(least), least, nan)
 
 
 def _chord(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float] | None:

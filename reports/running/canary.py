@@ -51,7 +51,8 @@ class Canary:
     def change(self) -> str:
         """What has changed, as a phrase; "" if nothing has."""
         for place, name, value, known_as in self._attributes:
-            if _is_replaced(place, name, value):
+            # Compared here first: there are thousands, after each call of an engine.
+            if place.get(name) is not value and _is_replaced(place, name, value):
                 return f"{known_as} was replaced"
         new_attributes = self._new_attributes()
         for _, _, value, known_as in new_attributes:

@@ -333,3 +333,19 @@ def test_a_rebound_too_short_for_the_samples_is_unresolved_and_not_missed():
     # Only rebounds: a slip too short to be sampled is missed all the same.
     slips = [Transition(1.0, Mode.ROLL, Mode.SLIP_FORWARD), Transition(1.001, Mode.SLIP_FORWARD, Mode.ROLL)]
     assert [row.pairing for row in ledger.match(slips, [], gap=0.01)] == ["missed", "missed"]
+
+
+def test_zeros_of_many_windows_are_those_of_each_fit_to_the_last_bit():
+    tau = np.linspace(-40.0, 0.0, 400)
+    y = np.sqrt(1.5 - tau) + 1e-3 * np.sin(37.0 * tau) - 0.9
+    windows = [window for trial in slip_phases._trials(len(tau)) for window in trial]
+    zeros = slip_phases._zeros(tau, y, windows, 10.0)
+    for (degree, width, shift), zero in zip(windows, zeros, strict=True):
+        part = slice(len(tau) - shift - width, len(tau) - shift)
+        span = -tau[part.start]
+        fit = np.linalg.lstsq(np.vander(tau[part] / span, degree + 1), y[part], rcond=None)[0]
+        own = [
+            span * r.real for r in np.roots(fit) if abs(r.imag) <= 1e-9 * (1 + abs(r.real)) and 0 <= r.real * span <= 10
+        ]
+        assert zero == min(own) if own else np.isnan(zero)
+    assert 10 < np.sum(np.isfinite(zeros)) < len(windows)
