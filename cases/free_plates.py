@@ -25,6 +25,8 @@ from .supports import TRACK
 
 # Modes are enumerated: four for each contact of plates that touch each other.
 MOST = 8
+# Pose and velocities of a plate, in the order of rows.
+POSE = ("x", "y", "theta", "vx", "vy", "omega")
 # Effects of a case with several plates.
 POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
 

@@ -79,12 +79,17 @@ def truth(case: Case) -> dict:
 def motion(case: Case) -> tuple[tuple[str, ...], np.ndarray]:
     """Columns and rows of the true motion, in the format of `reports.compare`; forces are zero in flight."""
     import reference
+    from adapters.common.motion_file import of_plate
+    from cases.free_plates import POSE
 
     true = reference.simulate(case, rtol=1e-13)
     times = np.linspace(0.0, true.t[-1], SAMPLES)
     names = ("x", "y", "theta", "vx", "vy", "omega", "normal_force", "friction_force")
-    state = true(times)
-    return ("t", *names), np.nan_to_num(np.column_stack([times, *(getattr(state, name) for name in names)]))
+    columns = {"t": times, **{name: getattr(true(times), name) for name in names}}
+    for plate in true.plate_names[1:]:
+        own = true.plate(plate)(times)
+        columns |= {of_plate(name, plate): getattr(own, name) for name in POSE}
+    return tuple(columns), np.nan_to_num(np.column_stack([*columns.values()]))
 
 
 if __name__ == "__main__":

@@ -59,6 +59,7 @@ class Engine:
     SLIP_LAWS = routes
     SEVERAL_CONTACTS = routes
     SUPPORTS = routes
+    SEVERAL_PLATES = routes
 
     def __init__(self, path: Path):
         if not self.runs(path):
@@ -82,11 +83,11 @@ class Engine:
 
     def refuses(self, case: Case, route: str) -> str | None:
         """Supports that a scene cannot describe; an executable refuses a scene when it sees it."""
-        return support_contacts.refuses(case) if case.supports else None
+        return support_contacts.refuses(case) if case.supports and not case.others else None
 
     def refuses_several_contacts(self, case: Case, route: str) -> str | None:
         """Why the contacts do not follow from the poses that an executable writes, in one sentence, or None."""
-        return support_contacts.refuses_several(case)
+        return None if case.others else support_contacts.refuses_several(case)
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
         """Steps from coarse to fine, none so long that too few samples come of it."""

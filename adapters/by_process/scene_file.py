@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from cases import Case, Chain, CoulombFriction, Curve, Effect, NotSupported
+from cases import Case, Chain, CoulombFriction, Curve, Effect, NotSupported, Plate
 from cases.contact import start_motion
+from cases.free_plates import POSE, start_poses
 from cases.line_or_circle import as_line
 
 from ..common.facets import ends, visible_span
@@ -28,8 +29,8 @@ SCHEMA_FILE = Path(__file__).with_name("scene.schema.json")
 # Coulomb friction whose mu is a formula in v, the slip speed.
 FRICTION_BY_SPEED = "CoulombFrictionBySpeed"
 
-# The further fixed curves of a case.
-SUPPORTS = "Supports"
+# The further fixed curves of a case, and its further plates.
+SUPPORTS, FREE_PLATES = "Supports", "FreePlates"
 
 # Chords of a closed curve of a thousand sides miss it by 5e-6 of its radius.
 SAMPLES = 1001
@@ -39,19 +40,17 @@ UNITS = "SI, radians; the plate lies on the left of the track; components along 
 def scene(case: Case, samples: int = SAMPLES) -> dict[str, Any]:
     """All data that is needed to build the case, in SI units; null for values that a start in flight does not have.
 
-    `samples`: number of points of each curve. Raises NotSupported for several plates."""
-    if case.others:
-        raise NotSupported("A scene file has one plate; several plates (others) are not supported.")
+    `samples`: number of points of each curve. Raises NotSupported for supports that are not straight."""
     return finite(
         {
             "schema": SCHEMA,
             "version": VERSION,
             "case": case.label,
             "units": UNITS,
-            "plate": {"mass": case.plate.mass, "inertia": case.plate.inertia, "radius": case.plate.radius},
+            "plate": _plate(case.plate),
             "track": formula(case.track),
             "outline": formula(case.plate.outline),
-            "effects": _effects(case.effects) | _supports(case, samples),
+            "effects": _effects(case.effects) | _supports(case, samples) | _free_plates(case),
             "start": start_motion(case)._asdict(),
             "duration": case.duration,
             "several_contacts": may_touch_twice(case),
@@ -84,6 +83,20 @@ def _supports(case: Case, samples: int) -> dict[str, Any]:
         flat = np.column_stack([s, *x_y, np.full(samples, nx), np.full(samples, ny), np.zeros(samples)])
         curves[support.name] = {"points": points(flat), "effects": _effects(support.acting(case.effects))}
     return {SUPPORTS: curves}
+
+
+def _plate(plate: Plate) -> dict[str, Any]:
+    """Mass, inertia about the centre of mass, and radius of a disc."""
+    return {"mass": plate.mass, "inertia": plate.inertia, "radius": plate.radius}
+
+
+def _free_plates(case: Case) -> dict[str, Any]:
+    """The further plates by their names, each with its start: an effect of its own, as of the supports."""
+    if not case.others:
+        return {}
+    starts = [dict(zip(POSE, row, strict=True)) for row in start_poses(case)[1:].tolist()]
+    plates = zip(case.others, starts, strict=True)
+    return {FREE_PLATES: {other.name: _plate(other.plate) | {"start": start} for other, start in plates}}
 
 
 def _effect_name(effect: Effect) -> str:

@@ -164,11 +164,15 @@ def visible_span(case: Case) -> tuple[float, float]:
     """The parameter range of the track that an exported scene contains.
 
     The whole track if it has ends or a period, else the part that the plate can reach, at most `FAR` of its sizes to
-    either side, where positions still have enough digits.
+    either side, where positions still have enough digits. Of several plates, what any of them may reach.
     """
     track, xi1 = case.track, case.start.xi1
     if track.domain is not None or track.period:
         return track.span
+    if case.others and (line := as_line(track)):
+        first, last = ends(case, line)
+        half = 0.5 * float(np.hypot(*(last - first))) / float(track.speed(xi1))
+        return xi1 - half, xi1 + half
     part, far = stretch(case), FAR * case.plate.reach / float(track.speed(xi1))
     return max(part.low, xi1 - far), min(part.high, xi1 + far)
 

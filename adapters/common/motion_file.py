@@ -10,6 +10,9 @@ omega (m/s, rad/s), slip (m/s), normal_force and friction_force (N). Missing col
   resolution is estimated from its change if every second sample is left out. Solvers should write velocities and slip
   if they have better ones.
 
+Of several plates each has its columns: those of a further plate called upper are `x of upper`, `y of upper`, `theta of
+upper` and, optionally, its rates. Slips and forces of several contacts are not read: they follow from the poses.
+
 A solver whose contacts creep while they stick reports the speed, as the built-in adapters do: a column `creep` (m/s),
 or a line `# creep = 5e-3` before the columns. Coarse samples are judged like those of the built-in engines: a
 transition that they miss is a row. A bounce lower than a hundredth of the plate differs from contact only by its
@@ -19,6 +22,8 @@ forces, which are 0 in flight.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from dataclasses import replace
 from io import StringIO
 from itertools import takewhile
 from math import isfinite, pi
@@ -27,12 +32,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases import BadValue, Case, DoesNotFit, Flight, Impact, State, Trajectory, Unilateral, user_files
+from cases import BadValue, Case, DoesNotFit, Flight, Impact, StartPose, State, Trajectory, Unilateral, user_files
 from cases.contact import Contact, MotionPoint, find, in_track_frame, slip_velocity, start_motion
+from cases.contact_names import FIRST
+from cases.free_plates import POSE, names_of, plates_of
 from cases.mechanics import gravity
 from cases.nearest import nearest
 
-from . import several_contacts, support_contacts
+from . import plate_contacts, several_contacts, support_contacts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,6 +55,8 @@ REQUIRED_COLUMNS = ("t", "x", "y", "theta")
 OPTIONAL_COLUMNS = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
 RATES = (("vx", "x"), ("vy", "y"), ("omega", "theta"))
 CREEP = "creep"
+# The columns of a further plate, as `of_plate` names them.
+_FURTHER = re.compile("(x|y|theta|vx|vy|omega) of [A-Za-z0-9_-]{1,30}")
 
 # Largest size of a file in bytes, and most samples: each sample is processed by itself, in a tenth of a millisecond.
 LARGEST_FILE, MOST_SAMPLES = 100 * 2**20, 200_000
@@ -99,7 +108,8 @@ def parse(text: str, file_name: str) -> pd.DataFrame:
     if duplicates.any():
         line = int(np.argmax(duplicates)) + 2
         raise BadValue(f"line {line} of {file_name} repeats an earlier line; remove duplicates")
-    table = table[[name for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS, CREEP) if name in table]]
+    further = [name for name in heading if _FURTHER.fullmatch(name)]
+    table = table[[name for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS, CREEP, *further) if name in table]]
     declaration = _declaration(head)
     if declaration is not None:
         table = table.assign(**{CREEP: declaration})
@@ -135,9 +145,10 @@ def _check_heading(file: str, heading: list[str]) -> None:
     if any(nameless):
         number = nameless.index(True) + 1
         raise BadValue(f"column {number} of {file} has no name (an index?); name it or leave it out")
-    for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS):
+    for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS, *filter(_FURTHER.fullmatch, heading)):
         if heading.count(name) > 1:
             raise BadValue(f"{file} has {heading.count(name)} columns {name}; keep one")
+    for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS):
         # t_ms, x [mm], time (min): a unit next to a column's name shows that it is not in metres or seconds.
         other = [cell for cell in heading if re.fullmatch(rf"{name}[\s_(\[/]+{_UNITS}.*", cell)]
         if other and name not in heading:
@@ -167,11 +178,30 @@ def columns_of(table: pd.DataFrame) -> dict[str, np.ndarray]:
     return {str(name): table[name].to_numpy() for name in table}
 
 
+def of_plate(column: str, plate: str) -> str:
+    """The name of a plate's column: that of the case's plate is the column's own."""
+    return column if plate == FIRST else f"{column} of {plate}"
+
+
 def check_start(case: Case, table: pd.DataFrame) -> None:
     """Raise DoesNotFit if the first row is not the case's start."""
-    start, first, reach = start_motion(case), table.iloc[0], case.plate.reach
+    first = table.iloc[0]
     if abs(first["t"]) > 1e-9 * case.duration:
         raise DoesNotFit(f"the first time is {first['t']:g} s; the case's motion begins at 0")
+    _check_pose(start_motion(case), first, case.plate.reach)
+    for other in case.others:
+        names = {of_plate(name, other.name): name for name in REQUIRED_COLUMNS[1:]}
+        missing = [name for name in names if name not in table]
+        if missing:
+            raise BadValue(f"there is no column {missing[0]!r}; give x, y and theta of every plate of the case")
+        try:
+            _check_pose(other.start, {own: first[name] for name, own in names.items()}, other.plate.reach)
+        except DoesNotFit as problem:
+            raise DoesNotFit(f"of {other.name}, {problem}") from problem
+
+
+def _check_pose(start: MotionPoint | StartPose, first: Mapping | pd.Series, reach: float) -> None:
+    """Raise DoesNotFit if the first pose is not the start of a plate of that size (m)."""
     if np.hypot(first["x"] - start.x, first["y"] - start.y) > LOOSE * reach:
         raise DoesNotFit(
             f"the centre of mass starts at ({first['x']:.6g}, {first['y']:.6g}), the case's at "
@@ -184,7 +214,7 @@ def check_start(case: Case, table: pd.DataFrame) -> None:
         raise DoesNotFit(f"theta starts at {first['theta']:.6g}, the case's at {start.theta:.6g} rad; {advice}")
 
 
-def _frame(first: pd.Series, start: MotionPoint, reach: float) -> str:
+def _frame(first: Mapping | pd.Series, start: MotionPoint | StartPose, reach: float) -> str:
     """What to change if the first centre differs from the case's."""
     for x, y, words in ((-1, 1, "x is mirrored"), (1, -1, "y is mirrored"), (-1, -1, "both axes are mirrored")):
         if np.hypot(x * first["x"] - start.x, y * first["y"] - start.y) <= LOOSE * reach:
@@ -208,25 +238,11 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
         )
     columns = columns_of(table)
     t = columns["t"]
-    turns = np.abs(np.diff(columns["theta"]))
-    if turns.max() > MOST_TURN:
-        raise DoesNotFit(
-            f"theta changes by {turns.max():.3g} between two samples, too coarse above {MOST_TURN:.3g} rad; "
-            "give more samples, and theta in radians without jumps"
-        )
     from_differences = any(rate not in columns for rate, _ in RATES)
-    slow = slowest(case, float(t[-1] - t[0]))
-    none = {"vx": slow, "vy": slow, "omega": slow / case.plate.reach}
-    for rate, name in RATES:
-        slope = np.gradient(columns[name], t, edge_order=2)
-        velocity = columns.setdefault(rate, slope)
-        # A kink makes few samples differ; a wrong unit, sign or frame makes most samples differ.
-        if np.median(np.abs(velocity - slope)) > OFF * np.abs(slope).max() + _coarse(slope) + none[rate]:
-            raise DoesNotFit(
-                f"{rate} is not the rate of {name}; give both in metres, radians and seconds, and in one frame"
-            )
+    for name, plate in zip(names_of(case), plates_of(case), strict=True):
+        _complete_rates(columns, t, name, slowest(case, float(t[-1] - t[0])), plate.reach)
     if case.others:
-        raise DoesNotFit("a file has the motion of one plate; cases with several plates (others) are not compared")
+        return _of_plates(case, columns, creep)
     if case.supports:
         return _on_supports(case, columns, creep)
     touches_twice = several_contacts.may_touch_twice(case)
@@ -242,7 +258,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
         doubt = _slip_doubt(case, columns, slip, xi1)
         if from_differences:
             doubt += _resolution(case, {**columns, "slip": slip}, xi1)
-        _check_slip(columns["slip"][:count], slip[:count], doubt[:count] + slow)
+        _check_slip(columns["slip"][:count], slip[:count], doubt[:count] + slowest(case, float(t[-1] - t[0])))
     missing_slip = np.isnan(xi1) | np.isnan(columns["slip"])
     columns["slip"] = np.where(missing_slip, slip, columns["slip"])
     if case.effect(Flight):  # in flight there is no force, even if the file has none
@@ -262,9 +278,44 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     return several_contacts.with_contacts(case, motion, lambda xi1: np.full(len(xi1), clear))
 
 
+def _complete_rates(columns: dict[str, np.ndarray], t: np.ndarray, plate: str, slow: float, reach: float) -> None:
+    """Add the velocities of a plate of size `reach` (m) that its columns lack, from differences. Raises DoesNotFit for
+    too few samples, and for rates that are not those of its poses; `slow` (m/s) counts as zero."""
+    angle = of_plate("theta", plate)
+    turns = np.abs(np.diff(columns[angle]))
+    if turns.max() > MOST_TURN:
+        raise DoesNotFit(
+            f"{angle} changes by {turns.max():.3g} between two samples, too coarse above {MOST_TURN:.3g} rad; "
+            "give more samples, and theta in radians without jumps"
+        )
+    none = {"vx": slow, "vy": slow, "omega": slow / reach}
+    for rate, name in RATES:
+        slope = np.gradient(columns[of_plate(name, plate)], t, edge_order=2)
+        velocity = columns.setdefault(of_plate(rate, plate), slope)
+        # A kink makes few samples differ; a wrong unit, sign or frame makes most samples differ.
+        if np.median(np.abs(velocity - slope)) > OFF * np.abs(slope).max() + _coarse(slope) + none[rate]:
+            raise DoesNotFit(
+                f"{of_plate(rate, plate)} is not the rate of {of_plate(name, plate)}; give both in metres, radians and "
+                "seconds, and in one frame"
+            )
+
+
+def _of_plates(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:
+    """The motion of several plates, whose contacts follow from their poses and velocities."""
+    poses, rates = (
+        np.array([[columns[of_plate(name, plate)] for name in names] for plate in names_of(case)]).transpose(2, 0, 1)
+        for names in (POSE[:3], POSE[3:])
+    )
+    motion = plate_contacts.with_plates(case, columns["t"], poses, rates, _clear(case, columns["t"]))
+    return replace(motion, slip_resolution=_creep(columns, creep))
+
+
 def _clear(case: Case, t: np.ndarray) -> float:
     """The gap (m) below which one of several contacts is closed."""
-    return CLOSED * case.plate.inner + 2.0 * float(np.hypot(*gravity(case))) * float(np.max(np.diff(t))) ** 2
+    return (
+        CLOSED * min(plate.inner for plate in plates_of(case))
+        + 2.0 * float(np.hypot(*gravity(case))) * float(np.max(np.diff(t))) ** 2
+    )
 
 
 def _on_supports(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:

@@ -18,7 +18,7 @@ from cases.sampled_contacts import SampledContacts, SampledPlates
 from cases.trajectory import ContactColumns
 
 from . import several_contacts
-from .support_contacts import ROUGH, ROUNDING, UNNEEDED, from_first_to_last, touching
+from .support_contacts import ROUGH, ROUNDING, UNNEEDED, from_first_to_last, ranges, touching
 
 # Forces are unique if the smallest singular value of the contacts' directions is above this part of the largest.
 _UNIQUE = 1e-9
@@ -69,13 +69,15 @@ def with_plates(
     clear: float,
     torsor: np.ndarray | None = None,
     slip_lever: float = 0.0,
+    impact: float = 0.0,
 ) -> Trajectory:
     """The motion of several plates with the columns of each contact that closes at some time.
 
     `poses`, `rates`: (x, y, θ) and (vx, vy, ω) of all plates at the times `t`, shape (n, plates, 3). `clear`: the gap
     (m) below which a contact is closed. `torsor`: force (N) and moment (N m) of all contacts on each plate, like
     `poses`; without it a contact is open as soon as its gap grows, and forces are not known. The engine's friction acts
-    at the share `slip_lever` of the gap from the plate that is named first.
+    at the share `slip_lever` of the gap from the plate that is named first. A contact between two flights that does not
+    last longer than `impact` (s) is an impact, closed at its first sample only.
     """
     # Each step rounds the poses.
     size = float(np.abs(poses[..., :2]).max()) + max(plate.reach for plate in plates_of(case))
@@ -88,6 +90,7 @@ def with_plates(
         scaled = (torsor / [(1.0, 1.0, plate.reach) for plate in plates_of(case)]).reshape(len(t), -1)
         steady = _pushing(some, closed, steady, scaled, turning)
     closed = [from_first_to_last(shut, holds) for shut, holds in zip(closed, steady, strict=True)]
+    closed = [_with_instants(t, shut, impact) for shut in closed]
     forces = np.full((len(some), 2, len(t)), np.nan)
     if torsor is not None:
         forces = _forces(some, closed, scaled, turning)
@@ -107,6 +110,15 @@ def with_plates(
         plate_names=names_of(case),
         plate_columns=SampledPlates(t, plates),
     )
+
+
+def _with_instants(t: np.ndarray, closed: np.ndarray, impact: float) -> np.ndarray:
+    """The closed samples, of contacts between two flights that last at most `impact` (s) only the first one."""
+    result = closed.copy()
+    for start, stop in ranges(closed):
+        if 0 < start and stop < len(t) and t[stop - 1] - t[start] <= impact:
+            result[start + 1 : stop] = False
+    return result
 
 
 def _along(case: Case, contact: PlateContact, poses: np.ndarray, rates: np.ndarray, slip_lever: float) -> _PairContact:

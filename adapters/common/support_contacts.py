@@ -196,14 +196,14 @@ def touching(gap: np.ndarray, closed: np.ndarray, rounding: float) -> np.ndarray
     An opening under a force that fades grows as t³: a lift-off with a jerk of 10 m/s³ takes 30 ms for 50 µm.
     """
     result = closed.copy()
-    for start, stop in _ranges(closed):
+    for start, stop in ranges(closed):
         quarter = (stop - start) // 4
         level = max(rounding, 2.0 * float(np.max(gap[start + quarter : stop - quarter])))
         result[start:stop] = gap[start:stop] <= level
     return result
 
 
-def _ranges(closed: np.ndarray) -> list[tuple[int, int]]:
+def ranges(closed: np.ndarray) -> list[tuple[int, int]]:
     """The first sample of each range of closed samples, and the one after its last."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], closed, [False]]).astype(int))).tolist()
     return list(zip(edges[::2], edges[1::2], strict=True))
@@ -212,7 +212,7 @@ def _ranges(closed: np.ndarray) -> list[tuple[int, int]]:
 def from_first_to_last(closed: np.ndarray, pushing: np.ndarray) -> np.ndarray:
     """Each range of samples with a small gap, without what is before its first push and after its last one."""
     result = np.zeros(len(closed), dtype=bool)
-    for start, stop in _ranges(closed):
+    for start, stop in ranges(closed):
         pushes = start + np.flatnonzero(pushing[start:stop])
         if len(pushes):
             result[pushes[0] : pushes[-1] + 1] = True

@@ -31,7 +31,7 @@ plane.print_version("drake")
 
 # Chords of a curved track; a friction coefficient that no force exceeds.
 CHORDS, ROUGH = 800, 1e3
-# The plate's coefficient, and the mass of a driven track in those of the plate.
+# The only plate's coefficient, and the mass of a driven track in those of the plate.
 LARGE, HEAVY = 1e16, 1e9
 # How far (m) a plate at rest may sink in, and how fast (m/s) it may creep while it sticks; the engine's defaults are
 # 1e-3 and 1e-4. TAMSI's friction grows with the slip's share x of that speed as mu x (2 - x), so a contact that sticks
@@ -47,16 +47,27 @@ APPROXIMATIONS = {
 
 scene = plane.read_scene(
     "Drake",
-    ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Drive", "Supports"),
+    (
+        *("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Drive", "Supports"),
+        "FreePlates",
+    ),
     {"Belt": "Drake's contacts have no surface velocity: a belt would have to be a body that moves."},
 )
-radius, mass, start = scene["plate"]["radius"], scene["plate"]["mass"], scene["start"]
+plates = plane.plates(scene)
+radius, mass = plates[0].radius, plates[0].mass
 if radius is None:
     plane.refuse(
         "Drake is given spheres: other outlines would be hulls, whose corners its point contact takes one by one."
     )
 effects, (count, h) = scene["effects"], plane.steps(scene)
-drive = plane.drive_steps(scene, h)
+drive, mu = plane.drive_steps(scene, h), plane.coefficient(effects, ROUGH)
+# With one plate a number so large that its inverse is rounding; that of several acts between them too.
+OF_PLATES = LARGE if len(plates) == 1 else mu
+if any(0.0 < plane.coefficient(support.effects, ROUGH) >= 2 * OF_PLATES for support in plane.supports(scene)):
+    plane.refuse(
+        "Drake combines the coefficients a and b of two bodies as 2 a b / (a + b), so a support has less than twice "
+        "the friction between the plates."
+    )
 
 builder = DiagramBuilder()
 plant, _ = drake.AddMultibodyPlantSceneGraph(builder, h)
@@ -69,16 +80,17 @@ plant.mutable_gravity_field().set_gravity_vector(np.array(plane.gravity(scene)))
 
 
 def friction(of_effects) -> drake.CoulombFriction:
-    """The friction of a track or a support. The engine combines two coefficients as 2 μ₁ μ₂ / (μ₁ + μ₂), which is μ for
-    μ/2 and one that is so large that its inverse is rounding."""
-    mu = 0.5 * plane.coefficient(of_effects, ROUGH)
-    return drake.CoulombFriction(mu, mu)
+    """The friction of a track or a support. The engine combines two coefficients as 2 a b / (a + b): with that of the
+    plates it has to give the contact's."""
+    own = plane.coefficient(of_effects, ROUGH)
+    own = own / (2 - own / OF_PLATES) if own else 0.0
+    return drake.CoulombFriction(own, own)
 
 
 ground = plant.world_body()
 if drive:
     # Its velocities are set in each step, and it has so much mass that no contact force changes them.
-    heavy = HEAVY * max(mass, scene["plate"]["inertia"])
+    heavy = HEAVY * max(mass, plates[0].inertia)
     instance = plant.AddModelInstance("track")
     ground = plant.AddRigidBody("track", instance, SpatialInertia(heavy, np.zeros(3), UnitInertia(1.0, 1.0, 1.0)))
     rail = plant.AddJoint(PlanarJoint("rail", plant.world_frame(), ground.body_frame(), np.zeros(3)))
@@ -103,12 +115,18 @@ for number, support in enumerate(plane.supports(scene)):
     across = np.array([-sin(support.angle), cos(support.angle), 0.0])
     pose = RigidTransform(HalfSpace.MakePose(across, np.array([support.x, support.y, 0.0])))
     plant.RegisterCollisionGeometry(ground, pose, HalfSpace(), f"support {number}", friction(support.effects))
-inertia = scene["plate"]["inertia"] / mass
-# In the plane only the moment of inertia about Z matters.
-unit = UnitInertia(inertia, inertia, inertia)
-body = plant.AddRigidBody("plate", plant.AddModelInstance("plate"), SpatialInertia(mass, np.zeros(3), unit))
-plant.RegisterCollisionGeometry(body, RigidTransform(), Sphere(radius), "plate", drake.CoulombFriction(LARGE, LARGE))
-joint = plant.AddJoint(PlanarJoint("plane", plant.world_frame(), body.body_frame(), np.zeros(3)))
+bodies, joints = [], []
+for own in plates:
+    inertia = own.inertia / own.mass
+    # In the plane only the moment of inertia about Z matters.
+    inertias = SpatialInertia(own.mass, np.zeros(3), UnitInertia(inertia, inertia, inertia))
+    body = plant.AddRigidBody(own.name, plant.AddModelInstance(own.name), inertias)
+    rubs = drake.CoulombFriction(OF_PLATES, OF_PLATES)
+    plant.RegisterCollisionGeometry(body, RigidTransform(), Sphere(own.radius), own.name, rubs)
+    bodies.append(body)
+    joints.append(
+        plant.AddJoint(PlanarJoint(f"plane of {own.name}", plant.world_frame(), body.body_frame(), np.zeros(3)))
+    )
 plant.Finalize()
 if is_tuned:
     plant.set_penetration_allowance(SUNK)
@@ -117,10 +135,11 @@ diagram = builder.Build()
 simulator = Simulator(diagram)
 root = simulator.get_mutable_context()
 context = plant.GetMyMutableContextFromRoot(root)
-joint.set_translation(context, [start["x"], start["y"]])
-joint.set_rotation(context, start["theta"])
-joint.set_translational_velocity(context, [start["vx"], start["vy"]])
-joint.set_angular_velocity(context, start["omega"])
+for own, joint in zip(plates, joints, strict=True):
+    joint.set_translation(context, own.pose[:2])
+    joint.set_rotation(context, own.pose[2])
+    joint.set_translational_velocity(context, own.velocities[:2])
+    joint.set_angular_velocity(context, own.velocities[2])
 simulator.Initialize()
 results = plant.get_contact_results_output_port()
 
@@ -131,29 +150,49 @@ def touches() -> list[plane.PlaneContact]:
     for number in range(now.num_point_pair_contacts()):
         info = now.point_pair_contact_info(number)
         # The force is on body B, the normal points to body A.
-        side = -1.0 if info.bodyB_index() == body.index() else 1.0
+        side = -1.0 if info.bodyB_index() == bodies[0].index() else 1.0
         force, normal = -side * info.contact_force(), side * info.point_pair().nhat_BA_W
         contacts.append(plane.PlaneContact(info.contact_point()[:2].tolist(), normal[:2].tolist(), force[:2].tolist()))
     return contacts
 
 
-def velocities_now() -> list[float]:
-    """The plate's velocities (m/s, rad/s)."""
-    return [*joint.get_translational_velocity(context).tolist(), joint.get_angular_velocity(context)]
+def states() -> list[list[float]]:
+    """(x, y, theta, vx, vy, omega) of every plate."""
+    rows = []
+    for joint in joints:
+        pose = [*joint.get_translation(context).tolist(), joint.get_rotation(context)]
+        rows.append([*pose, *joint.get_translational_velocity(context).tolist(), joint.get_angular_velocity(context)])
+    return rows
 
 
-motion, several = plane.MotionRows(scene), drive or "Supports" in effects
-for k in range(count + 1):
-    if drive:
-        (x, y, angle), (vx, vy, spin) = drive(k)
-        rail.set_translation(context, [x, y])
-        rail.set_rotation(context, angle)
-        rail.set_translational_velocity(context, [vx, vy])
-        rail.set_angular_velocity(context, spin)
-    pose = [*joint.get_translation(context).tolist(), joint.get_rotation(context)]
-    velocities = velocities_now()
-    simulator.AdvanceTo((k + 1) * h)
-    motion.note(k * h, pose, velocities, touches(), velocities_now())
-    if several:
-        motion.slip = None  # it follows from pose and velocities, relative to the track
-motion.write((1 + TOLERANCE) * stiction)
+def run_several() -> None:
+    """Step through the duration and write the motion of several plates."""
+    motion = plane.PlatesRows(scene)
+    for k in range(count + 1):
+        motion.note(k * h, states())
+        simulator.AdvanceTo((k + 1) * h)
+    motion.write((1 + TOLERANCE) * stiction)
+
+
+def run_one() -> None:
+    """Step through the duration and write the motion of the only plate, with slip and forces."""
+    motion, several = plane.MotionRows(scene), drive or "Supports" in effects
+    for k in range(count + 1):
+        if drive:
+            (x, y, angle), (vx, vy, spin) = drive(k)
+            rail.set_translation(context, [x, y])
+            rail.set_rotation(context, angle)
+            rail.set_translational_velocity(context, [vx, vy])
+            rail.set_angular_velocity(context, spin)
+        (before,) = states()
+        simulator.AdvanceTo((k + 1) * h)
+        motion.note(k * h, before[:3], before[3:], touches(), states()[0][3:])
+        if several:
+            motion.slip = None  # it follows from pose and velocities, relative to the track
+    motion.write((1 + TOLERANCE) * stiction)
+
+
+if len(plates) > 1:
+    run_several()
+else:
+    run_one()

@@ -14,6 +14,7 @@ each step.
 from __future__ import annotations
 
 import sys
+from itertools import combinations
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -36,7 +37,11 @@ WIDE = 20.0
 
 scene = plane.read_scene(
     "MuJoCo",
-    ("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Belt", "Drive", "Supports"),
+    (
+        *("Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Impact", "Belt", "Drive"),
+        *("Supports", "FreePlates"),
+    ),
+    must_turn=False,
 )
 count, h = plane.steps(scene)
 drive = plane.drive_steps(scene, h)
@@ -61,8 +66,7 @@ if is_tuned:
     option.set("integrator", scene["setting"].get("integrator", "RK4"))
     ratio = scene["setting"].get("impratio", 100)
     option.attrib.update(cone="elliptic", impratio=f"{ratio}", solver="Newton", tolerance="1e-12", iterations="100")
-world = part(root, "worldbody")
-body = part(world, "body")
+world, plates = part(root, "worldbody"), plane.plates(scene)
 for box in world.findall("geom"):
     world.remove(box)
 track = plane.shape(scene)
@@ -103,7 +107,7 @@ for support in plane.supports(scene):
 if drive:
     # Bodies of a mocap kind have no velocity for the engine's contacts: the track has joints, and so much mass that no
     # contact force changes the velocities that are set in each step.
-    heavy = repr(HEAVY * max(scene["plate"]["mass"], scene["plate"]["inertia"]))
+    heavy = repr(HEAVY * max(plates[0].mass, plates[0].inertia or 0.0))
     carrier = ElementTree.SubElement(world, "body", name="track", gravcomp="1")
     ElementTree.SubElement(carrier, "inertial", pos="0 0 0", mass=heavy, diaginertia=f"{heavy} {heavy} {heavy}")
     for name, kind, axis in (("x", "slide", "1 0 0"), ("y", "slide", "0 1 0"), ("angle", "hinge", "0 0 1")):
@@ -111,12 +115,19 @@ if drive:
     for geom in world.findall("geom"):
         world.remove(geom)
         carrier.append(geom)
-plate = part(body, "geom")
-# The engine takes the larger of the two geoms' numbers.
-plate.attrib.update(friction="0 0 0", condim="1")
-if plate.get("type") == "cylinder":
-    plate.attrib.update(type="sphere", size=repr(scene["plate"]["radius"]))
-for geom in root.iter("geom"):
+for own in plates:
+    geom = part(part(world, f"body[@name='{own.name}']"), "geom")
+    # The engine takes the larger of the two geoms' numbers.
+    geom.attrib.update(name=own.name, friction="0 0 0", condim="1")
+    if geom.get("type") == "cylinder":
+        geom.attrib.update(type="sphere", size=repr(own.radius))
+pairs = ElementTree.SubElement(root, "contact")
+for one, other in combinations([own.name for own in plates], 2):
+    # A pair has numbers of its own: friction along both tangents, then the moments of 3D contacts.
+    ElementTree.SubElement(
+        pairs, "pair", geom1=one, geom2=other, friction=f"{mu} {mu} 0 0 0", condim="3" if mu else "1"
+    )
+for geom in (*root.iter("geom"), *pairs):
     if is_tuned:
         # Twice the step is the stiffest value that the engine considers safe.
         geom.set("solref", f"{scene['setting'].get('timeconst', 2) * h!r} 1")
@@ -124,7 +135,19 @@ for geom in root.iter("geom"):
 
 model = mujoco.MjModel.from_xml_string(ElementTree.tostring(root, encoding="unicode"))
 data = mujoco.MjData(model)
-data.qvel[:3] = start["vx"], start["vy"], start["omega"]
+
+
+def joints_of(of: plane.MovingPlate) -> list[int]:
+    """The numbers of a plate's joints in the engine's coordinates, which all are of one number: x, y and, if it turns,
+    theta."""
+    names = plane.POSE if of.inertia is not None else plane.POSE[:2]
+    return [int(model.joint(name if of.name == "plate" else f"{name} of {of.name}").dofadr[0]) for name in names]
+
+
+joints = [joints_of(own) for own in plates]
+for own, numbers in zip(plates, joints, strict=True):
+    data.qvel[numbers] = own.velocities[: len(numbers)]
+rail = [int(model.joint(f"track {name}").dofadr[0]) for name in ("x", "y", "angle")] if drive else []
 body_number = model.body("plate").id
 fixed = [number for number in range(model.ngeom) if model.geom_bodyid[number] != body_number]
 
@@ -160,17 +183,45 @@ def creep() -> float:
     return fastest
 
 
-motion, fastest, several = plane.MotionRows(scene), 0.0, drive or "Supports" in effects
-for k in range(count + 1):
-    if drive:
-        data.qpos[3:], data.qvel[3:] = drive(k)
-    if belt:
-        model.geom_surfacevel[fixed] = belt((k + 0.5) * h) * UNIT
-        motion.belt = belt((k + 1) * h)
-    pose, velocities = data.qpos[:3] + (start["x"], start["y"], start["theta"]), data.qvel[:3].tolist()
-    mujoco.mj_step(model, data)
-    motion.note(k * h, pose.tolist(), velocities, touches(), data.qvel[:3].tolist())
-    if several:
-        motion.slip = None  # it follows from pose and velocities, relative to the track
-    fastest = max(fastest, creep())
-motion.write(fastest)
+def states() -> list[list[float]]:
+    """(x, y, theta, vx, vy, omega) of every plate."""
+    rows = []
+    for own, numbers in zip(plates, joints, strict=True):
+        moved, rates = np.zeros(3), np.zeros(3)
+        moved[: len(numbers)], rates[: len(numbers)] = data.qpos[numbers], data.qvel[numbers]
+        rows.append([*(moved + own.pose).tolist(), *rates.tolist()])
+    return rows
+
+
+def run_several() -> None:
+    """Step through the duration and write the motion of several plates."""
+    motion, fastest = plane.PlatesRows(scene), 0.0
+    for k in range(count + 1):
+        motion.note(k * h, states())
+        mujoco.mj_step(model, data)
+        fastest = max(fastest, creep())
+    motion.write(fastest)
+
+
+def run_one() -> None:
+    """Step through the duration and write the motion of the only plate, with slip and forces."""
+    motion, fastest, several = plane.MotionRows(scene), 0.0, drive or "Supports" in effects
+    for k in range(count + 1):
+        if drive:
+            data.qpos[rail], data.qvel[rail] = drive(k)
+        if belt:
+            model.geom_surfacevel[fixed] = belt((k + 0.5) * h) * UNIT
+            motion.belt = belt((k + 1) * h)
+        (before,) = states()
+        mujoco.mj_step(model, data)
+        motion.note(k * h, before[:3], before[3:], touches(), states()[0][3:])
+        if several:
+            motion.slip = None  # it follows from pose and velocities, relative to the track
+        fastest = max(fastest, creep())
+    motion.write(fastest)
+
+
+if len(plates) > 1:
+    run_several()
+else:
+    run_one()

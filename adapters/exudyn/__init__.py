@@ -17,6 +17,7 @@ with redirect_stdout(StringIO()):  # the import prints which build it is
 from .adapter import (  # noqa: E402
     NAME,
     SEVERAL_CONTACTS,
+    SEVERAL_PLATES,
     SLIP_LAWS,
     SUPPORTS,
     build,
@@ -37,6 +38,7 @@ __all__ = [
     "MEANINGS",
     "NAME",
     "SEVERAL_CONTACTS",
+    "SEVERAL_PLATES",
     "SLIP_LAWS",
     "SUPPORTS",
     "build",

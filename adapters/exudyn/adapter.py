@@ -1,8 +1,9 @@
 """Exudyn (Gerstmayr, multibody dynamics with penalty contact; https://exudyn.readthedocs.io) on the suite's scenes.
 
-`native` uses the engine's own smooth contacts: a disc in or on a circle is ObjectContactSphereSphere, a disc on a
-straight line ObjectContactSphereTriangle. (ObjectConnectorRollingDiscPenalty, made for lines, is exact while it slips;
-where it should roll it chattered about zero slip in half the runs tried, at up to a hundred times its `vreg`.)
+`native` uses the engine's own smooth contacts: a disc in or on a circle, or on another disc, is
+ObjectContactSphereSphere, a disc on a straight line ObjectContactSphereTriangle.
+(ObjectConnectorRollingDiscPenalty, made for lines, is exact while it slips; where it should roll it chattered about
+zero slip in half the runs tried, at up to a hundred times its `vreg`.)
 Pure rolling on a line, and a bilateral guide without friction, are constraints (`constraints`). An impact takes some
 periods of the contact's spring, and its restitution is met to a thousandth.
 `integrator` supports any plate and track and uses no contact of the engine: contact point and contact law are the
@@ -38,7 +39,7 @@ from cases.moving_frame import relative_case
 
 from ..common import driven_tracks
 from ..interface import Setting
-from . import constraints, integrator, native, older_versions
+from . import constraints, free_plates, integrator, native, older_versions
 from .reader import ExudynModel, read
 from .system import scales
 
@@ -69,6 +70,8 @@ SLIP_LAWS = ("integrator",)
 
 # Routes that have further fixed curves, and report each contact with them.
 SUPPORTS = SEVERAL_CONTACTS = ("native",)
+# Routes that have several plates.
+SEVERAL_PLATES = ("native",)
 
 # Samples of one run: enough to extrapolate a transition to the accuracy of the finest rung, and few enough for a
 # thousand trajectories in memory.
@@ -135,6 +138,8 @@ def refuses(case: Case, route: str) -> str | None:
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
         return f"Exudyn's contacts do not support {' and '.join(missing)}."
+    if case.others:
+        return free_plates.refuses(case)
     if not case.plate.turns:
         return "Exudyn's rigid bodies have a finite inertia, and this plate does not turn."
     friction = case.effect(CoulombFriction)
@@ -158,9 +163,9 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return (
-        None if case.supports else "Exudyn's contact of a disc with a curve has one place; give the places as supports."
-    )
+    if case.supports or case.others:
+        return None
+    return "Exudyn's contact of a disc with a curve has one place; give the places as supports."
 
 
 # --- settings -------------------------------------------------------------------------------------------------------
@@ -229,7 +234,7 @@ def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: in
     # Without a bound friction is very stiff, and the trapezoidal rule would let it oscillate.
     solver = "GeneralizedAlpha" if case.effect(PerfectlyRough) else "TrapezoidalIndex2"
     knobs = dict(k=_round(k * stiffness), vreg=_round(vreg * length / time))
-    if case.effect(CoulombFriction) and _slip_may_reverse(case):
+    if case.effect(CoulombFriction) and _slip_may_reverse(case) and not case.others:
         knobs["cut"] = CUTOFF
     return Setting.of(**rung, solver=solver, newton="full", h=step, **knobs)
 
@@ -258,7 +263,7 @@ def build(case: Case, route: str, setting: Setting) -> ExudynModel:
     outside, case = case, relative_case(case)
     if _uses_constraint(case, route):
         return ExudynModel(case, route, setting, constraints.build(case, setting), outside)
-    maker = native if route == "native" else integrator
+    maker = free_plates if case.others else native if route == "native" else integrator
     return ExudynModel(case, route, setting, maker.build(case, setting), outside)
 
 

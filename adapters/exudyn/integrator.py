@@ -53,7 +53,7 @@ class PenaltyContact:
 
     def __init__(self, case: Case, setting: Setting):
         self.case, self.k, self.vreg = case, setting["k"], setting["vreg"]
-        self.damping, self.mu = critical_damping(case, setting), friction_coefficient(case)
+        self.damping, self.mu = critical_damping(case.plate.mass, setting), friction_coefficient(case)
         friction = case.effect(CoulombFriction)
         self.by_speed = friction.at if friction and friction.by_speed else None
         self.load, belt = case.effect(Load), case.effect(Belt)

@@ -4,9 +4,16 @@ Parameter names are those of its manual's items ObjectContactSphereSphere and Ob
 as measured in `tests/adapters`.
 """
 
-from cases import Belt, CoulombFriction, Drive, Impact, PerfectlyRough, RollingResistance
+from cases import Belt, Case, CoulombFriction, Drive, Impact, PerfectlyRough, RollingResistance
 
+from ..common.impacts import plates_touch
 from ..interface import Meaning
+
+
+def _differs(case: Case) -> bool:
+    impact = case.effect(Impact)
+    return bool(impact and impact.restitution and plates_touch(case))
+
 
 MEANINGS = (
     Meaning(
@@ -26,8 +33,10 @@ MEANINGS = (
     Meaning(
         Impact,
         "restitutionCoefficient with impactModel 2 and minimumImpactVelocity; for e = 0 contactDamping, critical",
-        "a spring and a damper during some periods of the spring, with Coulomb's friction; e is a ratio of velocities",
+        "a spring and a damper during some periods of the spring, with Coulomb's friction; e is a ratio of velocities; "
+        "discs that touch are springs in a row",
         routes=("native",),
+        differs=_differs,
         duration="some periods, 2 pi sqrt(m/k), of the contact's spring; the setting has its stiffness k",
     ),
     Meaning(

@@ -93,12 +93,12 @@ def _add_support(case: Case, setting: Setting, system, disc: int, support: Suppo
     """Add the contact with a further straight support; returns the sensor of its force."""
     line, own = as_line(support.curve), replace(case, effects=support.acting(case.effects), supports=())
     assert line is not None, "refuses() accepts straight supports only"
-    number = _add_triangle(own, setting, system, disc, _triangle_between(*facets.ends(case, line)), at_start=False)
+    number = _add_triangle(own, setting, system, disc, triangle_between(*facets.ends(case, line)), at_start=False)
     kind = exu.OutputVariableType.Force
     return int(system.AddSensor(item.SensorObject(objectNumber=number, outputVariableType=kind, storeInternal=True)))
 
 
-def _triangle_between(one: np.ndarray, other: np.ndarray) -> list[list[float]]:
+def triangle_between(one: np.ndarray, other: np.ndarray) -> list[list[float]]:
     """A triangle across the plane of motion with a side along the line between two points."""
     reach, (x, y) = 0.5 * float(np.hypot(*(other - one))), 0.5 * (one + other)
     return [[*one.tolist(), -reach], [*other.tolist(), -reach], [float(x), float(y), 2.0 * reach]]
@@ -201,15 +201,21 @@ def _on_line(case: Case, setting: Setting, system, disc: int, line: Line):
 
 
 def _contact_law(case: Case, setting: Setting, system, at_start: bool = True) -> dict:
-    """Parameters that both contact objects share; their data node holds gap and slip of the last iteration."""
+    """The law of the plate's contact; with `at_start` its data node begins with the start's gap and slip."""
     # Without an initial gap the plate would fall for a step before the contact acts; without an initial slip, friction
     # would begin on the steep branch of its law, with a thousand times its bound.
     touching, at_rest = start_motion(case), static_start(case, setting, depth=0.0)
     gap = -hypot(at_rest.x - touching.x, at_rest.y - touching.y) if at_start else 0.0
     slip = hypot(at_rest.vx - touching.vx, at_rest.vy - touching.vy) or abs(touching.slip) if gap else 0.0
+    return contact_law(case, setting, system, critical_damping(case.plate.mass, setting), gap, slip)
+
+
+def contact_law(case: Case, setting: Setting, system, damping: float, gap: float = 0.0, slip: float = 0.0) -> dict:
+    """Parameters that both contact objects share. Their data node holds gap (m) and slip (m/s) of the last iteration;
+    `damping` (N s/m) is for impacts without restitution."""
     data = item.NodeGenericData(initialCoordinates=[gap, slip, 0.0, 0.0], numberOfDataCoordinates=4)
     impact = case.effect(Impact)
-    law: dict = dict(contactDamping=critical_damping(case, setting))
+    law: dict = dict(contactDamping=damping)
     if impact and impact.restitution > 0.0:
         # Gonthier's and Carvalho's damping, which the engine mixes so that any restitution is met to a thousandth.
         law = dict(impactModel=2, restitutionCoefficient=impact.restitution, minimumImpactVelocity=SLOWEST_IMPACT)

@@ -17,6 +17,8 @@ from ..common.driven_tracks import to_fixed_frame
 from ..common.flights import LANDING_REASON, LIFT_OFF_REASON, flights, lands_for_good
 from ..common.support_contacts import with_supports
 from ..interface import EngineFailure, Setting
+from . import free_plates
+from .free_plates import PlatesSystem
 from .system import ExudynContact, ExudynSystem, SensorData, disc_circle, rough_friction, scales
 
 # Columns of the normal and the friction force in a row of a trajectory; and all columns that only a contact has.
@@ -31,7 +33,7 @@ class ExudynModel:
     case: Case
     route: str
     setting: Setting
-    system: ExudynSystem
+    system: ExudynSystem | PlatesSystem
     outside: Case
     cost: Cost = Cost()
     failure: str | None = None
@@ -39,9 +41,11 @@ class ExudynModel:
 
 def read(model: ExudynModel) -> Trajectory:
     """The run as a Trajectory, cut where the plate leaves its track. Raises EngineFailure if it is no motion."""
+    if isinstance(model.system, PlatesSystem):
+        return free_plates.read(model.case, model.setting, model.system, model.cost, model.failure)
     data = _sensor_data(model.system)
     if model.case.supports:
-        return _on_supports(model, data)
+        return _on_supports(model, model.system, data)
     t, contact = data.t, model.system.contact(data)
     count = len(contact.gap)
     rows = np.column_stack(
@@ -69,15 +73,15 @@ def read(model: ExudynModel) -> Trajectory:
     return to_fixed_frame(model.outside, motion)
 
 
-def _on_supports(model: ExudynModel, data: SensorData) -> Trajectory:
+def _on_supports(model: ExudynModel, system: ExudynSystem, data: SensorData) -> Trajectory:
     """The motion of a disc on several supports; the forces of all contacts act at its rim."""
     if model.failure:
         raise EngineFailure(f"Exudyn stopped at {data.t[-1]:.4g} s: {model.failure}.")
     case, nothing = model.case, np.full(len(data.t), np.nan)
     force, moment = np.zeros((len(data.t), 2)), np.zeros(len(data.t))
-    numbers = [number for number in (model.system.force, *model.system.others) if number is not None]
+    numbers = [number for number in (system.force, *system.others) if number is not None]
     for pair, number in zip(pairs(case), numbers, strict=True):
-        own = model.system.system.GetSensorStoredData(number)[:, 1:3]
+        own = system.system.GetSensorStoredData(number)[:, 1:3]
         force += own
         moment += disc_circle(case).radius * (own @ pair.track.tangent(0.0))
     columns = (*data.pose.T, *data.velocity.T, *[nothing] * 5)

@@ -258,9 +258,9 @@ def friction_coefficient(case: Case) -> float:
     return friction.at_rest if friction else 0.0
 
 
-def critical_damping(case: Case, setting: Setting) -> float:
-    """The damping in N s/m with which the plate settles on the contact's spring without bouncing."""
-    return 2.0 * sqrt(setting["k"] * case.plate.mass)
+def critical_damping(mass: float, setting: Setting) -> float:
+    """The damping in N s/m with which a mass (kg) settles on the contact's spring without bouncing."""
+    return 2.0 * sqrt(setting["k"] * mass)
 
 
 def scales(case: Case) -> tuple[float, float]:

@@ -100,6 +100,7 @@ OTHER_SCENES = {
     "no disc": lambda: cases.load("ellipse_on_line"),
     "a start in flight": lambda: cases.load("disc_onto_incline"),
     "another effect": lambda: cases.load("disc_rolling_to_rest"),
+    "free plates": lambda: cases.load("disc_on_free_disc"),
     "static friction": lambda: _with_friction(CoulombFriction(0.1, 0.2)),
     "a friction law": lambda: _with_friction(CoulombFriction(FORMULA)),
 }

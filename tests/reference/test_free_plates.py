@@ -312,12 +312,9 @@ def test_invalid_cases_are_rejected_in_a_sentence():
 
 def test_several_plates_are_rejected_in_a_sentence():
     from adapters import exudyn
-    from adapters.by_process import scene_file
     from reference.sweeping.scenario_values import structure
 
-    assert refusal(exudyn, on_top(), "native") == "The native route does not support several plates (others)."
-    with pytest.raises(NotSupported, match="has one plate"):
-        scene_file.scene(on_top())
+    assert refusal(exudyn, on_top(), "integrator") == "The integrator route does not support several plates (others)."
     with pytest.raises(NotSupported, match="a sweep does not support several plates"):
         structure(on_top())
     with pytest.raises(BadValue, match="a film shows one plate"):

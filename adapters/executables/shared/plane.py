@@ -46,9 +46,11 @@ def exit_not_available(name: str, package: str = "") -> NoReturn:
     sys.exit(1)
 
 
-def read_scene(engine: str, names: tuple[str, ...], reasons: dict[str, str] | None = None) -> dict[str, Any]:
+def read_scene(
+    engine: str, names: tuple[str, ...], reasons: dict[str, str] | None = None, must_turn: bool = True
+) -> dict[str, Any]:
     """The scene. Ends the program for an effect that is not in `names`, with the effect's sentence of `reasons` if it
-    has one, or that no engine with contacts supports."""
+    has one, or that no engine with contacts supports; with `must_turn`, for a plate that does not turn."""
     scene = json.load(sys.stdin)
     effects = scene["effects"]
     for name, reason in (reasons or {}).items():
@@ -57,7 +59,7 @@ def read_scene(engine: str, names: tuple[str, ...], reasons: dict[str, str] | No
     missing = [name for name in effects if name not in names]
     if missing:
         refuse(f"{engine} has no implementation here of {' and '.join(missing)}.")
-    if scene["plate"]["inertia"] is None:
+    if must_turn and any(plate.inertia is None for plate in plates(scene)):
         refuse(f"{engine}'s bodies have a finite inertia here, and this plate does not turn.")
     if "Unilateral" not in effects:
         refuse(f"{engine}'s contacts only push, and this plate is guided from both sides.")
@@ -89,6 +91,7 @@ def formula(text: str) -> Callable[[float], float]:
 
 
 Triple = tuple[float, float, float]
+POSE, RATES = ("x", "y", "theta"), ("vx", "vy", "omega")
 
 
 def drive_steps(scene, h: float) -> Callable[[int], tuple[Triple, Triple]] | None:
@@ -125,6 +128,31 @@ def supports(scene) -> list[FixedLine]:
         nx, ny = points["normal_x"][0], points["normal_y"][0]
         lines.append(FixedLine(points["x"][middle], points["y"][middle], atan2(-nx, ny), support["effects"]))
     return lines
+
+
+class MovingPlate(NamedTuple):
+    """A plate: its name, mass (kg), inertia (kg m², None if it does not turn), radius (m, None if it is no disc), pose
+    and velocities at time zero."""
+
+    name: str
+    mass: float
+    inertia: float | None
+    radius: float | None
+    pose: Triple
+    velocities: Triple
+
+
+def plates(scene) -> list[MovingPlate]:
+    """All plates: the scene's own, called "plate", and the further ones."""
+    every = [("plate", scene["plate"], scene["start"])]
+    every += [(name, one, one["start"]) for name, one in scene["effects"].get("FreePlates", {}).items()]
+    return [
+        MovingPlate(
+            name, one["mass"], one["inertia"], one["radius"],
+            (start["x"], start["y"], start["theta"]), (start["vx"], start["vy"], start["omega"]),
+        )
+        for name, one, start in every
+    ]  # fmt: skip
 
 
 def gravity(scene) -> tuple[float, float, float]:
@@ -314,6 +342,30 @@ def nearest_normal(scene) -> Callable[[float, float], tuple[float, float]]:
     return normal
 
 
+class PlatesRows:
+    """The rows of a motion of several plates, and the CPU time since this object was made. The suite computes the
+    contacts from the poses."""
+
+    def __init__(self, scene):
+        self.names, self.cpu_start = [plate.name for plate in plates(scene)], time.process_time()
+        self.rows: list[list[float]] = []
+
+    def note(self, t: float, states: Sequence[Sequence[float]]) -> None:
+        """Add a row: (x, y, theta, vx, vy, omega) of every plate at a time."""
+        self.rows.append([t, *(value for state in states for value in state)])
+
+    def write(self, creep: float) -> None:
+        """Print the motion as comma-separated values, with its cost and the slip (m/s) below which it counts as
+        sticking."""
+        cpu = time.process_time() - self.cpu_start
+        columns = [name if plate == "plate" else f"{name} of {plate}" for plate in self.names for name in POSE + RATES]
+        print(f"# creep = {creep:.6g}")
+        print(
+            ",".join(["t", *columns]), *(",".join(repr(float(value)) for value in row) for row in self.rows), sep="\n"
+        )
+        print(f"# cost cpu_s={cpu:.6g} steps={len(self.rows)}")
+
+
 class MotionRows:
     """The rows of a motion, and the CPU time since this object was made.
 
@@ -382,5 +434,5 @@ class MotionRows:
         scatter = 0.5 * np.abs(np.diff(push))[sticks[1:] | sticks[:-1]]
         outline = self.scene["points"]["outline"]
         reach = float(np.hypot(outline["x"], outline["y"]).max())
-        ease = 1 / plate["mass"] + reach**2 / plate["inertia"]
+        ease = 1 / plate["mass"] + (reach**2 / plate["inertia"] if plate["inertia"] else 0.0)
         return friction["mu"] * ease * (t[1] - t[0]) * (float(np.percentile(scatter, 99)) if scatter.size else 0.0)

@@ -1,0 +1,79 @@
+"""Several free plates in Exudyn, against exact motions; each law holds, and is broken by a wrong model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import sqrt
+
+import numpy as np
+import pytest
+
+import cases
+from adapters import other_laws, refusal
+from adapters.laws import judge
+from adapters.laws.free_plates import LAWS
+from cases import CoulombFriction, Mode
+from reports.judging import several_contacts
+from tests.adapters.mutants import Hashable
+from tests.adapters.test_engine_effects import play
+from tests.adapters.test_free_plates import pile_on_floor
+
+exudyn = pytest.importorskip("adapters.exudyn")
+
+
+def test_a_disc_leaves_a_free_disc_and_momentum_stays():
+    """It leaves after 0.444077645 s (derived in tests/reference/test_free_plates.py); the floor is without friction."""
+    motion = play("exudyn", "native", cases.load("disc_on_free_disc"), 6)
+    upper = motion.plate("upper")
+    assert np.abs(2.0 * motion.vx + upper.vx).max() < 1e-10  # Newton's tolerance
+    last = np.flatnonzero(np.isfinite(motion.contacts["upper/plate"].slip))[-1]
+    assert motion.t[last] == pytest.approx(0.444077645, abs=4e-3)  # measured: 1.9 ms
+
+
+def test_an_impact_goes_through_a_row_of_discs_that_are_apart():
+    case = cases.load("row_of_discs")
+    motion = play("exudyn", "native", case, 5)
+    assert [motion.plate(name).vx[-1] for name in motion.plate_names] == pytest.approx(
+        [0.0, 0.0, 1.0], abs=2e-3
+    )  # restitution is met to a thousandth
+    for contact, time in (("second/plate", 0.3), ("third/second", 0.31)):
+        one = several_contacts.only(motion, contact)
+        (impact,) = several_contacts.ContactReader(several_contacts.gap_of(motion, contact))(case, one).transitions
+        assert (impact.before, impact.after, impact.cause) == (Mode.FLIGHT, Mode.FLIGHT, "impact")
+        assert impact.time == pytest.approx(time, abs=2e-4)  # an impact takes pi sqrt(m/2 k), 0.1 ms
+    assert not other_laws(exudyn, case, "native")
+    assert other_laws(exudyn, cases.load("row_of_discs", gap=0.0), "native")
+
+
+def test_a_support_has_its_own_friction_under_free_plates():
+    """The pile stands on a floor with more friction than (2 − √3)/3, and moves apart on one with less."""
+    needed = (2.0 - sqrt(3.0)) / 3.0
+    for share, stands in ((1.05, True), (0.95, False)):
+        upper = play("exudyn", "native", pile_on_floor(share * needed), 5).plate("upper")
+        assert (np.abs(upper.y - upper.y[0]).max() < 1e-3) == stands
+
+
+def test_a_plate_that_does_not_turn_is_held():
+    motion = play("exudyn", "native", cases.load("disc_on_free_hemisphere"), 3)
+    assert np.abs(motion.theta).max() < 1e-12 and motion.plate("upper").omega.min() < -1.0
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_each_law_of_free_plates_is_kept(law):
+    (verdict,) = judge(exudyn, [law], ["native"])
+    assert verdict.outcome == "kept", verdict.reason
+
+
+def test_impacts_with_ordinary_steps_break_a_law(monkeypatch):
+    """A step through the contact's spring: restitution was 2.16 instead of 0.781."""
+    monkeypatch.setattr(exudyn.adapter.free_plates, "IMPACT", 1e9)
+    fresh = Hashable(**{name: getattr(exudyn, name) for name in exudyn.__all__})
+    (verdict,) = judge(fresh, ["collision_of_free_plates"], ["native"])
+    assert verdict.outcome == "broken" and "restitution of Impact" in verdict.reason
+
+
+def test_what_its_contacts_lack_is_rejected_in_a_sentence():
+    case = cases.load("disc_on_free_disc", mu=0.5)
+    static = tuple(CoulombFriction(0.5, 0.6) if isinstance(e, CoulombFriction) else e for e in case.effects)
+    reason = refusal(exudyn, replace(case, effects=static), "native")
+    assert reason == "Exudyn's contacts have one friction coefficient, for slip and stick and all slip velocities."

@@ -1,0 +1,173 @@
+"""The process protocol with several free plates: the scene, the motion that is read back, and engines that run it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import cases
+import reference
+from adapters import EngineFailure, Setting, by_process, lookup
+from adapters.common import motion_file
+from adapters.laws import judge
+from cases import BadValue, DoesNotFit, NotSupported
+from reports import compare, export
+from tests.adapters.mutants import Hashable, effect
+
+PROGRAM = Path(by_process.__file__).parents[1] / "executables"
+
+
+def test_a_scene_has_every_plate_with_its_start():
+    sent = by_process.scene(cases.load("pile_of_discs"))
+    further = sent["effects"]["FreePlates"]
+    assert list(further) == ["second", "upper"]
+    assert further["upper"]["start"] == dict(x=0.0, y=0.5 * (1 + 3**0.5), theta=0.0, vx=0.0, vy=0.0, omega=0.0)
+    assert further["second"].items() >= dict(mass=1.0, inertia=0.125, radius=0.5).items()
+    bodies = ElementTree.fromstring(sent["mjcf"]).findall("worldbody/body")
+    assert [body.get("name") for body in bodies] == ["plate", "second", "upper"]
+    names = [joint.get("name") for body in bodies for joint in body.findall("joint")]
+    assert len(set(names)) == 9 and {"theta", "theta of upper"} <= set(names)
+    models = ElementTree.fromstring(sent["sdf"]).findall("world/model")
+    assert [model.get("name") for model in models] == ["track", "plate", "second", "upper"]
+    hemisphere = by_process.scene(cases.load("disc_on_free_hemisphere"))
+    assert hemisphere["plate"]["inertia"] is None and hemisphere["effects"]["FreePlates"]["upper"]["inertia"] > 0.0
+
+
+def test_the_track_reaches_as_far_as_any_plate():
+    case = cases.load("row_of_discs")
+    far = replace(case, others=(replace(case.others[0], start=replace(case.others[0].start, x=40.0)), case.others[1]))
+    assert max(by_process.scene(far)["points"]["track"]["x"]) > 40.0
+
+
+@pytest.fixture
+def exported(tmp_path):
+    """The true motion of a disc on a free disc, as `cases export` writes it; case and file."""
+    case = cases.load("disc_on_free_disc[mu=0.5]")
+    return case, next(path for path in export.export(case, tmp_path) if path.name == "motion.csv")
+
+
+def test_the_true_motion_is_read_back_with_a_pose_per_plate(exported):
+    case, file = exported
+    motion = motion_file.trajectory_of(case, motion_file.read_table(file))
+    exact = reference.simulate(case)
+    assert motion.plate_names == exact.plate_names and set(motion.contact_names) == set(exact.contact_names)
+    for name in motion.plate_names:
+        own, true = motion.plate(name), exact.plate(name)(motion.t)
+        assert np.abs([own.x - true.x, own.y - true.y, own.theta - true.theta]).max() < 1e-10
+    # Without forces, the gap shows the lift-off a sample late.
+    assert "very good" in compare.compare(case, file).splitlines()[0]
+
+
+def test_velocities_of_further_plates_are_differences_if_the_file_has_none(exported):
+    case, file = exported
+    table = motion_file.read_table(file)
+    motion = motion_file.trajectory_of(case, table.drop(columns=["vx of upper", "vy of upper", "omega of upper"]))
+    smooth = (motion.t > 0.65) & (motion.t < 0.7)
+    # h² v''/6 of samples 0.65 ms apart, before it leaves the lower disc: 4e-6 m/s.
+    assert np.abs(motion.plate("upper").vy[smooth] - table["vy of upper"][smooth]).max() < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda table: table.drop(columns="theta of upper"), "no column 'theta of upper'"),
+        (lambda table: table.assign(**{"x of upper": table["x of upper"] + 0.1}), "of upper, the centre of mass"),
+        (lambda table: table.assign(**{"vx of upper": -table["vx of upper"]}), "vx of upper is not the rate of x"),
+        (lambda table: table.assign(**{"theta of upper": 57.3 * table["theta of upper"]}), "theta of upper"),
+    ],
+)
+def test_a_table_that_is_no_motion_of_all_plates_is_rejected(exported, change, message):
+    case, file = exported
+    with pytest.raises((BadValue, DoesNotFit), match=message):
+        motion_file.trajectory_of(case, change(motion_file.read_table(file)))
+
+
+def test_two_columns_of_one_name_are_rejected():
+    with pytest.raises(BadValue, match="2 columns x of upper"):
+        motion_file.parse("t,x,y,theta,x of upper,x of upper\n0,0,0,0,0,0\n", "motion.csv")
+
+
+# --- the suite's executables ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def engine(request, monkeypatch):
+    """The engine of that name, or a skip that names what to install."""
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
+    try:
+        return lookup.engine(lookup.register(request.param))
+    except ImportError as problem:
+        pytest.skip(str(problem))
+
+
+RUNNING = pytest.mark.parametrize("engine", ["drake", "mujoco"], indirect=True)
+
+
+def _simulated(engine, label: str, h: float):
+    case = cases.load(label)
+    model = engine.build(case, "process", Setting.of(h=h))
+    engine.run(model)
+    return engine.read(model)
+
+
+@RUNNING
+def test_drake_and_mujoco_run_a_disc_on_a_free_disc(engine):
+    """It leaves after 0.444077645 s, derived in tests/reference/test_free_plates.py; the floor has no friction."""
+    motion = _simulated(engine, "disc_on_free_disc", 1e-3)
+    upper = motion.plate("upper")
+    assert np.abs(2.0 * motion.vx + upper.vx).max() < 1e-6  # the momentum along the floor
+    last = np.flatnonzero(np.isfinite(motion.contacts["upper/plate"].slip))[-1]
+    assert motion.t[last] == pytest.approx(0.444077645, abs=1.2e-2)  # measured: 5.6 ms (drake), 7 ms (mujoco)
+    flies = motion.t < 0.66
+    exact = reference.simulate(cases.load("disc_on_free_disc")).plate("upper")(motion.t)
+    assert np.hypot(upper.x - exact.x, upper.y - exact.y)[flies].max() < 5e-3
+
+
+def of_another(engine, change):
+    """An engine that is given `change(case)` in place of the case."""
+    return Hashable(
+        NAME=engine.NAME, routes=engine.routes, SEVERAL_PLATES=engine.routes, refuses=engine.refuses,
+        ladder=engine.ladder, run=engine.run, read=engine.read,
+        build=lambda case, route, setting: engine.build(change(case), route, setting),
+    )  # fmt: skip
+
+
+@RUNNING
+def test_drake_and_mujoco_hold_a_pile(engine):
+    assert {v.outcome for v in judge(engine, ["pile_of_free_plates"])} == {"kept"}
+    change = effect(cases.CoulombFriction, lambda e: None)
+    (found,) = judge(of_another(engine, change), ["pile_of_free_plates"])
+    assert found.outcome == "broken" and "the way of" in found.reason
+
+
+@pytest.mark.parametrize("engine", ["drake"], indirect=True)
+def test_drakes_free_plates_keep_the_law_of_friction(engine):
+    """(MuJoCo's soft contacts rebound with 0.2 to 0.3 of the speed, and its friction takes mu of a larger impulse.)"""
+    (found,) = judge(engine, ["friction_of_free_plates"])
+    assert found.outcome == "kept", found.reason
+
+
+@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
+def test_mujoco_holds_a_plate_that_does_not_turn(engine):
+    motion = _simulated(engine, "disc_on_free_hemisphere", 2e-3)
+    assert np.ptp(motion.theta) == 0.0 and motion.plate("upper").omega.min() < -1.0
+
+
+@pytest.mark.parametrize("engine", sorted(set(by_process.bundled_engines()) - {"drake", "mujoco"}), indirect=True)
+def test_the_other_executables_reject_free_plates_by_name(engine):
+    with pytest.raises(NotSupported, match="FreePlates"):
+        _simulated(engine, "disc_on_free_disc", 1e-2)
+
+
+def test_an_output_without_the_further_plates_is_a_failure_of_the_engine(tmp_path, monkeypatch):
+    monkeypatch.setenv(lookup.EXECUTABLES, "")
+    file = tmp_path / "forgetful"
+    rows = "\n".join(f"{k * 0.013},0,0.5,0" for k in range(101))
+    file.write_text(f"#!/bin/sh\ncat > /dev/null\ncat <<END\nt,x,y,theta\n{rows}\nEND\n")
+    file.chmod(0o755)
+    with pytest.raises(EngineFailure, match="no column 'x of upper'"):
+        _simulated(lookup.engine(lookup.register(file)), "disc_on_free_disc", 1e-2)
