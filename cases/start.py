@@ -12,6 +12,7 @@ from .curves import Curve
 from .effects import Effect, Flight, Impact, PerfectlyRough
 from .errors import BadValue, DoesNotFit, finite, not_negative
 from .overlap import first_overlap
+from .start_overlap import deepest_overlap, meets_once
 
 
 @dataclass(frozen=True)
@@ -116,4 +117,12 @@ def _check_place(start: Start, track: Curve, outline: Curve) -> None:
         raise DoesNotFit(
             f"the plate overlaps its track at xi1 = {overlap[1]:.6g} while it touches at xi1 = {xi1:g}; "
             "give a smaller plate or another start"
+        )
+    if meets_once(track, outline):
+        return
+    deepest = deepest_overlap(track, outline, state.x, state.y, state.theta, xi1)
+    if deepest:
+        raise DoesNotFit(
+            f"the plate overlaps its track by {deepest.depth:.6g} m at xi1 = {deepest.xi1:.9g} where it begins; give "
+            "another start"
         )

@@ -23,6 +23,7 @@ from .line_or_circle import as_line
 from .outline_features import features, is_arc
 from .overlap import first_overlap
 from .own_effects import own_effects
+from .start_overlap import deepest_overlap
 
 # The name of the track among the supports.
 TRACK = "track"
@@ -30,6 +31,8 @@ TRACK = "track"
 CONVEX = 1e-6
 # A plate overlaps a support where it begins if it lies deeper in it than this part of its size: far above rounding.
 DEPTH = 1e-9
+# Newton's steps to the place of a line that is next to a plate; a line that is run through evenly takes one.
+FOOT_STEPS = 8
 # Effects that a support may have of its own.
 OWN = (CoulombFriction, PerfectlyRough, Impact)
 
@@ -174,12 +177,16 @@ def check_start(case: Any, x: float, y: float, theta: float) -> None:
     for support in case.supports:
         curve, line = support.curve, as_line(support.curve)
         if line is not None and curve.domain is None:
-            normal = np.array([-line.direction[1], line.direction[0]])
+            normal, near = np.array([-line.direction[1], line.direction[0]]), curve.span[0]
             is_deep = float((normal @ (points - line.point[:, None])).min()) < -DEPTH * case.plate.reach
+            for _ in range(FOOT_STEPS):
+                near += float((np.array([x, y]) - curve.point(near)) @ line.direction) / float(curve.speed(near))
         else:
-            px, py, angle, near = (np.array([value]) for value in (x, y, theta, 0.5 * sum(curve.span)))
-            is_deep = first_overlap(curve, outline, px, py, angle, near) is not None
-        if is_deep:
+            near = 0.5 * sum(curve.span)
+            px, py, angle, at = (np.array([value]) for value in (x, y, theta, near))
+            is_deep = first_overlap(curve, outline, px, py, angle, at) is not None
+        deepest = None if is_deep else deepest_overlap(curve, outline, x, y, theta, near)
+        if is_deep or (deepest is not None and deepest.depth > DEPTH * case.plate.reach):
             raise DoesNotFit(f"the plate overlaps support {support.name!r} where it begins; give another start")
 
 

@@ -32,10 +32,12 @@ from cases import (
 )
 from cases.contact import start_motion
 from cases.expressions import constants
-from cases.overlap import first_overlap
+from cases.overlap import first_overlap, span
 from cases.own_effects import own_effects
 from cases.piece_case import has_pieces
+from cases.start_overlap import deepest_overlap
 
+from ..minimal.curvature_proof import fits
 from ..minimal.effects import laws
 from .geometry import level_parameters, places
 
@@ -318,7 +320,13 @@ def _place_again(base: Case, base_structure: Structure, all_numbers: dict[str, n
     all_numbers["theta"] = track.tangent_angle(xi1) - outline.tangent_angle(xi2)
     c, s = np.cos(all_numbers["theta"]), np.sin(all_numbers["theta"])
     x, y = f.x - (c * h.x - s * h.y), f.y - (s * h.x + c * h.y)
-    return first_overlap(track, outline, x, y, all_numbers["theta"], xi1) is None
+    theta = all_numbers["theta"]
+    if first_overlap(track, outline, x, y, theta, xi1) is not None:
+        return False
+    if fits(track, outline, *span(track, xi1, outline.sizes[0])):
+        return True
+    starts = dict.fromkeys(zip(x.tolist(), y.tolist(), theta.tolist(), xi1.tolist(), strict=True))
+    return all(deepest_overlap(track, outline, *start) is None for start in starts)
 
 
 def _probes(columns: Mapping[str, np.ndarray], n: int) -> Iterator[int]:

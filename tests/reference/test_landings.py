@@ -358,6 +358,17 @@ def _times(transitions, end: float) -> np.ndarray:
     return np.array([t.time for t in transitions] or [end], dtype=float)
 
 
+def test_a_contact_that_opens_more_slowly_than_its_gap_is_rounded_flies_off():
+    """Flight 1947: an ellipse slides off a ripple. The gap after the first short step was a rounding of zero, and the
+    motion ended as an accumulation of changes of mode at most tolerances."""
+    case = rippled(1947).case
+    loose, tight = (reference.simulate(case, rtol=rtol) for rtol in (1e-10, 1e-13))
+    assert loose.status == tight.status == "completed"
+    assert [(t.before, t.after) for t in loose.transitions] == [(t.before, t.after) for t in tight.transitions]
+    times, others = _times(loose.transitions, 0.12), _times(tight.transitions, 0.12)
+    assert len(times) == 23 and times == pytest.approx(others, abs=1e-9)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("lot", range(20))
 def test_two_thousand_flights_over_ripples_end_where_they_first_touch(lot):

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..defect_check import Expansion, clear_part
 from ..modes import Phase
+from ..series import Series
 from .segment import BREAKDOWN
 
 # Length of the first step as a part of its polynomial's range: the polynomial is exact there to rounding, and a
@@ -94,18 +95,41 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         zero = next((i for i, value in enumerate(values) if not value > 0.0), -1)
         if zero < 0:
             return FirstStep(t + h, state, 1, longest)
-        grown |= {i for i, pair in enumerate(zip(halves, ends, strict=True)) if min(pair) > 0.0}
-        part *= 0.1
-        _, _, h, half, state, _ = states(part, span)
+        opening = _opening_gaps(phase, y, starts, ((t + 0.5 * h, half), (t + h, state))) - grown
+        grown |= opening | {i for i, pair in enumerate(zip(halves, ends, strict=True)) if min(pair) > 0.0}
+        if not opening:
+            part *= 0.1
+            _, _, h, half, state, _ = states(part, span)
     return FirstStep(t, y, 0, longest, tuple(phase.system.guards)[zero % len(starts)])
 
 
 def _without_rounding(phase: Phase, y, values: Sequence[float], grown: set[int]) -> list[float]:
-    """The guards' values with those gaps positive that were so in a longer step and are rounding in this one: a contact
-    that opens as its force vanishes has a gap that grows with the third power of time."""
-    least = ROUNDINGS * EPS * (phase.size + abs(y[0]) + abs(y[1]))
+    """The guards' values with those gaps positive that are known to grow and are rounding in this step: a contact that
+    opens as its force vanishes has a gap that grows with the third power of time."""
+    least = _gap_rounding(phase, y)
     gaps = {i for i, name in enumerate(phase.system.guards) if i in grown and name.startswith("gap")}
     return [least if i in gaps and abs(value) <= least else value for i, value in enumerate(values)]
+
+
+def _opening_gaps(phase: Phase, y, starts: Sequence[float], later: Sequence[tuple[float, list[float]]]) -> set[int]:
+    """The guards that are gaps of rounding at the start and grow at all of these later times and states: their rates
+    are thousands of times more precise than they are."""
+    least, names = _gap_rounding(phase, y), tuple(phase.system.guards)
+    gaps = {i for i, name in enumerate(names) if name.startswith("gap") and abs(starts[i]) <= least}
+    conditions = tuple(phase.system.conditions)
+    for time, state in later if gaps else ():
+        bounds = [EPS * abs(value) for value in state]
+        series = phase.system.expand(time, state, bounds, phase.parameters, 1)[1]
+        for i in list(gaps):
+            value = series[conditions.index(names[i])]
+            if not (isinstance(value, Series) and value.c[1] > value.e[1]):
+                gaps.remove(i)
+    return gaps
+
+
+def _gap_rounding(phase: Phase, y) -> float:
+    """The rounding of a gap, m, in a state."""
+    return ROUNDINGS * EPS * (phase.size + abs(y[0]) + abs(y[1]))
 
 
 def _lowest_places(starts: Sequence[float], halves: Sequence[float], ends: Sequence[float]) -> list[tuple[int, float]]:

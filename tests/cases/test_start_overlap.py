@@ -1,0 +1,137 @@
+"""Starts in which a plate overlaps its track anywhere are rejected, however little it does."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from cases import (
+    Case,
+    Curve,
+    DoesNotFit,
+    Flight,
+    Gravity,
+    Impact,
+    Plate,
+    Start,
+    StartPose,
+    Support,
+    Unilateral,
+    disc,
+)
+from cases.contact import start_motion
+from cases.library import circle, ellipse, line
+from cases.start_overlap import deepest_overlap
+
+FLYING = (Gravity(9.81), Unilateral(), Flight())
+
+
+def lobed(height: float, lobes: float) -> Plate:
+    radius = f"({height!r}*cos({lobes!r}*s) + 0.1)"
+    return Plate(Curve((f"{radius}*cos(s)", f"{radius}*sin(s)")), 1.0, 0.005)
+
+
+def wavy(height: float, number: float, phase: float) -> Curve:
+    return Curve(("s", f"{height!r}*sin({number!r}*s + {phase!r})"), (-1.0, 1.0))
+
+
+# Flight 1758 over ripples: 64 lobes, and ripples of 0.1 µm by 0.15 mm. The pair of the start is 0.1 µm apart.
+WAVES = wavy(1.3510752204238006e-7, 42006.83074155321, 3.5523624667221463)
+GAP, DEPTH = 1.1236753229814419e-07, 7.889252608766717e-07
+
+
+def start_of_lobes(gap: float) -> Case:
+    start = Start(-0.1429113783724042, 0.7698956890117601, slip=1.0, gap=gap, gap_rate=-0.4)
+    return Case(WAVES, lobed(1.144054318356496e-6, 64.0), FLYING, start, 0.1)
+
+
+def test_another_lobe_of_a_start_overlaps_by_a_micrometre():
+    with pytest.raises(DoesNotFit, match=r"overlaps its track by 7\.88925e-07 m at xi1 = -0\.143339588") as error:
+        start_of_lobes(GAP)
+    assert "\n" not in str(error.value)
+
+
+def test_a_start_is_rejected_if_it_overlaps_by_a_tenth_of_a_nanometre():
+    # The plate rises with the gap along the ripple's normal, 6 mrad from the vertical: by 2e-11 m less.
+    with pytest.raises(DoesNotFit, match="overlaps"):
+        start_of_lobes(GAP + DEPTH - 1e-10)
+    assert start_of_lobes(GAP + DEPTH + 1e-10).start.gap > 0.0
+
+
+def closest(track: Curve, outline: Curve, start: Start) -> float:
+    """The least height (m, negative inside) of the outline's points above a track y = f(x), by samples of the outline
+    that are refined around the lowest ones."""
+    begun = start.motion(track, outline)
+    c, s = np.cos(begun.theta), np.sin(begun.theta)
+
+    def height(xi2):
+        u, v = outline.point(xi2)
+        return begun.y + s * u + c * v - track.point(begun.x + c * u - s * v)[1]
+
+    low, high = outline.span
+    xi2 = np.linspace(low, high, 100_001)
+    heights = height(xi2)
+    lowest, wide = xi2[np.argsort(heights)[:500]], xi2[1] - xi2[0]
+    for _ in range(10):
+        grid = lowest[:, None] + wide * np.linspace(-1.0, 1.0, 9)
+        heights = height(grid.ravel()).reshape(grid.shape)
+        lowest, wide = grid[np.arange(len(lowest)), heights.argmin(axis=1)], wide / 4.0
+    return float(heights.min())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_starts_over_ripples_are_rejected_if_and_only_if_they_overlap(seed):
+    random = np.random.default_rng(seed)
+    number = float(10 ** random.uniform(2, 4.3))
+    # More bent than the plates: the pair of the start is seldom the nearest.
+    track = wavy(float(10 ** random.uniform(1.5, 2.2) / number**2), number, float(random.uniform(0, 6)))
+    plates = disc(0.1, 1.0), Plate(ellipse(0.1, 0.06), 1.0, 0.004), lobed(float(10 ** random.uniform(-7, -5)), 40.0)
+    rejected = list[bool]()
+    for plate in plates:
+        for sign in (-1.0, 1.0):
+            start = Start(float(random.uniform(-0.2, 0.2)), float(random.uniform(-3, 3)), gap=5e-3)
+            # Above the first touch by a micrometre or less, or below it; the gap is not vertical.
+            above = sign * float(10 ** random.uniform(-10, -6))
+            for _ in range(5):
+                height = closest(track, plate.outline, start)
+                start = replace(start, gap=max(start.gap + above - height, 1e-9))
+            height = closest(track, plate.outline, start)
+            assert abs(height) > 1e-12, "this scene shows nothing: a rounding decides"
+            try:
+                Case(track, plate, FLYING, start, 0.1)
+                rejected.append(False)
+            except DoesNotFit as problem:
+                assert "overlaps" in str(problem)
+                rejected.append(True)
+            assert rejected[-1] == (height < 0.0), (seed, height)
+    assert any(rejected) and not all(rejected)
+
+
+def test_curves_that_nearly_coincide_do_not_overlap_by_rounding():
+    track = circle(1.0)
+    for radius in (1.0 - 1e-8, 1.0 - 1e-6, 0.999):
+        case = Case(track, disc(radius, 1.0), (Gravity(9.81),), Start(0.3), 1.0)
+        begun = start_motion(case)
+        assert deepest_overlap(track, case.plate.outline, begun.x, begun.y, begun.theta, 0.3) is None
+        x, y = begun.x + 1e-9 * np.cos(0.3), begun.y + 1e-9 * np.sin(0.3)
+        deep = deepest_overlap(track, case.plate.outline, x, y, begun.theta, 0.3)
+        assert deep is not None and deep.depth == pytest.approx(1e-9, rel=1e-4)
+
+
+def test_a_start_that_overlaps_a_wall_by_less_than_samples_of_its_outline_show():
+    effects, wall = (Gravity(9.81), Unilateral(), Flight(), Impact(0.0)), Support(line(pi / 2), "wall")
+
+    def start(depth: float) -> Case:
+        # The wall is x = 0, with the plate at its right; no sample of the disc points at it.
+        pose = StartPose(0.1 - depth, 0.1, theta=0.003)
+        return Case(line(), disc(0.1, 1.0), effects, pose, 0.1, supports=(wall,))
+
+    assert start(0.0).supports and start(5e-11).supports
+    with pytest.raises(DoesNotFit, match="overlaps support 'wall'"):
+        start(1e-8)
+
+
+def test_a_line_and_a_convex_plate_touch_where_they_start():
+    case = Case(line(), disc(0.1, 1.0), FLYING, Start(0.0, gap=1e-9), 1.0)
+    assert case.start.gap == 1e-9
