@@ -11,12 +11,13 @@ from cases import Case, Curve, Plate
 from cases.corner import Corner
 from cases.derivation import in_one_thread
 from cases.effects import MOTION
-from cases.expression_graph import ZERO, Node, sqrt, substitute, symbol
+from cases.expression_graph import ZERO, Node, in_order, sqrt, substitute, symbol
 from cases.pieces import CurvePart
 
 from .effects import MASS, SIGMA, TURN, Laws, laws
 from .elimination import (
     GYRATION,
+    LOAD,
     U1,
     U2,
     X1,
@@ -89,7 +90,8 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     speeds = _speeds(f, h, belt, kind)
     pose = _motion(f, h, belt, kind, speeds)
     slip = U1 * f.P - U2 * h.P - belt.speed if kind.slips else ZERO
-    force = _at_contact(_force(f, law, pose), h, law, slip, pose[_MOTION[6]])
+    load = _load(law, pose)
+    force = _at_contact(_force(f, law, pose, load), h, law, slip, pose[_MOTION[6]])
     if kind.holds and not kind.slips:
         motion = conveyance(f, h, force, belt) if runs else resting(h, force)
     elif kind.holds:
@@ -98,6 +100,7 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
         motion = sliding(f, h, force, belt, law.friction.ratio, law.resistance.couple)
     else:
         motion = rolling(f, h, force, belt, law.resistance.couple)
+    motion = Elimination(*substitute(motion, load))
     motion = law.friction.with_law(motion, law.side) if kind.slips else motion
     conditions = law.friction.conditions(kind.slips, motion, law.side)
     conditions |= law.resistance.conditions(kind.holds, motion, law.side)
@@ -162,9 +165,31 @@ def _motion(f: Frame, h: Frame, belt: Surface, kind: Kind, speeds: tuple[Node, N
     }
 
 
-def _force(f: Frame, law: Laws, pose: dict[Node, Node]) -> Torsor:
-    """The applied torsor in the frame of the contact, with pose and velocities written in the contact's state."""
-    fx, fy, moment = substitute(law.torsor, pose)
+def _load(law: Laws, pose: dict[Node, Node]) -> dict[Node, Node]:
+    """The components of the applied torsor that must not be multiplied out, by their symbols in the elimination, with
+    pose and velocities written in the contact's state."""
+    components = dict(zip(LOAD, law.torsor, strict=True))
+    names = [name for name, component in components.items() if _has_products(component)]
+    return dict(zip(names, substitute([components[name] for name in names], pose), strict=True))
+
+
+def _has_products(component: Node) -> bool:
+    """Whether it contains a power, or a product of two parts, that time, pose or velocities change."""
+    moving = {T, *_MOTION}
+    return any(
+        part.op == "**"
+        and part.symbols & moving
+        or part.op in ("*", "/")
+        and all(isinstance(factor, Node) and factor.symbols & moving for factor in part.args)
+        for part in in_order([component])
+    )
+
+
+def _force(f: Frame, law: Laws, pose: dict[Node, Node], load: dict[Node, Node]) -> Torsor:
+    """The applied torsor in the frame of the contact, with pose and velocities written in the contact's state, and the
+    symbols of a `load` that must not be multiplied out."""
+    components = zip(LOAD, substitute(law.torsor, pose), strict=True)
+    fx, fy, moment = (name if name in load else component for name, component in components)
     return Torsor(fx * f.tx + fy * f.ty, fy * f.tx - fx * f.ty, moment)
 
 

@@ -17,6 +17,7 @@ from cases.features import Features
 
 from .load_check import Course, resolved_part
 from .modes import Phase
+from .rounding import ULPS, roundings
 
 # Places in a step at which its states are sampled: between two of them they have at most one extremum.
 PARTS = np.linspace(0.0, 1.0, 9)
@@ -44,6 +45,12 @@ class Expansion(NamedTuple):
         """Their derivatives by time."""
         return polyval(self.length * parts, polyder(self.coefficients.T))
 
+    @property
+    def amplification(self) -> float:
+        """The rounding of the slopes in parts of that of the rates, whose derivatives the coefficients are: each
+        order adds that of its own."""
+        return float(self.coefficients.shape[1])
+
 
 def good_part(phase: Phase, course: Course, tolerance: float, most: float) -> float:
     """The part of a step that may be accepted at that tolerance, with a defect of at most `most`: 1, or at most
@@ -51,9 +58,24 @@ def good_part(phase: Phase, course: Course, tolerance: float, most: float) -> fl
     part = clear_part(phase, course, tolerance)
     if part < 1.0:
         return part
-    inside = course.start + course.length * INSIDE
-    largest = defect(phase, inside, course.states(INSIDE), course.slopes(INSIDE), course.length)
-    return 1.0 if largest <= most else 0.5
+    times, states, slopes = course.start + course.length * INSIDE, course.states(INSIDE), course.slopes(INSIDE)
+    if defect(phase, times, states, slopes, course.length) <= most:
+        return 1.0
+    rounding = _rounding(phase, course, times, states)
+    return 1.0 if defect(phase, times, states, slopes, course.length, rounding) <= most else 0.5
+
+
+def _rounding(phase: Phase, course: Course, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Rounding of the slopes (variables, n) of a step at these times and states: that of the rates, amplified, and that
+    of the states over the step."""
+
+    def rates(times, states, parameters):
+        each = zip(times.tolist(), states.T.tolist(), strict=True)
+        return np.transpose([phase.system.rates_of_numbers(t, y, parameters) for t, y in each])
+
+    of_rates, p = ULPS * np.abs(rates(times, states, phase.parameters)), phase.system.positions
+    of_rates[p:] += roundings(phase, rates, times, states)[p:]  # the rates of positions are the speeds themselves
+    return course.amplification * of_rates + ULPS * np.abs(states) / course.length
 
 
 def clear_part(phase: Phase, course: Course, tolerance: float) -> float:
@@ -88,20 +110,28 @@ def _slack(features: Features, start: float, bound: float) -> float:
     return BEYOND * stride if stride < np.inf else 0.0
 
 
-def defect(phase: Phase, times: np.ndarray, states: np.ndarray, slopes: np.ndarray, length: float) -> float:
+def defect(
+    phase: Phase,
+    times: np.ndarray,
+    states: np.ndarray,
+    slopes: np.ndarray,
+    length: float,
+    rounding: np.ndarray | float = 0.0,
+) -> float:
     """The defect of a step's dense output: the largest y' - f(t, y), times the step's length, in parts of the state's
     natural sizes in that step.
 
-    `states` and `slopes` (variables, n): the dense output and its derivative at `times`; `length` of the step in s.
+    `states` and `slopes` (variables, n): the dense output and its derivative at `times`; `length` of the step in s;
+    `rounding` (variables, n): what the defect may be without being counted.
     """
     p, worst = phase.system.positions, 0.0
-    units = _units(phase, states)
-    for t, y, slope in zip(times.tolist(), states.T.tolist(), slopes.T.tolist(), strict=True):
+    units, free = _units(phase, states), np.broadcast_to(rounding, states.shape)
+    for t, y, slope, less in zip(times.tolist(), states.T.tolist(), slopes.T.tolist(), free.T.tolist(), strict=True):
         rates = phase.system.rates_of_numbers(t, y, phase.parameters)
         for i, (rate, own) in enumerate(zip(rates, slope, strict=True)):
             # The size of a speed: the position's over the step's length, plus its own value.
             size = units[i] if i < p else units[i - p] / length + abs(y[i])
-            worst = max(worst, length * abs(own - rate) / size)
+            worst = max(worst, length * (abs(own - rate) - less[i]) / size)
     return worst
 
 

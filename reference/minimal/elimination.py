@@ -23,7 +23,10 @@ GYRATION = symbol("G")  # J/m, the square of the radius of gyration
 NORMAL = symbol("N")  # the normal force per mass, while it is being eliminated
 
 
-_MOVING = {T, X1, X2, U1, U2}
+# Force and moment of a load with powers or products, while the system is being eliminated, so that these are not
+# multiplied out: where c/w is large, x²/w² − 2 c x/w² + c²/w² + 1 loses the digits of ((x − c)/w)² + 1.
+LOAD = tuple(map(symbol, ("load fx", "load fy", "load moment")))
+_MOVING = {T, X1, X2, U1, U2, *LOAD}
 
 
 def short(value: Node) -> Node:

@@ -16,8 +16,9 @@ from typing import Protocol
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from .modes import Phase
-from .scales import frequency
+from .modes import FLIGHT, Phase
+from .rounding import roundings
+from .scales import frequencies
 
 # Degree of the polynomial through a load: where it agrees to rounding, the next singularity of the load (in the complex
 # plane) is ten steps away, and the Taylor series of order 12 at the step's start is as accurate at its end.
@@ -49,9 +50,8 @@ _AROUND = np.concatenate([-_CLOSER, [0.0], _CLOSER])
 # A polynomial agrees with the load if its error is at most this part of the acting forces, a hundredth of the
 # tolerance; below 1e-13 it is rounding, above 1e-6 decisions would be wrong.
 PART, FINEST, COARSEST = 1e-2, 1e-13, 1e-6
-# Rounding of the load: its change if each component of the states is moved by four units in the last place, and the
-# factor by which a polynomial amplifies that.
-ULPS, ROUNDINGS = 4.0 * float(np.finfo(float).eps), 16.0
+# The factor by which a polynomial amplifies the rounding of the load.
+ROUNDINGS = 16.0
 # After this many halvings a step is shorter than a rounding of any time at which it may begin.
 MOST_HALVINGS = 100
 
@@ -73,6 +73,10 @@ class Course(Protocol):
     def slopes(self, parts: np.ndarray) -> np.ndarray:
         """Their derivatives by time."""
 
+    @property
+    def amplification(self) -> float:
+        """The rounding of the slopes in parts of that of the rates."""
+
 
 def resolved_part(phase: Phase, course: Course, tolerance: float) -> float:
     """The part of a step on which the load of the phase is resolved: 1, 1/2, 1/4, …"""
@@ -85,14 +89,15 @@ def resolved_part(phase: Phase, course: Course, tolerance: float) -> float:
     return part
 
 
-def _acting(phase: Phase, course: Course) -> float:
-    """The size of the forces at the start of the step, N: weight, and the force that accelerates the plate."""
-    state = course.states(np.zeros(1))[:, 0].tolist()
-    often = frequency(phase, course.start, state)
-    return phase.case.weight + phase.case.plate.mass * phase.size * often**2
+def _acting(phase: Phase, course: Course) -> float | np.ndarray:
+    """The size of the forces at the start of the step, N: weight, and the force that accelerates the plate. In flight
+    that of each force, as none changes the speed of another (a fast fall does not hide a moment)."""
+    often = frequencies(phase, course.start, course.states(np.zeros(1))[:, 0].tolist())
+    fastest = np.array(often) if phase.regime == FLIGHT else max(often, default=0.0)
+    return phase.case.weight + phase.case.plate.mass * phase.size * fastest**2
 
 
-def _is_resolved(phase: Phase, course: Course, part: float, bound: float, acting: float) -> bool:
+def _is_resolved(phase: Phase, course: Course, part: float, bound: float, acting: float | np.ndarray) -> bool:
     """Whether the load is resolved on that part of the step: its polynomial's error is at most `bound` of the
     forces."""
     places = part * PLACES
@@ -104,13 +109,14 @@ def _is_resolved(phase: Phase, course: Course, part: float, bound: float, acting
         return False
     coefficients = _TO_COEFFICIENTS @ arguments.T
     tails, sizes = np.max(np.abs(coefficients[-2:]), axis=0), np.maximum(np.max(np.abs(arguments), axis=1), least)
-    misfit = np.max(np.abs(forces[:, ::2] @ _AT_THE_OTHERS.T - forces[:, 1::2]))
-    errors, error = ARGUMENT * sizes, bound * (acting + np.max(np.abs(forces)))
-    if misfit > error or np.any(tails > errors):
-        perturbation = _quantities(phase, course, places, ULPS)
-        errors = np.maximum(errors, ROUNDINGS * np.max(np.abs(perturbation[0][small] - arguments), axis=1))
-        error = max(error, ROUNDINGS * np.max(np.abs(perturbation[1] - forces)))
-        if not (misfit <= error and np.all(tails <= errors)):
+    misfit = np.max(np.abs(forces[:, ::2] @ _AT_THE_OTHERS.T - forces[:, 1::2]), axis=1)
+    largest = np.max(np.abs(forces), axis=1)
+    errors, error = ARGUMENT * sizes, bound * (acting + (largest if phase.regime == FLIGHT else np.max(largest)))
+    if np.any(misfit > error) or np.any(tails > errors):
+        of_arguments, of_forces = _roundings(phase, course, places)
+        errors = np.fmax(errors, ROUNDINGS * of_arguments[small])
+        error = np.fmax(error, ROUNDINGS * of_forces)
+        if not (np.all(misfit <= error) and np.all(tails <= errors)):
             return False
     events = _events(coefficients)
     if not len(events):
@@ -118,10 +124,10 @@ def _is_resolved(phase: Phase, course: Course, part: float, bound: float, acting
     samples = np.unique((events[:, None] + _AROUND).clip(0.0, 1.0))
     there = _quantities(phase, course, part * samples)[1]
     polynomial = chebyshev.chebval(2.0 * samples - 1.0, _THROUGH_EVERY_SECOND @ forces[:, ::2].T)
-    misfit = np.max(np.abs(polynomial - there))  # NaN, which is not less than what is allowed, where there is no value
-    if misfit > error:
-        error = max(error, ROUNDINGS * np.max(np.abs(_quantities(phase, course, part * samples, ULPS)[1] - there)))
-    return bool(misfit <= error)
+    misfit = np.max(np.abs(polynomial - there), axis=1)  # NaN, which is not less than what is allowed, without a value
+    if np.any(misfit > error):
+        error = np.fmax(error, ROUNDINGS * _roundings(phase, course, part * samples)[1])
+    return bool(np.all(misfit <= error))
 
 
 def _events(coefficients: np.ndarray) -> np.ndarray:
@@ -139,14 +145,10 @@ def _events(coefficients: np.ndarray) -> np.ndarray:
     return every[(every >= 0.0) & (every <= 1.0)]
 
 
-def _quantities(phase: Phase, course: Course, parts: np.ndarray, shift: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+def _quantities(phase: Phase, course: Course, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Arguments (k, n), and the forces: friction by a formula, the load's force and moment over the radius of gyration
-    (3 or 4, n; N) at these parts of the step; `shift`: with each component of the states changed alternately up and
-    down by that part of itself."""
+    (3 or 4, n; N) at these parts of the step."""
     times, states = course.start + course.length * parts, course.states(parts)
-    if shift:
-        signs = shift * (-1.0) ** np.arange(len(parts))
-        times, states = times * (1.0 + signs), states * (1.0 - signs)
     with np.errstate(all="ignore"):  # what has no value, or overflows, is looked for in the result
         rows = phase.system.load_quantities_of_arrays(times, states, phase.parameters)
     forces = phase.system.check_layout.forces
@@ -155,3 +157,12 @@ def _quantities(phase: Phase, course: Course, parts: np.ndarray, shift: float = 
         own[:] = row  # a constant one is a number
     every[-1] /= phase.size
     return every[:-forces], every[-forces:]
+
+
+def _roundings(phase: Phase, course: Course, parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rounding of each of `_quantities`, the largest at these parts of the step."""
+    times, states = course.start + course.length * parts, course.states(parts)
+    rows = np.max(roundings(phase, phase.system.load_quantities_of_arrays, times, states), axis=1)
+    forces = phase.system.check_layout.forces
+    rows[-1] /= phase.size
+    return rows[:-forces], rows[-forces:]

@@ -9,17 +9,17 @@ from .modes import Phase
 
 
 def frequency(phase: Phase, t: float, y: Sequence[float]) -> float:
-    """How fast a state changes, 1/s: the largest of speed over size and √(acceleration over size), of all positions.
+    """How fast a state changes, 1/s: the largest of `frequencies`; 0 without motion and acceleration; infinite or NaN
+    if the state is not finite."""
+    return max(frequencies(phase, t, y), default=0.0)
 
-    0 without motion and acceleration; infinite or NaN if the state is not finite.
-    """
+
+def frequencies(phase: Phase, t: float, y: Sequence[float]) -> list[float]:
+    """How fast each position changes, 1/s: the larger of speed over size and √(acceleration over size)."""
     rates = phase.system.rates_of_numbers(t, tuple(y), phase.parameters)
     p = phase.system.positions
     # A motion from rest covers its own size in √(size/acceleration).
-    return max(
-        (
-            max(abs(u) / size, sqrt(abs(u_dot) / size))
-            for u, u_dot, size in zip(y[p:], rates[p:], phase.lengths, strict=False)
-        ),
-        default=0.0,
-    )
+    return [
+        max(abs(u) / size, sqrt(abs(u_dot) / size))
+        for u, u_dot, size in zip(y[p:], rates[p:], phase.lengths, strict=False)
+    ]

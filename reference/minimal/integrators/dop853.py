@@ -108,6 +108,9 @@ def _slopes_at(parts: bytes) -> np.ndarray:
 class _StepOutput:
     """A step by its dense output."""
 
+    # The dense output's last four vectors are sums of the stages, with large weights of either sign.
+    amplification = float(np.max(np.abs(_weight_slopes(_FINE)[3:]).T @ np.sum(_STAGE_WEIGHTS, axis=1)))
+
     def __init__(self, piece: DenseOutput):
         self._piece, self.start, self.length = piece, float(piece.t_old), float(piece.h)
 
