@@ -37,11 +37,14 @@ function version(name) {
   return { folder, main };
 }
 
+// Effects whose name in a scene is not the one that a case has.
+const WORDS = { CoulombFrictionBySpeed: "friction that depends on the slip velocity" };
+
 /** The scene, refused if it has what `known` does not name or what no engine of games has. */
 function readScene(engine, known) {
   const scene = JSON.parse(require("fs").readFileSync(0, "utf8"));
   const strange = Object.keys(scene.effects).filter((name) => !known.includes(name));
-  if (strange.length) refuse(`${engine} has not been told how to do ${strange.join(" and ")}.`);
+  if (strange.length) refuse(`${engine} has no implementation here of ${strange.map((name) => WORDS[name] ?? name).join(" and ")}.`);
   if (scene.plate.inertia === null) refuse(`${engine}'s bodies have a finite inertia here, and this plate does not turn.`);
   if (!scene.effects.Unilateral) refuse(`${engine}'s contacts only push, and this plate is guided from both sides.`);
   const friction = scene.effects.CoulombFriction;
@@ -49,6 +52,13 @@ function readScene(engine, known) {
     refuse(`${engine} has one friction coefficient for slip and stick.`);
   }
   return scene;
+}
+
+/** The constant speed of a belt, m/s, 0 for a track at rest; refused if it changes with time. */
+function belt(engine, { effects: { Belt } }) {
+  const speed = Number(Belt?.speed ?? 0);
+  if (Number.isNaN(speed)) refuse(`${engine} is given belts of constant speed here, and this one's changes with time.`);
+  return speed;
 }
 
 /** The acceleration of gravity, m/s². */
@@ -166,8 +176,8 @@ function missing({ plate, effects, points: { outline } }, rows, h) {
  * Poses stand at k h; velocities, half kicked first, half a step later: a pose's is the mean of the two beside it. So are
  * slip, of the engine's own point of contact, and forces, from the momentum, in which numbers are rounded, relatively, by
  * `rounding`. Both engines' friction is rigid: what is declared as creep is that rounding, and what friction falls
- * short of. */
-function run(scene, plate, step, rounding) {
+ * short of. Slip is relative to a belt of the speed `running`, m/s. */
+function run(scene, plate, step, rounding, running = 0) {
   const n = Math.max(60, Math.ceil(scene.duration / scene.setting.h - 1e-9)), h = scene.duration / n;
   const pull = gravity(scene), { mass } = scene.plate, normal = normals(scene), rows = [];
   const begun = process.cpuUsage();
@@ -181,7 +191,7 @@ function run(scene, plate, step, rounding) {
     after.slip = null;
     if (touched) {
       const x = touched.x - pose.x, y = touched.y - pose.y;
-      after.slip = (after.vx - after.omega * y) * tangent.x + (after.vy + after.omega * x) * tangent.y;
+      after.slip = (after.vx - after.omega * y) * tangent.x + (after.vy + after.omega * x) * tangent.y - running;
       fastest = Math.max(fastest, Math.hypot(after.vx, after.vy) + Math.abs(after.omega) * Math.hypot(x, y));
     }
     const mean = (name) => (k ? (before[name] + after[name]) / 2 : scene.start[name] ?? 0);
@@ -202,4 +212,4 @@ function run(scene, plate, step, rounding) {
   console.log(`# cost cpu_s=${(cpu.user + cpu.system) / 1e6} steps=${n + 1}`);
 }
 
-module.exports = { refuse, load, loadModule, readScene, gravity, shape, ends, corners, boxes, fan, normals, run };
+module.exports = { refuse, load, loadModule, readScene, belt, gravity, shape, ends, corners, boxes, fan, normals, run };

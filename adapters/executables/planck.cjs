@@ -1,6 +1,7 @@
 #!/usr/bin/env node
 // planck.js (npm planck), Box2D 2.4 in JavaScript and in doubles: a circle or a fan of polygons on an edge, a circle or
-// a chain of facets. Its Gauss-Seidel contacts are rigid, its step is semi-implicit Euler.
+// a chain of facets. Its Gauss-Seidel contacts are rigid, its step is semi-implicit Euler. A belt is the tangent speed of
+// each contact, which has the same sign whichever of the two bodies is the first.
 "use strict";
 const common = require("./common.cjs");
 const planck = common.load("planck");
@@ -9,8 +10,8 @@ const planck = common.load("planck");
 // of which a polygon may have twelve in all; friction that no forces exhaust.
 const FACETS = 8000, FEWER = 500, VERTICES = 96, RIM = 8, ROUGH = 1e6;
 
-const scene = common.readScene("planck", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight"]);
-const { plate, effects, start, points, closed } = scene;
+const scene = common.readScene("planck", ["Gravity", "CoulombFriction", "PerfectlyRough", "Unilateral", "Flight", "Belt"]);
+const { plate, effects, start, points, closed } = scene, running = common.belt("planck", scene);
 const tuned = scene.setting.rung !== "defaults", track = common.shape(scene);
 // A step along the tangent of a hill takes a disc off it by (v h)²/2R, and what does not overlap is in flight: so the
 // two overlap at first, by 1 m/s times the step, and the engine is told to leave that alone.
@@ -43,7 +44,10 @@ body.setMassData({ mass: plate.mass, center: { x: 0, y: 0 }, I: plate.inertia })
 
 // The points of contact that a step begins with: afterwards they are where the bodies are then.
 let touching = [];
-world.on("pre-solve", (contact) => touching.push([contact.getManifold(), contact.getWorldManifold(null).points]));
+world.on("pre-solve", (contact) => {
+  contact.setTangentSpeed(running);
+  touching.push([contact.getManifold(), contact.getWorldManifold(null).points]);
+});
 
 function step(h) {
   touching = [];
@@ -63,4 +67,4 @@ function get() {
   return { x, y, theta: body.getAngle(), vx, vy, omega: body.getAngularVelocity() };
 }
 
-common.run(scene, { get, move: (x, y, theta) => body.setTransform({ x, y }, theta) }, step, Number.EPSILON);
+common.run(scene, { get, move: (x, y, theta) => body.setTransform({ x, y }, theta) }, step, Number.EPSILON, running);

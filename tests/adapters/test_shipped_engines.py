@@ -296,13 +296,13 @@ BELTED = {
 }
 
 
-@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
+@pytest.mark.parametrize("engine", ["mujoco", "planck"], indirect=True)
 @pytest.mark.parametrize("track", BELTED)
-def test_mujoco_runs_belts_along_every_kind_of_track(engine, track):
+def test_belts_run_along_every_kind_of_track(engine, track):
     case = BELTED[track]
     moved = simulated(engine, case, 1e-3)
     exact = reference.simulate(case)(moved.t)
-    # Its soft contacts are off by 4e-4 m without a belt too; without the belt the disc would be centimetres away.
+    # MuJoCo's soft contacts are off by 4e-4 m without a belt too; without the belt the disc would be centimetres away.
     assert np.hypot(moved.x - exact.x, moved.y - exact.y).max() < 2e-3
     assert np.median(np.abs(moved.slip - exact.slip)) < 1e-2
 
@@ -312,6 +312,8 @@ def test_mujoco_runs_belts_along_every_kind_of_track(engine, track):
     [
         ("drake", "no surface velocity"),
         ("dartpy", "not among the bindings"),
+        ("planck", "belts of constant speed here"),
+        ("rapier", "no implementation here of Belt"),
     ],
     indirect=["engine"],
 )
@@ -319,6 +321,12 @@ def test_belts_that_an_engine_cannot_run_are_rejected_with_the_reason(engine, re
     case = Case(line(), disc(0.1, 1.0), (*GRIP, Belt("t")), Start(0.0), 0.4)
     with pytest.raises(cases.NotSupported, match=reason):
         simulated(engine, case, 1e-2)
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "rapier"], indirect=True)
+def test_friction_by_slip_speed_is_rejected_in_the_words_of_a_case(engine):
+    with pytest.raises(cases.NotSupported, match="no implementation here of friction that depends on the slip"):
+        simulated(engine, cases.load("stribeck_disc"), 1e-2)
 
 
 def off(name: str, case: Case, h: float) -> float:

@@ -46,6 +46,10 @@ def exit_not_available(name: str, package: str = "") -> NoReturn:
     sys.exit(1)
 
 
+# Effects whose name in a scene is not the one that a case has.
+WORDS = {"CoulombFrictionBySpeed": "friction that depends on the slip velocity"}
+
+
 def read_scene(
     engine: str, names: tuple[str, ...], reasons: dict[str, str] | None = None, must_turn: bool = True
 ) -> dict[str, Any]:
@@ -58,7 +62,7 @@ def read_scene(
             refuse(reason)
     missing = [name for name in effects if name not in names]
     if missing:
-        refuse(f"{engine} has no implementation here of {' and '.join(missing)}.")
+        refuse(f"{engine} has no implementation here of {' and '.join(WORDS.get(name, name) for name in missing)}.")
     if must_turn and any(plate.inertia is None for plate in plates(scene)):
         refuse(f"{engine}'s bodies have a finite inertia here, and this plate does not turn.")
     if "Unilateral" not in effects:
