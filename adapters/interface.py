@@ -60,6 +60,7 @@ Optional:
     SEVERAL_PLATES: tuple[str, ...]                 the routes that support further plates (`Case.others`);
     SUPPORTS: tuple[str, ...]                       the routes that support further fixed curves (`Case.supports`);
                                                     without a declaration, `refusal` rejects such a case
+    BELTS_AND_SUPPORTS: tuple[str, ...]             those of them that support belts as well
     OWN_EFFECTS: tuple[type, ...]                   the effects of other packages that it supports (classes derived from
                                                     `cases.ContactEffect`); `refusal` rejects all others
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
@@ -119,6 +120,7 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     from cases import CoulombFriction
     from cases.own_effects import own_effects
     from cases.piece_case import has_pieces
+    from cases.supports import has_belt
 
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
@@ -130,6 +132,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route does not support several plates (others)."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."
+    if case.supports and has_belt(case) and route not in getattr(adapter, "BELTS_AND_SUPPORTS", ()):
+        return f"The {route} route does not support belts together with several fixed curves (supports)."
     if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):
         return f"The {route} route does not support curves with corners."
     return adapter.refuses(case, route)

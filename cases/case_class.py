@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from math import sin
 from types import MappingProxyType
@@ -18,7 +18,7 @@ from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, parameter, positive, real
 from .free_plates import FreePlate, check_others, check_places
 from .plate import Plate
-from .size_limits import check_sizes
+from .size_limits import check_belt, check_sizes
 from .start import Start
 from .start_pose import StartPose, as_start, from_flat_side
 from .supports import Support, check_start, check_supports
@@ -66,6 +66,7 @@ class Case:
         ) -> None: ...
 
     def __post_init__(self):
+        is_pose = isinstance(self.start, StartPose)
         if isinstance(self.start, StartPose) and isinstance(self.track, Curve) and isinstance(self.plate, Plate):
             with np.errstate(all="ignore"):
                 object.__setattr__(self, "start", as_start(self.start, self.track, self.plate.outline))
@@ -79,6 +80,10 @@ class Case:
             if not isinstance(value, kind):
                 raise BadValue(f"the {what} of a case is {value!r}; give a {kind.__name__}")
         object.__setattr__(self, "effects", effects.check_formula(self.effects))
+        belt = self.effect(effects.Belt)
+        if is_pose and belt is not None:  # the velocities of a pose are not relative to the belt
+            check_belt(belt)
+            object.__setattr__(self, "start", replace(self.start, slip=self.start.slip - belt.at(0.0)[0]))
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
         object.__setattr__(self, "parameters", _check_parameters(self.parameters))
         _check_name(self.name)
@@ -88,6 +93,8 @@ class Case:
             _check_corners(self)
             _check_rotation(self)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
+            for support in self.supports:
+                check_belt(effects.one(support.effects or (), effects.Belt))
             self.start.check(self.track, self.plate.outline, self.effects)
             if self.supports:
                 _check_start_at_supports(self)

@@ -18,6 +18,7 @@ from .chain import Chain
 from .contact import find
 from .corner import Corner, turning
 from .curves import Curve
+from .errors import unknown_name
 from .line_or_circle import as_line
 from .outline_features import ArcRange, arc_ranges, features
 from .plate import Plate
@@ -132,6 +133,16 @@ def contact_name(support: str, index: int) -> str:
     return f"plate/{support}" if index == 1 else f"plate/{support} {index}"
 
 
+def contact_case(case: Case, contact: str) -> PairCase:
+    """A case with the effects at one contact, such as "plate/wall": its friction, and the belt of its support. Raises
+    UnknownName for a contact of no support."""
+    first = {f"plate/{pair.support}": pair for pair in reversed(pairs(case))}
+    name, _, _ = str(contact).partition(" ")
+    if name not in first:
+        raise unknown_name("contact of the case", str(contact), tuple(first))
+    return first[name]
+
+
 @lru_cache(maxsize=256)
 def pairs(case: Case) -> tuple[PairCase, ...]:
     """All pairs of a support, the track first, and a feature of the outline."""
@@ -180,7 +191,7 @@ def _make(whole: Case, support: Support, feature: Curve, number: int) -> PairCas
     middle = [0.5 * sum(piece.span) for piece in (support.curve, feature)]
     start = whole.start if is_track and not is_feature else Start(*middle)
     values |= {"track": support.curve, "plate": plate, "start": start, "supports": (), "others": ()}
-    values["effects"] = support.acting(whole.effects)
+    values["effects"] = whole.effects if is_track else support.acting(whole.effects)
     straight = support.curve.domain is None and as_line(support.curve) is not None
     limits = arc_ranges(outline)[number % len(features(outline))] if straight else None
     vars(case).update(

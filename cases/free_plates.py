@@ -19,6 +19,7 @@ from .curves import Curve
 from .effects import CoulombFriction, E, Effect, Flight, Gravity, Impact, PerfectlyRough, Unilateral
 from .errors import BadValue, DoesNotFit
 from .line_or_circle import Line, as_line
+from .moving_surface import Belt
 from .plate import Plate
 from .start_pose import TOUCHES, StartPose
 from .supports import TRACK
@@ -174,6 +175,9 @@ def _check_effects(case: Any) -> None:
         if not isinstance(effect, POSSIBLE):
             kind = type(effect).__name__
             raise BadValue(f"{kind} with several plates is not supported; leave {kind} out")
+    for support in case.supports:
+        if any(isinstance(effect, Belt) for effect in support.effects or ()):
+            raise BadValue(f"Belt of support {support.name!r} with several plates is not supported; leave Belt out")
     for needed, text in ((Unilateral, "Unilateral()"), (Flight, "Flight()"), (Impact, "Impact(0.0)")):
         if case.effect(needed) is None:
             raise BadValue(f"several plates may part and meet; add {text} to the effects")

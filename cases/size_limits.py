@@ -81,12 +81,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
             f"Drive or its rates have no value up to {ENORMOUS:g} where the motion begins; give formulas that have "
             "values at t = 0"
         )
-    belt = one(effects, Belt)
-    speeds = belt.at(0.0) if belt else []
-    if not all(isfinite(value) and abs(value) <= ENORMOUS for value in speeds):
-        raise BadValue(
-            f"speed of Belt or its rate has no value up to {ENORMOUS:g} where the motion begins; give one at t = 0"
-        )
+    check_belt(one(effects, Belt))
     away = hypot(*track.point(start.xi1))
     if not away <= FURTHEST * extent:
         raise BadValue(
@@ -108,3 +103,11 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
     for what, number in (("mass of the plate", plate.mass), ("duration of the case", duration)):
         if number < TINY:
             raise BadValue(f"{what} is {number:g}; give at least {TINY:g}")
+
+
+def check_belt(belt: Belt | None) -> None:
+    """Raise BadValue unless a belt has a speed of ordinary size where the motion begins."""
+    if belt is not None and not all(isfinite(value) and abs(value) <= ENORMOUS for value in belt.at(0.0)):
+        raise BadValue(
+            f"speed of Belt or its rate has no value up to {ENORMOUS:g} where the motion begins; give one at t = 0"
+        )

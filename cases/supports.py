@@ -20,6 +20,7 @@ from .curves import Curve
 from .effects import CoulombFriction, Effect, Impact, PerfectlyRough
 from .errors import BadValue, DoesNotFit
 from .line_or_circle import as_line
+from .moving_surface import Belt
 from .outline_features import features, is_arc
 from .overlap import first_overlap
 from .own_effects import own_effects
@@ -34,7 +35,7 @@ DEPTH = 1e-9
 # Newton's steps to the place of a line that is next to a plate; a line that is run through evenly takes one.
 FOOT_STEPS = 8
 # Effects that a support may have of its own.
-OWN = (CoulombFriction, PerfectlyRough, Impact)
+OWN = (CoulombFriction, PerfectlyRough, Impact, Belt)
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,8 @@ class Support:
 
     The plate lies on its left. `name` names its contacts: "plate/wall". `effects`: friction and impact of these
     contacts instead of the case's: CoulombFriction or PerfectlyRough (neither: no friction), and Impact (not given: the
-    case's). With effects=None contacts are as on the track. Raises BadValue.
+    case's). With effects=None they are as on the track. A Belt there is the support's own: that of the case is the
+    track's alone. Raises BadValue.
     """
 
     curve: Curve
@@ -70,18 +72,18 @@ class Support:
         for effect in own:
             if not isinstance(effect, OWN):
                 raise BadValue(
-                    f"{effect!r} is no effect of one Support; give CoulombFriction, PerfectlyRough or Impact there, "
-                    "and the other effects in the case"
+                    f"{effect!r} is no effect of one Support; give CoulombFriction, PerfectlyRough, Impact or Belt "
+                    "there, and the other effects in the case"
                 )
         object.__setattr__(self, "effects", own)
 
     def acting(self, of_case: tuple[Effect, ...]) -> tuple[Effect, ...]:
         """All effects at this support's contacts, given those of the case."""
-        if self.effects is None:
-            return of_case
-        replaced: tuple[type, ...] = (CoulombFriction, PerfectlyRough)
-        replaced += (Impact,) if all_effects.one(self.effects, Impact) else ()
-        return (*(effect for effect in of_case if not isinstance(effect, replaced)), *self.effects)
+        replaced: tuple[type, ...] = (Belt,)
+        if self.effects is not None:
+            replaced += (CoulombFriction, PerfectlyRough)
+            replaced += (Impact,) if all_effects.one(self.effects, Impact) else ()
+        return (*(effect for effect in of_case if not isinstance(effect, replaced)), *(self.effects or ()))
 
 
 def check_supports(case: Any) -> None:
@@ -133,7 +135,7 @@ def why_not_by_features(track: Curve, outline: Curve) -> str:
 def exclusion(case: Any) -> str:
     """What of a case excludes several contacts, and what to give instead, as a sentence without its capital and period;
     "" if nothing does. Shapes are not looked at."""
-    for kind in (all_effects.Belt, all_effects.Drive, all_effects.RollingResistance):
+    for kind in (all_effects.Drive, all_effects.RollingResistance):
         if case.effect(kind) is not None:
             return f"{kind.__name__} with several contacts is not supported; leave {kind.__name__} out"
     if own := own_effects(case.effects):
@@ -142,6 +144,9 @@ def exclusion(case: Any) -> str:
         return "a bilateral guide with several contacts is not supported; add Unilateral to the effects"
     if not case.plate.turns:
         return "a plate of infinite inertia with several contacts is not supported; give a finite inertia"
+    law = case.effect(Impact)
+    if law is not None and law.law == "newton" and has_belt(case):
+        return 'the impact law "newton" with a Belt and several contacts is not supported; give "poisson" or "moreau"'
     friction = case.effect(CoulombFriction)
     if friction is not None and friction.by_speed:
         return "friction that depends on the slip speed with several contacts is not supported; give mu as a number"
@@ -149,6 +154,12 @@ def exclusion(case: Any) -> str:
         if not isinstance(curve, Chain) and curve.parts is not None:
             return "a curve in pieces with several contacts is not supported; give a smooth curve in one piece"
     return ""
+
+
+def has_belt(case: Any) -> bool:
+    """Whether the surface of the track or of a support runs."""
+    own = (case.effects, *(support.effects or () for support in case.supports))
+    return any(all_effects.one(effects, Belt) is not None for effects in own)
 
 
 def _check_features(case: Any) -> None:

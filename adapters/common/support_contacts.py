@@ -14,7 +14,8 @@ from math import pi
 import numpy as np
 from scipy.optimize import nnls
 
-from cases import Case, CoulombFriction, PerfectlyRough, Trajectory
+from cases import Belt, Case, CoulombFriction, PerfectlyRough, Trajectory
+from cases.contact import belt_speed
 from cases.contact_limits import touches_by_features
 from cases.contact_pairs import PairCase, contact_name, pairs
 from cases.corner import Corner, turning
@@ -44,6 +45,14 @@ def refuses(case: Case) -> str | None:
     return None
 
 
+def refuses_belts(case: Case) -> str | None:
+    """Why the surfaces of a case with supports cannot be those of shapes, in one sentence, or None."""
+    belts = [one.effect(Belt) for one in pairs(case)] if case.supports else []
+    if any(belt is not None and belt.constant is None for belt in belts):
+        return "Belts together with supports have a constant speed here, and this one changes with time."
+    return None
+
+
 def refuses_several(case: Case) -> str | None:
     """Why the several contacts of a case, on supports or on its track, do not follow from its poses, or None."""
     return refuses(case) if touches_by_features(case) else several_contacts.supports(case)
@@ -62,10 +71,10 @@ class _Contact:
     normal: np.ndarray
 
     def slip(self, motion: Trajectory) -> np.ndarray:
-        """The slip velocity, m/s."""
+        """The slip velocity relative to the support's surface, m/s."""
         u = motion.vx - motion.omega * self.lever[1]
         v = motion.vy + motion.omega * self.lever[0]
-        return self.tangent[0] * u + self.tangent[1] * v
+        return self.tangent[0] * u + self.tangent[1] * v - belt_speed(self.pair, motion.t)
 
     @property
     def cone(self) -> np.ndarray:

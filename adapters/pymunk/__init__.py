@@ -1,6 +1,7 @@
 """pymunk's adapter; `adapters.pymunk.adapter` describes it."""
 
 from .adapter import (
+    BELTS_AND_SUPPORTS,
     CORNERS,
     NAME,
     SEVERAL_CONTACTS,
@@ -23,6 +24,7 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
+    "BELTS_AND_SUPPORTS",
     "CORNERS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SLIP_LAWS", "SUPPORTS", "build",
     "default_grid", "grid", "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run", "bare_run",
     "version", "wide_grid",

@@ -71,6 +71,7 @@ CORNERS = ("native",)
 SEVERAL_CONTACTS = ("native",)
 # Routes that have further fixed curves, and several plates.
 SUPPORTS = ("native",)
+BELTS_AND_SUPPORTS = ("native",)
 SEVERAL_PLATES = ("native",)
 
 
@@ -107,6 +108,8 @@ def _refuses_natively(case: Case) -> str | None:
         return problem
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
+    if problem := support_contacts.refuses_belts(case):
+        return problem
     belt = case.effect(Belt)
     drive = case.effect(Drive)
     endless = not case.track.period and not case.track.domain

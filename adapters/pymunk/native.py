@@ -153,10 +153,10 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
         # The engine multiplies the two shapes' coefficients.
         shape.friction = friction_coefficient(case) if case.supports else 1.0
         shape.elasticity = 1.0
-    shapes += _support_segments(case, space, setting)
     belt = case.effect(Belt)
     if belt and belt_runs_as_shapes(case):
         _run_surface(shapes, belt.constant or 0.0)
+    shapes += _support_segments(case, space, setting)
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(shapes)
     space.add(body, *plate, *([track] if case.effect(Drive) else []), *shapes)
@@ -174,6 +174,9 @@ def _support_segments(case: Case, space: pymunk.Space, setting: Setting) -> list
         segment.friction, segment.elasticity = friction_coefficient(own), 1.0
         if impact and whole and whole.restitution > 0.0:
             segment.elasticity = impact.restitution / whole.restitution
+        belt = own.effect(Belt)
+        if belt is not None:
+            _run_surface([segment], belt.constant or 0.0)
         segments.append(segment)
     return segments
 

@@ -141,7 +141,7 @@ class BodiesPhase(SeveralContactPhase):
         self, t: float, body: Sequence[float] | np.ndarray, now: Sequence[PairState | None] | None = None
     ) -> ContactSolution:
         """Accelerations and forces; those at contacts of plates at rest count as 0."""
-        now = self.closed_pairs(body) if now is None else now
+        now = self.closed_pairs(t, body) if now is None else now
         moving = [None if c.name in self.frozen else pair for c, pair in zip(self.contacts, now, strict=True)]
         answer = super().forces(t, body, moving)
         still = [3 * b + i for b in self.resting for i in range(3)]

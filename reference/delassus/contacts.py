@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, DoesNotFit, Gravity, Load, PerfectlyRough
+from cases import Belt, Case, CoulombFriction, DoesNotFit, Gravity, Load, PerfectlyRough
 from cases.contact import find
 from cases.contact_pairs import PairCase
 
@@ -21,7 +21,8 @@ APART = 1e-6
 
 class PairState(NamedTuple):
     """A contact in its frame: its pair, parameters, gap (m), lift and slip velocity (m/s), their rows in (vx, vy, ω),
-    their accelerations without that of the plate (m/s²), and the rate of ξ₁ (1/s)."""
+    their accelerations without that of the plate (m/s²), the rate of ξ₁ (1/s), and the speed of the support's surface
+    (m/s), to which the slip is relative (`on_surface`)."""
 
     contact: PairCase
     xi1: float
@@ -34,6 +35,7 @@ class PairState(NamedTuple):
     lift_bias: float
     slip_bias: float
     xi1_rate: float
+    surface: float = 0.0
 
     @property
     def clearance(self) -> float:
@@ -71,6 +73,20 @@ def pair_at(pair: Any, body: Sequence[float] | np.ndarray, near: tuple[float, fl
     return PairState(
         pair, contact.xi1, contact.xi2, contact.gap, lift, slip, lift_row, slip_row, lift_bias, slip_bias, along / speed
     )
+
+
+def on_surface(pair: PairState, t: float) -> PairState:
+    """A contact at time t (s) with its slip relative to the support's surface, where that runs."""
+    belt = pair.contact.effect(Belt)
+    if belt is None:
+        return pair
+    speed, rate = belt.at(t)
+    return pair._replace(slip=pair.slip - speed, slip_bias=pair.slip_bias - rate, surface=speed)
+
+
+def surfaces(pairs: Sequence[PairState]) -> np.ndarray:
+    """What the velocities of lift, then of slip, are relative to: shape (2K,), m/s."""
+    return np.array([0.0] * len(pairs) + [pair.surface for pair in pairs])
 
 
 def all_pairs(case: PairCase, body: Sequence[float] | np.ndarray, around: float) -> list[tuple[float, float]]:

@@ -13,7 +13,7 @@ from cases.contact_limits import has_features
 from cases.contact_pairs import WatchedPair, pairs, pairs_in_pose
 from cases.trajectory import CONTACT
 
-from .contacts import all_pairs, friction_of, pair_at
+from .contacts import all_pairs, friction_of, on_surface, pair_at
 from .motion import Simulation
 from .phase import WatchedContact
 from .plate_state import OPEN_NAME, TOUCHES
@@ -143,6 +143,8 @@ def _sample(motion: Simulation, times: np.ndarray) -> np.ndarray:
         motions[:6, i] = stretch.states(t)
         for contact in stretch.phase.contacts:
             if contact.is_closed:
-                motions[6, i] = 0.0 if stretch.phase.rests else pair_at(contact.case, motions[:6, i], contact.pair).slip
+                near = contact.case.guess(*motions[:3, i]) if contact.case.has_unique_points else contact.pair
+                now = on_surface(pair_at(contact.case, motions[:6, i], near), t)
+                motions[6, i] = 0.0 if stretch.phase.rests else now.slip
                 break
     return motions

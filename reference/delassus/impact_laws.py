@@ -14,7 +14,7 @@ from cases import Impact
 from ..contact_frame.equations import ContactScene
 from ..contact_frame.impact import ImpactWithoutSolution, creates_energy, hit
 from .complementarity import solutions
-from .contacts import PairState, PlateDynamics, frictions
+from .contacts import PairState, PlateDynamics, frictions, surfaces
 from .plate_state import MOVES, PlateState, SimulationEnd
 
 
@@ -34,7 +34,8 @@ def velocities(state: PlateState, effect: Impact, some: Sequence[PairState]) -> 
         if effect.law == "newton" and creates_energy(result):
             raise SimulationEnd("energy_gain")
         rows = np.array([pair.slip_row, pair.lift_row, [0.0, 0.0, 1.0]])
-        return np.linalg.solve(rows, np.array([result.slip, result.lift, result.spin])), [result.slip == 0.0]
+        after = np.array([result.slip + pair.surface, result.lift, result.spin])
+        return np.linalg.solve(rows, after), [result.slip == 0.0]
     return by_whole_impulses(state, effect, some, restitution)
 
 
@@ -51,7 +52,8 @@ def by_whole_impulses(
         if restitution.any():
             after, _ = complementary(state.dynamics, after, some, nothing, restitution * impulses)
     mu, _ = frictions(some)
-    slips = [abs(float(pair.slip_row @ after)) <= MOVES * state.speed and mu[i] > 0.0 for i, pair in enumerate(some)]
+    still = np.abs([float(pair.slip_row @ after) - pair.surface for pair in some]) <= MOVES * state.speed
+    slips = [bool(is_still) and mu[i] > 0.0 for i, is_still in enumerate(still)]
     return after, slips
 
 
@@ -64,7 +66,7 @@ def complementary(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Velocities and normal impulses of Coulomb's law between impulses and velocities after the impact."""
     delassus, rows = dynamics.delassus(some)
-    before = rows @ velocity
+    before = rows @ velocity - surfaces(some)
     free = before + np.concatenate([restitution * before[: len(some)], np.zeros(len(some))])
     mu, _ = frictions(some)
     answers = solutions(delassus, free, [None] * len(some), mu, mu, least)

@@ -138,7 +138,7 @@ class PhaseIntegration(PlateState):
         """When contacts that open with a velocity are farthest from their supports, s: the gap of a small hop is
         resolved there, or nowhere."""
         tops, acceleration = {}, phase.forces(self.t, self.body).acceleration
-        for contact, pair in zip(phase.contacts, phase.pairs(self.body), strict=True):
+        for contact, pair in zip(phase.contacts, phase.pairs(self.t, self.body), strict=True):
             pull = -float(pair.lift_row @ acceleration + pair.lift_bias)
             may_hop = not contact.is_closed and not contact.is_away
             if may_hop and pull > 0.0 and pair.lift > 0.0 and pair.gap <= TOUCHES * self.size():
@@ -153,7 +153,7 @@ class PhaseIntegration(PlateState):
     def is_lost(self, phase: SeveralContactPhase, before: float, look: float, dense) -> bool:
         """Whether an open contact's points are no longer surely the nearest ones: the clearance has fallen, or they
         have moved farther between two looks than their rate allows."""
-        earlier, now = phase.pairs(dense(before)), phase.pairs(dense(look))
+        earlier, now = phase.pairs(before, dense(before)), phase.pairs(look, dense(look))
         for contact, was, pair in zip(phase.contacts, earlier, now, strict=True):
             if contact.is_closed or contact.case.has_unique_points:
                 continue
@@ -188,7 +188,8 @@ class PhaseIntegration(PlateState):
             float(np.abs(phase.forces(self.t, self.body).normal).max(initial=0.0)),
         )
         speed = max(self.speed, float(np.abs(self.body[self.half :]).max()), 1e-300)
-        return {"gap": 1e-2 * self.size(), "slip": speed, "normal": force, "cone+": force, "cone-": force, "turn": 1.0}
+        by_force = dict.fromkeys(("normal", "cone+", "cone-"), force)
+        return {"gap": 1e-2 * self.size(), "slip": speed, "turn": 1.0, "held": 1.0} | by_force
 
     # --- contacts at other places -------------------------------------------------------------------------------------
 

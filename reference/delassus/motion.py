@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf
+from math import inf, sqrt
 
 import numpy as np
 
-from cases import Case, DoesNotFit, Flight, Impact, Mode, Transition
+from cases import Belt, Case, DoesNotFit, Flight, Impact, Mode, Transition
 
 from .complementarity import solutions
 from .contacts import PairState, friction_of, frictions, is_rough
@@ -28,6 +28,8 @@ MOST_PHASES = 5_000
 # Impacts at one instant that follow from each other, at contacts whose gap is below this part of the plate's size: its
 # rounding.
 MOST_IMPACTS, NO_GAP = 50, 64 * EPS
+# Forces that have just reached their limit are compared after this part of the motion's time scale.
+AHEAD = 1e-6
 # Looks at a load in time while it may end a rest.
 REST_LOOKS = 200
 
@@ -64,8 +66,11 @@ class Simulation(PhaseIntegration):
     def decide(self) -> SeveralContactPhase:
         """The modes that follow, from the complementarity of forces and accelerations at the touched contacts."""
         now = self.pairs()
-        closed = [k for k, c in enumerate(self.contacts) if c.name in self.touching - self.leaving]
-        modes, _ = self.modes(now, closed, [k for k, c in enumerate(self.contacts) if c.name in self.touching])
+        modes = self.next_modes(now)
+        if self.is_carried(now, modes):
+            contacts = [c._replace(mode=modes.get(k, Mode.FLIGHT)) for k, c in enumerate(self.contacts)]
+            if self.start(SeveralContactPhase(self.dynamics, contacts, is_carried=True)):
+                modes = self.next_modes(now)
         rank = np.linalg.matrix_rank(
             np.array([now[k].lift_row for k in modes] + [now[k].slip_row for k, m in modes.items() if m is Mode.ROLL])
             / self.dynamics.units,
@@ -74,7 +79,7 @@ class Simulation(PhaseIntegration):
         count = len(modes) + sum(mode is Mode.ROLL for mode in modes.values())
         if rank < min(count, 3):  # they hold one point, about which the plate turns: the matrix is singular
             raise SimulationEnd("breakdown")
-        rests = rank == 3 and not self.body[self.half :].any()
+        rests = rank == 3 and not _is_on_belt(now, modes) and not self.body[self.half :].any()
         changes = []
         for k, contact in enumerate(self.contacts):
             mode = modes.get(k, Mode.FLIGHT)
@@ -92,7 +97,16 @@ class Simulation(PhaseIntegration):
         self.begins, self.leaving, self.struck, self.stuck = {}, set(), set(), set()
         if not modes and self.case.effect(Flight) is None:
             raise SimulationEnd("lift_off")
-        return SeveralContactPhase(self.dynamics, self.contacts, rests)
+        return SeveralContactPhase(self.dynamics, self.contacts, rests, self.is_carried(now, modes))
+
+    def next_modes(self, now: Sequence[PairState]) -> dict[int, Mode]:
+        """The modes of the contacts that stay closed, by their places."""
+        closed = [k for k, c in enumerate(self.contacts) if c.name in self.touching - self.leaving]
+        return self.modes(now, closed, [k for k, c in enumerate(self.contacts) if c.name in self.touching])[0]
+
+    def is_carried(self, now: Sequence[PairState], modes: dict[int, Mode]) -> bool:
+        """Whether contacts in these modes, some of them on belts, have more than three rows."""
+        return _is_on_belt(now, modes) and len(modes) + sum(mode is Mode.ROLL for mode in modes.values()) > 3
 
     def modes(
         self, now: Sequence[PairState], closed: list[int], every: list[int]
@@ -200,9 +214,23 @@ class Simulation(PhaseIntegration):
                 self.begins[name] = 1.0 if kind == "cone+" else -1.0
         if kinds & {"cone+", "cone-"}:
             self.vanishing(phase)
+        if "held" in kinds:
+            self.start(phase)
         for name in [name for kind, name in guards if kind == "turn"]:
             self.turn(name)
         self.settle(may_strike=bool(kinds & {"gap", "meeting"}))
+
+    def start(self, phase: SeveralContactPhase) -> bool:
+        """Let contacts slip or open if they can no longer carry the plate; returns whether they do. They are compared
+        a little later, when their rates are more than rounding."""
+        load = self.dynamics.inverse * self.dynamics.torsor(self.t, self.body) * self.dynamics.units
+        fastest = float(np.abs(load).max())
+        if not fastest:
+            return False
+        starts = phase.starts_after(AHEAD * sqrt(self.case.plate.reach / fastest), self.t, self.body)
+        self.begins |= {name: sign for name, sign in starts.items() if sign}
+        self.leaving |= {name for name, sign in starts.items() if not sign}
+        return bool(starts)
 
     def vanishing(self, phase: SeveralContactPhase) -> None:
         """Contacts whose normal force vanishes together with friction open, instead of slipping."""
@@ -388,3 +416,8 @@ def _slips(delassus: np.ndarray, free: np.ndarray, force: np.ndarray, rough: np.
     small = MOVES * max(float(np.abs(free).max()), float(np.abs(delassus).max() * np.abs(force).max()))
     count = len(rough)
     return bool((rough & (rates[:count] <= small) & (rates[count:] > small)).any())
+
+
+def _is_on_belt(now: Sequence[PairState], modes: dict[int, Mode]) -> bool:
+    """Whether the support of a closed contact runs."""
+    return any(now[k].contact.effect(Belt) is not None for k in modes)

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from cases import Mode
 from cases.contact_pairs import PairCase
 
-from .contacts import PairState, PlateDynamics, friction_of, is_rough, pair_at
+from .complementarity import solutions
+from .contacts import PairState, PlateDynamics, friction_of, frictions, is_rough, on_surface, pair_at
 
+# Singular values below this part of the largest are rows that depend on others.
+DEPENDENT = 1e-10
+# Rates below this part of those without contact forces are none.
+NO_RATE = 1e-12
 SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 
 
@@ -39,22 +44,32 @@ class ContactSolution(NamedTuple):
 
 
 class SeveralContactPhase:
-    """The equations of a phase, and the pairs of points, which are followed from one evaluation to the next."""
+    """The equations of a phase, and the pairs of points, which are followed from one evaluation to the next.
 
-    def __init__(self, dynamics: PlateDynamics, contacts: Sequence[WatchedContact], rests: bool = False):
-        self.dynamics, self.contacts, self.rests = dynamics, list(contacts), rests
+    `rests`: the contacts hold the plate. `is_carried`: they have more than three rows and run with belts: the plate's
+    accelerations are unique, and forces are not.
+    """
+
+    def __init__(
+        self,
+        dynamics: PlateDynamics,
+        contacts: Sequence[WatchedContact],
+        rests: bool = False,
+        is_carried: bool = False,
+    ):
+        self.dynamics, self.contacts, self.rests, self.is_carried = dynamics, list(contacts), rests, is_carried
         self.near = [contact.pair for contact in contacts]
 
-    def pairs(self, body: Sequence[float] | np.ndarray) -> list[PairState]:
+    def pairs(self, t: float, body: Sequence[float] | np.ndarray) -> list[PairState]:
         """All contacts in one state of the plate."""
-        now = [pair_at(c.case, body, near) for c, near in zip(self.contacts, self.near, strict=True)]
+        now = [on_surface(pair_at(c.case, body, near), t) for c, near in zip(self.contacts, self.near, strict=True)]
         self.near = [(pair.xi1, pair.xi2) for pair in now]
         return now
 
-    def closed_pairs(self, body: Sequence[float] | np.ndarray) -> list[PairState | None]:
+    def closed_pairs(self, t: float, body: Sequence[float] | np.ndarray) -> list[PairState | None]:
         """The closed contacts in one state; an integrator's stages lie ahead, where open ones may be lost."""
         return [
-            pair_at(contact.case, body, near) if contact.is_closed else None
+            on_surface(pair_at(contact.case, body, near), t) if contact.is_closed else None
             for contact, near in zip(self.contacts, self.near, strict=True)
         ]
 
@@ -62,7 +77,7 @@ class SeveralContactPhase:
         self, t: float, body: Sequence[float] | np.ndarray, now: Sequence[PairState | None] | None = None
     ) -> ContactSolution:
         """Accelerations and forces in the phase's modes, from the Delassus matrix."""
-        now = self.closed_pairs(body) if now is None else now
+        now = self.closed_pairs(t, body) if now is None else now
         dynamics, count = self.dynamics, len(self.contacts)
         free = dynamics.inverse * dynamics.torsor(t, body)
         normal, friction = np.zeros(count), np.zeros(count)
@@ -85,7 +100,11 @@ class SeveralContactPhase:
             return ContactSolution(free, normal, friction)
         rows_matrix, columns_matrix = np.array(rows), np.array(columns).T
         matrix = rows_matrix @ (dynamics.inverse[:, None] * columns_matrix)
-        multipliers = np.linalg.solve(matrix, -(rows_matrix @ free + np.array(biases)))
+        right = -(rows_matrix @ free + np.array(biases))
+        if self.is_carried:
+            multipliers = np.linalg.lstsq(matrix, right, rcond=DEPENDENT)[0]
+        else:
+            multipliers = np.linalg.solve(matrix, right)
         for (k, share), value in zip(which, multipliers.tolist(), strict=True):
             if share is None:
                 friction[k] = value
@@ -101,7 +120,7 @@ class SeveralContactPhase:
     def guards(self, t: float, y: np.ndarray) -> dict[tuple[str, str], float]:
         """Values by (kind, contact) that are positive while the phase lasts, each in its natural unit: forces in the
         weight or load, speeds and gaps in SI units."""
-        now = self.pairs(y)
+        now = self.pairs(t, y)
         forces = self.forces(t, y, now)
         values: dict[tuple[str, str], float] = {}
         for k, (contact, pair) in enumerate(zip(self.contacts, now, strict=True)):
@@ -113,6 +132,8 @@ class SeveralContactPhase:
                 continue
             if not contact.is_closed:
                 values["gap", contact.name] = pair.gap
+            elif self.is_carried:
+                pass  # its force is not unique: "held" shows whether forces are admissible
             elif contact.mode is Mode.ROLL and not is_rough(contact.case):
                 bound = friction_of(contact.case)[1] * normal
                 values["cone+", contact.name], values["cone-", contact.name] = bound + friction, bound - friction
@@ -120,4 +141,31 @@ class SeveralContactPhase:
                 values["normal", contact.name] = normal
             if contact.mode in SIGN:
                 values["slip", contact.name] = SIGN[contact.mode] * pair.slip
+        if self.is_carried:
+            values["held", ""] = 1.0 if self.starts(t, y) is None else -1.0
         return values
+
+    def starts(self, t: float, y: np.ndarray) -> dict[str, float] | None:
+        """The contacts that Coulomb's law opens (0) or lets slip (the sign of the slip) where it does not let a plate
+        go on that is carried by belts; None where it does."""
+        closed = [(c, cast(PairState, p)) for c, p in zip(self.contacts, self.closed_pairs(t, y), strict=True) if p]
+        some, count = [pair for _, pair in closed], len(closed)
+        delassus, rows = self.dynamics.delassus(some)
+        free = self.dynamics.free_rates(t, y, some, rows)
+        slips = [SIGN.get(contact.mode) for contact, _ in closed]
+        answers = solutions(delassus, free, slips, *frictions(some))
+        if not answers:
+            return {}
+        rates = [delassus @ force + free for force in answers]
+        rolls = [k for k, (contact, _) in enumerate(closed) if contact.mode is Mode.ROLL]
+        constraints, small = [*range(count), *(count + k for k in rolls)], NO_RATE * float(np.abs(free).max())
+        if min(float(np.abs(rate[constraints]).max()) for rate in rates) <= small:
+            return None
+        slipping = [k for k in rolls if abs(rates[0][count + k]) > small]
+        opening = {closed[k][0].name: 0.0 for k in range(count) if rates[0][k] > small}
+        return {closed[k][0].name: float(np.sign(rates[0][count + k])) for k in slipping} | opening
+
+    def starts_after(self, step: float, t: float, y: np.ndarray) -> dict[str, float]:
+        """`starts` a short time (s) later, when rates that begin at zero are more than rounding; empty if the plate
+        goes on."""
+        return self.starts(t + step, y + step * self.rates(t, y)) or {}

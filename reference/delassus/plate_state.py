@@ -9,7 +9,7 @@ import numpy as np
 from cases import Case, Mode
 from cases.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
 
-from .contacts import PairState, PlateDynamics, pair_at
+from .contacts import PairState, PlateDynamics, on_surface, pair_at
 from .phase import WatchedContact
 
 # A contact touches if its gap is below this part of the plate's size; it closes, slips or accelerates if the speed or
@@ -37,7 +37,7 @@ class PlateState:
 
     def pairs(self) -> list[PairState]:
         """All contacts in this state; their points are updated."""
-        now = [pair_at(contact.case, self.body, contact.pair) for contact in self.contacts]
+        now = [on_surface(pair_at(contact.case, self.body, contact.pair), self.t) for contact in self.contacts]
         self.contacts = [c._replace(pair=(p.xi1, p.xi2)) for c, p in zip(self.contacts, now, strict=True)]
         return now
 
@@ -104,18 +104,19 @@ class PlateState:
                 self.body[: self.half] -= step / self.dynamics.units
 
     def hold(self) -> None:
-        """No velocity along the rows that are held."""
+        """No velocity along the rows that are held, relative to the supports' surfaces."""
         now = self.pairs()
         touching = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.touching]
         sticking = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.stuck & self.touching]
         rows = np.array([p.lift_row for p in touching] + [p.slip_row for p in sticking])
         if not rows.size:
             return
-        rows = rows / self.dynamics.units
-        if np.linalg.matrix_rank(rows, tol=1e-9) == np.count_nonzero(self.dynamics.inverse):
+        rows, goals = rows / self.dynamics.units, np.array([0.0] * len(touching) + [p.surface for p in sticking])
+        is_held = np.linalg.matrix_rank(rows, tol=1e-9) == np.count_nonzero(self.dynamics.inverse)
+        if is_held and not goals.any():
             self.body[self.half :] = 0.0
             return
         velocity = self.body[self.half :] * self.dynamics.units
         for _ in range(2):
-            velocity = velocity - np.linalg.lstsq(rows, rows @ velocity, rcond=1e-10)[0]
+            velocity = velocity - np.linalg.lstsq(rows, rows @ velocity - goals, rcond=1e-10)[0]
         self.body[self.half :] = velocity / self.dynamics.units

@@ -7,7 +7,7 @@ and conditions, so that no equation tests which effects there are, and an effect
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import ClassVar, NamedTuple
 
@@ -93,26 +93,35 @@ class FixedSurface:
 
     surface: ClassVar[Surface] = Surface(ZERO, ZERO)
 
+    def of_contact(self, number: int) -> FixedSurface:
+        """The same surface with names of its own, for one of several contacts."""
+        return self
+
     def values(self, case: Case) -> dict[str, float]:
         return {}
 
 
 @dataclass(frozen=True)
 class RunningSurface(FixedSurface):
-    """A belt: its speed with its constants lifted, so that belts that differ in numbers share one system."""
+    """A belt: its speed with its constants lifted, so that belts that differ in numbers share one system. Their names
+    begin with `name`."""
 
     formula: sp.Expr
     sizes: tuple[sp.Symbol, ...]
+    name: str = "belt"
 
     @property
     def surface(self) -> Surface:  # type: ignore[override]
-        names = {s: symbol(f"belt_{s.name}") for s in self.sizes}
+        names = {s: symbol(f"{self.name}_{s.name}") for s in self.sizes}
         return Surface(*(from_sympy(e, names) for e in (self.formula, sp.diff(self.formula, TIME))))
 
     def values(self, case: Case) -> dict[str, float]:
         belt = case.effect(Belt)
         assert belt is not None
-        return {f"belt_c{i}": value for i, value in enumerate(constants([belt.expression]))}
+        return {f"{self.name}_c{i}": value for i, value in enumerate(constants([belt.expression]))}
+
+    def of_contact(self, number: int) -> FixedSurface:
+        return replace(self, name=f"belt{number}")
 
 
 # --- friction ---------------------------------------------------------------------------------------------------------

@@ -6,10 +6,11 @@
 
 M and F have a block for each body, q₁ its (X₀, Y₀, θ). Every closed contact has its own q₂ = (ξ₁, ξ₂), its rows (8)″
 and (9)″ with the third derivatives of (25), and its column of (33); one that does not slip has the tangential column
-and the row of rolling as well. A contact of two bodies is that of a plate on a driven track: the track is the boundary
-of the other body, and its accelerations, which a drive adds to C, are unknowns with the columns of `_base_block`; the
-other body has the opposite forces. At a corner of the outline r_p vanishes: ξ₂ and the row (9)″ are left out, and θ̇ is
-part of the state. Literal and slow; the fast form of one body is tested against it.
+and the row of rolling as well; a belt changes the right-hand side of that row alone. A contact of two bodies is that of
+a plate on a driven track: the track is the boundary of the other body, and its accelerations, which a drive adds to C,
+are unknowns with the columns of `_base_block`; the other body has the opposite forces. At a corner of the outline r_p
+vanishes: ξ₂ and the row (9)″ are left out, and θ̇ is part of the state. Literal and slow; the fast form of one body is
+tested against it.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from .augmented import (
     sliding_column,
     tangential_column,
 )
-from .kinematics import Kinematics, U, kinematics_on, track_jet
+from .kinematics import Kinematics, U, belt_of, kinematics_on, track_jet
 
 
 class BodyContact(NamedTuple):
@@ -100,7 +101,7 @@ def solve_bodies(
         row, column, first = row + size + 1, column + 1, first + size
         if is_rolling:
             _add_force(matrix, one, k, column, tangential_column(k))
-            coefficients, right[row] = rolling_row(k)
+            coefficients, right[row] = rolling_row(k, belt_of(one.pair, motions[one.body][0]))
             matrix[row, own] = coefficients[:size]
             row, column = row + 1, column + 1
     for i, body in enumerate(bodies):

@@ -2,25 +2,27 @@
 
 A combination is consistent if its conditions hold just after the instant along its own motion (`minimal.decision`, by
 series where values vanish). Several combinations that give the same accelerations are one motion; different ones are
-reported as `not_unique`, none is chosen.
+reported as `not_unique`, none is picks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Mode
+from cases import Belt, Case, Mode
 
 from ..minimal.assembly import _MOTION
 from ..minimal.decision import Undecidable, _by_series, follows
-from ..minimal.effects import laws
+from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.elimination import T
 from . import forces
 from .contact_law import slip_modes
+from .equations import COLUMNS, FIRST_COLUMN
 from .geometry import ContactPlace
 from .regimes import SeveralPhase, SeveralRegime, body_of, regime_of, several_phase
 
@@ -30,6 +32,8 @@ STILL = 1e-11
 SAME = 1e-7
 # A gap below this part of the plate's size may be the rounding of none.
 NEAR = 1e-9
+# Rows, in units of the radius of gyration, with a smaller singular value than this depend on each other.
+INDEPENDENT = 1e-9
 # A load is balanced if the least weight is no more negative than its rounding.
 BALANCED = -1e-11
 
@@ -72,16 +76,17 @@ def decide(
     now: DecisionInstant,
     error: float,
     fixed: dict[int, tuple[Mode, ...]] | None = None,
-    may_rest: bool = True,
+    last_modes: tuple[Mode, ...] | None = None,
 ) -> SeveralDecision:
     """The regime that follows. `fixed` limits the modes of some contacts, by their places; `error` is the relative
-    error of the state; a rest whose limit is reached may not go on. Raises Undecidable."""
-    motions = consistent_motions(case, now, error, fixed, may_rest)
+    error of the state. `last_modes`: the modes of contacts whose forces have reached their limit; these may not go on,
+    and no rest follows. Raises Undecidable."""
+    motions = consistent_motions(case, now, error, fixed, last_modes)
     if not motions:
         return SeveralDecision(None, ())
     if len(motions) > 1 and len(now.touching) > 1:
         return SeveralDecision(None, tuple(regimes[0].modes for regimes in motions))
-    best = max(motions[0], key=lambda r: (r.rests, len(r.closed), _sticking(r)))
+    best = max(motions[0], key=lambda r: (r.has_open_forces, len(r.closed), _sticking(r)))
     return SeveralDecision(best, (best.modes,))
 
 
@@ -90,7 +95,7 @@ def consistent_motions(
     now: DecisionInstant,
     error: float,
     fixed: dict[int, tuple[Mode, ...]] | None = None,
-    may_rest: bool = True,
+    last_modes: tuple[Mode, ...] | None = None,
 ) -> list[list[SeveralRegime]]:
     """All motions that rigid Coulomb contact allows, each with every regime that gives its accelerations. Arguments as
     of `decide`. Raises Undecidable."""
@@ -98,13 +103,18 @@ def consistent_motions(
     for modes in product(*_options(now, fixed or {})):
         regime = SeveralRegime(modes, now.names, now.limits, now.pairs, now.away)
         rows = sum(2 if mode is Mode.ROLL else mode is not Mode.FLIGHT for mode in modes)
-        if rows > 2:
-            if not may_rest or not _rests(case, now, modes):
+        if rows > 2 and not _is_on_belt(now, modes):
+            if last_modes is not None or not _rests(case, now, modes):
                 continue
             motions.append((regime._replace(rests=True), np.zeros(3)))
             continue
+        if rows > 2:
+            guides = _guides(case, now, modes)
+            if guides is None or (rows > 3 and modes == last_modes):
+                continue
+            regime = regime._replace(guides=guides if rows > 3 else ())
         phase = several_phase(case, regime)
-        if _is_consistent(case, now, phase, error) and _has_unique_force(phase, now):
+        if _is_consistent(case, now, phase, error) and _has_forces(phase, now):
             rates = phase.system.rates_of_numbers(now.time, now.state, phase.parameters)
             motions.append((regime, np.array(rates[-3:])))
     if any(now.places[k].stick > now.places[k].mu for k in now.touching):
@@ -126,7 +136,7 @@ def _options(now: DecisionInstant, fixed: dict[int, tuple[Mode, ...]]) -> list[t
         if k not in now.touching:
             options.append((Mode.FLIGHT,))
             continue
-        slip, slipping = float(at.slip_row @ velocity), slip_modes(at.contact)
+        slip, slipping = at.slip(velocity, now.time), slip_modes(at.contact)
         rolling: tuple[Mode, ...] = (Mode.ROLL,) if at.stick > 0.0 else ()
         if k in fixed:
             options.append(fixed[k])
@@ -144,8 +154,8 @@ def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
     if slips or len(closed) < len(now.touching) or np.any(np.array(now.state[-3:])):
         return False
     some = [now.places[k] for k in closed]
-    sticks = [now.places[k].stick if modes[k] is Mode.ROLL else 0.0 for k in closed]
-    rows = [at.lift_row for at in some] + [at.slip_row for at, stick in zip(some, sticks, strict=True) if stick > 0.0]
+    sticks = limits_of_friction(some, [modes[k] for k in closed])
+    rows = [at.lift_row for at in some] + [now.places[k].slip_row for k in closed if modes[k] is Mode.ROLL]
     if np.linalg.matrix_rank(np.array(rows), tol=1e-9 * case.plate.reach) < 3:
         return False
     load = load_at(case, now.time, body_of(now.state))
@@ -154,22 +164,87 @@ def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
     return forces.margin(some, load, forces.units_of(case.plate.gyration), sticks) >= BALANCED
 
 
+def limits_of_friction(some: Sequence[ContactPlace], modes: Sequence[Mode]) -> list[forces.Limit]:
+    """What limits the friction of closed contacts in those modes."""
+    limits: list[forces.Limit] = []
+    for at, mode in zip(some, modes, strict=True):
+        if mode is Mode.ROLL:
+            limits.append(at.stick)
+        else:
+            limits.append(forces.Slipping(-SLIP_SIGN[mode] * at.mu) if mode in SLIP_SIGN else 0.0)
+    return limits
+
+
+def _is_on_belt(now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
+    """Whether the surface of a closed contact runs."""
+    return any(
+        mode is not Mode.FLIGHT and at.contact.effect(Belt) is not None
+        for at, mode in zip(now.places, modes, strict=True)
+    )
+
+
+def _guides(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> tuple[tuple[bool, bool], ...] | None:
+    """Normal and tangential rows of each contact in those modes that determine the motion: the first three that are
+    independent; None if there are no three."""
+    picks, rows = [[False, False] for _ in modes], list[np.ndarray]()
+    normals = [(k, 0) for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
+    tangents = [(k, 1) for k, mode in enumerate(modes) if mode is Mode.ROLL]
+    units = forces.units_of(case.plate.gyration)
+    for k, which in (*normals, *tangents):
+        at = now.places[k]
+        more = [*rows, (at.slip_row if which else at.lift_row) * units]
+        if np.linalg.matrix_rank(np.array(more), tol=INDEPENDENT) == len(more):
+            rows, picks[k][which] = more, True
+        if len(rows) == 3:
+            return tuple((normal, tangent) for normal, tangent in picks)
+    return None
+
+
 def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error: float) -> bool:
     """Whether the conditions of a regime hold just after the instant along its own motion."""
     size = abs(now.state[0]) + abs(now.state[1]) + case.plate.reach
     near = [at.gap <= NEAR * size and not is_away for at, is_away in zip(now.places, now.away, strict=True)]
-    if any(mode is Mode.FLIGHT and close for mode, close in zip(regime_of(phase).modes, near, strict=True)):
-        return _by_series(phase, now.time, now.state, error)  # a gap has no size with which its value can be compared
+    is_touched = any(mode is Mode.FLIGHT and close for mode, close in zip(regime_of(phase).modes, near, strict=True))
+    if is_touched or regime_of(phase).guides:
+        # A gap, or what a row lacks, has no size with which its value can be compared.
+        return _by_series(phase, now.time, now.state, error)
     return follows(case, phase, now.time, now.state, error)
 
 
-def _has_unique_force(phase: SeveralPhase, now: DecisionInstant) -> bool:
-    """Whether the forces of a slip are unique: not beyond Painlevé's paradox."""
+def _has_forces(phase: SeveralPhase, now: DecisionInstant) -> bool:
+    """Whether the forces of a regime are unique, not beyond Painlevé's paradox, or those of more than three rows are
+    admissible."""
+    if regime_of(phase).guides:
+        return margin_on_belts(phase, now.time, now.state, now.places) >= BALANCED
     names = list(phase.system.guards)
     if "painleve" not in names:
         return True
     values = phase.system.guards_of_numbers(now.time, now.state, phase.parameters)
     return bool(values[names.index("painleve")] != 0.0)
+
+
+def margin_on_belts(phase: SeveralPhase, t: float, state: Sequence[float], every: Sequence[ContactPlace]) -> float:
+    """`forces.margin` of contacts with more than three rows at the places `every`; −inf if the rows contradict each
+    other, as do those of a plate on two belts of different acceleration."""
+    case, regime = phase.case, regime_of(phase)
+    load, units = load_on_belts(phase, t, state), forces.units_of(case.plate.gyration)
+    outputs = phase.system.outputs_of_numbers(t, tuple(state), phase.parameters)
+    size = float(np.abs(load * units).max()) / case.plate.mass
+    firsts = [FIRST_COLUMN + len(COLUMNS) * k for k in regime.closed]
+    if not max(abs(value) for first in firsts for value in outputs[first : first + 2]) <= SAME * size:
+        return -inf
+    some = [every[k] for k in regime.closed]
+    limits = limits_of_friction(some, [regime.modes[k] for k in regime.closed])
+    return forces.margin(some, load, units, limits)
+
+
+def load_on_belts(phase: SeveralPhase, t: float, state: Sequence[float] | np.ndarray) -> np.ndarray:
+    """The force and moment (N, N, N m) that the contacts of a plate on belts balance: the load, less what gives the
+    plate its acceleration."""
+    case = phase.case
+    acceleration = np.array(phase.system.rates_of_numbers(t, tuple(state), phase.parameters)[-3:])
+    inertia = case.plate.mass * np.array([1.0, 1.0, case.plate.gyration**2])
+    return load_at(case, t, body_of(state)) - inertia * acceleration
 
 
 def _clusters(case: Case, now: DecisionInstant, motions) -> list[list[SeveralRegime]]:

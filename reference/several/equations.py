@@ -2,9 +2,10 @@
 
 In the frame of contact i (t along the track, n = U t towards the plate, arm h = θr from the centre of mass) the rows
 (8)″ along n read  a·n + ω̇ h_t = C_n  (`minimal.elimination` has C_n), and where the contact does not slip those along t
-a·t − ω̇ h_n = ω² h_t. With q̈₁ from (16), (19), they are linear in the contacts' forces. A plate has three degrees of
-freedom: three rows or more hold it at rest, so one that moves has at most two, solved by Cramer's rule. ξ̇ follows from
-the velocities by (8)′ and (9)′, for an open contact with its gap.
+a·t − ω̇ h_n = ω² h_t + ḃ, with the speed b of the support's surface along t: a belt changes C alone. With q̈₁ from (16),
+(19), they are linear in the contacts' forces, and solved by Cramer's rule. A plate has three degrees of freedom: three
+rows or more hold it at rest, or determine its motion by the belts that it sticks to. Of more than three, whose forces
+are not unique, three are used. ξ̇ follows from the velocities by (8)′ and (9)′, for an open contact with its gap.
 """
 
 from __future__ import annotations
@@ -18,14 +19,17 @@ from cases.derivation import in_one_thread
 from cases.expression_graph import ONE, ZERO, Node, symbol
 
 from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
-from ..minimal.effects import Laws
-from ..minimal.elimination import GYRATION
+from ..minimal.effects import FixedSurface, Laws
+from ..minimal.elimination import GYRATION, Surface
 from ..minimal.frames import Frame, frame
 from ..minimal.system import Equations, System
 
 _, X, Y, THETA, VX, VY, OMEGA = _MOTION
-# Columns of the outputs for each contact.
+# Columns of the outputs for each contact. Where more than three rows determine the motion, the first two are by how
+# much the acceleration misses the contact's rows.
 COLUMNS = ("normal", "friction", "slip", "gap", "lift")
+# Those of the first contact begin after the applied force and the accelerations.
+FIRST_COLUMN = 5
 
 
 class ContactRows(Enum):
@@ -69,7 +73,11 @@ class _EquationRow(NamedTuple):
 class ContactForm(NamedTuple):
     """What the equations of one contact depend on: the structures of its support's curve and of its feature of the
     outline (a corner's is the sign of its turn), its rows, whether friction has a bound, whether the two curves have
-    ends, whether its nearest points are unique in every pose, and whether its arc has a range."""
+    ends, whether its nearest points are unique in every pose, and whether its arc has a range.
+
+    `surface`: its support's surface, which may run. `guides`: where more rows than three determine the motion, which of
+    its normal and tangential row are used; no row has a force of its own then.
+    """
 
     track: Any
     outline: Any
@@ -78,6 +86,8 @@ class ContactForm(NamedTuple):
     has_ends: tuple[bool, bool]
     stays: bool
     turns: bool
+    surface: FixedSurface = FixedSurface()
+    guides: tuple[bool, bool] | None = None
 
 
 def several_system(forms: tuple[ContactForm, ...], law: Laws) -> System:
@@ -108,7 +118,17 @@ def _contact(form: ContactForm, k: int) -> _ContactTerms:
     return _ContactTerms(f, h, slip, lift, gap, along_track, along_track * shrink - slip, clearance)
 
 
-def _rows(contact: _ContactTerms, kind: ContactRows, ratio: Node) -> list[_EquationRow]:
+def _rows(contact: _ContactTerms, form: ContactForm, surface: Surface, ratio: Node) -> list[_EquationRow]:
+    """The rows of one contact, the normal one first."""
+    if form.guides is None:
+        return _rows_of_kind(contact, form.kind, surface, ratio)
+    both = _rows_of_kind(contact, ContactRows.STICK, surface, ZERO)
+    return [row for row, is_used in zip(both, form.guides, strict=True) if is_used]
+
+
+def _rows_of_kind(contact: _ContactTerms, kind: ContactRows, surface: Surface, ratio: Node) -> list[_EquationRow]:
+    if kind in NO_ROWS:
+        return []
     f, h = contact.f, contact.h
     u1 = contact.along_track / f.P
     # At a corner the outline's point does not move along it.
@@ -116,7 +136,8 @@ def _rows(contact: _ContactTerms, kind: ContactRows, ratio: Node) -> list[_Equat
     right_n = OMEGA**2 * h.hn - outline + u1**2 * f.b
     t, n = (f.tx, f.ty), (-f.ty, f.tx)
     if kind is ContactRows.STICK:
-        return [_EquationRow(n, h.ht, right_n, n, h.ht), _EquationRow(t, -h.hn, OMEGA**2 * h.ht, t, -h.hn)]
+        right_t = OMEGA**2 * h.ht + surface.rate
+        return [_EquationRow(n, h.ht, right_n, n, h.ht), _EquationRow(t, -h.hn, right_t, t, -h.hn)]
     force = n[0] + ratio * t[0], n[1] + ratio * t[1]
     return [_EquationRow(n, h.ht, right_n, force, h.ht - ratio * h.hn)]
 
@@ -138,23 +159,36 @@ def _multipliers(rows: list[_EquationRow], torsor: tuple[Node, Node, Node]) -> t
     if len(rows) == 1:
         determinant = weight(rows[0], rows[0])
         return [free(rows[0]) / determinant], determinant
-    (a, b), (c, d) = ([weight(row, other) for other in rows] for row in rows)
+    weights = [[weight(row, other) for other in rows] for row in rows]
+    if len(rows) == 3:
+        return _solve_three(weights, [free(row) for row in rows])
+    (a, b), (c, d) = weights
     determinant = a * d - b * c
     first, second = free(rows[0]), free(rows[1])
     return [(d * first - b * second) / determinant, (a * second - c * first) / determinant], determinant
 
 
+def _solve_three(weights: list[list[Node]], right: list[Node]) -> tuple[list[Node], Node]:
+    """The solution of three equations by cofactors, and their determinant."""
+
+    def cofactor(i: int, j: int) -> Node:
+        (a, b), (c, d) = ([row[n % 3] for n in (j + 1, j + 2)] for row in (weights[(i + k) % 3] for k in (1, 2)))
+        return a * d - b * c
+
+    determinant = weights[0][0] * cofactor(0, 0) + weights[0][1] * cofactor(0, 1) + weights[0][2] * cofactor(0, 2)
+    values = [sum((cofactor(i, j) * right[i] for i in range(3)), ZERO) / determinant for j in range(3)]
+    return values, determinant
+
+
 def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
-    count, kinds = len(forms), [form.kind for form in forms]
+    count = len(forms)
     contacts = [_contact(form, k) for k, form in enumerate(forms)]
     ratios = [symbol(f"k_{k}") if form.rubs else ZERO for k, form in enumerate(forms)]
-    rows = [
-        _rows(contact, kind, ratio) if kind not in NO_ROWS else []
-        for contact, kind, ratio in zip(contacts, kinds, ratios, strict=True)
-    ]
-    flat = [row for some in rows for row in some]
-    if len(flat) > 2:
-        raise ValueError("a plate that moves has at most two rows of contact")
+    surfaces = [form.surface.of_contact(k).surface for k, form in enumerate(forms)]
+    flat = [row for each in zip(contacts, forms, surfaces, ratios, strict=True) for row in _rows(*each)]
+    is_guided = any(form.guides is not None for form in forms)
+    if len(flat) > 3:
+        raise ValueError("a plate has at most three rows of contact with forces of their own")
     torsor = law.torsor
     multipliers, determinant = _multipliers(flat, torsor)
     acceleration = list(torsor[:2]) + [torsor[2] / GYRATION]
@@ -165,13 +199,21 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
     conditions: dict[str, Node] = {}
     slip_rates: dict[str, Node] = {}
     limits: dict[str, Node] = {}
+    equalities: dict[str, Node] = {}
     columns: list[Node] = []
     rest = iter(multipliers)
-    for k, (contact, form, ratio) in enumerate(zip(contacts, forms, ratios, strict=True)):
+    for k, (contact, form, ratio, surface) in enumerate(zip(contacts, forms, ratios, surfaces, strict=True)):
         kind, rubs = form.kind, form.rubs
-        normal = next(rest) if kind not in NO_ROWS else ZERO
-        friction = next(rest) if kind is ContactRows.STICK else ratio * normal
-        columns += [normal, friction, contact.slip, contact.gap, contact.lift]
+        has_force = kind not in NO_ROWS and not is_guided
+        normal = next(rest) if has_force else ZERO
+        friction = next(rest) if has_force and kind is ContactRows.STICK else ratio * normal
+        slip = contact.slip - surface.speed
+        columns += [normal, friction, slip, contact.gap, contact.lift]
+        if is_guided and kind not in NO_ROWS:
+            off = _contradictions(contact, kind, surface, acceleration)
+            columns[-len(COLUMNS) : 2 - len(COLUMNS)] = off
+            for i, value in enumerate(off):
+                equalities |= {f"row_{i}_above:{k}": value, f"row_{i}_below:{k}": -value}
         if form.turns:
             xi2 = symbol(f"xi2_{k}")
             limits |= {f"turn_low:{k}": xi2 - symbol(f"turn_low_{k}"), f"turn_high:{k}": symbol(f"turn_high_{k}") - xi2}
@@ -183,21 +225,21 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
                 limits[f"lost:{k}"] = contact.clearance - symbol(f"lost_{k}")
                 limits |= _ends(form.has_ends, k, "lost_")
             continue
-        if kind is ContactRows.STICK and rubs:
-            bound = symbol(f"stick_{k}") * normal
-            conditions[f"cone_forward:{k}"], conditions[f"cone_backward:{k}"] = bound + friction, bound - friction
-        else:
-            conditions[f"normal:{k}"] = normal
+        if not is_guided:  # its force is not unique there
+            conditions |= _force_conditions(form, k, normal, friction)
         if kind is ContactRows.SLIP and rubs:
             sigma, (tx, ty) = symbol(f"sigma_{k}"), (contact.f.tx, contact.f.ty)
-            conditions[f"slip:{k}"] = sigma * contact.slip
+            conditions[f"slip:{k}"] = sigma * slip
             along = acceleration[0] * tx + acceleration[1] * ty
-            slip_rates[f"slip:{k}"] = sigma * (along - acceleration[2] * contact.h.hn - OMEGA**2 * contact.h.ht)
+            rate = along - acceleration[2] * contact.h.hn - OMEGA**2 * contact.h.ht - surface.rate
+            slip_rates[f"slip:{k}"] = sigma * rate
         if not form.stays:
             limits[f"fit:{k}"] = contact.clearance
             limits |= _ends(form.has_ends, k, "")
-    if flat and any(form.rubs and form.kind is ContactRows.SLIP for form in forms):
-        limits["painleve"] = determinant - PAINLEVE_LEAST
+    if flat and not is_guided and any(form.rubs and form.kind is ContactRows.SLIP for form in forms):
+        # Three rows determine the motion whatever the sign of their determinant.
+        size, least = (determinant, PAINLEVE_LEAST) if len(flat) < 3 else (determinant**2, PAINLEVE_LEAST**2)
+        limits["painleve"] = size - least
     positions = [X, Y, THETA]
     rates = [VX, VY, OMEGA]
     for k, contact in enumerate(contacts):
@@ -207,9 +249,27 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
     outputs = _outputs(count)(*torsor[:2], *acceleration, *columns)
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & {*variables, _MOTION[0]}}
     return Equations(
-        variables, len(positions), (*rates, *acceleration), outputs, conditions, slip_rates, guards,
+        variables, len(positions), (*rates, *acceleration), outputs, conditions | equalities, slip_rates, guards,
         law.checked_quantities,
     )  # fmt: skip
+
+
+def _contradictions(
+    contact: _ContactTerms, kind: ContactRows, surface: Surface, acceleration: list[Node]
+) -> list[Node]:
+    """By how much an acceleration misses the normal and the tangential row of a contact (m/s²)."""
+    ax, ay, turning = acceleration
+    rows = _rows_of_kind(contact, kind, surface, ZERO)
+    off = [row.direction[0] * ax + row.direction[1] * ay + row.lever * turning - row.right for row in rows]
+    return [*off, ZERO][:2]
+
+
+def _force_conditions(form: ContactForm, k: int, normal: Node, friction: Node) -> dict[str, Node]:
+    """The conditions on the force of a closed contact."""
+    if form.kind is not ContactRows.STICK or not form.rubs:
+        return {f"normal:{k}": normal}
+    bound = symbol(f"stick_{k}") * normal
+    return {f"cone_forward:{k}": bound + friction, f"cone_backward:{k}": bound - friction}
 
 
 def _outline_rate(contact: _ContactTerms) -> Node:

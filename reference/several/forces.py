@@ -1,8 +1,9 @@
 """Forces of contacts that hold a plate at rest: which forces are admissible, and by how much.
 
 A force inside Coulomb's cone is a sum of its two edges n ± μ t with weights that are not negative (a frictionless
-contact has the one edge n). Equilibrium is three equations for the weights, so the admissible forces are a polytope:
-linear programs find whether it is empty and its ranges, and the last step solves the active equations, to rounding.
+contact has the one edge n, one that slips n + ratio t). Equilibrium is three equations for the weights, so the
+admissible forces are a polytope: linear programs find whether it is empty and its ranges, and the last step solves the
+active equations, to rounding. A plate that belts move in a given way is in equilibrium with its inertial forces.
 """
 
 from __future__ import annotations
@@ -34,6 +35,16 @@ def units_of(gyration: float) -> np.ndarray:
     return np.array([1.0, 1.0, 1.0 / gyration])
 
 
+class Slipping(NamedTuple):
+    """In place of the coefficient of a contact that does not slip: the friction per normal force of one that does."""
+
+    ratio: float
+
+
+# What limits the friction of a contact: its coefficient (infinite: no bound), or the slip that determines it.
+Limit = float | Slipping
+
+
 class ForceRanges(NamedTuple):
     """Least and greatest normal and friction force of each contact (N), shape (contacts, 2) each; infinite where
     contacts may press against each other without bound."""
@@ -42,7 +53,7 @@ class ForceRanges(NamedTuple):
     friction: np.ndarray
 
 
-def _generators(now: Sequence[RowsOfContact], sticks: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+def _generators(now: Sequence[RowsOfContact], sticks: Sequence[Limit]) -> tuple[np.ndarray, np.ndarray]:
     """The edges of all cones as columns (fx, fy, moment), shape (3, edges), and (normal, friction) of each edge by
     contact, shape (contacts, 2, edges). Without a bound on friction the edges are n, t and −t."""
     edges = [_edges(stick) for stick in sticks]
@@ -55,14 +66,16 @@ def _generators(now: Sequence[RowsOfContact], sticks: Sequence[float]) -> tuple[
     return np.array(columns).T, parts
 
 
-def _edges(stick: float) -> list[tuple[float, float]]:
+def _edges(stick: Limit) -> list[tuple[float, float]]:
     """Normal and friction force of the edges of one cone."""
+    if isinstance(stick, Slipping):
+        return [(1.0, stick.ratio)]
     if stick == 0.0:
         return [(1.0, 0.0)]
     return [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] if isinf(stick) else [(1.0, stick), (1.0, -stick)]
 
 
-def margin(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, sticks: Sequence[float]) -> float:
+def margin(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, sticks: Sequence[Limit]) -> float:
     """The largest least weight with which the contacts balance a load (fx, fy, moment), in units of the load; −inf if
     the load cannot be balanced with weights of any sign, at most 1.
 
@@ -90,7 +103,7 @@ def margin(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, st
     return float(exact[-1]) if np.abs(matrix[:, active] @ exact - right).max() < 1e-12 else float(answer.x[-1])
 
 
-def ranges(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, sticks: Sequence[float]) -> ForceRanges:
+def ranges(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, sticks: Sequence[Limit]) -> ForceRanges:
     """The ranges of the forces with which the contacts balance a load (N, N, N m); NaN if they cannot. `units` as of
     `margin`."""
     from scipy.optimize import linprog

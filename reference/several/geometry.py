@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case
-from cases.contact import find
+from cases.contact import belt_speed, find
 from cases.contact_pairs import PairCase
 from cases.corner import Corner
 
@@ -33,6 +33,10 @@ class ContactPlace(NamedTuple):
     slip_row: np.ndarray
     lift_row: np.ndarray
     clearance: float
+
+    def slip(self, velocity: np.ndarray, t: float) -> float:
+        """The slip velocity (m/s) of a plate with that velocity (vx, vy, ω), relative to its support's surface."""
+        return float(self.slip_row @ velocity) - belt_speed(self.contact, t)
 
     @property
     def mu(self) -> float:
@@ -100,21 +104,24 @@ def project(
 
 def without_velocity(
     case: Case,
+    t: float,
     body: Sequence[float] | np.ndarray,
     now: Sequence[ContactPlace],
     closed: Sequence[int],
     stuck: Sequence[int],
 ) -> list[float]:
-    """The plate's state with lift velocity 0 at the closed contacts and slip velocity 0 at the stuck ones: the nearest
-    such velocities in kinetic energy."""
+    """The plate's state at time t (s) with lift velocity 0 at the closed contacts and slip velocity 0 at the stuck
+    ones: the nearest such velocities in kinetic energy."""
     rows = [now[k].lift_row for k in closed] + [now[k].slip_row for k in stuck]
     velocity = np.array(body[3:], dtype=float)
     if rows:
         compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
         matrix = np.array(rows)
-        if np.linalg.matrix_rank(matrix * np.array([1.0, 1.0, 1.0 / case.plate.gyration]), tol=1e-9) == 3:
+        goals = np.array([0.0] * len(closed) + [belt_speed(now[k].contact, t) for k in stuck])
+        is_held = np.linalg.matrix_rank(matrix * np.array([1.0, 1.0, 1.0 / case.plate.gyration]), tol=1e-9) == 3
+        if is_held and not goals.any():
             return [*body[:3], 0.0, 0.0, 0.0]
         for _ in range(2):  # the second step removes the rounding of the first
-            off = np.linalg.lstsq(matrix * compliance @ matrix.T, matrix @ velocity, rcond=1e-10)[0]
+            off = np.linalg.lstsq(matrix * compliance @ matrix.T, matrix @ velocity - goals, rcond=1e-10)[0]
             velocity = velocity - compliance * (matrix.T @ off)
     return [*body[:3], *velocity.tolist()]

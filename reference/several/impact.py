@@ -16,6 +16,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from cases import Case, Impact
+from cases.contact import belt_speed
 
 from ..minimal.impact import ContactVelocity, collide, law_of
 from .geometry import ContactPlace
@@ -63,50 +64,64 @@ class Inertia(NamedTuple):
 
 
 class _ImpactLaw(NamedTuple):
-    """Restitution, least normal impulse and coefficient of friction of each contact."""
+    """Restitution, least normal impulse and coefficient of friction of each contact, and the speed of its support's
+    surface (m/s)."""
 
     restitution: np.ndarray
     least: np.ndarray
     mu: list[float]
+    belts: np.ndarray
 
 
-def impact(case: Case, velocity: Sequence[float], places_hit: Sequence[ContactPlace], speed: float) -> ImpactVelocities:
-    """The velocities after an impact at all contacts that are touched; `speed` (m/s) is the largest of the motion, by
-    which velocities are rounded. Raises NoImpact."""
+def impact(
+    case: Case, t: float, velocity: Sequence[float], places_hit: Sequence[ContactPlace], speed: float
+) -> ImpactVelocities:
+    """The velocities after an impact at time t (s) at all contacts that are touched; `speed` (m/s) is the largest of
+    the motion, by which velocities are rounded. Raises NoImpact."""
     law = case.effect(Impact)
     assert law is not None
     before = np.array(velocity, dtype=float)
     if len(places_hit) == 1:
-        return _one_contact(before, places_hit[0])
+        return _one_contact(before, places_hit[0], belt_speed(places_hit[0].contact, t))
     gyration = case.plate.gyration
     plate = Inertia(1.0 / np.array([1.0, 1.0, gyration**2]), np.array([1.0, 1.0, gyration]))
-    return impact_of_all(law.law, plate, before, places_hit, speed)
+    belts = np.array([belt_speed(at.contact, t) for at in places_hit])
+    return impact_of_all(law.law, plate, before, places_hit, speed, belts)
 
 
 def impact_of_all(
-    law: str, inertia: Inertia, before: np.ndarray, contacts: Sequence[TouchedContact], speed: float
+    law: str,
+    inertia: Inertia,
+    before: np.ndarray,
+    contacts: Sequence[TouchedContact],
+    speed: float,
+    belts: np.ndarray | None = None,
 ) -> ImpactVelocities:
     """The velocities of one or several bodies after an impact at all touched contacts: by Newton's, Moreau's or
-    Poisson's law ("newton", "moreau", "poisson") for whole impulses. Arguments and errors as of `impact`."""
+    Poisson's law ("newton", "moreau", "poisson") for whole impulses. `belts`: the speeds of the supports' surfaces
+    (m/s; None: at rest). Arguments and errors as of `impact`."""
     mu, nothing = [at.mu for at in contacts], np.zeros(len(contacts))
+    belts = nothing if belts is None else belts
     restitution = np.array([at.restitution for at in contacts])
     if law != "poisson":
-        return _collide(inertia, before, contacts, _ImpactLaw(restitution, nothing, mu), speed)[0]
-    compressed, impulses = _collide(inertia, before, contacts, _ImpactLaw(nothing, nothing, mu), speed)
+        return _collide(inertia, before, contacts, _ImpactLaw(restitution, nothing, mu, belts), speed)[0]
+    compressed, impulses = _collide(inertia, before, contacts, _ImpactLaw(nothing, nothing, mu, belts), speed)
     if not restitution.any():
         return compressed
-    second = _ImpactLaw(nothing, restitution * impulses, mu)
+    second = _ImpactLaw(nothing, restitution * impulses, mu, belts)
     return _collide(inertia, compressed.velocity, contacts, second, speed)[0]
 
 
-def _one_contact(before: np.ndarray, at: ContactPlace) -> ImpactVelocities:
-    """Routh's construction, or Moreau's law for one contact."""
+def _one_contact(before: np.ndarray, at: ContactPlace, belt: float) -> ImpactVelocities:
+    """Routh's construction, or Moreau's law for one contact; `belt`: the speed of its support's surface (m/s)."""
     (tx, ty), (rx, ry) = at.tangent, at.arm
     law = law_of(at.contact, rx * tx + ry * ty, ry * tx - rx * ty)
-    after = collide(law, ContactVelocity(float(at.slip_row @ before), float(at.lift_row @ before), float(before[2])))
+    slip, lift = float(at.slip_row @ before) - belt, float(at.lift_row @ before)
+    after = collide(law, ContactVelocity(slip, lift, float(before[2])))
     # The centre of mass follows from the contact's point.
-    vx = after.slip * tx - after.lift * ty + after.omega * ry
-    vy = after.slip * ty + after.lift * tx - after.omega * rx
+    along = after.slip + belt
+    vx = along * tx - after.lift * ty + after.omega * ry
+    vy = along * ty + after.lift * tx - after.omega * rx
     return ImpactVelocities(np.array([vx, vy, after.omega]), np.array([after.lift]), np.array([after.slip]))
 
 
@@ -140,7 +155,7 @@ def _in_modes(
     """The outcomes in these modes that are consistent: the extreme ones where impulses may differ that change no
     velocity of a closed contact, but the plate's."""
     lift = np.array([at.lift_row @ before for at in places_hit])
-    slip = np.array([at.slip_row @ before for at in places_hit])
+    slip = np.array([at.slip_row @ before for at in places_hit]) - law.belts
     rows, columns, goals, which = [], [], [], []
     change = np.zeros(len(before))
     for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
@@ -194,7 +209,7 @@ def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solved, which, 
             bounds.append(-float(at.lift_row @ after) - law.restitution[k] * float(at.lift_row @ before))
         elif mode in SIGN and law.mu[k]:
             rows.append(SIGN[mode] * (at.slip_row @ turning))
-            bounds.append(-SIGN[mode] * float(at.slip_row @ after))
+            bounds.append(-SIGN[mode] * float(at.slip_row @ after - law.belts[k]))
     members = []
     for goal in (*turning, *-turning):
         answer = linprog(goal, A_ub=-np.array(rows), b_ub=small - np.array(bounds), bounds=(None, None))
@@ -220,7 +235,7 @@ def _with_least(
                 change = change + law.least[k] * (at.lift_row - sense * law.mu[k] * at.slip_row)
                 if sense == 0.0:
                     rows.append(at.slip_row)
-                    goals.append(-float(at.slip_row @ before))
+                    goals.append(-float(at.slip_row @ before - law.belts[k]))
                     columns.append(at.slip_row)
                     which.append((k, False))
                 continue
@@ -231,7 +246,7 @@ def _with_least(
             which.append((k, True))
             if mode == STICK:
                 rows.append(at.slip_row)
-                goals.append(-float(at.slip_row @ before))
+                goals.append(-float(at.slip_row @ before - law.belts[k]))
                 columns.append(at.slip_row)
                 which.append((k, False))
         result = _check(
@@ -269,6 +284,7 @@ def _check(
         np.array([row @ after for row in rows])
         for rows in zip(*((a.lift_row, a.slip_row) for a in places_hit), strict=True)
     )
+    slip = slip - law.belts
     small = ROUNDING * speed
     normal = law.least.copy()
     admissible: list[np.ndarray] = []  # rows of impulses that must not be below the bound of the same place

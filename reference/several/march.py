@@ -32,7 +32,7 @@ from .geometry import places, project, without_velocity
 from .meetings import first_meeting
 from .phase_loop import PhaseLoop, several_motions
 from .regimes import SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
-from .rest import RestStates, StraightStates, limit_of_rest
+from .rest import RestStates, StraightStates, limit_of_rest, limit_on_belts
 from .watched_plate import MotionEnds, WatchedPlate, WatchState
 
 # Impacts are extrapolated to their end where the plate moves by less than this part of its size until then: gaps of
@@ -92,7 +92,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         now = self._end_bouncing(now)
         error = self._decision_error()
         fixed = {k: self.fixed[name] for k, name in enumerate(now.names) if name in self.fixed}
-        decision = decide(self.case, now, error, fixed, may_rest=not self.held_out)
+        last_modes = tuple(watch.mode for watch in self.watches) if self.held_out else None
+        decision = decide(self.case, now, error, fixed, last_modes)
         self.held_out = False
         if decision.regime is None and fixed and not decision.motions:
             decision = decide(self.case, now, error)
@@ -122,7 +123,10 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         limits = tuple(float(np.float32(watch.limit)) for watch in self.watches)
         numbers = tuple(watch.contact.number for watch in self.watches)
         away = tuple(watch.is_away for watch in self.watches)
-        return SeveralRegime(modes, tuple(watch.name for watch in self.watches), limits, numbers, away, regime.rests)
+        guides = tuple(used for used, name in zip(regime.guides, regime.names, strict=False) if name in names)
+        return SeveralRegime(
+            modes, tuple(watch.name for watch in self.watches), limits, numbers, away, regime.rests, guides
+        )
 
     def _end_bouncing(self, now: DecisionInstant) -> DecisionInstant:
         """The instant at which impacts that accumulate end, if they do; the same instant otherwise.
@@ -138,8 +142,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         if np.abs(np.array(body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max() <= still:
             body[3:] = 0.0, 0.0, 0.0
         body, at = project(self.case, watched, body, pairs, near)
-        stuck = [k for k in near if at[k].stick > 0.0 and abs(at[k].slip_row @ np.array(body[3:])) <= still]
-        body = without_velocity(self.case, body, at, near, stuck)
+        stuck = [k for k in near if at[k].stick > 0.0 and abs(at[k].slip(np.array(body[3:]), limit)) <= still]
+        body = without_velocity(self.case, limit, body, at, near, stuck)
         state = join(body, [(one.xi1, one.xi2) for one in at])
         decision = decide(
             self.case, now._replace(time=limit, state=state, places=at, touching=tuple(near)), LOCATION_ERROR
@@ -197,7 +201,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
 
     def _turns_about_a_corner(self, now: DecisionInstant, regime: SeveralRegime) -> bool:
         """Whether the plate turns about a point that one contact holds and another touches, whose gap stays zero."""
-        held = [now.places[k] for k in regime.closed if regime.modes[k] is Mode.ROLL and not regime.rests]
+        rolls = [k for k in regime.closed if regime.modes[k] is Mode.ROLL and not regime.has_open_forces]
+        held = [now.places[k] for k in rolls]
         leaving = [now.places[k] for k in now.touching if regime.modes[k] is Mode.FLIGHT]
         close = 1e-9 * self.case.plate.reach
         return any(np.hypot(*np.subtract(one.arm, other.arm)) <= close for one in held for other in leaving)
@@ -210,6 +215,9 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             segment = self._rest(phase, y)
         else:
             segment, meeting = self._move(phase, y)
+            limit = limit_on_belts(segment) if regime.guides else None
+            if limit is not None:
+                segment, meeting = _cut(segment, limit, "rest"), None
             if meeting is not None:
                 self._advance(segment)
                 return self._meet(*meeting)
@@ -236,12 +244,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         first = self._first_meeting(segment)
         if first is None:
             return segment, None
-        _, meeting = first
-        cut = segment.until(meeting.time, segment.evaluations)
-        state = tuple(segment.states(np.array([meeting.time]))[:, 0].tolist())
-        return Segment.of(
-            phase, cut.times, segment.states, Event(None, meeting.time, state), segment.evaluations
-        ), first
+        return _cut(segment, first[1].time, None), first
 
     def _rest(self, phase, y) -> Segment:
         """A rest: it ends where the forces cannot balance the load any more."""
@@ -276,7 +279,10 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         if guard == "rest":
             # The contacts no longer hold the plate: some contact slips or opens.
             self.causes = {name: "the forces at rest reached their limit" for name in self.touching}
-            self.settle(stuck=self.touching)
+            if regime.guides:
+                self.causes = {name: "the forces reached their limit" for name in self.touching}
+            rolls = {regime.names[k] for k in regime.closed if regime.modes[k] is Mode.ROLL}
+            self.settle(stuck=rolls if regime.guides else self.touching)
             self.held_out = True
             return None
         kind, _, number = guard.partition(":")
@@ -313,3 +319,10 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         watch = self.new_watch(contact, (meeting.xi1, meeting.xi2))
         self.settle({n for n, m in zip(regime.names, regime.modes, strict=True) if m is Mode.ROLL}, {watch.name})
         return None
+
+
+def _cut(segment: Segment, time: float, guard: str | None) -> Segment:
+    """A segment that ends at a time (s) by that guard."""
+    cut = segment.until(time, segment.evaluations)
+    state = tuple(segment.states(np.array([time]))[:, 0].tolist())
+    return Segment.of(segment.phase, cut.times, segment.states, Event(guard, time, state), segment.evaluations)

@@ -11,12 +11,12 @@ from cases import Case, Mode, State, Transition
 from cases.trajectory import CONTACT, ContactColumns
 
 from ..minimal.integrators.segment import Segment, blocks
-from .decision import depends_on_time, load_at
-from .equations import COLUMNS
-from .forces import ForceRanges, ranges, units_of
+from .decision import depends_on_time, limits_of_friction, load_at, load_on_belts
+from .equations import COLUMNS, FIRST_COLUMN
+from .forces import ForceRanges, Slipping, ranges, units_of
 from .geometry import ContactPlace, places
 from .meetings import gaps
-from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
+from .regimes import SeveralPhase, SeveralRegime, body_of, contacts_of, pairs_of, regime_of
 
 # Equations of equilibrium whose singular values are below this part of the largest, and forces that take a smaller part
 # in what balances nothing, are rounded zeros.
@@ -71,7 +71,8 @@ class AllContacts:
         open_forces = np.flatnonzero(np.isnan(now.normal_force) | np.isnan(now.friction_force))
         results: dict[float, np.ndarray] = {}
         for i in open_forces.tolist():
-            key = float(times[i]) if depends_on_time(self.case) else 0.0
+            moves = bool(regime_of(segment.phase).guides) or depends_on_time(self.case)
+            key = float(times[i]) if moves else 0.0
             if key not in results:
                 results[key] = force_ranges(self.case, segment, float(times[i]))[name]
             normal[:, i], friction[:, i] = results[key]
@@ -107,20 +108,22 @@ def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarr
         return OneContactColumns(none, none, 0.0 * times, 0.0 * times, none, none)
     k = regime.names.index(name)
     xi1, xi2 = y[3 + 2 * k], contacts_of(case, regime)[k].whole_xi2(y[4 + 2 * k])
+    is_closed, mass = k in regime.closed, case.plate.mass
     if regime.rests:
         normal, friction = _rest_forces(case, now, times, y, k)
-        is_closed = k in regime.closed
         return OneContactColumns(
             _gap(now, y, k, is_closed), 0.0 * times if is_closed else none, normal, friction, xi1, xi2
         )
     values = now.system.outputs_of_arrays(times, y, now.parameters)
-    columns = values[5 + len(COLUMNS) * k : 5 + len(COLUMNS) * (k + 1)]
+    first = FIRST_COLUMN + len(COLUMNS) * k
+    columns = values[first : first + len(COLUMNS)]
     normal, friction, slip, _, _ = (np.broadcast_to(np.asarray(row, dtype=float), times.shape) for row in columns)
-    is_closed, mass = k in regime.closed, case.plate.mass
     slip = 0.0 * slip if regime.modes[k] is Mode.ROLL else slip
-    return OneContactColumns(
-        _gap(now, y, k, is_closed), slip if is_closed else none, mass * normal, mass * friction, xi1, xi2
-    )
+    if regime.guides:
+        normal, friction = _forces_on_belts(case, now, times, y, k)
+    else:
+        normal, friction = mass * normal, mass * friction
+    return OneContactColumns(_gap(now, y, k, is_closed), slip if is_closed else none, normal, friction, xi1, xi2)
 
 
 def _gap(now: SeveralPhase, y: np.ndarray, k: int, is_closed: bool) -> np.ndarray:
@@ -134,19 +137,42 @@ def _rest_forces(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray
     if k not in closed:
         return 0.0 * times, 0.0 * times
     state = y[:, 0]
-    at = places(contacts_of(case, regime_of(now)), body_of(state), pairs_of(state))
-    held = [i for i in closed if at[i].stick > 0.0]
-    rows = [at[i].lift_row for i in closed] + [at[i].slip_row for i in held]
+    load = np.array([load_at(case, float(t), body_of(state)) for t in times]).T
+    return _balance(case, regime_of(now), state, load, k)
+
+
+def _forces_on_belts(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray, k: int):
+    """The same for contacts with more than three rows, which belts may move."""
+    forces = np.zeros((2, len(times)))
+    if k in regime_of(now).closed:
+        for i, state in enumerate(y.T):
+            load = load_on_belts(now, float(times[i]), state)
+            normal, friction = _balance(case, regime_of(now), state, load[:, None], k)
+            forces[:, i] = normal[0], friction[0]
+    return forces
+
+
+def _balance(case: Case, regime: SeveralRegime, state: np.ndarray, load: np.ndarray, k: int):
+    """Normal and friction force of contact k that balance loads (3, n) in one state, NaN where they are not unique."""
+    closed = regime.closed
+    at = places(contacts_of(case, regime), body_of(state), pairs_of(state))
+    held = [i for i in closed if at[i].stick > 0.0 and regime.modes[i] is Mode.ROLL]
+    limits = limits_of_friction([at[i] for i in closed], [regime.modes[i] for i in closed])
+    ratios = {i: limit.ratio for i, limit in zip(closed, limits, strict=True) if isinstance(limit, Slipping)}
+    rows = [at[i].lift_row + ratios[i] * at[i].slip_row if i in ratios else at[i].lift_row for i in closed]
+    rows += [at[i].slip_row for i in held]
     units = units_of(case.plate.gyration)[:, None]
     matrix = units * np.array(rows).T
-    load = units * np.array([load_at(case, float(t), body_of(state)) for t in times]).T
+    load = units * load
     values, *_ = np.linalg.lstsq(matrix, -load, rcond=OPEN_FORCE)
     # Forces that balance nothing may be added: the normal forces on one line are unique, their frictions' sum is.
     _, sizes, basis = np.linalg.svd(matrix)
     free = basis[int((sizes > OPEN_FORCE * sizes[0]).sum()) :]
     values[np.abs(free).max(axis=0, initial=0.0) > OPEN_FORCE] = np.nan
-    friction = values[len(closed) + held.index(k)] if k in held else 0.0 * times
-    return values[closed.index(k)], friction
+    normal = values[closed.index(k)]
+    if k in held:
+        return normal, values[len(closed) + held.index(k)]
+    return normal, ratios[k] * normal if k in ratios else np.zeros(load.shape[1])
 
 
 def observe(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray) -> State:
@@ -166,12 +192,13 @@ def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray
     now, state = cast(SeveralPhase, segment.phase), segment.states(np.array([t]))[:, 0]
     regime = regime_of(now)
     names = [regime.names[k] for k in regime.closed]
-    if not regime.rests:
+    if not regime.has_open_forces:
         values = [contact_states(case, now, np.array([t]), state[:, None], name) for name in names]
         pairs = [(float(one.normal_force[0]), float(one.friction_force[0])) for one in values]
         return {name: np.array([[n, n], [f, f]]) for name, (n, f) in zip(names, pairs, strict=True)}
     every = places(contacts_of(case, regime), body_of(state), pairs_of(state))
     at: list[ContactPlace] = [every[k] for k in regime.closed]
-    load = load_at(case, t, body_of(state))
-    limits: ForceRanges = ranges(at, load, units_of(case.plate.gyration), [one.stick for one in at])
+    load = load_on_belts(now, t, state) if regime.guides else load_at(case, t, body_of(state))
+    friction = limits_of_friction(at, [regime.modes[k] for k in regime.closed])
+    limits: ForceRanges = ranges(at, load, units_of(case.plate.gyration), friction)
     return {name: np.array([limits.normal[i], limits.friction[i]]) for i, name in enumerate(names)}

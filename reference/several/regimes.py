@@ -12,16 +12,16 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, Load, Mode, PerfectlyRough
+from cases import Belt, Case, Load, Mode, PerfectlyRough
 from cases.contact_pairs import PairCase, pairs
 from cases.corner import Corner, Piece
 
 from ..minimal.assembly import parameter_values
-from ..minimal.effects import SLIP_SIGN, laws
+from ..minimal.effects import SLIP_SIGN, FixedSurface, laws
 from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
 from .contact_law import coefficients
-from .equations import ContactForm, ContactRows, several_system
+from .equations import NO_ROWS, ContactForm, ContactRows, several_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of its value when it was last
 # closed: its nearest points then move fast, and may soon be lost.
@@ -33,6 +33,8 @@ class SeveralRegime(NamedTuple):
 
     `rests`: the closed contacts hold the plate; `names` are those of the contacts, `pairs` the numbers of their pairs
     of a support and a feature of the outline; `away`: which of them are arcs turned away from their supports.
+    `guides`: of contacts with more than three rows, some of them on belts, which normal and tangential rows determine
+    the motion (`ContactForm.guides`); empty otherwise.
     """
 
     modes: tuple[Mode, ...]
@@ -41,6 +43,12 @@ class SeveralRegime(NamedTuple):
     pairs: tuple[int, ...]
     away: tuple[bool, ...]
     rests: bool = False
+    guides: tuple[tuple[bool, bool], ...] = ()
+
+    @property
+    def has_open_forces(self) -> bool:
+        """Whether the contacts determine the motion, and their forces may not be unique."""
+        return self.rests or bool(self.guides)
 
     @property
     def closed(self) -> tuple[int, ...]:
@@ -105,14 +113,16 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
             _structure(one.track), _structure(one.plate.outline), kind,
             rubs=coefficients(one)[1] > 0.0 and one.effect(PerfectlyRough) is None,
             has_ends=(_has_ends(one.track), _has_ends(one.plate.outline)), stays=one.has_unique_points,
-            turns=one.arc_range is not None,
+            turns=one.arc_range is not None, surface=laws(one).belt if kind not in NO_ROWS else FixedSurface(),
+            guides=regime.guides[k] if regime.guides else None,
         )
-        for one, kind in zip(contacts, kinds, strict=True)
+        for k, (one, kind) in enumerate(zip(contacts, kinds, strict=True))
     )  # fmt: skip
     system = several_system(forms, laws(case))
     values: dict[str, float] = {}
     for k, (mode, one) in enumerate(zip(regime.modes, contacts, strict=True)):
         sign, (mu, stick) = SLIP_SIGN.get(mode, 0.0), coefficients(one)
+        values |= forms[k].surface.of_contact(k).values(one)
         values |= {f"k_{k}": -sign * mu if sign else 0.0, f"sigma_{k}": sign, f"stick_{k}": stick}
         values[f"lost_{k}"] = regime.limits[k]
         values[f"turn_low_{k}"], values[f"turn_high_{k}"] = one.limits_of_turn(regime.away[k])
@@ -123,6 +133,8 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
     load, count = case.effect(Load), len(regime.modes)
     features = list(_features(load, None))
     for k, one in enumerate(contacts):
+        if kinds[k] not in NO_ROWS:
+            features += _features(None, one.effect(Belt))
         features += [(3 + 2 * k, f) for _, f in _features(None, None, one.track)]
         features += [(4 + 2 * k, f) for _, f in _features(None, None, one.plate.outline)]
     first = pairs(case)[0]

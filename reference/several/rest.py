@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isinf
+from typing import cast
 
 import numpy as np
 
 from cases import Case, Load
 
+from ..minimal.integrators.segment import Segment
 from . import forces
-from .decision import load_at
-from .geometry import ContactPlace
-from .regimes import body_of
+from .decision import load_at, margin_on_belts
+from .geometry import ContactPlace, places
+from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
 
 # Looks at a load in time while it may end a rest, besides those that resolve its features.
 LOOKS = 64
+# Looks in each step of a plate that belts move; the steps resolve the features of belts and loads.
+LOOKS_IN_STEP = 4
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,31 @@ def limit_of_rest(case: Case, closed: Sequence[ContactPlace], start: float, y: S
         looks = np.union1d(looks, load.features.nodes(start, end))
     last = start
     for look in looks[1:].tolist():
+        if margin(look) < 0.0:
+            return float(brentq(margin, last, look, xtol=1e-15, rtol=8.9e-16)) if margin(last) > 0.0 else last
+        last = look
+    return None
+
+
+def limit_on_belts(segment: Segment) -> float | None:
+    """When the forces of contacts with more than three rows reach their limit in a segment, s; None if they do not.
+    Raises numpy.linalg.LinAlgError where the rows come to contradict each other."""
+    from scipy.optimize import brentq
+
+    phase = cast(SeveralPhase, segment.phase)
+
+    def margin(t: float) -> float:
+        state = segment.states(np.array([t]))[:, 0].tolist()
+        every = places(contacts_of(phase.case, regime_of(phase)), body_of(state), pairs_of(state))
+        value = margin_on_belts(phase, t, state, every)
+        if isinf(value):
+            raise np.linalg.LinAlgError("the plate sticks to belts whose motions differ")
+        return value
+
+    steps = np.unique(segment.times)
+    last = float(steps[0])
+    parts = np.arange(1, LOOKS_IN_STEP + 1) / LOOKS_IN_STEP
+    for look in (steps[:-1, None] + np.diff(steps)[:, None] * parts).ravel().tolist():
         if margin(look) < 0.0:
             return float(brentq(margin, last, look, xtol=1e-15, rtol=8.9e-16)) if margin(last) > 0.0 else last
         last = look

@@ -145,11 +145,11 @@ class WatchedPlate:
         if closing is not None:
             kept = [k for k in indices if self.watches[k].name in closed]
             held = [k for k in kept if self.watches[k].name in stuck]
-            self.body = without_velocity(self.case, self.body, now, kept, held)
+            self.body = without_velocity(self.case, self.t, self.body, now, kept, held)
             stuck = self._impacts(now, stuck)
             indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
         sticking = [k for k in indices if self.watches[k].name in stuck]
-        self.body = without_velocity(self.case, self.body, now, indices, sticking)
+        self.body = without_velocity(self.case, self.t, self.body, now, indices, sticking)
         if self.present_speed() <= EPS * self.speed:  # a rounding, which decisions would take for a motion
             self.body[3:] = [0.0, 0.0, 0.0]
 
@@ -216,7 +216,7 @@ class WatchedPlate:
             )
         places_hit = [k for k in indices if lifts[k] <= CLOSES * self.speed]
         try:
-            outcome = impact(self.case, self.body[3:], [now[k] for k in places_hit], self.speed)
+            outcome = impact(self.case, self.t, self.body[3:], [now[k] for k in places_hit], self.speed)
         except NoImpact as problem:
             raise MotionEnds(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
         self._check_energy(outcome.velocity)
@@ -250,7 +250,7 @@ class WatchedPlate:
             raise MotionEnds(ENERGY)
 
     def _is_still(self, at: ContactPlace, velocity: np.ndarray) -> bool:
-        return abs(float(at.slip_row @ velocity)) <= 1e-11 * self.speed
+        return abs(at.slip(velocity, self.t)) <= 1e-11 * self.speed
 
     def _is_unresolved(self, at: ContactPlace, lift: float) -> bool:
         """Whether a rebound rises no higher than positions' rounding."""

@@ -14,7 +14,6 @@ import reference
 from adapters import lookup
 from cases import (
     BadValue,
-    Belt,
     Case,
     CoulombFriction,
     Curve,
@@ -446,7 +445,6 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
         (lambda: _with(supports=line()), "give a tuple such as"),
         (lambda: _with(supports=(line(),)), 'give Support(curve, "name")'),
         (lambda: _with(supports=(Support(line(0.5), "a"), Support(line(0.4), "a"))), "give each its own"),
-        (lambda: _with(_belt(), supports=(Support(line(0.5), "a"),)), "leave Belt out"),
         (lambda: _with(_resistance(), supports=(Support(line(0.5), "a"),)), "leave RollingResistance out"),
         (lambda: _with((Gravity(G),), supports=(Support(line(0.5), "a"),)), "add Unilateral"),
         (lambda: _with(supports=(Support(line(0.5), "a", (Impact(0.1, "newton"),)),)), "with the same law"),
@@ -464,10 +462,6 @@ def test_what_supports_cannot_be_is_said_in_one_line(make, message):
     assert "\n" not in str(output.value)
 
 
-def _belt() -> tuple:
-    return (*INELASTIC, CoulombFriction(0.3), Belt(0.1))
-
-
 def _resistance() -> tuple:
     return (*INELASTIC, CoulombFriction(0.3), RollingResistance(0.01))
 
@@ -476,9 +470,8 @@ def _with(effects=INELASTIC, plate=DISC, track=None, supports=()) -> Case:
     return Case(track or line(), plate, effects, StartPose(0.0, 0.5), 1.0, supports=supports)
 
 
-@pytest.mark.parametrize("effect", ["_belt", "_resistance"])
-def test_one_rule_excludes_effects_with_supports_and_at_second_contacts(effect):
-    extra = globals()[effect]()
+def test_one_rule_excludes_effects_with_supports_and_at_second_contacts():
+    extra = _resistance()
     with pytest.raises(BadValue) as problem:
         _with(extra, supports=(Support(line(0.5), "a"),))
     sentence = limitation(_with(extra))

@@ -18,6 +18,7 @@ from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq, minimize_scalar
 
 from cases import CoulombFriction
+from cases.supports import has_belt
 
 from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
@@ -68,6 +69,8 @@ PROBE = 1e-2
 
 # A motion that changes this much more slowly than gravity would make it is at rest when its phase begins.
 STILL = 1e-6
+# Variables of a phase with one contact, or of flight, at most.
+MOST_OF_ONE = 6
 
 # The phase stops if MOST_TINY_STEPS steps together cover at most the fraction TINY of it so far: near a singularity
 # the tolerance needs digits that are lost to rounding, long before a step is as short as a rounding of the time.
@@ -243,9 +246,11 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
     """Sizes of the components: the plate's own size for the parameters, and the speed at which it is covered."""
     often = frequency(phase, t, y)
     friction = phase.case.effect(CoulombFriction)
-    if friction and friction.by_speed:
-        # A slip under friction by a formula begins at its cone, without speed and acceleration: gravity gives the speed
-        # that it may reach. (Other motions keep their last bits.)
+    # One contact and flights have at most as many variables; the phases of several contacts have more.
+    is_on_belts = len(y) > MOST_OF_ONE and has_belt(phase.case)
+    if (friction and friction.by_speed) or is_on_belts:
+        # A belt may begin without speed and acceleration, and a slip under friction by a formula begins so at its cone:
+        # gravity gives the speed that it may reach. (Other motions keep their last bits.)
         pull = sqrt(phase.case.weight / (phase.case.plate.mass * phase.size))
         often = pull if often < STILL * pull else often
     often = often or 1.0  # without force and motion any speed would do

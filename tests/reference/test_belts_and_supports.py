@@ -1,0 +1,356 @@
+"""A belt together with a second contact: exact motions, two formulations, the paper's matrix, and the belts' work."""
+
+from dataclasses import replace
+from functools import lru_cache
+from math import atan, cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import reference
+from cases import (
+    BadValue,
+    Belt,
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    FreePlate,
+    Gravity,
+    Impact,
+    Load,
+    Mode,
+    PerfectlyRough,
+    Plate,
+    Start,
+    StartPose,
+    Support,
+    Unilateral,
+    disc,
+)
+from cases.contact import belt_speed, start_motion
+from cases.contact_pairs import contact_case
+from cases.library import line
+from cases.mechanics import contact_power, energy
+from reference.certification.witnesses import _by_second
+from reference.paper.bodies import BodyContact, solve_bodies
+from reference.several.regimes import contacts_of, regime_of
+
+from .test_supports import agree, events, random_case, simulated, slow
+
+G = 9.81
+INELASTIC = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
+METHODS = pytest.mark.parametrize("method", [reference.METHODS[0], "second", *slow(*reference.METHODS[1:])])
+
+
+def motion_by(case: Case, method: str):
+    """Transitions, status and states of a motion by the first or the second formulation."""
+    return _by_second(case, "second", 1e-13) if method == "second" else reference.simulate(case, 1e-14, method)
+
+
+# --- a disc between a belt and a wall ---------------------------------------------------------------------------------
+
+R, PRESS, MU, MU_WALL = 0.5, 3.0, 0.3, 0.4
+
+
+def disc_at_wall(speed, mirrored: bool = False, duration: float = 2.0) -> Case:
+    """A disc of 1 kg on a belt, pressed by a load against a wall on its left (mirrored: on its right)."""
+    side = -1.0 if mirrored else 1.0
+    wall = Support(line(side * pi / 2), "wall", (CoulombFriction(MU_WALL),))
+    effects = (*INELASTIC, CoulombFriction(MU), Belt(speed), Load(fx=-side * PRESS))
+    return Case(line(), disc(R, 1.0), effects, StartPose(side * R, R), duration, supports=(wall,))
+
+
+@METHODS
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_belt_spins_a_disc_up_against_two_slipping_contacts(method, mirrored):
+    """The belt runs towards the wall: F₁ = μ₁ N₁, N₂ = P + F₁, F₂ = μ₂ N₂ down, N₁ = m g + F₂, so that
+    F₁ = μ₁ (m g + μ₂ P)/(1 − μ₁ μ₂). m r² ω̇/2 = r (F₁ − F₂) until r ω is the speed. Then the disc sticks to the belt
+    and slips at the wall: F₁ = F₂ = μ₂ P/(1 − μ₂)."""
+    speed, side = 2.0, -1.0 if mirrored else 1.0
+    case = disc_at_wall(-side * speed, mirrored)
+    first = MU * (G + MU_WALL * PRESS) / (1.0 - MU * MU_WALL)
+    spin_up = 2.0 * (first - MU_WALL * (PRESS + first)) / R
+    motion = motion_by(case, method)
+    (change,) = motion.transitions
+    assert (change.contact, change.after) == ("plate/track", Mode.ROLL)
+    assert change.time == pytest.approx(speed / (R * spin_up), abs=1e-13)
+    if method != "second":
+        sticking = MU_WALL * PRESS / (1.0 - MU_WALL)
+        at = motion.contact_columns("plate/track", np.array([0.1, 1.9]))
+        assert np.abs(at.friction_force) == pytest.approx([first, sticking], rel=1e-12)
+        assert at.normal_force == pytest.approx([first / MU, G + sticking], rel=1e-12)
+        end = motion(2.0)
+        assert (end.x, end.y, R * end.omega) == pytest.approx((side * R, R, -side * speed), abs=1e-12)
+
+
+@METHODS
+@pytest.mark.parametrize("towards", [True, False])
+def test_a_disc_at_a_wall_slips_where_the_belt_accelerates_too_much(method, towards):
+    """On a belt of speed c t² the disc spins with ω̇ = 2 c t/r, and F₁ − F₂ = m c t. Towards the wall, where
+    F₁ = (μ₂ P + m c t)/(1 − μ₂), F₁ reaches μ₁ (m g + F₂). Away from it it is (μ₂ P + m c t)/(1 + μ₂), and reaches
+    μ₁ (m g − F₂) with F₂ = μ₂ (P − F₁)."""
+    c, sign = 2.0, 1.0 if towards else -1.0
+    most = MU * (G + sign * MU_WALL * PRESS) / (1.0 - MU * MU_WALL)
+    case = disc_at_wall(f"{-sign * c}*t**2", duration=1.6)
+    (change,) = motion_by(case, method).transitions
+    assert change.before is Mode.ROLL and change.contact == "plate/track"
+    assert change.time == pytest.approx((most * (1.0 - sign * MU_WALL) - MU_WALL * PRESS) / c, abs=1e-12)
+
+
+@METHODS
+def test_a_v_of_two_belts_spins_a_disc_up_until_it_rolls_on_both(method):
+    """Both slip: the sum S of the normal forces has S (1 + μ²) cos α = m g, and m r ω̇/2 = μ S (`disc_spinning_in_v`).
+    Then four rows determine the motion, and the forces are not unique."""
+    speed, mu, alpha = 1.5, 0.3, pi / 6
+    effects = (*INELASTIC, CoulombFriction(mu), Belt(speed))
+    right = Support(line(-alpha), "right", (CoulombFriction(mu), Belt(speed)))
+    case = Case(line(alpha), disc(R, 1.0), effects, StartPose(0.0, R / cos(alpha)), 2.0, supports=(right,))
+    motion = motion_by(case, method)
+    assert [t.after for t in motion.transitions] == [Mode.ROLL, Mode.ROLL]
+    exact = speed * (1.0 + mu * mu) * cos(alpha) / (2.0 * mu * G)
+    assert [t.time for t in motion.transitions] == pytest.approx([exact] * 2, abs=1e-13)
+    if method != "second":
+        assert R * motion(2.0).omega == pytest.approx(speed, rel=1e-12)
+        ranges = motion.contact_columns("plate/right", np.array([1.9]))
+        assert ranges.friction_range[0] < 0.0 < ranges.friction_range[1] and np.isnan(ranges.friction_force[0])
+
+
+# --- a block on a belt ------------------------------------------------------------------------------------------------
+
+STATIC, KINETIC, STIFFNESS = 0.4, 0.2, 20.0
+
+
+def block_on_belt(
+    speed, mu=KINETIC, static=None, turn=0.0, mirrored=False, length=1.0, time=1.0, k=0.0, end=1.2, supports=()
+) -> Case:
+    """A block of 1 kg on a belt, with a spring along it; turned, mirrored, and in other units of length and time."""
+    side = -1.0 if mirrored else 1.0
+    c, s, stiffness = cos(turn), sin(turn), k / time**2
+    along = f"-{stiffness!r}*({c!r}*x + {s!r}*y)"
+    spring = (Load(fx=f"{c!r}*({along})", fy=f"{s!r}*({along})"),) if k else ()
+    belt = Belt(speed if isinstance(speed, str) else side * speed * length / time)
+    effects = (
+        Gravity(G * length / time**2, turn - pi / 2), *INELASTIC[1:], CoulombFriction(mu, static), belt, *spring,
+    )  # fmt: skip
+    plate, high = Plate.rectangle(0.6 * length, 0.4 * length, 1.0), 0.2 * length
+    return Case(line(-turn), plate, effects, StartPose(-s * high, c * high, turn), end * time, supports=supports)
+
+
+@METHODS
+@pytest.mark.parametrize("form", [{}, *slow({"mirrored": True}, {"turn": 0.7}, {"length": 100.0, "time": 10.0})])
+def test_stick_slip_of_a_block_with_two_contacts_on_a_belt(method, form):
+    """Both corners stick until the spring has μₛ m g, whatever their shares, and slip with μ m g about x = μ g/ω²: with
+    d = (μₛ − μ) g/ω² they stick for 2 d/b and slip for (2 π − 2 atan(ω d/b))/ω."""
+    b, omega, time = 0.3, sqrt(STIFFNESS), form.get("time", 1.0)
+    case = block_on_belt(b, KINETIC, STATIC, k=STIFFNESS, end=2.5, **form)
+    motion = motion_by(case, method)
+    d = (STATIC - KINETIC) * G / omega**2
+    sticks, slips = 2.0 * d / b, (2.0 * pi - 2.0 * atan(omega * d / b)) / omega
+    times = np.array([t.time for t in motion.transitions])
+    assert len(times) == 8 and np.array_equal(times[::2], times[1::2])
+    # The second formulation notices a limit when accelerations exceed 1e-12 of their terms.
+    within = (1e-10 if method == "second" else 1e-12) * time
+    assert np.diff(times[::2])[1:] == pytest.approx([slips * time, sticks * time], abs=within)
+    assert [t.after for t in motion.transitions[::2]][:2] == [Mode.ROLL, motion.transitions[0].before]
+
+
+@METHODS
+def test_a_block_on_a_belt_that_accelerates_slips_at_mu_g(method):
+    case = block_on_belt("2*t*t", mu=0.3)
+    motion = motion_by(case, method)
+    assert [t.contact for t in motion.transitions] == ["plate/track", "plate/track 2"]
+    assert [t.time for t in motion.transitions] == pytest.approx([0.3 * G / 4.0] * 2, abs=1e-10)
+    if method != "second":
+        # Before that, the friction of both is m v̇, and their normal forces have the moment that takes.
+        at = motion.contacts["plate/track"], motion.contacts["plate/track 2"]
+        now = [motion.contact_columns(name, np.array([0.5])) for name in motion.contact_names]
+        assert abs(now[0].normal_force[0] - now[1].normal_force[0]) == pytest.approx(2.0 * 0.2 / 0.3, rel=1e-10)
+        assert np.isnan(now[0].friction_force[0]) and len(at[0].slip) == len(motion.t)
+
+
+@METHODS
+def test_a_block_tips_on_a_belt_that_accelerates_where_its_moment_does(method):
+    """A block of width w and height h tips about its rear corner at v̇ = g w/h."""
+    case = block_on_belt("8*t*t", mu=2.0)
+    first = motion_by(case, method).transitions[0]
+    assert first.after is Mode.FLIGHT
+    assert first.time == pytest.approx(G * 1.5 / 16.0, abs=1e-10)
+
+
+@METHODS
+def test_a_belt_carries_a_block_to_a_stop_and_slips_below_it(method):
+    """It slips for b/(μ g) over b²/(2 μ g), is carried on, and stops (e = 0); the belt then pushes with μ m g."""
+    b, mu, way = 0.8, 0.3, 0.7
+    stop = Support(Curve(lambda s: (1.0 + 0.0 * s, 1.0 * s)), "stop", ())
+    case = block_on_belt(b, mu=mu, end=1.5, supports=(stop,))
+    motion = motion_by(case, method)
+    rolls, stops = b / (mu * G), b / (mu * G) + (way - b * b / (2.0 * mu * G)) / b
+    assert sorted({round(t.time, 12) for t in motion.transitions}) == pytest.approx([rolls, stops], abs=2e-12)
+    assert events(motion)[-4:] == [
+        ("plate/stop", Mode.FLIGHT, Mode.SLIDE), ("plate/stop 2", Mode.FLIGHT, Mode.SLIDE),
+        ("plate/track", Mode.ROLL, Mode.SLIP_BACKWARD), ("plate/track 2", Mode.ROLL, Mode.SLIP_BACKWARD),
+    ]  # fmt: skip
+    if method == "second":
+        assert motion.states(np.array([1.4]))["x"][0] == pytest.approx(way, abs=1e-12)
+    else:
+        end = motion(1.4)
+        assert (end.x, end.vx, end.omega) == pytest.approx((way, 0.0, 0.0), abs=1e-12)
+        pushes = [motion.contact_columns(f"plate/stop{which}", np.array([1.4])) for which in ("", " 2")]
+        # The stop's two forces are not unique, but their sum is: each can have all of it but what the other needs.
+        least, most = (one[:, 0] for one in (pushes[0].normal_range, pushes[1].normal_range))
+        assert least[0] + most[1] == pytest.approx(mu * G, rel=1e-9)  # HiGHS' tolerance
+
+
+# --- impacts ----------------------------------------------------------------------------------------------------------
+
+
+@METHODS
+@pytest.mark.parametrize("mu", [0.2, None])
+def test_an_impact_slips_against_the_belt_of_a_support(method, mu):
+    """A disc hits a wall whose surface runs up with b: the impulse along it is μ (1 + e) m v, or without bound that
+    after which the disc rolls on it, a third of its mass by the slip."""
+    b, v, e, r = 10.0, 4.0, 0.5, 0.1
+    own = (CoulombFriction(mu) if mu else PerfectlyRough(), Belt(-b), Impact(e, "moreau"))
+    case = Case(
+        line(), disc(r, 1.0), (*INELASTIC[:3], Impact(0.2, "moreau")), StartPose(0.6, 1.0, vx=-v), 0.2,
+        supports=(Support(line(pi / 2), "wall", own),),
+    )  # fmt: skip
+    motion = motion_by(case, method)
+    assert motion.transitions[0].time == pytest.approx(0.125, abs=1e-14)
+    along = mu * (1.0 + e) * v if mu else (b + G * 0.125) / 3.0
+    if method == "second":
+        now = motion.states(np.array([0.2]))
+        assert now["y"][0] == pytest.approx(1.0 - 0.5 * G * 0.04 + along * 0.075, abs=1e-13)
+        return
+    end = motion(0.2)
+    assert (end.vx, end.vy) == pytest.approx((e * v, along - G * 0.2), abs=1e-13)
+    assert r * end.omega == pytest.approx(-2.0 * along, rel=1e-12)
+
+
+# --- work -------------------------------------------------------------------------------------------------------------
+
+
+def work_of_contacts(motion) -> float:
+    """The work of the friction at all contacts up to the end of a motion, J, by Gauss's rule on its steps."""
+    nodes, weights = np.polynomial.legendre.leggauss(26)
+    steps = np.diff(motion.t)
+    times = (motion.t[:-1, None] + 0.5 * steps[:, None] * (nodes + 1.0)).ravel()
+    total = 0.0
+    for name in motion.contact_names:
+        own = contact_case(motion.case, name)
+        power = contact_power(own, times, motion.of(name)(times)).reshape(len(steps), -1)
+        total += float(np.sum(0.5 * steps * (power @ weights)))
+    return total
+
+
+def test_the_work_of_belts_and_friction_is_the_gain_of_energy():
+    """A disc in a V of two planes, one of them a belt of changing speed: it slips and sticks."""
+    effects = (*INELASTIC, CoulombFriction(0.3), Belt("1.5 + sin(5*t)"))
+    right = Support(line(-0.7), "right", (CoulombFriction(0.2),))
+    start = StartPose(0.0, R / cos(0.7))
+    motion = simulated(Case(line(0.7), disc(R, 1.0), effects, start, 2.0, supports=(right,)))
+    assert len(motion.transitions) >= 2
+    total = energy(motion.case, motion)
+    gain, work = total[-1] - total[0], work_of_contacts(motion)
+    assert abs(work) > 0.1 and gain == pytest.approx(work, abs=1e-10)
+    belt = contact_case(motion.case, "plate/track"), contact_case(motion.case, "plate/right")
+    assert (belt_speed(belt[0], 0.0), belt_speed(belt[1], 0.0)) == (1.5, 0.0)
+
+
+# --- both formulations and the paper's matrix -------------------------------------------------------------------------
+
+
+def random_belts(seed: int) -> Case:
+    """A scene of `random_case` in which the plane, the wall or both are belts, of constant or changing speed."""
+    case, numbers = random_case(seed), np.random.default_rng([seed, 1])
+    (wall,) = case.supports
+
+    def belt() -> Belt:
+        mean, surge, rate = numbers.uniform([-2.0, 0.2, 2.0], [2.0, 1.0, 8.0]).tolist()
+        return Belt(mean) if numbers.integers(2) else Belt(f"{mean} + {surge}*sin({rate}*t)")
+
+    which, mu = int(numbers.integers(1, 4)), numbers.uniform(0.15, 1.0, 2).tolist()
+    effects, own = case.effects, wall.effects or ()
+    if which & 1:
+        effects = (*effects, *(() if case.effect(CoulombFriction) else (CoulombFriction(mu[0]),)), belt())
+    if which & 2:
+        own = (*(own or (CoulombFriction(mu[1]),)), belt())
+    begin = start_motion(case)
+    start = StartPose(begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega)
+    return Case(case.track, case.plate, effects, start, 1.2, supports=(replace(wall, effects=own),))
+
+
+@pytest.mark.parametrize("seed", [2, 11, 23, *slow(*range(2), *range(3, 11), 12, 13)])
+def test_both_formulations_have_the_same_random_sequences_with_belts(seed):
+    agree(random_belts(seed), 1e-10)
+
+
+def test_a_narrow_valley_that_is_a_belt_holds_a_disc_in_two_places():
+    # The disc rolls down a valley whose surface runs, meets it in a second place, and is spun in both.
+    valley = Curve(lambda s: (1.0 * s, 2.0 * s * s))
+    effects = (*INELASTIC, CoulombFriction(0.3), Belt(0.8))
+    case = Case(valley, disc(0.4, 1.0), effects, Start(-0.9), 2.0)
+    assert agree(case, 1e-10) >= 3
+    motion = simulated(case)
+    assert motion.status == "completed" and "plate/track 2" in motion.contact_names
+
+
+@lru_cache
+def _compared(seeds: tuple[int, ...]) -> list[int]:
+    """Compare accelerations and forces with the paper's matrix; returns the numbers of rows that were solved."""
+    counts = []
+    for case in (*map(random_belts, seeds), disc_at_wall(-2.0)):
+        for segment in simulated(case).dense._segments:
+            regime = regime_of(segment.phase)
+            if not regime.closed or regime.has_open_forces:
+                continue
+            t = 0.5 * (segment.start + segment.event.time)
+            y = segment.states(np.array([t]))[:, 0]
+            rates = segment.phase.system.rates_of_numbers(t, tuple(y), segment.phase.parameters)
+            outputs = segment.phase.system.outputs_of_numbers(t, tuple(y), segment.phase.parameters)
+            modes = [regime.modes[k] for k in regime.closed]
+            states = [(*y[3 + 2 * k : 5 + 2 * k], *rates[3 + 2 * k : 5 + 2 * k]) for k in regime.closed]
+            contacts = [contacts_of(case, regime)[k] for k in regime.closed]
+            paper = solve_bodies([case], list(map(BodyContact, contacts, modes, states)), [(t, *y[:3], *y[-3:])])
+            assert paper.q1_ddot[0] == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
+            for i, k in enumerate(regime.closed):
+                forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
+                assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)
+            counts.append(len(modes) + sum(mode is Mode.ROLL for mode in modes))
+    return counts
+
+
+def test_the_papers_matrix_with_belts_gives_the_same_accelerations_and_forces():
+    counts = _compared((2, 11))
+    assert len(counts) >= 6 and max(counts) == 3  # of a disc that sticks to the belt and slips at the wall
+
+
+# --- the checks -------------------------------------------------------------------------------------------------------
+
+
+def test_a_belt_is_that_of_its_own_support():
+    wall = Support(line(pi / 2), "wall")
+    case = replace(disc_at_wall(1.0), supports=(wall,))
+    assert contact_case(case, "plate/track").effect(Belt) is not None
+    assert contact_case(case, "plate/wall").effect(Belt) is None
+    assert contact_case(case, "plate/wall").effect(CoulombFriction) == CoulombFriction(MU)
+
+
+def test_velocities_of_a_pose_on_a_belt_are_those_of_the_plate():
+    case = replace(disc_at_wall(1.0), start=StartPose(2.0, R, vx=0.25, omega=0.5))
+    begin = start_motion(case)
+    assert (begin.vx, begin.omega) == (pytest.approx(0.25, abs=1e-15), 0.5)
+    assert case.start.slip == pytest.approx(0.25 + R * 0.5 - 1.0, abs=1e-15)
+
+
+def test_a_plate_of_a_belt_with_several_contacts_has_no_newton_impact_and_no_friends():
+    law = tuple(Impact(0.3, "newton") if isinstance(e, Impact) else e for e in disc_at_wall(1.0).effects)
+    with pytest.raises(BadValue, match='give "poisson" or "moreau"'):
+        replace(disc_at_wall(1.0), effects=law)
+    wall = Support(line(pi / 2), "wall", (CoulombFriction(0.2), Belt(1.0)))
+    other = FreePlate(disc(R, 1.0), StartPose(3.0 * R, R), "other")
+    with pytest.raises(BadValue, match="Belt of support 'wall' with several plates is not supported"):
+        Case(line(), disc(R, 1.0), INELASTIC, StartPose(R, R), 1.0, supports=(wall,), others=(other,))
+    with pytest.raises(BadValue, match="speed of Belt or its rate has no value"):
+        replace(disc_at_wall(1.0), supports=(Support(line(pi / 2), "wall", (CoulombFriction(0.2), Belt("1/t"))),))
