@@ -56,7 +56,8 @@ class Transition:
 
     An impact after which the plate flies is a change from flight to flight. It is listed if it closes with at least
     7e-4 of the greatest closing speed since the plate last lay on its track, whatever its rebound is. Slower ones
-    belong to bouncing that comes to rest, whose end is the change from flight to contact.
+    belong to bouncing that comes to rest, whose end is the change from flight to contact. At one instant each of
+    several contacts has one change, from its mode before to its mode after, in the order of their names.
     """
 
     time: float

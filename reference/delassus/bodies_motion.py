@@ -275,7 +275,7 @@ def bodies_motion(case: Case, rtol: float = 1e-13, times: Sequence[float] | np.n
     with np.errstate(all="ignore"):
         status = motion.simulate()
     return PlatesMotion(
-        (*motion.impacts.ordinary, *motion.impacts.kept_back), status, motion.t,
+        motion.impacts.all, status, motion.t,
         _sample(motion.stretches, np.asarray(times, dtype=float), motion),
     )  # fmt: skip
 

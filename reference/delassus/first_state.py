@@ -125,7 +125,7 @@ def _complete(motion: Simulation, times: Sequence[float] | np.ndarray) -> Severa
     with np.errstate(all="ignore"):
         status = motion.simulate()
     return SeveralMotion(
-        (*motion.impacts.ordinary, *motion.impacts.kept_back),
+        motion.impacts.all,
         status,
         motion.t,
         _sample(motion, np.asarray(times, dtype=float)),

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Transition
+from cases.instants import one_per_instant
 
 # Impacts that close with less than this part of the largest closing speed are small: they are listed only if they do
 # not come to an end (the definition in `cases.Transition`).
@@ -38,6 +39,11 @@ class SmallImpacts:
         self.kept_back: list[Transition] = []
         self.strikes: list[ImpactRecord] = []
         self.fastest, self.small, self.at_rest = 0.0, False, False
+
+    @property
+    def all(self) -> tuple[Transition, ...]:
+        """All transitions of a motion that is complete."""
+        return one_per_instant([*self.ordinary, *self.kept_back])
 
     def count(self, record: ImpactRecord) -> None:
         """Record an impact."""

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Transition
+from cases.instants import one_per_instant
 
 from ..minimal.bouncing import APART, LISTING_PART, MOST, extrapolate
 
@@ -51,14 +52,14 @@ class ImpactSeries:
     @property
     def all(self) -> list[Transition]:
         """All transitions of a motion that is complete."""
-        return [*self.ordinary, *self.kept_back]
+        return list(one_per_instant([*self.ordinary, *self.kept_back]))
 
     def strike(self, now: Strike) -> None:
         """Record an impact."""
         self.is_small = now.closing < LISTING_PART * self.fastest
         self.fastest = max(self.fastest, now.closing)
         if not self.is_small:
-            self.ordinary, self.kept_back = self.all, []
+            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back], []
         self.strikes = [*self.strikes[-LONGEST:], now]
 
     def recent(self, t: float) -> frozenset[str]:
@@ -105,7 +106,7 @@ class ImpactSeries:
         if self.is_small:
             self.kept_back += changes
         else:
-            self.ordinary, self.kept_back = [*self.all, *changes], []
+            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back, *changes], []
 
 
 def _net(changes: list[Transition], t: float, cause: str) -> list[Transition]:

@@ -261,6 +261,32 @@ def test_a_contact_that_opens_just_before_another_one_closes_is_not_struck_at_on
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("seed", [75, 96])
+def test_impacts_at_one_instant_are_listed_alike_whether_they_are_found_together_or_not(seed):
+    """One formulation finds them one after the other (`cases.instants`). In 75 hops of 1e-12 m end 1e-8 s apart."""
+    one, other = reference.simulate(random_scene(seed), rtol=1e-12), bodies_motion(random_scene(seed))
+    assert [(e.contact, e.before, e.after) for e in one.transitions] == [
+        (e.contact, e.before, e.after) for e in other.transitions
+    ]
+    assert [e.time for e in one.transitions] == pytest.approx([e.time for e in other.transitions], abs=5e-8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [117, 162])
+def test_formulations_differ_by_less_than_a_rounding_of_the_start_changes(seed):
+    """Contacts that close slowly: 1e-15 m/s at the start change the times by 1e-9 and 2e-10 s."""
+    case, times = random_scene(seed), lambda motion: np.array([e.time for e in motion.transitions])
+    upper = case.others[0]
+    exact, other = reference.simulate(case, rtol=1e-12), bodies_motion(case)
+    changed = [
+        replace(case, others=(replace(upper, start=replace(upper.start, vx=upper.start.vx + off)), *case.others[1:]))
+        for off in (1e-15, -1e-15)
+    ]
+    rounding = max(np.abs(times(reference.simulate(one, rtol=1e-12)) - times(exact)).max() for one in changed)
+    assert np.abs(times(other) - times(exact)).max() < 5.0 * rounding  # measured: 1.0 and 0.55 times
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", RATTLES)
 def test_impacts_that_accumulate_without_a_known_end_are_reported(seed):
     one, other = reference.simulate(random_scene(seed)), bodies_motion(random_scene(seed))
