@@ -120,12 +120,17 @@ class Case:
         return _restore(self._values() | {"name": name, "parameters": dict(parameters)})
 
     def _values(self) -> dict[str, Any]:
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        return values | {"parameters": dict(self.parameters)}
+        own = vars(self)
+        return {name: own[name] for name in _FIELDS} | {"parameters": dict(self.parameters)}
 
     def effect(self, kind: type[E]) -> E | None:
         """The case's effect of that kind, or None if the case has none."""
-        return effects.one(self.effects, kind)
+        return self._effects_by_type.get(kind)
+
+    @cached_property
+    def _effects_by_type(self) -> dict[type, Any]:
+        # Asked many times in each phase. Of several effects of one base class it has the first.
+        return {kind: one for one in reversed(self.effects) for kind in type(one).__mro__}
 
     @property
     def label(self) -> str:
@@ -167,6 +172,9 @@ class Case:
         """The plate's weight, N; 0 without gravity."""
         gravity = self.effect(Gravity)
         return self.plate.mass * gravity.g if gravity else 0.0
+
+
+_FIELDS = tuple(f.name for f in fields(Case))
 
 
 def _check_corners(case: Case) -> None:

@@ -27,13 +27,16 @@ def has_features(case: Case) -> bool:
     return bool(case.supports) or isinstance(case.plate.outline, Chain)
 
 
-@lru_cache(maxsize=256)
 def touches_by_features(case: Case) -> bool:
     """Whether a motion is computed with several contacts from its start on: it has supports, a polygon may fly, or a
     plate with corners begins on a flat side."""
-    if case.supports:
-        return True
-    if not isinstance(case.plate.outline, Chain) or limitation(case):
+    return bool(case.supports) or (isinstance(case.plate.outline, Chain) and _corners_touch(case))
+
+
+@lru_cache(maxsize=256)
+def _corners_touch(case: Case) -> bool:
+    """The same for a plate with corners on a track alone."""
+    if limitation(case):
         return False
     if case.effect(Flight) is not None and not any(isinstance(piece, Curve) for piece in features(case.plate.outline)):
         return True

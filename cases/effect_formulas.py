@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import isfinite, nan
 
 import numpy as np
 import sympy as sp
@@ -24,17 +23,7 @@ def formula_in(symbols: Sequence[sp.Symbol], what: str, value: sp.Expr | str | f
 
 def values_of(symbols: Sequence[sp.Symbol], formulas_: Sequence[sp.Expr]) -> Callable[..., list[float]]:
     """A function of `symbols` -> values of formulas, on floats; NaN where one of them has no value."""
-    function, count = function_of(symbols, formulas_, ON_FLOATS), len(formulas_)
-
-    def values(*numbers: float) -> list[float]:
-        try:
-            results = function(*numbers)
-            isfinite(sum(results))  # Python's root of less than 0 is a complex number, for which this raises TypeError
-            return results
-        except (ArithmeticError, ValueError, TypeError):
-            return [nan] * count
-
-    return values
+    return function_of(symbols, formulas_, ON_FLOATS, or_nan=True)
 
 
 def features_in_time(time: sp.Symbol, formulas_: Sequence[sp.Expr]) -> features.Features | None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import cos, inf, pi, sin
 from typing import Any, TypeVar, get_args
 
@@ -273,7 +274,7 @@ def check_formula(effects) -> tuple[Effect, ...]:
         effects = tuple(effects)
     except TypeError:
         raise BadValue(f"effects is {effects!r}; give a tuple such as (Gravity(9.81), Unilateral())") from None
-    kinds: Sequence[type] = [type(e) for e in effects]
+    kinds = tuple(map(type, effects))
     for e, kind in zip(effects, kinds, strict=True):
         if kind in _KINDS:
             continue
@@ -289,6 +290,18 @@ def check_formula(effects) -> tuple[Effect, ...]:
     statuses = [end.status for e in effects if isinstance(e, ContactEffect) for end in e.ends()]
     if same := next((status for status in statuses if statuses.count(status) > 1), None):
         raise BadValue(f"two conditions end the motion with the status {same!r}; give each a status of its own")
+    _check_kinds(kinds)
+    if Impact in kinds and any(isinstance(e, CoulombFriction) and e.by_speed for e in effects):
+        raise DoesNotFit(
+            "the laws of Impact have one coefficient of friction; give mu of CoulombFriction as a number, or leave "
+            "Impact out"
+        )
+    return effects
+
+
+@lru_cache(maxsize=256)
+def _check_kinds(kinds: tuple[type, ...]) -> None:
+    """Raise BadValue or DoesNotFit for kinds of effects that make no sense together (exceptions are not cached)."""
     twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
     if twice:
         raise BadValue(f"the case asks for {twice.__name__} more than once; give one of each effect")
@@ -299,9 +312,3 @@ def check_formula(effects) -> tuple[Effect, ...]:
     for one, other, why in _CONTRADICT:
         if one in kinds and other in kinds:
             raise DoesNotFit(f"{one.__name__} and {other.__name__} contradict each other ({why}); leave one out")
-    if Impact in kinds and any(isinstance(e, CoulombFriction) and e.by_speed for e in effects):
-        raise DoesNotFit(
-            "the laws of Impact have one coefficient of friction; give mu of CoulombFriction as a number, or leave "
-            "Impact out"
-        )
-    return effects

@@ -74,6 +74,8 @@ def unknown_name(kind: str, name: str, names: Iterable[str]) -> UnknownName:
 def real(value: object) -> float | None:
     """A real number of any type as a float (Python's own, Fraction, Decimal, NumPy's, SymPy's), infinite if it is too
     large; None for anything else: text, a truth value, a complex number, an array, a formula."""
+    if type(value) is float:
+        return value
     if isinstance(value, bool | str | bytes | bytearray) or not hasattr(value, "__float__"):
         return None
     # Only NumPy's integers and floats: its times and truth values can also be converted to float.

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -37,11 +38,15 @@ ON_ARRAYS = {name: getattr(np, name) for name in _NAMES} | {
 
 
 def python_function(
-    arguments: Sequence[Node | Sequence[Node]], outputs: Iterable[Node], functions: Mapping[str, Callable]
+    arguments: Sequence[Node | Sequence[Node]],
+    outputs: Iterable[Node],
+    functions: Mapping[str, Callable],
+    or_nan: bool = False,
 ) -> Callable[..., list]:
     """A function that returns the list of the outputs. Each argument is a node or a sequence of nodes; a node that is
     an argument is not computed. `functions` evaluates the elementary functions, by name: they decide whether arguments
-    are floats, arrays or anything else."""
+    are floats, arrays or anything else. `or_nan`, for floats: all outputs are NaN where one of them has no value, in
+    place of an exception."""
     outputs = list(outputs)
     texts: dict[Node, str] = {}
     names = []
@@ -74,10 +79,26 @@ def python_function(
                 lines.append(f"    v{len(lines)} = {text}")
                 text, depths[current] = f"v{len(lines) - 1}", 0
         texts[current] = text
-    lines.append(f"    return [{', '.join(texts[output] for output in outputs)}]")
-    scope = dict(functions) | _integral_functions(order, functions)
+    values = f"[{', '.join(texts[output] for output in outputs)}]"
+    if or_nan:
+        lines = ["    try:", *(f"    {line}" for line in [*lines, f"    values = {values}"]), _or_nan(len(outputs))]
+    else:
+        lines.append(f"    return {values}")
+    scope: dict[str, Any] = {"isfinite": math.isfinite, "nan": math.nan, **functions}
+    scope |= _integral_functions(order, functions)
     exec("\n".join([f"def evaluate({', '.join(names)}):", *lines]), scope)
     return scope["evaluate"]
+
+
+def _or_nan(count: int) -> str:
+    """The end of a function on floats that raises nothing where an output has no value (a root of less than 0, an
+    overflow): all outputs are NaN then, as on arrays. It is written into the function, because another function around
+    it would take as long as a short one itself."""
+    return f"""\
+        isfinite(sum(values))  # a root of less than 0 is a complex number, for which this raises TypeError
+        return values
+    except (ArithmeticError, ValueError, TypeError):
+        return [nan] * {count}"""
 
 
 def _text(current: Node, texts: Mapping[Node, str]) -> str:
@@ -130,8 +151,11 @@ def _integral_functions(order: Iterable[Node], functions: Mapping[str, Callable]
 
 @in_one_thread
 def function_of(
-    symbols: Sequence[sp.Symbol | Sequence[sp.Symbol]], formulas: Iterable[sp.Expr], functions: Mapping[str, Callable]
+    symbols: Sequence[sp.Symbol | Sequence[sp.Symbol]],
+    formulas: Iterable[sp.Expr],
+    functions: Mapping[str, Callable],
+    or_nan: bool = False,
 ) -> Callable[..., list]:
     """A function of SymPy symbols that returns the list of some formulas' values, as `python_function` does."""
     arguments = [symbol(s.name) if isinstance(s, sp.Symbol) else [symbol(part.name) for part in s] for s in symbols]
-    return python_function(arguments, map(from_sympy, formulas), functions)
+    return python_function(arguments, map(from_sympy, formulas), functions, or_nan)

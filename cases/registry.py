@@ -155,7 +155,8 @@ def load(name: str, **parameters) -> Case:
     Raises UnknownName for a name or parameter that does not exist, with the nearest ones; CaseError for values no
     scene can have.
     """
-    bare, changes = parse(name)
+    is_bare = isinstance(name, str) and name in _entries  # nothing to parse
+    bare, changes = (name, {}) if is_bare else parse(name)
     item = entry(bare)
     parameters = {**changes, **parameters}
     for key, value in parameters.items():

@@ -6,6 +6,7 @@ from the origin in sizes of the plate.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import hypot, isfinite
 
 from .curves import Curve
@@ -56,19 +57,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
         raise BadValue(
             f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
         )
-    # An open outline may be a small part of its plate: the tip of a rod, whose centre of mass is far from it.
-    extent = max(plate.width, plate.reach)
-    if not SMALLEST <= extent <= LARGEST:
-        raise BadValue(
-            f"the plate is {extent:g} m long; give one between {SMALLEST:g} and {LARGEST:g} m, where solvers "
-            "keep their digits"
-        )
-    gyration = plate.gyration / extent
-    if not 1 / RATIO <= gyration <= RATIO:
-        raise BadValue(
-            f"the plate's radius of gyration, the root of inertia/mass, is {gyration:.3g} times its length; give an "
-            f"inertia that brings it between {1 / RATIO:g} and {RATIO:g} times"
-        )
+    extent = _extent(track, plate, start)
     if resistance and resistance.arm > RATIO * extent:
         raise BadValue(
             f"arm of RollingResistance is {resistance.arm / extent:.3g} times the plate's length; give at most "
@@ -82,6 +71,37 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
             "values at t = 0"
         )
     check_belt(one(effects, Belt))
+    numbers = {"g of Gravity": gravity.g if gravity else 0.0, "duration of the case": duration}
+    _check_numbers(numbers)
+    if duration < TINY:
+        raise BadValue(f"duration of the case is {duration:g}; give at least {TINY:g}")
+
+
+def _check_numbers(numbers: dict[str, float]) -> None:
+    """Raise BadValue for one that is too large."""
+    for what, number in numbers.items():
+        if abs(number) > ENORMOUS:
+            raise BadValue(f"{what} is {number:g}; give a number up to {ENORMOUS:g}")
+
+
+# Cached by arguments that do not include friction: scenes are often made again with another one.
+@lru_cache(maxsize=1024)
+def _extent(track: Curve, plate: Plate, start: Start) -> float:
+    """The plate's length, m; raises BadValue for sizes of plate and start at which solvers lose their digits
+    (exceptions are not cached)."""
+    # An open outline may be a small part of its plate: the tip of a rod, whose centre of mass is far from it.
+    extent = max(plate.width, plate.reach)
+    if not SMALLEST <= extent <= LARGEST:
+        raise BadValue(
+            f"the plate is {extent:g} m long; give one between {SMALLEST:g} and {LARGEST:g} m, where solvers "
+            "keep their digits"
+        )
+    gyration = plate.gyration / extent
+    if not 1 / RATIO <= gyration <= RATIO:
+        raise BadValue(
+            f"the plate's radius of gyration, the root of inertia/mass, is {gyration:.3g} times its length; give an "
+            f"inertia that brings it between {1 / RATIO:g} and {RATIO:g} times"
+        )
     away = hypot(*track.point(start.xi1))
     if not away <= FURTHEST * extent:
         raise BadValue(
@@ -94,15 +114,11 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
         "omega of Start": start.omega,
         "gap_rate of Start": start.gap_rate,
         "gap of Start": start.gap,
-        "g of Gravity": gravity.g if gravity else 0.0,
-        "duration of the case": duration,
     }
-    for what, number in numbers.items():
-        if abs(number) > ENORMOUS:
-            raise BadValue(f"{what} is {number:g}; give a number up to {ENORMOUS:g}")
-    for what, number in (("mass of the plate", plate.mass), ("duration of the case", duration)):
-        if number < TINY:
-            raise BadValue(f"{what} is {number:g}; give at least {TINY:g}")
+    _check_numbers(numbers)
+    if plate.mass < TINY:
+        raise BadValue(f"mass of the plate is {plate.mass:g}; give at least {TINY:g}")
+    return extent
 
 
 def check_belt(belt: Belt | None) -> None:

@@ -268,8 +268,7 @@ class Trajectory:
         Access to its transitions alone computes no samples.
         """
         motion = object.__new__(cls)
-        others = {f.name: f.default for f in fields(cls) if f.default is not MISSING}
-        vars(motion).update(others | rest, _sample=sample)
+        vars(motion).update(_DEFAULTS | rest, _sample=sample)
         return motion
 
     if not TYPE_CHECKING:  # type checkers use the declared fields
@@ -423,3 +422,7 @@ class Trajectory:
         from .moving_surface import Drive
 
         return self.case is not None and self.case.effect(Drive) is not None
+
+
+# Of the fields that have any.
+_DEFAULTS = {f.name: f.default for f in fields(Trajectory) if f.default is not MISSING}

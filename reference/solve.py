@@ -177,11 +177,8 @@ def as_trajectory(
     case: Case, segments: list[Segment], transitions, ending: tuple[str, str], cost: Cost = _FREE
 ) -> Trajectory:
     """Convert the result of `solve_motion` to a trajectory with samples; steps and evaluations are added to `cost`."""
-    cost = replace(
-        cost,
-        steps=sum(segment.steps for segment in segments),
-        evaluations=sum(segment.evaluations for segment in segments),
-    )
+    steps, evaluations = sum([s.steps for s in segments]), sum([s.evaluations for s in segments])
+    cost = Cost(cost.cpu_s, cost.wall_s, cost.setup_s, steps, evaluations)
     status, reason = ending if _finite(segments) else undecidable(segments[-1].start)
     warning = augmented_integrator.warning(segments)
     return _trajectory(case, segments, transitions, status, f"{reason} {warning}" if warning else reason, cost)
@@ -257,7 +254,7 @@ def passages(segments: list[Segment]) -> tuple[Passage, ...]:
 def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
     """A trajectory with samples at the integrator's steps and on both sides of each transition, and a dense output."""
     common: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
-    common["passages"] = passages(segments)
+    common["passages"] = passages(segments) if has_pieces(case) else ()
     if not segments:
         # No motion and no contact force: the plate leaves at once, or no force is consistent.
         first, nothing = start_state(case), np.zeros(1)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import lru_cache
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -66,9 +68,9 @@ def _structure(curve: Curve | CurvePart):
     return curve.sign if isinstance(curve, Corner) else curve.structure
 
 
-def contact_system(case: Case, kind: Kind, track: Curve | CurvePart, outline: Curve | CurvePart) -> System:
+def contact_system(law: Laws, kind: Kind, track: Curve | CurvePart, outline: Curve | CurvePart) -> System:
     """The equations of one kind of contact on parts of a case's curves, derived once per structure."""
-    return _in_contact(_structure(track), _structure(outline), (has_ends(track), has_ends(outline)), laws(case), kind)
+    return _in_contact(_structure(track), _structure(outline), (has_ends(track), has_ends(outline)), law, kind)
 
 
 def flight_system(case: Case) -> System:
@@ -231,24 +233,30 @@ def has_ends(curve: Curve | CurvePart) -> bool:
     return curve.domain is not None and curve.period is None
 
 
-def parameter_values(
-    case: Case, values: dict[str, float], system: System, track: Curve | CurvePart, outline: Curve | CurvePart
-) -> tuple[float, ...]:
-    """The runtime parameters in the system's order: those of parts of the case's curves, the case's own, the mode's
-    `values`, by name, and the system's constants."""
-    numbers = _sizes(track, outline, case.plate) | values
-    for part in (*laws(case).loads, laws(case).belt, *laws(case).own):
+def parameter_values(case: Case, numbers: dict[str, float], system: System) -> tuple[float, ...]:
+    """The runtime parameters in the system's order: the `numbers` of curves, plate and mode, by name, those of the
+    case's effects, which are added to them, and the system's constants."""
+    law = laws(case)
+    for part in (*law.loads, law.belt, *law.own):
         numbers |= part.values(case)
     parameters = [numbers[name] for name in system.names]
-    with np.errstate(all="ignore"):  # a constant without a value is NaN, as it is on arrays
-        constants = system.constants_of_arrays([np.float64(value) for value in parameters]) if system.constants else ()
-    return (*parameters, *map(float, constants))
+    return (*parameters, *_constants(system, parameters))
 
 
-# Cached by arguments that do not include friction: scenes are often made again with another friction.
-@lru_cache(maxsize=1024)
-def _sizes(track: Curve | CurvePart, outline: Curve | CurvePart, plate: Plate) -> dict[str, float]:
-    """The parameters of curves and plate in all modes, by name."""
+def _constants(system: System, parameters: list[float]) -> Iterable[float]:
+    """The values of the system's constants; one without a value is NaN, as it is on arrays."""
+    if not system.constants:
+        return ()
+    if system.constants_of_numbers is not None:
+        values = system.constants_of_numbers(parameters)
+        if isfinite(sum(values)):
+            return map(float, values)
+    with np.errstate(all="ignore"):
+        return map(float, system.constants_of_arrays([np.float64(value) for value in parameters]))
+
+
+def sizes_of(track: Curve | CurvePart, outline: Curve | CurvePart, plate: Plate) -> dict[str, float]:
+    """The parameters of parts of the curves and of the plate in all modes, by name."""
     sizes: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
     for prefix, curve in (("track", track), ("outline", outline)):
         names = CORNER if isinstance(curve, Corner) else [size.name for size in curve.structure[1]]

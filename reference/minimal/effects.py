@@ -20,7 +20,7 @@ from cases.expression_graph import ONE, ZERO, Node, from_sympy, sqrt, substitute
 from cases.expressions import constants, lift_constants
 from cases.features import singular_arguments
 from cases.moving_surface import TIME
-from cases.own_effects import CONTACT, own_effects
+from cases.own_effects import CONTACT, ContactEffect, own_effects
 from cases.slip_laws import SLIP_SPEED
 
 from .elimination import GYRATION, Elimination, Surface
@@ -293,11 +293,10 @@ class OwnForce:
         return [from_sympy(e, {**names, of_slip: slip, of_omega: omega}) for e in self.formulas]
 
 
-@lru_cache(maxsize=1024)
-def _own_forces(case: Case) -> tuple[OwnForce, ...]:
+def _own_forces(effects: Sequence[ContactEffect]) -> tuple[OwnForce, ...]:
     return tuple(
         OwnForce(i, *lift_constants(effect.formulas), tuple(end.status for end in effect.ends()))
-        for i, effect in enumerate(own_effects(case.effects))
+        for i, effect in enumerate(effects)
     )
 
 
@@ -352,12 +351,12 @@ class Laws(NamedTuple):
 def laws(case: Case) -> Laws:
     """The contributions of the case's effects to the equations."""
     load, friction, belt = case.effect(Load), case.effect(CoulombFriction), case.effect(Belt)
-    kinds = frozenset(type(effect) for effect in case.effects)
+    kinds = frozenset(map(type, case.effects))
     mu = friction.mu if friction and friction.by_speed else None
     force, speed = load.expression if load else None, belt.expression if belt else None
     common = _laws(kinds, force, mu, speed, case.plate.turns)
-    own = _own_forces(case)
-    return common._replace(own=own) if own else common
+    own = own_effects(case.effects)
+    return common._replace(own=_own_forces(own)) if own else common
 
 
 @lru_cache(maxsize=256)

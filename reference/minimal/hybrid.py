@@ -96,7 +96,8 @@ class _Progress:
     """Detects phases without progress, measured by the motion's time scale."""
 
     def __init__(self) -> None:
-        self.since, self.phases = 0.0, list[tuple[Phase, float, Sequence[float]]]()
+        self.since = 0.0
+        self.phases: list[tuple[Phase, float, Sequence[float]]] = []
 
     def none(self, now: Phase, t: float, y: Sequence[float]) -> bool:
         """Record a phase that begins at t; returns whether the last MANY took no time by the fastest of their rates."""

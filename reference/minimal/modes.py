@@ -23,7 +23,7 @@ from cases.geometry import velocity as velocity_on
 from cases.piece_case import PieceCase, has_pieces, neighbour, pieces_at
 from cases.pieces import CurvePart
 
-from .assembly import THETA, Kind, contact_system, flight_system, has_ends, parameter_values
+from .assembly import THETA, Kind, contact_system, flight_system, has_ends, parameter_values, sizes_of
 from .effects import SLIP_SIGN, Laws, laws
 from .elimination import U1, U2, X1, X2
 from .system import System
@@ -163,33 +163,58 @@ def _phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
 
 def _make_phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
     track, outline, size = case.track.part(parts[0]), case.plate.outline.part(parts[1]), case.plate.gyration
+    load = case.effect(Load)
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
-        parameters = parameter_values(case, {}, equations, track, outline)
-        features = _features(case.effect(Load), None)
+        parameters = parameter_values(case, sizes_of(track, outline, case.plate), equations)
         checks, rows = bool(equations.load_quantities), tuple(range(6))
-        return Phase(regime, equations, parameters, size, (size, size, 1.0), rows, case, features, checks)
-    equations = contact_system(case, regime.kind, track, outline)
+        return Phase(regime, equations, parameters, size, (size, size, 1.0), rows, case, _features(load, None), checks)
     law = laws(case)
-    values = {"nu": float(regime.side)}
-    values |= law.friction.values(case, regime.mode, regime.side)
-    values |= law.resistance.values(case, regime.turn, regime.side)
-    lengths = _lengths(case.start, case.track, case.plate)[: equations.positions]
-    if U2 in equations.variables and U1 not in equations.variables:
-        lengths = (lengths[1], *lengths[1:])  # the only velocity is ξ̇₂
-    parameters = parameter_values(case, values, equations, track, outline)
-    features = _features(case.effect(Load), case.effect(Belt), track, outline)
-    checks = bool(equations.load_quantities)
-    return Phase(regime, equations, parameters, size, lengths, _places(equations), case, features, checks, parts)
+    form = _form(law, regime.kind, track, outline, case.track, case.plate, case.start, load, case.effect(Belt))
+    numbers = form.sizes | {"nu": float(regime.side)}
+    numbers |= law.friction.values(case, regime.mode, regime.side)
+    numbers |= law.resistance.values(case, regime.turn, regime.side)
+    parameters = parameter_values(case, numbers, form.system)
+    return Phase(
+        regime, form.system, parameters, size, form.lengths, form.places, case, form.features, form.checks_load, parts
+    )
 
 
-@lru_cache(maxsize=256)
-def _places(system: System) -> tuple[int, ...]:
-    return tuple(_PLACES[v] for v in system.variables)
+class _PhaseForm(NamedTuple):
+    """What phases of contact share whose cases differ in numbers of friction, gravity or resistance only; `sizes`: the
+    parameters of curves and plate, by name."""
+
+    system: System
+    sizes: dict[str, float]
+    lengths: tuple[float, ...]
+    places: tuple[int, ...]
+    features: tuple[tuple[int | None, Features], ...]
+    checks_load: bool
 
 
-# These two are cached by arguments that do not include friction: scenes are often made again with another friction.
+# Scenes are often made again with another friction: of a phase only its numbers are new then.
 @lru_cache(maxsize=1024)
+def _form(
+    law: Laws,
+    kind: Kind,
+    track: Curve | CurvePart,
+    outline: Curve | CurvePart,
+    whole: Curve,
+    plate: Plate,
+    start: Start,
+    load: Load | None,
+    belt: Belt | None,
+) -> _PhaseForm:
+    """The form of phases on these parts of a `whole` track and of the plate's outline."""
+    system = contact_system(law, kind, track, outline)
+    lengths = _lengths(start, whole, plate)[: system.positions]
+    if U2 in system.variables and U1 not in system.variables:
+        lengths = (lengths[1], *lengths[1:])  # the only velocity is ξ̇₂
+    places, features = tuple(_PLACES[v] for v in system.variables), _features(load, belt, track, outline)
+    sizes = sizes_of(track, outline, plate)
+    return _PhaseForm(system, sizes, lengths, places, features, bool(system.load_quantities))
+
+
 def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, float]:
     """The radius of gyration in units of ξ₁ and ξ₂ where the motion starts, and one radian: the unit of a corner."""
     size = plate.gyration
@@ -265,18 +290,20 @@ def start_state(case: Case) -> tuple[float, ...]:
     if not case.start.in_contact:
         return start.x, start.y, start.theta, start.vx, start.vy, start.omega
     angle = (start.theta,) if laws(case).needs_angle else ()
-    here = start_pieces(case)
-    if isinstance(here, PieceCase):
-        return (*_start_on(here, start), *angle)
+    if has_pieces(case):
+        return (*_start_on(_first_pieces(case), start), *angle)
     return start.xi1, start.xi2, start.xi1_dot, start.xi2_dot, *angle
 
 
-@lru_cache(maxsize=1024)
 def start_pieces(case: Case) -> Case:
     """The case on the pieces of its curves on which it starts: where two meet, those towards which the contact moves.
     The case itself if its curves have no pieces."""
-    if not has_pieces(case):
-        return case
+    return _first_pieces(case) if has_pieces(case) else case
+
+
+@lru_cache(maxsize=1024)
+def _first_pieces(case: Case) -> PieceCase:
+    """The same for a case with pieces."""
     start = start_motion(case)
     here = pieces_at(case, start.xi1, start.xi2)
     if not case.start.in_contact:

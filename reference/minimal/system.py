@@ -8,12 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
-from math import isfinite, nan
 from typing import NamedTuple
 
 from cases.derivation import derived
 from cases.expression_code import ON_ARRAYS, ON_FLOATS, python_function
-from cases.expression_graph import Node, in_order, node, symbol
+from cases.expression_graph import ARITHMETIC, Node, in_order, node, symbol
 
 from . import series
 from .elimination import Elimination, T
@@ -111,11 +110,17 @@ class System:
         """(parameters,) -> list of the values of `constants`, on floats or arrays of shape (n,)."""
         return python_function([self.parameters[: len(self.names)]], self.constants, ON_ARRAYS)
 
+    @derived
+    def constants_of_numbers(self):
+        """The same on floats, NaN where one has no value; None if there are functions, which NumPy rounds otherwise."""
+        if any(n.op not in (*ARITHMETIC, "number", "symbol") for n in in_order(self.constants)):
+            return None
+        return python_function([self.parameters[: len(self.names)]], self.constants, ON_FLOATS, or_nan=True)
+
     def _compile(self, what: str, functions: Mapping[str, Callable]):
         expressions = getattr(self, what)
         outputs = list(expressions.values() if isinstance(expressions, Mapping) else expressions)
-        function = python_function([T, self.variables, self.parameters], outputs, functions)
-        return _without_raising(function, len(outputs)) if functions is ON_FLOATS else function
+        return python_function([T, self.variables, self.parameters], outputs, functions, functions is ON_FLOATS)
 
     @derived
     def rates_of_numbers(self):
@@ -232,18 +237,3 @@ class System:
     def load_quantities_of_arrays(self):
         """(t, y, parameters) -> list of the load's quantities, on arrays; a constant one stays a number."""
         return self._compile("load_quantities", ON_ARRAYS)
-
-
-def _without_raising(function: Callable[..., list], count: int) -> Callable[..., list]:
-    """The function with NaN where it is undefined (a logarithm of less than 0, an overflow), like that of arrays:
-    integrators stop there, and a decision fails."""
-
-    def evaluate(t, y, parameters) -> list:
-        try:
-            values = function(t, y, parameters)
-            isfinite(sum(values))  # Python's root of less than 0 is a complex number, for which this raises TypeError
-            return values
-        except (ArithmeticError, ValueError, TypeError):
-            return [nan] * count
-
-    return evaluate

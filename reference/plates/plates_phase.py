@@ -11,7 +11,7 @@ from typing import NamedTuple, cast
 from cases import Case, Gravity, Mode, PerfectlyRough
 from cases.free_plates import plate_contacts, plates_of
 
-from ..minimal.assembly import parameter_values
+from ..minimal.assembly import parameter_values, sizes_of
 from ..minimal.effects import SLIP_SIGN
 from ..minimal.modes import Phase, Regime
 from ..several.contact_law import coefficients
@@ -86,7 +86,7 @@ def plates_phase(case: Case, regime: PlatesRegime) -> PlatesPhase:
         values |= {f"radius_{b}": cast(float, plate.radius), f"w_{b}": 1.0 / plate.mass, f"v_{b}": 1.0 / plate.inertia}
     values["gx"], values["gy"] = gravity.vector if gravity is not None else (0.0, 0.0)
     system = plates_system(tuple(forms), len(plates), regime.resting)
-    parameters = parameter_values(case, values, system, case.track, case.plate.outline)
+    parameters = parameter_values(case, sizes_of(case.track, case.plate.outline, case.plate) | values, system)
     lengths = tuple(size for plate in plates for size in (cast(float, plate.radius), cast(float, plate.radius), 1.0))
     smallest = min(cast(float, plate.radius) for plate in plates)
     places = tuple(range(6 * len(plates)))

@@ -16,7 +16,7 @@ from cases import Belt, Case, Load, Mode, PerfectlyRough
 from cases.contact_pairs import PairCase, pairs
 from cases.corner import Corner, Piece
 
-from ..minimal.assembly import parameter_values
+from ..minimal.assembly import parameter_values, sizes_of
 from ..minimal.effects import SLIP_SIGN, FixedSurface, laws
 from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
@@ -138,7 +138,7 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
         features += [(3 + 2 * k, f) for _, f in _features(None, None, one.track)]
         features += [(4 + 2 * k, f) for _, f in _features(None, None, one.plate.outline)]
     first = pairs(case)[0]
-    parameters = parameter_values(case, values, system, first.track, first.plate.outline)
+    parameters = parameter_values(case, sizes_of(first.track, first.plate.outline, case.plate) | values, system)
     places = tuple(range(6 + 2 * count))
     return SeveralPhase(
         cast(Regime, regime),

@@ -367,7 +367,7 @@ class _Wave:
 def _columns(scenes: ScenarioGroup, regime, gyration: np.ndarray, lengths: tuple[np.ndarray, ...]) -> Columns:
     """A regime's equations with the parameters of all scenarios, as `modes.phase` gives them for one."""
     base, law, n = scenes.base, laws(scenes.base), len(scenes.rows)
-    system = contact_system(base, regime.kind, base.track, base.plate.outline)
+    system = contact_system(law, regime.kind, base.track, base.plate.outline)
     inputs = scenes.numbers
     effects = {
         CoulombFriction: SimpleNamespace(mu=inputs.get("mu"), stick=inputs.get("mu_stick")),

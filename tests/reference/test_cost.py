@@ -12,6 +12,7 @@ import cases
 import reference
 from cases import State, geometry
 from reference import solve
+from reference.minimal import modes
 from reference.minimal.integrators import taylor
 from reference.minimal.integrators.segment import blocks
 from reference.minimal.modes import Regime, phase, start_state
@@ -108,3 +109,25 @@ def test_a_plate_at_the_level_parameter_has_no_angle():
     for xi1 in (-1.3, 0.0, 0.7, 2.0):
         xi2 = geometry.level_parameter(case.track, case.plate.outline, xi1)
         assert abs(geometry.pose(case.track, case.plate.outline, xi1, xi2)[2]) <= 1e-14
+
+
+def test_a_scene_with_another_friction_derives_no_equations_and_no_sizes(monkeypatch):
+    reference.simulate(cases.load("disc_in_circle", mu=0.171))
+    systems, sizes = (counted(monkeypatch, modes, name) for name in ("contact_system", "sizes_of"))
+    motions = [reference.simulate(cases.load("disc_in_circle", mu=mu)) for mu in (0.172, 0.173)]
+    assert motions[0].transitions != motions[1].transitions and not systems and not sizes
+    reference.simulate(cases.load("disc_in_circle", mu=0.172, r=0.11))
+    assert systems and sizes
+
+
+def test_names_of_a_package_are_attributes_after_their_first_use(monkeypatch):
+    assert cases.Case and reference.simulate
+    monkeypatch.delattr(cases, "__getattr__")
+    monkeypatch.delattr(reference, "__getattr__")
+    assert cases.Case and reference.simulate
+
+
+def test_an_effect_is_found_by_its_class_and_by_a_base_class():
+    case = cases.load("disc_in_circle")
+    assert [case.effect(kind) for kind in (cases.Gravity, cases.CoulombFriction)] == list(case.effects[:2])
+    assert case.effect(cases.Flight) is None and case.effect(object) is case.effects[0]
