@@ -5,13 +5,14 @@ A motion is anything with x, y, vx, vy, omega in SI units, numbers or arrays: a 
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from .case_class import Case
 from .contact import belt_speed, track_place
-from .effects import Drive, Gravity
+from .effects import Drive, Gravity, Load
 from .own_effects import ContactEffect, own_effects
 from .plate import Plate
 from .trajectory import Trajectory
@@ -83,6 +84,25 @@ def own_forces(case: Case, effect: ContactEffect, t, motion):
     turning = np.asarray(motion.omega) - track_place(case, t).spin
     rows = [effect.at(*map(float, state))[:3] for state in np.broadcast(t, slip, turning)]
     return np.array(rows).T.reshape(3, *np.shape(slip))
+
+
+def applied_forces(case: Case, motion: Trajectory, inside: np.ndarray | slice = slice(None)) -> np.ndarray:
+    """Force (N) and moment about the centre of mass (N m), shape (3, n), at the samples `inside`, in the fixed frame:
+    of the case's load and, in contact with a track at rest, of the user's own effects."""
+    names = ("t", "x", "y", "theta", "vx", "vy", "omega", "xi1", "slip")
+    now = SimpleNamespace(**{name: getattr(motion, name)[inside] for name in names})
+    load, forces = case.effect(Load), np.zeros((3, len(now.t)))
+    if load is not None:
+        rows = (now.t, now.x, now.y, now.theta, now.vx, now.vy, now.omega)
+        forces += np.array([load.at(*row) for row in zip(*(row.tolist() for row in rows), strict=True)]).T
+    touches = np.isfinite(now.xi1)
+    place = np.where(touches, now.xi1, case.start.xi1)
+    for effect in own_effects(case.effects):
+        along, across, couple = own_forces(case, effect, now.t, now)
+        fx, fy = along * case.track.tangent(place) + across * case.track.normal(place)
+        arm_x, arm_y = case.track.point(place) - np.array([now.x, now.y])
+        forces += np.where(touches, [fx, fy, arm_x * fy - arm_y * fx + couple], 0.0)
+    return forces
 
 
 def energy_growth(total: np.ndarray) -> np.ndarray:

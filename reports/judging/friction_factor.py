@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, CoulombFriction, Drive, Load, RollingResistance, Trajectory, Unilateral
+from cases import Belt, Case, CoulombFriction, Drive, RollingResistance, Trajectory, Unilateral
 from cases.contact import belt_speed
-from cases.mechanics import energy, gravity, kinetic_energy
+from cases.mechanics import applied_forces, energy, gravity, kinetic_energy
 
 # Below this fraction of a case's largest kinetic energy, the work of friction is not used: errors of an engine's
 # energy are as large.
@@ -55,9 +55,9 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
     """The losses of a motion up to the time `end`: the law takes Σ (μ|slip| + arm|ω|) N h.
 
     The normal force N follows from the motion's momentum, m (Δv/h − g) − load, along the track's normal. The work of a
-    load and of a belt counts as energy added. NaN where the case has no Coulomb friction or a
-    driven track, for several contacts, whose normal forces do not follow from the momentum, and where the plate flies,
-    because an impact takes energy in no time.
+    load, of the user's own effects and of a belt counts as energy added. NaN where the case has no Coulomb friction or
+    a driven track, for several contacts, whose normal forces do not follow from the momentum, and where the plate
+    flies, because an impact takes energy in no time.
     """
     friction, resistance = case.effect(CoulombFriction), case.effect(RollingResistance)
     inside = motion.t <= end
@@ -71,7 +71,7 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
         return Losses(np.nan, np.nan)
     h = np.diff(motion.t[inside])
     vx, vy, omega, slip, xi1 = (getattr(motion, name)[inside] for name in ("vx", "vy", "omega", "slip", "xi1"))
-    load = _loads(case, motion, inside)
+    load = applied_forces(case, motion, inside).T
     weight = case.plate.mass * gravity(case)
     # Impulses of the contact in each step, N s.
     push_x = case.plate.mass * np.diff(vx) - h * (weight[0] + _middle(load[:, 0]))
@@ -92,13 +92,3 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
 def _middle(values: np.ndarray) -> np.ndarray:
     """The means of neighbouring values."""
     return 0.5 * (values[1:] + values[:-1])
-
-
-def _loads(case: Case, motion: Trajectory, inside: np.ndarray) -> np.ndarray:
-    """Force and moment of the case's load at the samples (n, 3); zero without one."""
-    load = case.effect(Load)
-    if load is None:
-        return np.zeros((int(inside.sum()), 3))
-    names = ("t", "x", "y", "theta", "vx", "vy", "omega")
-    moves = np.column_stack([getattr(motion, name)[inside] for name in names])
-    return np.array([load.at(*row) for row in moves.tolist()])

@@ -169,7 +169,7 @@ def broken_laws(case: Case, motion: Trajectory, gap: np.ndarray) -> list[str]:
         violations.append(f"the plate leaves its track by {gap.max():.3g} m and comes back")
     growth, kinetic = energy_growth(case, motion), mechanics.kinetic_energy(case, motion).max()
     rounding = ROUNDING * float(np.abs(mechanics.energy(case, motion)).max())
-    has_power = case.effect(Load) or case.effect(Belt) or case.effect(Drive)
+    has_power = case.effect(Load) or case.effect(Belt) or case.effect(Drive) or own_effects(case.effects)
     if not has_power and growth > ENERGY * max(kinetic, case.plate.mass * _slow(case, motion) ** 2) + rounding:
         violations.append(f"the energy grows by {growth:.3g} J without a load or a belt")
     if np.isfinite(motion.normal_force).all() and np.isfinite(motion.friction_force).all():
@@ -217,16 +217,12 @@ def _slow(case: Case, motion: Trajectory) -> float:
 
 def _momentum(case: Case, motion: Trajectory) -> list[tuple[str, float, float]]:
     """For m vx and m vy: name, difference from the integral of the forces, and its tolerance (kg m/s)."""
-    gravity, load, mass = mechanics.gravity(case), case.effect(Load), case.plate.mass
+    gravity, mass, applied = mechanics.gravity(case), case.plate.mass, mechanics.applied_forces(case, motion)
     place = np.where(np.isnan(motion.xi1), case.start.xi1, motion.xi1)  # in flight there are no forces
     normal, tangent = case.track.normal(place), case.track.tangent(place)
-    load_forces = np.zeros((3, len(motion.t)))
-    if load:
-        state = (motion.t, motion.x, motion.y, motion.theta, motion.vx, motion.vy, motion.omega)
-        load_forces = np.array([load.at(*now) for now in zip(*state, strict=True)]).T
     rows = []
     for axis, rate in enumerate((motion.vx, motion.vy)):
-        force = motion.normal_force * normal[axis] + motion.friction_force * tangent[axis] + load_forces[axis]
+        force = motion.normal_force * normal[axis] + motion.friction_force * tangent[axis] + applied[axis]
         force = force + mass * gravity[axis]
         off = mass * (rate - rate[0]) - cumulative_trapezoid(force, motion.t, initial=0.0)
         # The sum of forces that balance is uncertain by the rounding of the larger ones.

@@ -35,10 +35,12 @@ from cases import (
 from cases.library import circle, line
 from reference import contact_frame
 from reference.sweeping.scenario_values import structure
-from reports.judging.residuals import examine
+from reports.judging.friction_factor import losses
+from reports.judging.residuals import broken_laws, examine
 from reports.running import reference_adapter
 from reports.running.storage.fingerprint import content
 from tests.adapters.mutants import of_case
+from tests.scenes.motions import sampled
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "magnetic_wheel"
 
@@ -156,6 +158,17 @@ def test_a_magnet_stops_a_block_that_does_not_turn():
         assert [t.after for t in motion.transitions] == [Mode.REST]
         assert motion.transitions[0].time == pytest.approx(1.0 / (0.1 * 29.81), abs=1e-13)
     assert examine(case, reference.simulate(case, 1e-13)).energy <= 1e-12
+
+
+def test_the_true_motion_breaks_no_law_and_has_the_friction_factor_one():
+    """The judgement of a motion from a file counts the magnet's pull and brake among the forces."""
+    case = in_circle(magnet(20.0, 0.002), slip=2.0, mu=0.03)
+    motion = sampled(reference.simulate(case, 1e-12), 1001)
+    assert broken_laws(case, motion, np.zeros(1001)) == []
+    heavier = replace(motion, normal_force=motion.normal_force + 20.0)
+    assert any("the forces do not make the motion" in each for each in broken_laws(case, heavier, np.zeros(1001)))
+    own = losses(case, motion, 2.0)
+    assert own.actual == pytest.approx(own.by_law, rel=1e-3)
 
 
 def test_adapters_reject_it_in_one_sentence_unless_they_declare_it():
