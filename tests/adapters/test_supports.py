@@ -195,5 +195,10 @@ def test_routes_without_supports_reject_them_in_one_sentence():
     why = "Supports are straight lines without ends here, and 'bowl' is none."
     assert refusal(engine("pymunk"), bowl, "native") == why
     assert refusal_of_several_contacts(engine("pymunk"), bowl, "native") == why
-    with pytest.raises(cases.BadValue, match="Belt with several contacts is not supported"):
-        groove(effects=(*groove().effects, Belt(1.0)))
+    on_belt = groove(effects=(*groove().effects, Belt(1.0)))
+    assert refusal(engine("pymunk"), on_belt, "native") is None
+    why = "The native route does not support belts together with several fixed curves (supports)."
+    assert refusal(engine("exudyn"), on_belt, "native") == why
+    changing = groove(effects=(*groove().effects, Belt("1 + t")))
+    why = "Belts together with supports have a constant speed here, and this one changes with time."
+    assert refusal(engine("pymunk"), changing, "native") == why
