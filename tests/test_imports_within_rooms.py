@@ -6,6 +6,7 @@ Which room may import which other one is in `test_architecture`.
 from __future__ import annotations
 
 import ast
+from functools import cache
 from graphlib import TopologicalSorter
 from importlib.util import resolve_name
 from pathlib import Path
@@ -54,6 +55,7 @@ def importlib_name(call: ast.Call, package: str) -> str:
     return resolve_name(name, package) if name.startswith(".") else name
 
 
+@cache
 def arrows(room: str) -> dict[str, set[str]]:
     known = modules(room)
     return {name: imports(name, path, known) for name, path in known.items()}

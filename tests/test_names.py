@@ -87,7 +87,13 @@ def participles(sources: list[str]) -> tuple[float, Counter[str]]:
 
 def defined(text: str, kind: type[ast.AST]) -> list[str]:
     """The names of all classes or functions of a source text, wherever they are."""
-    return [node.name for node in ast.walk(ast.parse(text)) if isinstance(node, kind)]
+    return [node.name for node in definitions(text) if isinstance(node, kind)]
+
+
+@cache
+def definitions(text: str) -> list[ast.AST]:
+    """All classes and functions of a source text, parsed once for all tests."""
+    return [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef | ast.FunctionDef)]
 
 
 def namesakes(paths: list[str]) -> dict[str, list[str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import cast
 
 import numpy as np
@@ -108,10 +109,21 @@ def contact_columns(case: Case, now: PlatesPhase, times: np.ndarray, y: np.ndarr
 def _rest_ranges(case: Case, now: PlatesPhase, state: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
     """Least and greatest normal and friction force (N) of a contact of plates at rest, (2,) each."""
     group = next(some for some in groups(case, regime_of(now).closed) if number in some)
-    at = places(case, group, state)
+    limits = _group_ranges(case, tuple(group), state.tobytes())
+    return limits.normal[group.index(number)], limits.friction[group.index(number)]
+
+
+@lru_cache(maxsize=64)
+def _group_ranges(case: Case, group: tuple[int, ...], state: bytes) -> forces.ForceRanges:
+    """The ranges of the forces of some contacts of plates at rest, computed once for all contacts and all times: four
+    linear programs for each contact. `state`: the variables' bytes, because keys that are equal may differ in the sign
+    of a zero."""
+    at = places(case, group, np.frombuffer(state))
     load, units = load_and_units(case, plates_in(case, group))
     limits = forces.ranges(at, load, units, [one.stick for one in at])
-    return limits.normal[group.index(number)], limits.friction[group.index(number)]
+    for each in limits:
+        each.flags.writeable = False  # shared by all callers
+    return limits
 
 
 def observe(case: Case, now: PlatesPhase, times: np.ndarray, y: np.ndarray) -> State:

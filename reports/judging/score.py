@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -337,7 +336,7 @@ def _sample_gaps(motion: Trajectory) -> list[tuple[float, float]]:
         spans.append((0.0, float(motion.t[0])))
     if motion.dense is None:
         long = max(LONG_STEPS * step, SHORT_PART * float(motion.t[-1] - motion.t[0]))
-        spans += [(float(a), float(b)) for a, b in pairwise(motion.t) if b - a > long]
+        spans += [(float(motion.t[i]), float(motion.t[i + 1])) for i in np.flatnonzero(np.diff(motion.t) > long)]
     return spans
 
 

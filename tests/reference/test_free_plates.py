@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+import cases
 import reference
 from adapters.interface import refusal
 from cases import (
@@ -33,6 +34,7 @@ from cases import (
 from cases.library import circle, line
 from reference.certification import certify
 from reference.delassus import bodies_motion
+from reference.plates import plate_columns
 
 G = 9.81
 
@@ -350,3 +352,15 @@ def test_several_plates_are_rejected_in_a_sentence():
 def test_the_motion_of_a_plate_that_is_not_there():
     with pytest.raises(UnknownName, match="disc2"):
         reference.simulate(on_top(duration=0.01)).plate("disc3")
+
+
+def test_ranges_of_forces_at_rest_are_computed_once_for_all_contacts_and_times(monkeypatch):
+    """They are four linear programs a contact, and depend on nothing that changes at rest."""
+    case, calls, ranges = cases.load("pile_of_discs"), [], plate_columns.forces.ranges
+    monkeypatch.setattr(plate_columns.forces, "ranges", lambda *how: calls.append(how) or ranges(*how))
+    plate_columns._group_ranges.cache_clear()
+    motion = reference.simulate(case)
+    for times in (np.array([0.1, 0.2]), np.array([0.3])):
+        first, *others = (motion.contact_columns(name, times) for name in motion.contact_names)
+        assert first.normal_range.shape == (2, len(times)) and len(others) > 2
+    assert len(calls) == 1
