@@ -85,6 +85,9 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
             y = (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
     if guard == "turn":
         y = without_turning(case, y)
+        if not now.regime.kind.slips:  # else the rounding left in the slip would be the plate's largest velocity
+            u1 = conveyance(case, t, y[0], y[1])
+            y = (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
     following = _following(case, now.regime, guard, t, y, error)
     if following is None:
         return leave(case, (segment,), t, y, guard, error)

@@ -82,6 +82,18 @@ def test_resistance_keeps_a_sliding_disc_from_turning_on_a_table_that_swings(met
     assert motion(0.4).omega == pytest.approx(a * w * np.cos(w * 0.4), abs=1e-10)
 
 
+@METHODS
+def test_rotation_that_reverses_where_nothing_moves_makes_no_slip(method):
+    """Random scene 76 of driven tracks, seed 1: relative to the track the plate stands still for an instant. Rounding
+    in its slip, 1e-33 m/s, counted as slip there, and each reversal had 28 changes between rolling and slip."""
+    drive = Drive(x="-0.083*sin(6.42*t)", y="-0.023*cos(11.26*t)", angle="-0.114*t")
+    load, plate = Load(fx="-0.44*vx - 0.93*sin(3*t)"), disc(0.16319213396127022, 1.0)
+    friction = CoulombFriction(0.6165900924855644)
+    effects = (Gravity(G), friction, load, RollingResistance(0.005), drive)
+    case = Case(line(), plate, effects, Start(-0.6776704291962661, omega=-0.9455814871707497), 1.5)
+    assert not reference.simulate(case, rtol=1e-13, method=method).transitions
+
+
 def test_bowl_that_swings_about_its_centre_is_a_belt():
     """A circle turned about its centre is the same circle; its surface runs with R α̇."""
     swung = cases.load("disc_in_swinging_bowl")
