@@ -44,7 +44,7 @@ class Overlap(NamedTuple):
     xi1: float
 
 
-class _Polygon(NamedTuple):
+class _OutlinePolygon(NamedTuple):
     """A polygon that resolves an outline: parameters (n,) and corners (2, n) of its sides' starts, `middle` (2, 1) and
     the rising `angles` (n,) of the corners about it (None where they do not rise), a bound on its distance from the
     outline (m), the outline's largest curvature (1/m), whether it bends to its left everywhere, and the median side and
@@ -125,7 +125,7 @@ def _between(
 
 
 def _stretches(
-    track: Curve, polygon: _Polygon, pose: tuple[float, float, float], xi1: float
+    track: Curve, polygon: _OutlinePolygon, pose: tuple[float, float, float], xi1: float
 ) -> list[tuple[np.ndarray, float]]:
     """The stretches of the track that may be inside the plate, by their coarse samples (n,), and the largest distance
     of two of these, m: none of them is farther from the plate than the next one from it."""
@@ -146,7 +146,7 @@ def _in_plate(points: np.ndarray, pose: tuple[float, float, float]) -> np.ndarra
     return np.array([c * (px - x) + s * (py - y), c * (py - y) - s * (px - x)])
 
 
-def _finer(track: Curve, polygon: _Polygon, coarse: np.ndarray, apart: float) -> np.ndarray:
+def _finer(track: Curve, polygon: _OutlinePolygon, coarse: np.ndarray, apart: float) -> np.ndarray:
     """Parameters on a stretch of the track that resolve both curves, evenly between its coarse samples."""
     parts = apart / max(polygon.side, CLOSEST * polygon.reach)
     if track.features:
@@ -159,7 +159,7 @@ def _finer(track: Curve, polygon: _Polygon, coarse: np.ndarray, apart: float) ->
 
 
 def _distances(
-    track: Curve, outline: Curve, polygon: _Polygon, pose: tuple[float, float, float], parameters: np.ndarray
+    track: Curve, outline: Curve, polygon: _OutlinePolygon, pose: tuple[float, float, float], parameters: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The distances (m, negative inside) of the track's points from the outline, and the outline's parameters there.
 
@@ -184,7 +184,7 @@ def _distances(
 
 
 @lru_cache(maxsize=64)
-def _polygon(outline: Curve) -> _Polygon:
+def _polygon(outline: Curve) -> _OutlinePolygon:
     low, high = outline.span
     parameters = np.linspace(low, high, CORNERS + 1)
     if outline.features:
@@ -201,7 +201,7 @@ def _polygon(outline: Curve) -> _Polygon:
     parameters, corners, polar = (np.roll(row, -first, axis=-1) for row in (parameters, corners, polar))
     rises = bool(np.all(np.diff(polar) > 0.0))
     reach = float(np.hypot(*corners).max())
-    return _Polygon(
+    return _OutlinePolygon(
         parameters, corners, middle, polar if rises else None, sagitta, float(np.abs(bends).max()),
         bool(bends.min() > 0.0), float(np.median(sides)), reach,
     )  # fmt: skip
