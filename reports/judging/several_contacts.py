@@ -97,20 +97,30 @@ def _renumbered(rows: Sequence[LedgerRow], events: Sequence[Transition], name: s
 def same_contacts(motion: Trajectory, truth: Trajectory) -> dict[str, str]:
     """For each contact of the truth, the motion's contact that is it, "" for one that the motion does not have.
 
-    By name where a case names its contacts. Else a plate's contacts are numbered in the order in which it touches them,
-    which may differ: a contact is then that of the same support whose place there is nearest, on average while it is
-    closed.
+    By name where both touch a support, or another plate, in one contact. Further contacts there are numbered in the
+    order in which they close, which may differ: a contact is then that of the same support whose place there is
+    nearest, on average while it is closed.
     """
-    names = truth.contact_names
-    if not any(name.startswith(CONTACT) for name in names):
-        return {name: name if name in motion.contact_names else "" for name in names}
-    true, own = _places(truth), _places(motion)
-    pairs = sorted((abs(own[b] - true[a]), a, b) for a in true for b in own if a.split()[0] == b.split()[0])
-    partners = dict.fromkeys(names, "")
+    names, others = truth.contact_names, motion.contact_names
+    numbered = {_support(name) for each in (names, others) for name in _repeated(each)}
+    partners = {name: name if name in others and _support(name) not in numbered else "" for name in names}
+    true, own = ({n: x for n, x in _places(one).items() if _support(n) in numbered} for one in (truth, motion))
+    pairs = sorted((abs(own[b] - true[a]), a, b) for a in true for b in own if _support(a) == _support(b))
     for _, a, b in pairs:
         if not partners[a] and b not in partners.values():
             partners[a] = b
     return partners
+
+
+def _support(name: str) -> str:
+    """The name of a contact without its number."""
+    return name.split()[0]
+
+
+def _repeated(names: Sequence[str]) -> list[str]:
+    """The names of contacts that share their support with another one."""
+    supports = [_support(name) for name in names]
+    return [name for name in names if supports.count(_support(name)) > 1]
 
 
 def _places(motion: Trajectory) -> dict[str, float]:

@@ -143,6 +143,11 @@ def test_impacts_within_a_row_are_read_at_each_contact():
         (impact,) = reading.transitions
         assert (impact.before, impact.after, impact.cause) == (Mode.FLIGHT, Mode.FLIGHT, "impact")
         assert impact.time == pytest.approx(time, abs=2.0 * motion.t[1])
+    # The truth is closed there between two of its instants only, so that a contact has no place by which to be found.
+    truth = reference.simulate(case)
+    scales = several_contacts.scales(case, truth, truth.transitions, {})
+    judgement = several_contacts.judge(case, motion, truth, scales, truth.transitions)
+    assert [row.pairing for row in judgement.ledger] == ["paired", "paired"]
 
 
 @pytest.mark.slow
