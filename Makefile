@@ -26,7 +26,7 @@ quick: $(VENV)/installed $(WANTED)
 test: $(VENV)/installed
 	$(BIN)/python -m pytest -n 3 --dist loadfile
 
-# Tests of whole reports: builds that are killed, resumed or given engines that fail; the page in a browser.
+# Tests of commands, stored files and whole reports: killed, resumed, given engines that fail; the page in a browser.
 test-builds: $(VENV)/installed
 	$(BIN)/python -m pytest -n 3 --dist loadfile -m "builds and not slow and not timed"
 

@@ -13,6 +13,8 @@ from adapters.laws.__main__ import main
 from adapters.lookup import find
 from cases import BadValue, UnknownName
 
+pytestmark = pytest.mark.builds
+
 ADAPTER = '''
 """A formula for a disc that slides on a level line; its torque is {torque} of what it should be."""
 import numpy as np

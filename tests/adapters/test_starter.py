@@ -16,6 +16,8 @@ from adapters import lookup
 from cases import CoulombFriction, Gravity, NotSupported, Unilateral
 from reports.running.tasks import find_truth, perform
 
+pytestmark = pytest.mark.builds
+
 FOLDER = Path(__file__).parents[2] / "starter"
 SCENES = ("disc_on_line[mu=0.1]", "disc_on_incline[slope=0.4]", "disc_in_circle[mu=0.2]")
 # How to make an executable from the source, by its ending; None: the file itself is one.

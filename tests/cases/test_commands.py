@@ -18,6 +18,8 @@ from cases.commands import TEMPLATE, main
 from reference import narration
 from reports import animate, build, compare, options, show, sweep
 
+pytestmark = pytest.mark.builds
+
 
 @pytest.fixture
 def desk(tmp_path, monkeypatch):

@@ -21,6 +21,8 @@ from cases.owned_folder import LIST, OwnedFolder, TemporaryFolder
 
 from ..full_disk import full_disk
 
+pytestmark = pytest.mark.builds
+
 QUICK = settings.get_current_profile_name() == "same"
 
 

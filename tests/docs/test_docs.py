@@ -20,6 +20,8 @@ from reports.analysis.columns import COLUMNS
 from reports.judging.grades import LIMITS
 from reports.running.names import REFERENCE
 
+pytestmark = pytest.mark.builds
+
 ROOT = Path(__file__).parent.parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 _NOT_RUN = re.compile(r"<!-- not run: .*? -->\s*```python\n.*?```", flags=re.S)

@@ -18,6 +18,8 @@ from cases.curves import cos
 from reference.solve import METHODS
 from tests.scenes import bits
 
+pytestmark = pytest.mark.builds
+
 # Slip and roll, an outline that is no disc, flights and impacts that come to rest, a load, ends of all kinds, no step.
 LABELS = [
     "disc_in_circle[mu=0.2]", "ellipse_in_circle", "bouncing_disc", "hopping_hoop", "driven_disc", "disc_off_ramp",

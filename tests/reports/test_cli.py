@@ -14,6 +14,8 @@ from cases.command_line import PROGRAMS
 from cases.commands import TEMPLATE
 from reports import cli
 
+pytestmark = pytest.mark.builds
+
 
 def test_a_sub_command_is_its_module(capsys):
     assert cli.main(["compare", "disc_in_circle[mu=0.2]", "nowhere.csv"]) == 2

@@ -18,6 +18,8 @@ from reports.running.timing.clock import ClockEntry, Contestant, Repeat
 
 from .watch import LOOP
 
+pytestmark = pytest.mark.builds
+
 LINE = cases.load("disc_on_line", mu=0.1)
 
 

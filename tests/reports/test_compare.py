@@ -16,6 +16,8 @@ from reports import compare, export
 from reports.judging import diagnosis, residuals
 from reports.running import external_motions, tasks
 
+pytestmark = pytest.mark.builds
+
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
 FULL = ("t", "x", "y", "theta", "vx", "vy", "omega", "slip", "normal_force", "friction_force")

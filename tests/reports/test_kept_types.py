@@ -23,6 +23,8 @@ from reports.studies.stability import measure as stability
 
 from .identical import identical
 
+pytestmark = pytest.mark.builds
+
 ROOT = Path(reports.__file__).parent
 # The methods of `Calls` that keep answers, and the functions that pass on what they are given to keep.
 KEEPING, PASSING = {"all", "each"}, {"reports.running.calls"}

@@ -19,6 +19,8 @@ from reports.running.records import Truth
 from reports.running.storage import fingerprint, source_code
 from tests.test_imports_within_rooms import imports, modules, reached
 
+pytestmark = pytest.mark.builds
+
 TRUTH = Truth("taylor", (Transition(1 / 3, Mode.SLIDE, Mode.ROLL),), (1e-17,), Mode.SLIDE)
 
 

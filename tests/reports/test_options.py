@@ -14,6 +14,8 @@ from cases.command_line import status
 from cases.library import line
 from reports import build, cli, compare, options, show, study
 
+pytestmark = pytest.mark.builds
+
 ROOT = Path(__file__).parents[2]
 # As the argument of `python -m`; "" has no module.
 COMMANDS = sorted({module for module, _ in cli.COMMANDS.values()} - {"", "cases.commands"} | {"cases", "reports.cli"})

@@ -11,6 +11,8 @@ from cases.pictures.style import STYLE
 from reports.drawing.figure_files import for_print, picture
 from reports.drawing.print_layout import COLUMN, TWO_COLUMNS, fit_to_print
 
+pytestmark = pytest.mark.builds
+
 
 def one_panel(label: str = "error / s"):
     with plt.rc_context(STYLE):

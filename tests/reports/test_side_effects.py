@@ -27,6 +27,8 @@ from reports.running.third_party import third_party
 from .. import fake_adapter, side_effects
 from .identical import identical
 
+pytestmark = pytest.mark.builds
+
 CASE = cases.load(fake_adapter.CASE)
 
 

@@ -35,6 +35,8 @@ from reports.studies.stability.step_limit import Bracket
 from reports.sweeping import parts
 from reports.sweeping.parts import SweepWork
 
+pytestmark = pytest.mark.builds
+
 ROUTES = (("reference", ""), ("engine", "native"))
 AREA = plan("disc_in_circle", {"mu": "0.1:0.2:2", "xi1": "0:1:2"})
 CASE = cases.load("disc_on_line", mu=0.1)

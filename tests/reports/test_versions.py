@@ -19,6 +19,8 @@ from reports.running.storage import source_code
 from reports.running.timing import timed_pass
 from reports.running.timing.clock import Contestant
 
+pytestmark = pytest.mark.builds
+
 CASE = "disc_on_line[mu=0.1]"
 BOTH = ("pymunk@6.11.1", "pymunk@7.3.1")
 
