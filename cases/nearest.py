@@ -19,6 +19,14 @@ from .features import union
 OUTLINE_POINTS = 128
 # Points of the track to a size of the plate.
 POINTS_A_SIZE = 24
+# Samples of a piece of `Features`, which holds half an oscillation, where a curve has many pieces of one scale.
+POINTS_A_PIECE = 4
+# A hundred thousand points are looked up as quickly as a thousand; more take long to lay out.
+MOST = 100_000
+# With more coordinates than this to compare, points are looked up in so many parts, each near fewer stretches.
+TOGETHER, PARTS = 4_000_000, 32
+# Samples of ripples near a plate are looked up in blocks of this length if they are more than that.
+BLOCK, MANY = 64, 4096
 # A track without ends is looked at for at least so many sizes of the plate to either side of the start; while the plate
 # is nearest to an end of that, for twice as many, so often at most.
 AROUND, DOUBLINGS = 16.0, 40
@@ -61,6 +69,8 @@ class _Stretches(NamedTuple):
 
         Stretches are looked into unless they begin farther away than another ends, whichever of the points one asks.
         """
+        if len(there) > PARTS and len(there) * self.points.size > TOGETHER:
+            return np.concatenate([self.nearest(part) for part in np.array_split(there, PARTS)])
         if ball is None:
             middle = there.mean(axis=0)
             ball = (*middle.tolist(), float(np.sqrt(_squares(there, middle).max())))
@@ -94,9 +104,12 @@ class _CurveSamples(NamedTuple):
 
     @classmethod
     def of(cls, curve: Curve, low: float, high: float, count: int) -> _CurveSamples:
-        """So many samples at even distances along the curve, and what shows its features besides."""
-        parameters, fine = curve.even(low, high, count), np.zeros(0)
-        if curve.features:
+        """So many samples at even distances along the curve, more for ripples, and what shows its features besides."""
+        resolving = _resolving(curve, low, high)
+        parameters, fine = curve.even(low, high, max(count, resolving)), np.zeros(0)
+        if resolving > count:
+            fine = parameters[1:-1]
+        elif curve.features:
             # All but the two ends that it begins with.
             fine = curve.features.places(low, high)[1:-1]
             parameters = union(parameters, fine)
@@ -112,6 +125,14 @@ class _CurveSamples(NamedTuple):
     def off(self, there: np.ndarray, places: np.ndarray) -> np.ndarray:
         """How far (m, positive on the left) the points (m, 2) are off the curve near those samples."""
         return _off(there - self.points[places], self.normals[places], self.bends[places])
+
+
+def _resolving(curve: Curve, low: float, high: float) -> int:
+    """The number of even samples that resolve features of one scale, of which `Features.places` has none; 0 if there
+    are several scales."""
+    if curve.features is None or curve.features.finest(low, high) < inf:
+        return 0
+    return min(MOST, POINTS_A_PIECE * (len(curve.features.edges(low, high)) - 1) + 1)
 
 
 def _course(curve: Curve, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -311,12 +332,25 @@ def _poking(case: Case, track: _CurveSamples, x: float, y: float, theta: float) 
     u, v = track.points[track.fine, 0] - x, track.points[track.fine, 1] - y
     points_in_plate = np.column_stack([c * u + s * v, c * v - s * u])
     near = np.flatnonzero(np.hypot(*points_in_plate.T) <= 1.5 * case.plate.outline.sizes[0])
+    if near.size > MANY:
+        near = _lowest_blocks(points_in_plate, near, outline)
     if not near.size:
         return None
     places = outline.stretches.nearest(points_in_plate[near])
     apart = -outline.off(points_in_plate[near], places)
     best = int(np.argmin(apart))
     return _pair(track, int(track.fine[near[best]]), outline, int(places[best]), float(apart[best]))
+
+
+def _lowest_blocks(points: np.ndarray, near: np.ndarray, outline: _CurveSamples) -> np.ndarray:
+    """Which of the samples `near` of the track may be the nearest to an outline: blocks of them whose first is farther
+    from it than another by more than a block's length are left out."""
+    blocks = near[: len(near) // BLOCK * BLOCK].reshape(-1, BLOCK)
+    firsts = points[blocks[:, 0]]
+    lengths = np.hypot(*(points[blocks] - firsts[:, None]).transpose(2, 0, 1)).max(axis=1)
+    apart = -outline.off(firsts, outline.stretches.nearest(firsts))
+    rest = near[len(near) // BLOCK * BLOCK :]
+    return np.append(blocks[apart - lengths <= apart.min()].ravel(), rest)
 
 
 @lru_cache(maxsize=64)
@@ -341,5 +375,4 @@ def _size(outline: Curve) -> float:
 @lru_cache(maxsize=64)
 def _track(track: Curve, low: float, high: float, size: float) -> _CurveSamples:
     length = track.length(low, high)
-    # A hundred thousand points are looked up as quickly as a thousand; more take long to lay out.
-    return _CurveSamples.of(track, low, high, int(min(100_000, max(720, POINTS_A_SIZE * length / size))))
+    return _CurveSamples.of(track, low, high, int(min(MOST, max(720, POINTS_A_SIZE * length / size))))

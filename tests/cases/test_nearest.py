@@ -8,8 +8,9 @@ import pytest
 
 import reference
 from cases import Case, Flight, Gravity, Start, Unilateral, disc, library
-from cases.contact import find
-from cases.nearest import _Stretches
+from cases.contact import find, start_motion
+from cases.nearest import _Stretches, nearest
+from tests.scenes.ripples import rippled
 
 
 @pytest.mark.parametrize("count", [1, 2, 17, 720, 5000])
@@ -52,3 +53,11 @@ def test_the_contact_with_a_straight_line_is_found_from_any_distance(far):
     case = Case(library.line(), disc(0.1, 1.0), (Gravity(9.81), Unilateral()), Start(0.0), 1.0)
     contact = find(case, far, 0.3, 0.0, (0.0, -np.pi / 2))
     assert (contact.xi1, contact.gap) == pytest.approx((far, 0.2), rel=1e-14)
+
+
+@pytest.mark.parametrize("seed", [18, 34, 62, 91])
+def test_over_ripples_the_nearest_pair_is_at_most_as_far_as_that_of_the_start(seed):
+    case = rippled(seed).case
+    begun = start_motion(case)
+    pair = nearest(case, begun.x, begun.y, begun.theta)
+    assert 0.0 < pair.gap <= case.start.gap * (1.0 + 1e-12)

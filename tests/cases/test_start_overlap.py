@@ -22,6 +22,7 @@ from cases import (
 )
 from cases.contact import start_motion
 from cases.library import circle, ellipse, line
+from cases.nearest import nearest
 from cases.start_overlap import deepest_overlap
 
 FLYING = (Gravity(9.81), Unilateral(), Flight())
@@ -57,6 +58,15 @@ def test_a_start_is_rejected_if_it_overlaps_by_a_tenth_of_a_nanometre():
     with pytest.raises(DoesNotFit, match="overlaps"):
         start_of_lobes(GAP + DEPTH - 1e-10)
     assert start_of_lobes(GAP + DEPTH + 1e-10).start.gap > 0.0
+
+
+@pytest.mark.parametrize("above", [1e-10, 1e-6, 1e-3])
+def test_the_nearest_of_sixty_four_lobes_is_found(above):
+    case = start_of_lobes(GAP + DEPTH + above)
+    begun = start_motion(case)
+    pair = nearest(case, begun.x, begun.y, begun.theta)
+    # The gap is along the ripple's normal, at most 6 mrad from the vertical: 2e-5 shorter than the height.
+    assert pair.gap == pytest.approx(closest(case.track, case.plate.outline, case.start), rel=2e-5, abs=1e-16)
 
 
 def closest(track: Curve, outline: Curve, start: Start) -> float:
