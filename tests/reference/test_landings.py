@@ -369,6 +369,12 @@ def test_a_contact_that_opens_more_slowly_than_its_gap_is_rounded_flies_off():
     assert len(times) == 23 and times == pytest.approx(others, abs=1e-9)
 
 
+def test_a_step_that_the_clock_does_not_resolve_is_no_error():
+    """Flight 556: next to a singularity a step had the length 0, by which a defect was divided."""
+    motions = [reference.simulate(rippled(556).case, rtol=rtol) for rtol in (1e-12, 1e-13)]
+    assert [(len(motion.transitions), motion.status) for motion in motions] == [(84, "completed")] * 2
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("lot", range(20))
 def test_two_thousand_flights_over_ripples_end_where_they_first_touch(lot):

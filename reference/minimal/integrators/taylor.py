@@ -235,6 +235,8 @@ def _step(workspace: Workspace, phase: Phase, longest, tolerance: float):
     outcome, _ = integrator.step(longest, True)
     while np.isfinite(coefficients := workspace.coefficients.astype(float)).all():
         length = float(integrator.time - start)
+        if length == 0.0:  # shorter than the clock resolves: the motion breaks down, as the caller finds
+            break
         course = Expansion(float(start), length, coefficients)
         part = good_part(phase, course, tolerance, max(DEFECT * tolerance, ROUNDING))
         if part == 1.0 or part * length <= SHORTEST * np.spacing(float(start)):
