@@ -87,13 +87,13 @@ def with_plates(
     steady = [touching(one.gap, shut, ROUNDING * size * len(t)) for one, shut in zip(some, closed, strict=True)]
     if torsor is not None:
         turning = np.array([float(plate.turns) for plate in plates_of(case)])
-        scaled = (torsor / [(1.0, 1.0, plate.reach) for plate in plates_of(case)]).reshape(len(t), -1)
-        steady = _pushing(some, closed, steady, scaled, turning)
+        momenta = (torsor / [(1.0, 1.0, plate.reach) for plate in plates_of(case)]).reshape(len(t), -1)
+        steady = _pushing(some, closed, steady, momenta, turning)
     closed = [from_first_to_last(shut, holds) for shut, holds in zip(closed, steady, strict=True)]
     closed = [_with_instants(t, shut, impact) for shut in closed]
     forces = np.full((len(some), 2, len(t)), np.nan)
     if torsor is not None:
-        forces = _forces(some, closed, scaled, turning)
+        forces = _forces(some, closed, momenta, turning)
     columns = {
         one.contact.name: _columns(one, shut, force) for one, shut, force in zip(some, closed, forces, strict=True)
     }

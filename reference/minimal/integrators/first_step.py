@@ -71,15 +71,15 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         return FirstStep(t, y, 0, inf, BREAKDOWN)
     if not starts or not 0.0 < often < inf:
         return FirstStep(t, y, 0, longest)  # no motion and no contact force: no guard leaves zero
-    grown: set[int] = set()
+    growing: set[int] = set()
     for _ in range(SHORTER):
         if phase.features or phase.checks_load:
             clear = clear_part(phase, Expansion(t, h, coefficients), tolerance)
             if clear < 1.0:
                 _, _, h, half, state, _ = states(rows, lengths, travel, part, clear * h)
         halves, ends = guards(t + 0.5 * h, half, parameters), guards(t + h, state, parameters)
-        if grown:
-            halves, ends = (_without_rounding(phase, y, values, grown) for values in (halves, ends))
+        if growing:
+            halves, ends = (_without_rounding(phase, y, values, growing) for values in (halves, ends))
         # A guard that is positive at the end and half-way has left zero and not come back; else the step is shortened
         # until the event lies behind it.
         for i, start in enumerate(starts):  # it takes half as long as a zip
@@ -97,19 +97,19 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         zero = next((i for i, value in enumerate(values) if not value > 0.0), -1)
         if zero < 0:
             return FirstStep(t + h, state, 1, longest)
-        opening = _opening_gaps(phase, y, starts, ((t + 0.5 * h, half), (t + h, state))) - grown
-        grown |= opening | {i for i, pair in enumerate(zip(halves, ends, strict=True)) if min(pair) > 0.0}
+        opening = _opening_gaps(phase, y, starts, ((t + 0.5 * h, half), (t + h, state))) - growing
+        growing |= opening | {i for i, pair in enumerate(zip(halves, ends, strict=True)) if min(pair) > 0.0}
         if not opening:
             part *= 0.1
             _, _, h, half, state, _ = states(rows, lengths, travel, part, span)
     return FirstStep(t, y, 0, longest, tuple(system.guards)[zero % len(starts)])
 
 
-def _without_rounding(phase: Phase, y, values: Sequence[float], grown: set[int]) -> list[float]:
+def _without_rounding(phase: Phase, y, values: Sequence[float], growing: set[int]) -> list[float]:
     """The guards' values with those gaps positive that are known to grow and are rounding in this step: a contact that
     opens as its force vanishes has a gap that grows with the third power of time."""
     least = _gap_rounding(phase, y)
-    gaps = {i for i, name in enumerate(phase.system.guards) if i in grown and name.startswith("gap")}
+    gaps = {i for i, name in enumerate(phase.system.guards) if i in growing and name.startswith("gap")}
     return [least if i in gaps and abs(value) <= least else value for i, value in enumerate(values)]
 
 
