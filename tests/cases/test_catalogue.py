@@ -13,6 +13,7 @@ import reference
 from cases import Case, Chain, Drive, Flight, Load, Mode
 from cases.contact import overlap, start_motion
 from cases.contact_limits import touches_by_features
+from cases.supports import has_belt
 from cases.trajectory import CONTACT
 from reference import contact_frame
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
@@ -153,8 +154,7 @@ def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
     motion = motion_of(any_case)
     if any_case.effect(Flight) and any_case.effect(Drive):
         pytest.skip("a track that moves does work in every impact")
-    if any_case.effect(Flight):
-        assert any_case.effect(Load) is None
+    if any_case.effect(Flight) and not any_case.effect(Load) and not has_belt(any_case):
         energies = energy(any_case, motion)
         # Rounding of sums of a few terms; DOP853's errors over a phase are some hundred times that.
         share = {"taylor": 8 * np.finfo(float).eps, "dop853": 1e-12}[reference.METHODS[0]]
@@ -162,11 +162,16 @@ def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
             "no impact and no mode adds energy"
         )
         return
+    work = work_done(any_case, motion)
+    if np.isnan(work):
+        pytest.skip("the forces of several contacts are not unique, so the work of each is not known")
     gained = energy(any_case, motion(float(motion.t[-1]))) - energy(any_case, motion(0.0))
     state = motion(times_of(any_case))
     scale = float(np.ptp(energy(any_case, state))) + float(np.max(state.vx**2 + state.vy**2)) * any_case.plate.mass
     # The reference's 1e-12 and Gauss's rule over forty panels a phase; what is left is far above either.
-    error = (gained - work_done(any_case, motion)) / scale if scale else gained
+    # A plate at rest: the rounding of its height, m g r, is all that changes.
+    moves = scale > 1e-12 * any_case.plate.mass * 9.81 * any_case.plate.reach
+    error = (gained - work) / scale if moves else gained
     who = dict(case=any_case.label, solver="reference", route="best", quantity="energy, of what moves")
     accuracy(**who, error=error, tolerance=1e-9)
 

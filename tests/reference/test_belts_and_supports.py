@@ -31,10 +31,11 @@ from cases import (
 from cases.contact import belt_speed, start_motion
 from cases.contact_pairs import contact_case
 from cases.library import line
-from cases.mechanics import contact_power, energy
+from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
 from reference.paper.bodies import BodyContact, solve_bodies
 from reference.several.regimes import contacts_of, regime_of
+from tests.scenes.motions import work_done
 
 from .test_supports import agree, events, random_case, simulated, slow
 
@@ -231,19 +232,6 @@ def test_an_impact_slips_against_the_belt_of_a_support(method, mu):
 # --- work -------------------------------------------------------------------------------------------------------------
 
 
-def work_of_contacts(motion) -> float:
-    """The work of the friction at all contacts up to the end of a motion, J, by Gauss's rule on its steps."""
-    nodes, weights = np.polynomial.legendre.leggauss(26)
-    steps = np.diff(motion.t)
-    times = (motion.t[:-1, None] + 0.5 * steps[:, None] * (nodes + 1.0)).ravel()
-    total = 0.0
-    for name in motion.contact_names:
-        own = contact_case(motion.case, name)
-        power = contact_power(own, times, motion.of(name)(times)).reshape(len(steps), -1)
-        total += float(np.sum(0.5 * steps * (power @ weights)))
-    return total
-
-
 def test_the_work_of_belts_and_friction_is_the_gain_of_energy():
     """A disc in a V of two planes, one of them a belt of changing speed: it slips and sticks."""
     effects = (*INELASTIC, CoulombFriction(0.3), Belt("1.5 + sin(5*t)"))
@@ -252,7 +240,7 @@ def test_the_work_of_belts_and_friction_is_the_gain_of_energy():
     motion = simulated(Case(line(0.7), disc(R, 1.0), effects, start, 2.0, supports=(right,)))
     assert len(motion.transitions) >= 2
     total = energy(motion.case, motion)
-    gain, work = total[-1] - total[0], work_of_contacts(motion)
+    gain, work = total[-1] - total[0], work_done(motion.case, motion)
     assert abs(work) > 0.1 and gain == pytest.approx(work, abs=1e-10)
     belt = contact_case(motion.case, "plate/track"), contact_case(motion.case, "plate/right")
     assert (belt_speed(belt[0], 0.0), belt_speed(belt[1], 0.0)) == (1.5, 0.0)

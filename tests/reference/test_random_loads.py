@@ -10,8 +10,8 @@ from reference import contact_frame
 from tests.scenes.limits import cpu_limit
 from tests.scenes.loads import ALONG, G, by_hand, distance, growth, scene
 
-# CPU seconds for one motion, with what it derives and compiles; most take half of one. A stiff moment (seed 1283: its speed
-# changes with a rate of 14,000/s, through steps that DOP853 tries beyond its limit of stability) takes eleven.
+# CPU seconds for one motion, with what it derives and compiles; most take half of one. A stiff moment (seed 1283: the
+# spin decays at 14,000/s, and DOP853 tries steps beyond its limit of stability) takes eleven.
 PATIENCE = 20.0
 NAMES = ("x", "y", "theta", "vx", "vy", "omega")
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

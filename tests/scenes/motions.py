@@ -27,6 +27,7 @@ from cases import (
 )
 from cases import curves as c
 from cases.contact import start_motion
+from cases.contact_pairs import contact_case
 from cases.effects import MOTION
 from cases.expressions import PARAMETER
 from cases.mechanics import contact_power
@@ -269,7 +270,8 @@ def energy(case: Case, state) -> np.ndarray:
 
 
 def work_done(case: Case, motion: Trajectory) -> float:
-    """Work of friction (by a belt too), load and rolling resistance, J, by Gauss's rule phase by phase."""
+    """Work of friction at all contacts (by belts too), load and rolling resistance, J, by Gauss's rule phase by
+    phase."""
     load, resistance = case.effect(Load), case.effect(RollingResistance)
     nodes, weights = np.polynomial.legendre.leggauss(10)
     # Two equal times mark what is not smooth, also where no mode changes (a guide that presses from its other side).
@@ -280,7 +282,10 @@ def work_done(case: Case, motion: Trajectory) -> float:
         half = np.diff(edges)[:, None] / 2
         times = (edges[:-1, None] + half + half * nodes).ravel()
         state = motion(times)
-        power = contact_power(case, times, state)
+        if case.supports:
+            power = sum(contact_power(contact_case(case, n), times, motion.of(n)(times)) for n in motion.contact_names)
+        else:
+            power = contact_power(case, times, state)
         if resistance:
             power -= resistance.arm * np.abs(state.normal_force * state.omega)
         if load:
