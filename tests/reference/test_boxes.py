@@ -271,7 +271,8 @@ def test_a_flat_start_that_turns_is_rejected():
         (on(Chain.polyline([(-2, 0), (0, 0), (0, -1)]), BOX, PerfectlyRough(), start=Start(1.0, 0.6)),
          "give a line as track if it stays on one part"),
         (on(library.line(), HALF_ELLIPSE, *INELASTIC, start=StartPose(0.0, 0.5, 3.0)), "is no arc of a circle"),
-        (on(library.line(), BOX, CoulombFriction(0.5), Belt(1.0), start=Start(0.0, 0.6)), "leave Belt out"),
+        (on(library.line(), BOX, CoulombFriction(0.5), Belt(1.0), start=Start(0.0, 0.6)),
+         "add Flight() and Impact(0.0) to go on"),
         (on(library.line(), BOX, PerfectlyRough(), start=Start(0.0, 0.6)), "add Flight() and Impact(0.0) to go on"),
     ],
 )  # fmt: skip
