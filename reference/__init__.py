@@ -14,10 +14,7 @@ __all__ = ["METHODS", "certify", "prove", "simulate", "sweep", "sweep_chunks"]
 
 def __getattr__(name: str) -> Any:
     """Import each name on first use, so that help needs none, and a simulation neither certification nor sweeps."""
-    if name in (
-        "METHODS",
-        "simulate",
-    ):  # from now on an attribute
+    if name in ("METHODS", "simulate"):  # from now on an attribute
         value = globals()[name] = getattr(import_module(".solve", __name__), name)
         return value
     if name == "certify":

@@ -2,7 +2,7 @@
 
 A combination is consistent if its conditions hold just after the instant along its own motion (`minimal.decision`, by
 series where values vanish). Several combinations that give the same accelerations are one motion; different ones are
-reported as `not_unique`, none is picks.
+reported as `not_unique`, none is chosen.
 """
 
 from __future__ import annotations
