@@ -21,6 +21,8 @@ from .derivation import LOCK
 
 # Sixteen is about the order of the Taylor method, so that a piece is about as long as one step.
 DEGREE = 16
+# Even intervals in a piece, which holds at most half an oscillation.
+INTERVALS_A_PIECE = 4
 # Coefficients below this fraction of the function's size are rounding of some tens of operations.
 RESOLUTION = 1e-13
 # Samples of each window besides the nodes. A Gaussian exp(-(s/w)²) shows above rounding over 11 w: in a window of
@@ -159,6 +161,11 @@ class Features:
         edges = self.edges(low, high)
         parts = edges[:-1, None] + np.diff(edges)[:, None] * np.linspace(0.0, 1.0, POINTS, endpoint=False)
         return union(parts, [high])
+
+    def intervals_of_one_scale(self, low: float, high: float) -> int:
+        """The number of even intervals that resolve features of one scale on (low, high), of which `places` has none; 0
+        if there are several scales."""
+        return 0 if self.finest(low, high) < inf else INTERVALS_A_PIECE * (len(self.edges(low, high)) - 1)
 
     def edges(self, low: float, high: float) -> np.ndarray:
         """Both limits and the sorted ends of all pieces on (low, high), whether or not they have one scale."""

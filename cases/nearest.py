@@ -19,8 +19,6 @@ from .features import union
 OUTLINE_POINTS = 128
 # Points of the track to a size of the plate.
 POINTS_A_SIZE = 24
-# Samples of a piece of `Features`, which holds half an oscillation, where a curve has many pieces of one scale.
-POINTS_A_PIECE = 4
 # A hundred thousand points are looked up as quickly as a thousand; more take long to lay out.
 MOST = 100_000
 # With more coordinates than this to compare, points are looked up in so many parts, each near fewer stretches.
@@ -128,11 +126,9 @@ class _CurveSamples(NamedTuple):
 
 
 def _resolving(curve: Curve, low: float, high: float) -> int:
-    """The number of even samples that resolve features of one scale, of which `Features.places` has none; 0 if there
-    are several scales."""
-    if curve.features is None or curve.features.finest(low, high) < inf:
-        return 0
-    return min(MOST, POINTS_A_PIECE * (len(curve.features.edges(low, high)) - 1) + 1)
+    """The number of even samples that resolve features of one scale; 0 if there are several scales."""
+    intervals = curve.features.intervals_of_one_scale(low, high) if curve.features else 0
+    return min(MOST, intervals + 1) if intervals else 0
 
 
 def _course(curve: Curve, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

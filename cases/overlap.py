@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import ceil, floor, inf, log2
+from math import ceil, floor, log2
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +23,6 @@ CORNERS = 720
 CHAIN_TURN = 0.01
 # Number of track samples per size of the plate, the fewest and the most, in addition to those for the track's features.
 POINTS_A_SIZE, FEWEST, MOST = 16, 720, 20_000
-# Number of track samples in a piece of `Features`, which holds at most half an oscillation.
-POINTS_A_PIECE = 4
 # Number of pairs of a pose and a track point that are tested together: some megabytes.
 TOGETHER = 100_000
 # Cells of a column are counted within this.
@@ -142,9 +140,8 @@ def _polygon(outline: Curve) -> _PolygonPair:
 def _samples(track: Curve, low: float, high: float, size: float, reach: float) -> _OutlineSamples:
     """Track parameters about a sixteenth of `size` apart, within what stays quick to look at, in cells of `reach`."""
     length = float(np.mean(track.speed(np.linspace(low, high, 65)))) * (high - low)
-    count = max(FEWEST, POINTS_A_SIZE * length / size)
-    if track.features and track.features.finest(low, high) == inf:  # one scale, of which `places` has no samples
-        count = max(count, POINTS_A_PIECE * (len(track.features.edges(low, high)) - 1))
+    resolving = track.features.intervals_of_one_scale(low, high) if track.features else 0
+    count = max(FEWEST, POINTS_A_SIZE * length / size, resolving)
     places = np.linspace(low, high, int(min(MOST, count)))
     if isinstance(track, Chain):
         places = union(places, track.vertices(CHAIN_TURN))
