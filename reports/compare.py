@@ -1,6 +1,6 @@
 """`python -m reports.compare CASE FILE.csv`: judge a trajectory from a file, by the criteria of the report.
 
-Columns of the file: `adapters.common.motion_file`. Exit status: 0 if the file could be judged, whatever its grade; 2,
+Columns of the file: `adapters.common.motion_table`. Exit status: 0 if the file could be judged, whatever its grade; 2,
 with one sentence, if not.
 """
 
@@ -38,19 +38,21 @@ def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
     Raises CaseError if the file cannot be judged or the reference has no truth.
     """
     from adapters import Setting
-    from adapters.common.motion_file import columns_of, read_table, trajectory_of
+    from adapters.common import motion_table
+    from adapters.common.motion_file import trajectory_of
 
     from .running.external_motions import judge_external
     from .running.records import Run
     from .running.tasks import find_truth
 
-    table = read_table(path)
+    table = motion_table.read(path)
+    columns = motion_table.columns_of(table)
     try:
         motion = trajectory_of(case, table, creep)
     except DoesNotFit as problem:
-        raise DoesNotFit("; ".join([str(problem), *_probable_mistakes(case, columns_of(table))])) from problem
+        raise DoesNotFit("; ".join([str(problem), *_probable_mistakes(case, columns)])) from problem
     row = Run(case.label, Path(path).name, "", Setting.of(), 0, outcome="")
-    return _text(case, motion, judge_external(row, case, motion, find_truth(case), columns_of(table)))
+    return _text(case, motion, judge_external(row, case, motion, find_truth(case), columns))
 
 
 def _probable_mistakes(case: Case, columns: Columns) -> list[str]:
@@ -65,7 +67,8 @@ def _probable_mistakes(case: Case, columns: Columns) -> list[str]:
 def _text(case: Case, motion: Trajectory, run: Run) -> str:
     from tabulate import tabulate
 
-    from adapters.common.motion_file import REQUIRED_COLUMNS, follow_contact
+    from adapters.common.motion_file import follow_contact
+    from adapters.common.motion_table import REQUIRED_COLUMNS
     from cases.mechanics import energy
 
     from .judging import grades

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import adapters
 from adapters import EngineFailure, Setting
-from adapters.common.motion_file import columns_of, read_table, trajectory_of
+from adapters.common import motion_table
+from adapters.common.motion_file import trajectory_of
 from cases import BadValue, Case, DoesNotFit, NotSupported, Trajectory
 from cases.errors import unknown_name
 
@@ -79,9 +80,9 @@ def _judge(case: Case, truth: Truth, name: str, what: str | Path | Trajectory) -
     if not isinstance(what, Trajectory | str | Path):
         raise BadValue(f"{name} is {what!r}; give a Trajectory, the path of a .csv, or a route of the engine {name}")
     if str(what).endswith(".csv"):
-        table = read_table(str(what))
-        motion = trajectory_of(case, table)
-        return motion, judge_external(replace(row, status=motion.status), case, motion, truth, columns_of(table))
+        table = motion_table.read(str(what))
+        motion, columns = trajectory_of(case, table), motion_table.columns_of(table)
+        return motion, judge_external(replace(row, status=motion.status), case, motion, truth, columns)
     if isinstance(what, Trajectory):
         motion = what
     else:

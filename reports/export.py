@@ -79,7 +79,7 @@ def truth(case: Case) -> dict:
 def motion(case: Case) -> tuple[tuple[str, ...], np.ndarray]:
     """Columns and rows of the true motion, in the format of `reports.compare`; forces are zero in flight."""
     import reference
-    from adapters.common.motion_file import of_plate
+    from adapters.common.motion_table import of_plate
     from cases.free_plates import POSE
 
     true = reference.simulate(case, rtol=1e-13)

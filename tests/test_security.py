@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import cases
-from adapters.common import motion_file
+from adapters.common import motion_table
 from cases import CaseError, Curve, Load, lookup, trial
 from cases.effects import MOTION
 from cases.owned_folder import LIST, digest
@@ -79,7 +79,7 @@ def test_no_name_parameter_or_path_is_run(mark):
         refused(cases.select, f"{attack}[mu=1]")
         refused(cases.load_file, attack)
         refused(Curve.spline, attack, closed=True)
-        refused(motion_file.read_table, attack)
+        refused(motion_table.read, attack)
         refused(external_motions.from_options, [f"{attack}=nothing.csv"], [], [])
 
 
@@ -94,7 +94,7 @@ def test_no_cell_of_a_file_is_run(mark, tmp_path):
             f"t,x,y,theta\n{rows}{attack}",
         ):
             (tmp_path / "motion.csv").write_text(content)
-            refused(motion_file.read_table, tmp_path / "motion.csv")
+            refused(motion_table.read, tmp_path / "motion.csv")
         (tmp_path / "points.csv").write_text(f"0,0\n{quoted},1\n" + "".join(f"{i},{i * i}\n" for i in range(20)))
         refused(Curve.spline, tmp_path / "points.csv", closed=False)
 
@@ -112,7 +112,7 @@ class Bomb:
 def test_no_pickle_is_read_from_a_store_or_an_array(mark, tmp_path):
     content = pickle.dumps(Bomb(mark))
     (tmp_path / "bomb.csv").write_bytes(content)
-    refused(motion_file.read_table, tmp_path / "bomb.csv")
+    refused(motion_table.read, tmp_path / "bomb.csv")
     refused(Curve.spline, tmp_path / "bomb.csv", closed=True)
     place = tmp_path / "store"
     results = result_store.Store(place)

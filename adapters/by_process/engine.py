@@ -19,7 +19,7 @@ from pathlib import Path
 
 from cases import BadValue, Case, CaseError, Cost, NotSupported, Trajectory
 
-from ..common import motion_file, supervision, support_contacts
+from ..common import motion_file, motion_table, supervision, support_contacts
 from ..interface import EngineFailure, Setting
 from .scene_file import SAMPLES, as_json, scene
 
@@ -131,7 +131,7 @@ class Engine:
     def read(self, model: ProcessModel) -> Trajectory:
         """The motion; raises EngineFailure for output that is no motion of the case."""
         try:
-            table = motion_file.parse(model.output, self.NAME)
+            table = motion_table.parse(model.output, self.NAME)
             motion = motion_file.trajectory_of(model.case, table)
         except CaseError as problem:
             raise EngineFailure(f"its output is no motion: {problem}") from problem

@@ -1,45 +1,36 @@
-"""Read a motion from a file of comma-separated values: a table of poses becomes a trajectory.
+"""The motion of a file: a table of poses (`motion_table`) becomes a trajectory.
 
-Columns: t, x, y, theta of the plate (s, m, rad; the centre of mass), in any order and among others; optional vx, vy,
-omega (m/s, rad/s), slip (m/s), normal_force and friction_force (N). Missing columns are computed from the others:
+Columns that the table lacks are computed from the others:
 
 - velocities by central differences, good to h² v''/6 where the motion is smooth and to h times the jump of the
-  acceleration at a transition; with poses 1 ms apart that is about 1e-5 m/s
-  and 3e-3 m/s for the disc in a circle;
+  acceleration at a transition; with poses 1 ms apart that is about 1e-5 m/s and 3e-3 m/s for the disc in a circle;
 - slip from (11) at the contact point that `cases.contact.follow` finds. Where velocities are differences, its
   resolution is estimated from its change if every second sample is left out. Solvers should write velocities and slip
   if they have better ones.
 
-Of several plates each has its columns: those of a further plate called upper are `x of upper`, `y of upper`, `theta of
-upper` and, optionally, its rates. Slips and forces of several contacts are not read: they follow from the poses.
-
-A solver whose contacts creep while they stick reports the speed, as the built-in adapters do: a column `creep` (m/s),
-or a line `# creep = 5e-3` before the columns. Coarse samples are judged like those of the built-in engines: a
+Slips and forces of several contacts are not read: they follow from the poses. A solver whose contacts creep while they
+stick reports the speed, as the built-in adapters do. Coarse samples are judged like those of the built-in engines: a
 transition that they miss is a row. A bounce lower than a hundredth of the plate differs from contact only by its
 forces, which are 0 in flight.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
-from io import StringIO
-from itertools import takewhile
 from math import isfinite, pi
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases import BadValue, Case, DoesNotFit, Flight, Impact, StartPose, State, Trajectory, Unilateral, user_files
+from cases import BadValue, Case, DoesNotFit, Flight, Impact, StartPose, State, Trajectory, Unilateral
 from cases.contact import Contact, MotionPoint, find, in_track_frame, slip_velocity, start_motion
-from cases.contact_names import FIRST
 from cases.free_plates import POSE, names_of, plates_of
 from cases.mechanics import gravity
 from cases.nearest import nearest
 
 from . import plate_contacts, several_contacts, support_contacts
+from .motion_table import CREEP, LEAST_SAMPLES, OPTIONAL_COLUMNS, REQUIRED_COLUMNS, columns_of, of_plate
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,19 +42,7 @@ LOOSE = 1e-2
 # opens within two samples. At the speeds of an impact it is a matter of a millisecond.
 CLOSED = 1e-3
 
-REQUIRED_COLUMNS = ("t", "x", "y", "theta")
-OPTIONAL_COLUMNS = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
 RATES = (("vx", "x"), ("vy", "y"), ("omega", "theta"))
-CREEP = "creep"
-# The columns of a further plate, as `of_plate` names them.
-_FURTHER = re.compile("(x|y|theta|vx|vy|omega) of [A-Za-z0-9_-]{1,30}")
-
-# Largest size of a file in bytes, and most samples: each sample is processed by itself, in a tenth of a millisecond.
-LARGEST_FILE, MOST_SAMPLES = 100 * 2**20, 200_000
-# Squares of the values read, and of their slopes, have to be finite doubles.
-LARGEST = 1e100
-# Samples that a slope of second order needs. (The built-in adapters need no more.)
-LEAST_SAMPLES = 3
 # Largest turn (rad) of the plate or the track between samples. From a quarter of a turn on, the contact cannot be found
 # from the previous one, and degrees, or an angle that jumps by whole turns, look like a motion.
 MOST_TURN = 0.5 * pi
@@ -72,115 +51,12 @@ MOST_TURN = 0.5 * pi
 OFF = 0.05
 
 
-# --- the file --------------------------------------------------------------------------------------------------------
-
-
-def read_table(path: str | Path) -> pd.DataFrame:
-    """Read the columns of a file as finite floats with increasing times. Raises CaseError, in one sentence."""
-    path = user_files.existing("file", path)
-    return parse(user_files.text("file", path, LARGEST_FILE), path.name)
-
-
-def parse(text: str, file_name: str) -> pd.DataFrame:
-    """Read the columns of a text; lines that begin with # are comments, and may declare the creep."""
-    import pandas as pd  # the import takes half a second, and most callers read no file
-
-    head = list(takewhile(lambda line: line.startswith("#"), text.splitlines()))
-    try:
-        # Read every cell as text; the code below decides what is a number, not pandas.
-        table = pd.read_csv(StringIO(text), skipinitialspace=True, comment="#", header=None, dtype=str, index_col=False)
-    except (ValueError, OverflowError, RecursionError) as problem:
-        raise BadValue(f"{file_name} cannot be read as comma-separated values: {problem}") from problem
-    heading = ["" if pd.isna(cell) else str(cell).strip() for cell in table.iloc[0]]
-    table = table.iloc[1:].reset_index(drop=True)
-    table.columns = pd.Index(heading)
-    _check_heading(file_name, heading)
-    missing = [name for name in REQUIRED_COLUMNS if name not in table]
-    if missing:
-        first = ",".join(str(name) for name in table.columns)
-        raise BadValue(
-            f"{file_name} has no column {', '.join(missing)}: its first line is {first[:60]!r}, and has to name "
-            "t, x, y, theta, separated by commas"
-        )
-    if len(table) > MOST_SAMPLES:
-        raise BadValue(f"{file_name} has {len(table)} samples; give at most {MOST_SAMPLES}")
-    duplicates = table.duplicated().to_numpy()
-    if duplicates.any():
-        line = int(np.argmax(duplicates)) + 2
-        raise BadValue(f"line {line} of {file_name} repeats an earlier line; remove duplicates")
-    further = [name for name in heading if _FURTHER.fullmatch(name)]
-    table = table[[name for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS, CREEP, *further) if name in table]]
-    declaration = _declaration(head)
-    if declaration is not None:
-        table = table.assign(**{CREEP: declaration})
-    for name in table:
-        numbers = pd.to_numeric(table[name], errors="coerce")
-        # In flight there is no slip: `Trajectory.to_csv` writes an empty cell.
-        empty = table[name].isna() if name == "slip" else np.zeros(len(table), dtype=bool)
-        bad = np.flatnonzero(~np.isfinite(numbers) & ~empty)
-        if len(bad):
-            raise BadValue(f"{name} in line {bad[0] + 2 + len(head)} of {file_name} is not a finite number")
-        large = np.flatnonzero(np.abs(numbers) > LARGEST)
-        if len(large):
-            line = large[0] + 2 + len(head)
-            raise BadValue(f"{name} in line {line} of {file_name} is too large; give numbers up to {LARGEST:g}")
-        # Convert the text: before pandas 3 `to_numeric` is off by a unit in the last place.
-        table = table.assign(**{str(name): table[name].where(np.isfinite(numbers)).astype(float)})
-    backwards = np.flatnonzero(np.diff(table["t"]) <= 0.0)
-    if len(backwards):
-        line = backwards[0] + 3 + len(head)
-        raise BadValue(f"the time in line {line} of {file_name} does not increase; sort the lines by t")
-    if len(table) < LEAST_SAMPLES:
-        raise BadValue(f"{file_name} has {len(table)} samples, too few for a slope; give at least {LEAST_SAMPLES}")
-    return table
-
-
-_UNITS = "(ms|us|min|h|mm|cm|km|deg|in|ft)"
-
-
-def _check_heading(file: str, heading: list[str]) -> None:
-    """Raise BadValue for a first line that does not define what a column holds."""
-    # pandas writes a column without a name that it has read as "Unnamed: 0".
-    nameless = [not cell or cell.startswith("Unnamed:") for cell in heading]
-    if any(nameless):
-        number = nameless.index(True) + 1
-        raise BadValue(f"column {number} of {file} has no name (an index?); name it or leave it out")
-    for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS, *filter(_FURTHER.fullmatch, heading)):
-        if heading.count(name) > 1:
-            raise BadValue(f"{file} has {heading.count(name)} columns {name}; keep one")
-    for name in (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS):
-        # t_ms, x [mm], time (min): a unit next to a column's name shows that it is not in metres or seconds.
-        other = [cell for cell in heading if re.fullmatch(rf"{name}[\s_(\[/]+{_UNITS}.*", cell)]
-        if other and name not in heading:
-            raise BadValue(f"{file} has a column {other[0]!r}; give {name} in SI units and radians, and call it {name}")
-
-
-# A comment that declares the creep, such as `# creep = 5e-3` or `# creep: 0.005 m/s`.
-_UNIT_LINE = re.compile(r"#\s*creep\s*[=:]\s*(\S+)(\s*m/s)?\s*", re.IGNORECASE)
-
-
-def _declaration(head: list[str]) -> str | None:
-    """The creep that the file's head declares, as text."""
-    values = [match[1] for line in head if (match := _UNIT_LINE.fullmatch(line))]
-    return values[-1] if values else None
-
-
 def _creep(columns, declaration: float) -> float:
     """The largest creep that is declared, m/s; raises BadValue for a value that is no speed."""
     for value in (declaration, *columns.get(CREEP, ())):
         if not (isfinite(value) and value >= 0.0):
             raise BadValue(f"the creep is {value:g}; give a speed in m/s, zero or more")
     return float(max([declaration, *columns.get(CREEP, ())]))
-
-
-def columns_of(table: pd.DataFrame) -> dict[str, np.ndarray]:
-    """The table's columns by name."""
-    return {str(name): table[name].to_numpy() for name in table}
-
-
-def of_plate(column: str, plate: str) -> str:
-    """The name of a plate's column: that of the case's plate is the column's own."""
-    return column if plate == FIRST else f"{column} of {plate}"
 
 
 def check_start(case: Case, table: pd.DataFrame) -> None:

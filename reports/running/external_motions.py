@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from adapters import Setting
-from adapters.common import motion_file
+from adapters.common import motion_file, motion_table
 from cases import BadValue, Case, CaseError, Cost, DoesNotFit, Trajectory
 from cases.errors import unknown_name
 
@@ -69,12 +69,12 @@ def read(name: str, case: Case, file: Path, route: str = ROUTE, creep: float = 0
     """Read the trajectory in a file; raises CaseError if it is not a motion of the case.
 
     `creep`: creep velocity of the solver while it sticks, m/s."""
-    table = motion_file.read_table(file)
+    table = motion_table.read(file)
     motion = motion_file.trajectory_of(case, table, creep)
     # A dollar sign starts a formula in a figure.
     display_name = "".join(c if c.isprintable() and c not in "$<>" else "_" for c in file.name)[-LONGEST_NAME:]
     digest = hashlib.sha256(file.read_bytes()).hexdigest()[:12]
-    return External(name, case, display_name, digest, motion, motion_file.columns_of(table), route)
+    return External(name, case, display_name, digest, motion, motion_table.columns_of(table), route)
 
 
 def _case(text: str, label: str | None, cases: Sequence[Case]) -> Case:

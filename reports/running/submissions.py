@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import cases
-from adapters.common import motion_file
+from adapters.common import motion_table
 from cases import BadValue, Case, CaseError, UnknownName
 
 from . import external_motions
@@ -29,7 +29,7 @@ WORDS = {
     "settings": "step, shapes, solver: all that is needed to repeat the runs",
 }
 # Size limit of the head in bytes: a line or two for each entry. Untrusted files must not fill the memory; the limit of
-# motions is in `motion_file`.
+# motions is in `motion_table`.
 LARGEST_HEAD = 16_384
 LONGEST = 300  # characters of one entry
 # Names appear in figures, file names and spreadsheets, where a dollar sign or an equals sign starts a formula.
@@ -75,7 +75,7 @@ def read(folder: Path) -> Submission:
                 f"{head} has {name} = {words[name]!r}, but its folder is {place.name!r}; give both the same name"
             )
     creep = entries.get("creep", 0.0)
-    if isinstance(creep, bool) or not isinstance(creep, int | float) or abs(creep) > motion_file.LARGEST:
+    if isinstance(creep, bool) or not isinstance(creep, int | float) or abs(creep) > motion_table.LARGEST:
         raise BadValue(f"creep in {head} is {creep!r}; give a speed in m/s, without quotation marks")
     stray = sorted(set(entries) - {*WORDS, "creep"})
     if stray:

@@ -14,7 +14,7 @@ import reference
 from adapters import by_process, lookup
 from adapters.by_process import engine as process
 from adapters.by_process.scene_file import SCHEMA_FILE
-from adapters.common import motion_file
+from adapters.common import motion_file, motion_table
 from adapters.common.facets import visible_span
 from adapters.laws.law_process import AdapterProcess
 from cases import BadValue
@@ -134,7 +134,7 @@ def test_export_writes_the_same_scene_and_a_true_motion_that_is_judged_right(tmp
     sent = strict(files["scene.json"].read_text(encoding="utf-8"))
     assert sent.items() >= strict(by_process.as_json(by_process.scene(case))).items()
     assert sent["transitions"][0]["time"]["value"] == pytest.approx(1 / (3 * 0.1 * 9.81))
-    motion = motion_file.trajectory_of(case, motion_file.read_table(files["motion.csv"]))
+    motion = motion_file.trajectory_of(case, motion_table.read(files["motion.csv"]))
     exact = reference.simulate(case)(motion.t)
     assert np.abs(motion.x - exact.x).max() < 1e-12
 
@@ -186,7 +186,7 @@ def test_the_true_motion_of_a_bounce_can_be_read_back(tmp_path):
     names, rows = export.motion(case)
     assert np.isfinite(rows).all()
     text = ",".join(names) + "\n" + "\n".join(",".join(map(repr, r)) for r in rows.tolist())
-    assert motion_file.trajectory_of(case, motion_file.parse(text, "motion")).status == "completed"
+    assert motion_file.trajectory_of(case, motion_table.parse(text, "motion")).status == "completed"
 
 
 # --- an engine in another language ------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ import pytest
 import cases
 import reference
 from adapters import EngineFailure, Setting, by_process, lookup
-from adapters.common import motion_file
+from adapters.common import motion_file, motion_table
 from adapters.laws import judge
 from cases import BadValue, DoesNotFit, NotSupported
 from reports import compare, export
@@ -52,7 +52,7 @@ def exported(tmp_path):
 
 def test_the_true_motion_is_read_back_with_a_pose_per_plate(exported):
     case, file = exported
-    motion = motion_file.trajectory_of(case, motion_file.read_table(file))
+    motion = motion_file.trajectory_of(case, motion_table.read(file))
     exact = reference.simulate(case)
     assert motion.plate_names == exact.plate_names and set(motion.contact_names) == set(exact.contact_names)
     for name in motion.plate_names:
@@ -64,7 +64,7 @@ def test_the_true_motion_is_read_back_with_a_pose_per_plate(exported):
 
 def test_velocities_of_further_plates_are_differences_if_the_file_has_none(exported):
     case, file = exported
-    table = motion_file.read_table(file)
+    table = motion_table.read(file)
     motion = motion_file.trajectory_of(case, table.drop(columns=["vx of upper", "vy of upper", "omega of upper"]))
     smooth = (motion.t > 0.65) & (motion.t < 0.7)
     # h² v''/6 of samples 0.65 ms apart, before it leaves the lower disc: 4e-6 m/s.
@@ -83,12 +83,12 @@ def test_velocities_of_further_plates_are_differences_if_the_file_has_none(expor
 def test_a_table_that_is_no_motion_of_all_plates_is_rejected(exported, change, message):
     case, file = exported
     with pytest.raises((BadValue, DoesNotFit), match=message):
-        motion_file.trajectory_of(case, change(motion_file.read_table(file)))
+        motion_file.trajectory_of(case, change(motion_table.read(file)))
 
 
 def test_two_columns_of_one_name_are_rejected():
     with pytest.raises(BadValue, match="2 columns x of upper"):
-        motion_file.parse("t,x,y,theta,x of upper,x of upper\n0,0,0,0,0,0\n", "motion.csv")
+        motion_table.parse("t,x,y,theta,x of upper,x of upper\n0,0,0,0,0,0\n", "motion.csv")
 
 
 # --- the suite's executables ------------------------------------------------------------------------------------------

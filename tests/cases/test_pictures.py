@@ -10,7 +10,8 @@ from PIL import Image
 
 import cases
 import reference
-from adapters.common.motion_file import read_table, trajectory_of
+from adapters.common import motion_table
+from adapters.common.motion_file import trajectory_of
 from cases import BadValue, UnknownName
 from cases.pictures import animation, plots
 from cases.pictures.layout import CORNERS
@@ -48,7 +49,7 @@ def test_a_table_is_dense_where_the_motion_is_known_and_goes_through_its_transit
     assert len(MOTION.t) < 100 < 1000 < len(frame)
     assert {t.time for t in MOTION.transitions} <= set(frame["t"])
     assert np.array_equal(MOTION.to_frame(count=5)["t"], np.linspace(0.0, 2.5, 5))
-    again = trajectory_of(CASE, read_table(MOTION.to_csv(tmp_path / "motion.csv")))
+    again = trajectory_of(CASE, motion_table.read(MOTION.to_csv(tmp_path / "motion.csv")))
     assert np.array_equal(again.x, frame["x"]) and np.array_equal(again.slip, frame["slip"])
 
 
@@ -58,7 +59,7 @@ def test_a_table_of_a_flight_is_read_again(tmp_path):
     motion = reference.simulate(case)
     path = motion.to_csv(tmp_path / "motion.csv")
     assert ",0.0,,0.0,0.0,," in path.read_text()  # omega, slip, both forces, both parameters
-    again = trajectory_of(case, read_table(path))
+    again = trajectory_of(case, motion_table.read(path))
     assert np.isnan(again.slip[1]) and again.slip[-1] == pytest.approx(0.0, abs=1e-12)
 
 

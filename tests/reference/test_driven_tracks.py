@@ -178,12 +178,12 @@ def test_frames_are_inverse_to_each_other():
 
 
 def test_motion_file_of_a_driven_track_is_read_back(tmp_path):
-    from adapters.common import motion_file
+    from adapters.common import motion_file, motion_table
 
     case = cases.load("disc_in_swinging_bowl")
     motion = reference.simulate(case)
     path = motion.to_csv(tmp_path / "motion.csv", 600)
-    again = motion_file.trajectory_of(case, motion_file.read_table(path))
+    again = motion_file.trajectory_of(case, motion_table.read(path))
     exact = motion(again.t)
     assert again.slip == pytest.approx(exact.slip, abs=1e-6)
     assert again.xi1 == pytest.approx(exact.xi1, abs=1e-6)

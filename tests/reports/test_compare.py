@@ -8,7 +8,7 @@ import pytest
 
 import cases
 import reference
-from adapters.common import motion_file
+from adapters.common import motion_file, motion_table
 from adapters.lookup import engine as adapter_of
 from cases import registry
 from cases.chain import Chain
@@ -133,6 +133,13 @@ def test_unusable_file_is_told_in_one_sentence(tmp_path, capsys, spoil, sentence
     assert (status, text) == (2, "")
     assert sentence in error
     assert len(error.splitlines()) == 1
+
+
+@pytest.mark.parametrize("comments", [0, 3])
+def test_a_repeated_line_has_the_number_that_an_editor_gives_it(comments):
+    text = "# of the solver\n" * comments + "t,x,y,theta\n0,0,0,0\n1,0,0,0\n1,0,0,0\n"
+    with pytest.raises(cases.CaseError, match=f"^line {comments + 4} of motion.csv repeats an earlier line"):
+        motion_table.parse(text, "motion.csv")
 
 
 @pytest.mark.parametrize("every", [10, 16, 40])
@@ -330,7 +337,7 @@ def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
     motion = reference.simulate(case, rtol=1e-12)
     frame = table(columns, motion, samples=3001)
     frame.to_csv(tmp_path / "bounces.csv", index=False)
-    output = motion_file.trajectory_of(case, motion_file.read_table(tmp_path / "bounces.csv"))
+    output = motion_file.trajectory_of(case, motion_table.read(tmp_path / "bounces.csv"))
     assert output.status == "completed" and len(output.t) == 3001
     flying = np.isnan(motion(output.t).slip)
     # Within a hundredth of its size the plate counts as touching: 1 mm, which it crosses in some samples.
@@ -385,7 +392,7 @@ def test_landing_without_impact_ends_the_motion(tmp_path):
     t = np.linspace(0.0, 0.5, 501)
     y = np.maximum(0.4 - 4.905 * t**2, 0.1)
     pd.DataFrame(dict(t=t, x=0.0 * t, y=y, theta=0.0 * t)).to_csv(tmp_path / "fall.csv", index=False)
-    output = motion_file.trajectory_of(case, motion_file.read_table(tmp_path / "fall.csv"))
+    output = motion_file.trajectory_of(case, motion_table.read(tmp_path / "fall.csv"))
     assert output.status == "landing"
     assert output.t[-1] == pytest.approx((2 * 0.3 / 9.81) ** 0.5, abs=2e-3)
 

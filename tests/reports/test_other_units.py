@@ -8,7 +8,7 @@ import pytest
 
 import cases
 import reference
-from adapters.common import motion_file
+from adapters.common import motion_file, motion_table
 from cases import Case, Trajectory, Transition
 from reports.judging import diagnosis, distances, residuals, slip_phases, transitions, validation
 from tests.scenes.motions import in_other_parameters, in_other_units, motion_of, warped
@@ -35,7 +35,7 @@ def as_an_engine_tells_it(truth: Trajectory) -> pd.DataFrame:
     """Samples of the true motion that run slow by a part in two thousand: poses and velocities."""
     t = np.linspace(0.0, 0.999 * truth.t[-1], COUNT)
     state = truth(t / LATE)
-    names = (*motion_file.REQUIRED_COLUMNS[1:], "vx", "vy", "omega")
+    names = (*motion_table.REQUIRED_COLUMNS[1:], "vx", "vy", "omega")
     return pd.DataFrame({"t": t, **{name: getattr(state, name) for name in names}})
 
 
@@ -54,7 +54,7 @@ def judged(case: Case, table: pd.DataFrame, length: float, time: float):
         centre_max=length, centre_rms=length, final_pose=length, slip_max=length / time, slip_rms=length / time
     )
     numbers = [value / units.get(name, 1.0) for name, value in own._asdict().items()]
-    gap = motion_file.follow_contact(case, motion_file.columns_of(table))[2]
+    gap = motion_file.follow_contact(case, motion_table.columns_of(table))[2]
     output = [*residuals.broken_laws(case, motion, gap), *validation.jumps(case, motion, truth, own.centre_max)]
     return [(t.before, t.after) for t in read], [t.time / time for t in read], numbers, len(output)
 
@@ -102,5 +102,5 @@ def test_a_unit_is_noticed_of_a_plate_that_does_not_turn():
     assert np.ptp(truth.theta) < 1e-9
     table = as_an_engine_tells_it(truth)
     noise = 1e-6 * np.random.default_rng(3).standard_normal(len(table))  # of single precision
-    columns = motion_file.columns_of(table.assign(x=1e3 * table.x, theta=table.theta + noise))
+    columns = motion_table.columns_of(table.assign(x=1e3 * table.x, theta=table.theta + noise))
     assert "x seems to be in millimetres" in diagnosis.pose_mistake(case, columns, truth)

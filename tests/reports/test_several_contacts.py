@@ -9,7 +9,7 @@ import pytest
 
 import cases
 import reference
-from adapters.common import motion_file
+from adapters.common import motion_file, motion_table
 from adapters.common import several_contacts as from_poses
 from cases import Mode, Trajectory, Transition
 from cases.sampled_contacts import SampledContacts
@@ -127,7 +127,7 @@ def test_swings_and_the_time_of_rest_are_those_of_the_motion():
 
 def test_an_exported_true_motion_is_the_truth(truth, scales):
     """Its slip is that of one contact only, so each contact's follows from the poses; 2 ms apart they give 0.5 %."""
-    table = motion_file.parse(truth.to_frame(2001).to_csv(index=False), "motion.csv")
+    table = motion_table.parse(truth.to_frame(2001).to_csv(index=False), "motion.csv")
     result = judged(truth, scales, motion_file.trajectory_of(ROCKING, table))
     assert result.score.off <= 0.005 and {row.pairing for row in result.ledger} == {"paired"}
     assert max(abs(row.error) for row in result.ledger if row.before is Mode.FLIGHT) <= 1e-4

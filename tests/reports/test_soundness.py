@@ -7,7 +7,7 @@ import pytest
 
 import cases
 import reference
-from adapters.common import motion_file
+from adapters.common import motion_file, motion_table
 from cases import Mode, State, Transition
 from reports.judging import residuals
 from reports.running.records import Run
@@ -82,8 +82,8 @@ def test_the_same_motions_untouched_are_excellent(monkeypatch, line):  # noqa: F
 def accusations(case, folder) -> list[str]:
     """What the reference's own motion, written to a file with all digits and read back, is accused of."""
     table(FULL, reference.simulate(case, rtol=1e-12), samples=1501).to_csv(folder / "own.csv", index=False)
-    output = motion_file.trajectory_of(case, motion_file.read_table(folder / "own.csv"))
-    gap = motion_file.follow_contact(case, {name: getattr(output, name) for name in motion_file.REQUIRED_COLUMNS})[2]
+    output = motion_file.trajectory_of(case, motion_table.read(folder / "own.csv"))
+    gap = motion_file.follow_contact(case, {name: getattr(output, name) for name in motion_table.REQUIRED_COLUMNS})[2]
     return residuals.broken_laws(case, output, gap)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import cases
-from adapters.common import motion_file
+from adapters.common import motion_file, motion_table
 from cases import Curve, registry
 from reports.judging import validation
 
@@ -124,7 +124,7 @@ def points(closed: bool):
 
 
 def motion(path: Path):
-    output = motion_file.trajectory_of(line(), motion_file.read_table(path))
+    output = motion_file.trajectory_of(line(), motion_table.read(path))
     assert validation.sound(output)
     return output
 
@@ -160,7 +160,7 @@ def draw(chance):
 FOUND = (
     *((f"case file {text!r}", written(text.encode(), ".py", case_file)) for text in STATEMENTS),
     ("a zip file", written(BYTES[8], ".csv", motion)),
-    ("a folder", lambda: motion_file.read_table("/")),
-    ("/proc/self/mem", lambda: motion_file.read_table("/proc/self/mem")),
+    ("a folder", lambda: motion_table.read("/")),
+    ("/proc/self/mem", lambda: motion_table.read("/proc/self/mem")),
 )
 KIND = Kind("files", draw, 400, 30, FOUND)
