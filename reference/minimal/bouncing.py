@@ -100,14 +100,21 @@ class Bounces:
         self.last, self.some, self.ratio = None, [], inf
 
     def _natural(self, landing: Landing, after: ContactVelocity, pull: float) -> float:
-        """The shortest of the times in which the plate falls through its size, turns by a radian, and the pull changes
-        (after a lift-off it grows from nothing)."""
+        """The shortest of the times in which the plate falls through its size, turns by a radian, the pull changes
+        (after a lift-off it grows from nothing), and the contact passes an oscillation of track or outline."""
         if not pull > 0.0:
             return inf
         times = [sqrt(self.size / pull), 1.0 / abs(after.omega) if after.omega else inf]
         if self.last:
-            change = abs(pull - self.last.pull)
-            times.append(pull * (landing.time - self.last.landing.time) / change if change else inf)
+            last, since = self.last.landing, landing.time - self.last.landing.time
+            changes = [(pull, abs(pull - self.last.pull))]
+            places = (self.case.track, landing.xi1, last.xi1), (self.case.plate.outline, landing.xi2, last.xi2)
+            changes += [
+                (2.0 * curve.features.piece_length(at), abs(at - before))  # a piece is half an oscillation, or less
+                for curve, at, before in places
+                if curve.features
+            ]
+            times += [size * since / change for size, change in changes if change]
         return min(times)
 
     def limit(self, is_unresolved: bool = False) -> Accumulation | None:

@@ -32,6 +32,7 @@ from reference import contact_frame
 from reference.contact_frame import pairs
 from reference.contact_frame.equations import ContactScene
 from reference.contact_frame.steps import MOST_STEPS, StepFailure
+from tests.scenes.event_times import agree_as_known, events
 from tests.scenes.motions import energy
 from tests.scenes.ripples import SIZE, G, closest, rippled
 
@@ -317,8 +318,9 @@ def test_a_flight_over_ripples_ends_where_it_first_touches(seed):
 
 
 # 6 and 87: bounds on the curvature of ripples came from samples farther apart than a wavelength. A search of the second
-# formulation never ended, and a landing came 0.4 µs late.
-@pytest.mark.parametrize("seed", seeds([6, 87, *range(12, 24)], [87, 13, 14, 17]))
+# formulation never ended, and a landing came 0.4 µs late. 555 and 608: see the limit of bouncing below, and
+# `tests.scenes.event_times`.
+@pytest.mark.parametrize("seed", seeds([6, 87, *range(12, 24), 555, 608], [87, 13, 14, 17, 608]))
 def test_both_formulations_find_the_same_landings_over_ripples(seed):
     agree(seed)
 
@@ -333,29 +335,12 @@ def agree(seed: int) -> None:
         assert one.cost.steps > MOST_STEPS / 4, seed
         return
     assert time.process_time() - begun < LIMIT + TRANSITION * len(other.transitions), seed
-    end = one.t[-1]
+    ours = events(one.transitions, one.t[-1], one.status)
+    theirs = events(other.transitions, other.end, other.status)
     if len(one.contact_names) > 1:  # the second formulation of one contact ends where a second one begins
-        assert other.status == "second_contact" and any(abs(e.time - other.end) <= 1e-9 for e in one.transitions), seed
-        one = replace(one, transitions=tuple(e for e in one.transitions if e.time < other.end - 1e-9))
-        end = other.end
-    else:
-        assert other.status == one.status, (seed, one.status, other.status)
-    times, others = _times(one.transitions, end), _times(other.transitions, other.end)
-    if len(times) == len(others) and np.all(np.abs(others - times) <= 1e-9):
-        return
-    # Some slides over ripples are unstable: each impact multiplies an earlier difference, of a rounding too. What the
-    # first formulation's own tolerance moves a time by is then not known any better, and nothing after it is compared.
-    rough_motion = reference.simulate(case, rtol=1e-12)
-    rough = _times(rough_motion.transitions, rough_motion.t[-1])
-    count = min(len(times), len(rough))
-    moved = np.maximum.accumulate(np.abs(rough[:count] - times[:count]))
-    stable = count if len(times) == len(rough) else int(np.sum(moved <= 1e-9))
-    assert len(others) >= stable and (len(others) == len(times) or stable < len(times)), seed
-    assert np.all(np.abs(others[:stable] - times[:stable]) <= 1e-9 + 10.0 * moved[:stable]), seed
-
-
-def _times(transitions, end: float) -> np.ndarray:
-    return np.array([t.time for t in transitions] or [end], dtype=float)
+        last = len(theirs) - 1
+        ours = [*ours[:last], *((time, "second_contact") for time, _ in ours[last : last + 1])]
+    assert agree_as_known(case, one, ours, theirs), seed
 
 
 def test_a_contact_that_opens_more_slowly_than_its_gap_is_rounded_flies_off():
@@ -363,6 +348,13 @@ def test_a_contact_that_opens_more_slowly_than_its_gap_is_rounded_flies_off():
     motion ended as an accumulation of changes of mode at most tolerances."""
     motion = reference.simulate(rippled(1947).case, rtol=1e-10)
     assert (len(motion.transitions), motion.status) == (23, "completed")
+
+
+def test_bouncing_over_ripples_rests_at_the_limit_of_its_impacts():
+    """Flight 555: the disc passes a ripple while it bounces, whose length the extrapolation did not know: the limit was
+    4.6e-7 s early. (Impacts computed one by one with 45 digits.)"""
+    motion = reference.simulate(rippled(555).case, rtol=1e-13)
+    assert motion.transitions[-1].time == pytest.approx(0.059447299434026, abs=1e-11)
 
 
 def test_a_step_that_the_clock_does_not_resolve_is_no_error():
