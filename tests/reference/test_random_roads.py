@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import cases
 import reference
@@ -76,8 +77,14 @@ def by_hand(case: Case, sharpest: float) -> tuple[float, float, str]:
     def inside(t, z):
         return 1.0 if case.track.domain is None else min(z[0] - case.track.domain[0], case.track.domain[1] - z[0])
 
+    def rises(t, z):
+        """The rate of the normal force along the motion, by a difference."""
+        h = 1e-7
+        return (pressed(t, (z[0] + h * z[1], z[1] + h * acceleration(*z)[0])) - pressed(t, z)) / h
+
     for event in (pressed, fits, inside):
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
+    rises.direction = 1  # type: ignore[attr-defined]
     _, c1, _, n = centre(0.0)
     # The contact's slip is the centre's speed less that of the rotation: v = ċ·t + ω r, as n points to the centre.
     along = case.start.slip - radius * spin
@@ -86,9 +93,15 @@ def by_hand(case: Case, sharpest: float) -> tuple[float, float, str]:
         return 0.0, float(centre(0.0)[0].real), "lift_off"
     found = solve_ivp(
         lambda t, z: [z[1], acceleration(*z)[0]], (0.0, case.duration), [0.0, first], method="DOP853", rtol=1e-12,
-        atol=1e-13, max_step=min(0.02, 0.125 / sharpest), events=(pressed, fits, inside),
+        atol=1e-13, max_step=min(0.02, 0.125 / sharpest), events=(pressed, fits, inside, rises), dense_output=True,
     )  # fmt: skip
-    hit = [name for name, times in zip(("lift_off", "no_fit", "track_end"), found.t_events, strict=True) if len(times)]
+    # A force that changes its sign twice within one step changes it around its minimum.
+    for t, z in zip(found.t_events[3], found.y_events[3], strict=True):
+        if pressed(t, z) < 0.0:
+            end = brentq(lambda t: pressed(t, found.sol(t)), max(t - 0.02, 0.0), t, xtol=1e-14)
+            return end, float(centre(found.sol(end)[0])[0].real), "lift_off"
+    ends = dict(zip(("lift_off", "no_fit", "track_end"), found.t_events, strict=False))
+    hit = [name for name, times in ends.items() if len(times)]
     return float(found.t[-1]), float(centre(found.y[0, -1])[0].real), hit[0] if hit else "completed"
 
 
@@ -167,7 +180,8 @@ SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 3, 4, 5, 6, 7
 
 
 # 162: a lift-off that the Taylor method located at 1e-2, with 3e-4 of the forces left, was called a paradox.
-@pytest.mark.parametrize("seed", [1, 2, 162, *SLOW])
+# 2514: the force is negative for less than a step of the integration by hand, which passed over it.
+@pytest.mark.parametrize("seed", [1, 2, 162, 2514, *SLOW])
 def test_random_roads_a_few(seed):
     check_road(seed)
 
