@@ -1,6 +1,7 @@
 """Box2D's adapter; `adapters.box2d.adapter` describes it."""
 
 from .adapter import (
+    BELTS_AND_SUPPORTS,
     CORNERS,
     NAME,
     ROUNDING,
@@ -21,6 +22,7 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
-    "CORNERS", "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SUPPORTS", "build",
-    "default_grid", "grid", "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run", "version",
+    "BELTS_AND_SUPPORTS", "CORNERS", "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SUPPORTS",
+    "build", "default_grid", "grid", "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run",
+    "version",
 ]  # fmt: skip

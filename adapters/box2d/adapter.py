@@ -49,6 +49,7 @@ from cases import (
 )
 from cases.contact import start_motion
 from cases.contact_limits import touches_by_features
+from cases.contact_pairs import pairs
 from cases.errors import unknown_name
 from cases.free_plates import plates_of, start_poses
 from cases.mechanics import gravity
@@ -66,6 +67,7 @@ KNOWN = "pyb2d3>=0.5"
 SEVERAL_CONTACTS = ("native",)
 # Routes that have further fixed curves, and several plates.
 SUPPORTS = ("native",)
+BELTS_AND_SUPPORTS = ("native",)
 SEVERAL_PLATES = ("native",)
 
 # The engine's numbers are of single precision.
@@ -112,7 +114,9 @@ def refuses(case: Case, route: str) -> str | None:
         return "box2d's shapes are convex, and this outline has corners that point inwards."
     if not shapes.is_one_polygon(outline) and not facets.sees_all(outline):
         return "box2d's shapes are convex, and no fan of them gives this outline: its centre does not see all of it."
-    belt = case.effect(Belt)
+    belt, belts = case.effect(Belt), [pair.effect(Belt) for pair in pairs(case)] if case.supports else []
+    if any(one and one.constant is None for one in belts):
+        return "box2d's shapes keep the tangent speed that they are made with, and a belt here has another speed later."
     if belt and belt.constant is None and case.effect(Drive):
         return "box2d's kinematic bodies carry a belt whose speed changes with time, or a driven track, not both."
     if belt and belt.constant is None and not shapes.moves_itself(case):

@@ -71,7 +71,7 @@ def material(case: Case) -> pyb2d3.SurfaceMaterial:
 
 
 def belt_material(case: Case, scale: float) -> pyb2d3.SurfaceMaterial:
-    """The surface material of the track: that of both shapes, running with the belt's speed."""
+    """The surface material of the track or a support: that of both shapes, running with the speed of its belt."""
     surface, belt = material(case), case.effect(Belt)
     if belt and belt.constant is not None:
         surface.tangent_speed = scale * belt.constant
@@ -115,7 +115,7 @@ def add_supports(case: Case, body: pyb2d3.Body, scale: float) -> None:
     for support, own in zip(case.supports, _own_cases(case), strict=True):
         line = as_line(support.curve)
         assert line is not None, "refuses() accepts straight supports only"
-        _add_line(body, facets.ends(case, line), _against_plate(case, material(own)), scale)
+        _add_line(body, facets.ends(case, line), _against_plate(case, belt_material(own, scale)), scale)
 
 
 def _against_plate(case: Case, surface: pyb2d3.SurfaceMaterial) -> pyb2d3.SurfaceMaterial:

@@ -59,6 +59,7 @@ class Engine:
     SLIP_LAWS = routes
     SEVERAL_CONTACTS = routes
     SUPPORTS = routes
+    BELTS_AND_SUPPORTS = routes
     SEVERAL_PLATES = routes
 
     def __init__(self, path: Path):

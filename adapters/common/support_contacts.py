@@ -14,7 +14,7 @@ from math import pi
 import numpy as np
 from scipy.optimize import nnls
 
-from cases import Belt, Case, CoulombFriction, PerfectlyRough, Trajectory
+from cases import Case, CoulombFriction, PerfectlyRough, Trajectory
 from cases.contact import belt_speed
 from cases.contact_limits import touches_by_features
 from cases.contact_pairs import PairCase, contact_name, pairs
@@ -42,14 +42,6 @@ def refuses(case: Case) -> str | None:
             return "A plate on supports is round or has corners here, and this outline is another."
         if pair.arc_range is not None:
             return "An arc ends at a corner or bends beyond the plate's hull, which contacts from poses do not support."
-    return None
-
-
-def refuses_belts(case: Case) -> str | None:
-    """Why the surfaces of a case with supports cannot be those of shapes, in one sentence, or None."""
-    belts = [one.effect(Belt) for one in pairs(case)] if case.supports else []
-    if any(belt is not None and belt.constant is None for belt in belts):
-        return "Belts together with supports have a constant speed here, and this one changes with time."
     return None
 
 

@@ -6,14 +6,15 @@ sliding contact lifts off a little (its manual, "Computation", contact), and fri
 semi-implicit Euler; the ladder has its Runge-Kutta method of fourth order, which converges in a circle where Euler does
 not. Poses and velocities are at the same times, as after `mj_step`.
 
-A belt is `surfacevel` of the track's geoms (from 3.11 on), set in each step: a velocity along a plane or a box, in the
-geom's frame, and a rotation of a sphere's surface. A driven track is a heavy body whose place and velocities are set in
-each step.
+A belt is `surfacevel` of the geoms of the track or of a support (from 3.11 on), set in each step: a velocity along a
+plane or a box, in the geom's frame, and a rotation of a sphere's surface. A driven track is a heavy body whose place
+and velocities are set in each step.
 """
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from itertools import combinations
 from pathlib import Path
 from xml.etree import ElementTree
@@ -45,9 +46,6 @@ scene = plane.read_scene(
 )
 count, h = plane.steps(scene)
 drive = plane.drive_steps(scene, h)
-belt = plane.formula(str(scene["effects"]["Belt"]["speed"])) if "Belt" in scene["effects"] else None
-if belt and not hasattr(mujoco.MjModel, "geom_surfacevel"):
-    plane.refuse("MuJoCo has surface velocities from version 3.11 on, and an older one is installed.")
 effects, start, is_tuned = scene["effects"], scene["start"], scene["setting"].get("rung") != "defaults"
 mu = plane.coefficient(effects, ROUGH)
 
@@ -93,17 +91,35 @@ else:
             world, "geom", type="box", size=f"{box.half} {thick} 1", pos=f"{x} {y} 0", euler=f"0 0 {box.angle}"
         )
 # A surface velocity of 1 m/s in a geom's frame. A hill is touched from outside: its direction is clockwise.
-UNIT = np.array([0, 0, 0, 0, 0, -1 / track.radius] if track.kind == "hill" else [1, 0, 0, 0, 0, 0], dtype=float)
+FLAT = np.array([1.0, 0, 0, 0, 0, 0])
+UNIT = np.array([0, 0, 0, 0, 0, -1 / track.radius]) if track.kind == "hill" else FLAT
+# The names of the geoms of each belt, its speed as a function of t, and 1 m/s there.
+belts: list[tuple[list[str], Callable[[float], float], np.ndarray]] = []
+
+
+def run_surface(geoms: list[ElementTree.Element], of_effects, unit: np.ndarray) -> None:
+    """Give the geoms the belt of the effects, if they have one."""
+    if "Belt" not in of_effects:
+        return
+    if not hasattr(mujoco.MjModel, "geom_surfacevel"):
+        plane.refuse("MuJoCo has surface velocities from version 3.11 on, and an older one is installed.")
+    names = [f"belt {len(belts)}, {number}" for number in range(len(geoms))]
+    for geom, name in zip(geoms, names, strict=True):
+        geom.attrib.update(name=name, surfacevel=" ".join(map(repr, unit.tolist())))
+    belts.append((names, plane.formula(str(of_effects["Belt"]["speed"])), unit))
+
+
 for geom in world.findall("geom"):
     geom.attrib.update(friction=f"{mu} 0 0", condim="3" if mu else "1")
-    geom.attrib.update({"surfacevel": " ".join(map(repr, UNIT.tolist()))} if belt else {})
+run_surface(world.findall("geom"), effects, UNIT)
 for support in plane.supports(scene):
     own = plane.coefficient(support.effects, ROUGH)
-    ElementTree.SubElement(
+    side = ElementTree.SubElement(
         world, "geom", type="plane", size="0 0 1", pos=f"{support.x} {support.y} 0",
         xyaxes=f"{plane.cos(support.angle)} {plane.sin(support.angle)} 0 0 0 -1", friction=f"{own} 0 0",
         condim="3" if own else "1",
     )  # fmt: skip
+    run_surface([side], support.effects, FLAT)
 if drive:
     # Bodies of a mocap kind have no velocity for the engine's contacts: the track has joints, and so much mass that no
     # contact force changes the velocities that are set in each step.
@@ -149,7 +165,7 @@ for own, numbers in zip(plates, joints, strict=True):
     data.qvel[numbers] = own.velocities[: len(numbers)]
 rail = [int(model.joint(f"track {name}").dofadr[0]) for name in ("x", "y", "angle")] if drive else []
 body_number = model.body("plate").id
-fixed = [number for number in range(model.ngeom) if model.geom_bodyid[number] != body_number]
+surfaces = [([model.geom(name).id for name in names], speed, unit) for names, speed, unit in belts]
 
 
 def touches() -> list[plane.PlaneContact]:
@@ -209,9 +225,9 @@ def run_one() -> None:
     for k in range(count + 1):
         if drive:
             data.qpos[rail], data.qvel[rail] = drive(k)
-        if belt:
-            model.geom_surfacevel[fixed] = belt((k + 0.5) * h) * UNIT
-            motion.belt = belt((k + 1) * h)
+        for numbers, speed, unit in surfaces:
+            model.geom_surfacevel[numbers] = speed((k + 0.5) * h) * unit
+            motion.belt = speed((k + 1) * h)
         (before,) = states()
         mujoco.mj_step(model, data)
         motion.note(k * h, before[:3], before[3:], touches(), states()[0][3:])

@@ -108,8 +108,6 @@ def _refuses_natively(case: Case) -> str | None:
         return problem
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."
-    if problem := support_contacts.refuses_belts(case):
-        return problem
     belt = case.effect(Belt)
     drive = case.effect(Drive)
     endless = not case.track.period and not case.track.domain
@@ -237,8 +235,8 @@ def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkM
         drive = LoadInSteps(case, body, h) if with_load else None
         rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
         model = PymunkModel(case, engine_case, space, body, h, steps, drive, rough)
-        if case.effect(Belt) and not native.belt_runs_as_shapes(case):
-            model.note = native.BeltInSteps(case, space, body, h).counting(model.note)
+        if belts := native.belts_in_steps(case):
+            model.note = native.BeltsInSteps(belts, space, body, h).counting(model.note)
     else:
         space, body, drive, guide = assisted.build(engine_case, setting, h)
         model = PymunkModel(case, engine_case, space, body, h, steps, drive, guide=guide)

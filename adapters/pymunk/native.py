@@ -20,12 +20,14 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import count, pairwise, product
 
 import numpy as np
 import pymunk
 
 from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, NotSupported, PerfectlyRough
+from cases.effects import one
 from cases.line_or_circle import Circle, Line, as_circle, as_line
 from cases.mechanics import gravity
 
@@ -38,8 +40,8 @@ from . import older_versions
 KNOBS = ("collision_slop", "collision_bias", "iterations")
 
 
-# The engine's collision types.
-_TRACK, _PLATE = 1, 2
+# The engine's collision types; the further supports have those from the third on.
+_TRACK, _PLATE, _SUPPORT = 1, 2, 3
 
 # A coefficient that no contact here needs: a millionth of a newton would hold a plate of a tonne on a wall.
 ROUGH = 1e9
@@ -166,7 +168,7 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
 def _support_segments(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
     """One segment for each further support, with its friction and its restitution as a multiple of the case's."""
     segments, whole = list[pymunk.Shape](), case.effect(Impact)
-    for support in case.supports:
+    for number, support in enumerate(case.supports, start=_SUPPORT):
         line, own = as_line(support.curve), replace(case, effects=support.acting(case.effects), supports=())
         assert line is not None, "refuses() accepts straight supports only"
         segment = line_segment(case, space, space.static_body, line, setting["thickness"], ends(case, line))
@@ -174,9 +176,9 @@ def _support_segments(case: Case, space: pymunk.Space, setting: Setting) -> list
         segment.friction, segment.elasticity = friction_coefficient(own), 1.0
         if impact and whole and whole.restitution > 0.0:
             segment.elasticity = impact.restitution / whole.restitution
-        belt = own.effect(Belt)
-        if belt is not None:
-            _run_surface([segment], belt.constant or 0.0)
+        segment.collision_type, belt = number, own.effect(Belt)
+        if belt and belt.constant is not None:
+            _run_surface([segment], belt.constant)
         segments.append(segment)
     return segments
 
@@ -207,16 +209,26 @@ def belt_runs_as_shapes(case: Case) -> bool:
     return belt is not None and belt.constant is not None and track_kind(case) != "hill" and not is_turning
 
 
-class BeltInSteps:
-    """A belt as the surface velocity of each contact, along its own tangent, with the belt's speed in each step."""
+def belts_in_steps(case: Case) -> dict[int, Belt]:
+    """The belts that are no surface velocity of shapes, by the collision type of the shapes of their curve."""
+    whole = case.effect(Belt)
+    belts = {_TRACK: whole} if whole and not belt_runs_as_shapes(case) else {}
+    for number, support in enumerate(case.supports, start=_SUPPORT):
+        own = one(support.acting(case.effects), Belt)
+        if own and own.constant is None:
+            belts[number] = own
+    return belts
 
-    def __init__(self, case: Case, space: pymunk.Space, plate: pymunk.Body, h: float):
-        belt = case.effect(Belt)
-        assert belt is not None, "only a case with a belt has one"
-        self._at, self._h, self._step = belt.at, h, 0
+
+class BeltsInSteps:
+    """Belts as the surface velocity of each contact, along its own tangent, with the belt's speed in each step."""
+
+    def __init__(self, belts: dict[int, Belt], space: pymunk.Space, plate: pymunk.Body, h: float):
+        self._h, self._step = h, 0
         for shape in space.shapes:
-            shape.collision_type = _PLATE if shape.body is plate else _TRACK
-        older_versions.on_collision(space, _TRACK, _PLATE, self._pre_solve)
+            shape.collision_type = shape.collision_type or (_PLATE if shape.body is plate else _TRACK)
+        for number, belt in belts.items():
+            older_versions.on_collision(space, number, _PLATE, partial(self._pre_solve, belt))
 
     def counting(self, note: Callable[[], None]) -> Callable[[], None]:
         """The function that records a step, which also counts it."""
@@ -227,9 +239,9 @@ class BeltInSteps:
 
         return count_and_note
 
-    def _pre_solve(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
+    def _pre_solve(self, belt: Belt, arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
         # The velocities after a step are those of its middle; the normal points to the plate.
-        speed, normal = self._at((self._step + 0.5) * self._h)[0], arbiter.contact_point_set.normal
+        speed, normal = belt.at((self._step + 0.5) * self._h)[0], arbiter.contact_point_set.normal
         arbiter.surface_velocity = pymunk.Vec2d(-speed * normal.y, speed * normal.x)
 
 

@@ -1,6 +1,7 @@
 """The engines that come as executables: named, refusing, and as good as was measured."""
 
 import subprocess
+from dataclasses import replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -373,6 +374,24 @@ def test_mujoco_runs_belts_whose_speed_changes_with_time(engine):
     case = Case(line(), disc(0.1, 2.0), (*GRIP, Belt("0.6*t + 0.1*sin(6*t)")), Start(0.0), 1.5)
     coarse, fine = (off(engine, case, h) for h in (4e-3, 1e-3))
     assert fine < 6e-4 and fine < 0.4 * coarse
+
+
+@pytest.mark.parametrize("engine", ["mujoco"], indirect=True)
+def test_mujoco_runs_belts_of_supports(engine):
+    """A disc in a V of two belts spins in its place until it rolls on both; with one belt at rest it would not."""
+    moved = simulated(engine, cases.load("disc_in_v_of_belts"), 1e-3)
+    assert moved.omega[-1] == pytest.approx(1.5 / 0.5, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("engine", "reason"), [("drake", "no surface velocity"), ("siconos", "of Belt")], indirect=["engine"]
+)
+def test_a_belt_of_a_support_alone_is_rejected(engine, reason):
+    case = cases.load("disc_spinning_in_v")
+    (support,) = case.supports
+    belted = replace(case, supports=(replace(support, effects=(CoulombFriction(0.3), Belt(1.0))),))
+    with pytest.raises(cases.NotSupported, match=reason):
+        simulated(engine, belted, 1e-2)
 
 
 @pytest.mark.slow

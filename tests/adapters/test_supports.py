@@ -199,6 +199,35 @@ def test_routes_without_supports_reject_them_in_one_sentence():
     assert refusal(engine("pymunk"), on_belt, "native") is None
     why = "The native route does not support belts together with several fixed curves (supports)."
     assert refusal(engine("exudyn"), on_belt, "native") == why
-    changing = groove(effects=(*groove().effects, Belt("1 + t")))
-    why = "Belts together with supports have a constant speed here, and this one changes with time."
-    assert refusal(engine("pymunk"), changing, "native") == why
+
+
+def belts_in_v(left: str, right: str) -> Case:
+    """A disc at rest in a V of two planes that are belts with these speeds."""
+    case = cases.load("disc_in_v_of_belts")
+    effects = tuple(effect for effect in case.effects if not isinstance(effect, Belt))
+    start = StartPose(0.0, 0.5 / cos(pi / 6))
+    own = Support(line(-pi / 6), "right", (CoulombFriction(0.3), Belt(right)))
+    return replace(case, effects=(*effects, Belt(left)), start=start, supports=(own,))
+
+
+@pytest.mark.parametrize(
+    ("name", "speeds", "least"),
+    # Distance (m) allowed at the fourth rung: twice what was measured.
+    [
+        ("pymunk", ("1.5", "1.5"), 4e-7),
+        ("pymunk", ("1.5 + 0.5*sin(5*t)", "1.5 - t"), 4e-4),
+        ("box2d", ("1.5", "1.5"), 1e-5),
+    ],
+)
+def test_each_support_is_a_belt_of_its_own(name, speeds, least):
+    """Two belts of one speed leave the disc where it is; others drive it up one of the planes and back."""
+    case = belts_in_v(*speeds)
+    coarse, fine = (np.hypot(*np.array(off(case, play(name, "native", case, rung))) * [1, 0.5]) for rung in (2, 4))
+    assert fine < least and fine < 0.5 * coarse
+
+
+def test_box2d_rejects_belts_with_supports_whose_speed_changes():
+    pytest.importorskip("adapters.box2d")
+    why = "box2d's shapes keep the tangent speed that they are made with, and a belt here has another speed later."
+    for speeds in (("1", "1 - t"), ("1 - t", "1")):
+        assert refusal(engine("box2d"), belts_in_v(*speeds), "native") == why

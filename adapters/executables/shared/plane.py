@@ -57,20 +57,22 @@ def read_scene(
     has one, or that no engine with contacts supports; with `must_turn`, for a plate that does not turn."""
     scene = json.load(sys.stdin)
     effects = scene["effects"]
+    everywhere = [effects, *(support["effects"] for support in effects.get("Supports", {}).values())]
+    used = dict.fromkeys(name for own in everywhere for name in own)
     for name, reason in (reasons or {}).items():
-        if name in effects:
+        if name in used:
             refuse(reason)
-    missing = [name for name in effects if name not in names]
+    missing = [name for name in used if name not in names]
     if missing:
         refuse(f"{engine} has no implementation here of {' and '.join(WORDS.get(name, name) for name in missing)}.")
     if must_turn and any(plate.inertia is None for plate in plates(scene)):
         refuse(f"{engine}'s bodies have a finite inertia here, and this plate does not turn.")
     if "Unilateral" not in effects:
         refuse(f"{engine}'s contacts only push, and this plate is guided from both sides.")
-    for every in (effects, *(support["effects"] for support in effects.get("Supports", {}).values())):
-        if every.get("Impact", {}).get("restitution", 0.0) != 0.0:
+    for own in everywhere:
+        if own.get("Impact", {}).get("restitution", 0.0) != 0.0:
             refuse(f"{engine} is given inelastic impacts only here, and this Impact has a restitution.")
-        friction = every.get("CoulombFriction")
+        friction = own.get("CoulombFriction")
         if friction and friction["mu_static"] not in (None, friction["mu"]):
             refuse(f"{engine} has one friction coefficient for slip and stick.")
     return scene
