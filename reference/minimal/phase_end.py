@@ -69,7 +69,7 @@ NO_SLIP = (
     "A perfectly rough contact would have to pull here, and the free plate would move into its track: "
     "without slip it can neither stay nor leave.",
 )
-ACCUMULATION = ("accumulation", f"Changes of regime accumulate: {MANY} of them took no time.")
+ACCUMULATION = ("accumulation", "Changes of regime accumulate: they take no time.")
 
 # Guards whose zero changes the mode, with the cause that the transition reports.
 CAUSES = {

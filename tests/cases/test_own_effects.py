@@ -24,7 +24,9 @@ from cases import (
     CoulombFriction,
     Drive,
     EndCondition,
+    Flight,
     Gravity,
+    Impact,
     Mode,
     NotSupported,
     Start,
@@ -34,6 +36,7 @@ from cases import (
 )
 from cases.library import circle, line
 from reference import contact_frame
+from reference.minimal import hybrid
 from reference.sweeping.scenario_values import structure
 from reports.judging.friction_factor import losses
 from reports.judging.residuals import broken_laws, examine
@@ -41,6 +44,7 @@ from reports.running import reference_adapter
 from reports.running.storage.fingerprint import content
 from tests.adapters.mutants import of_case
 from tests.scenes.motions import sampled
+from tests.scenes.moving import Adhesion, check_invariance, on_line
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "magnetic_wheel"
 
@@ -158,6 +162,30 @@ def test_a_magnet_stops_a_block_that_does_not_turn():
         assert [t.after for t in motion.transitions] == [Mode.REST]
         assert motion.transitions[0].time == pytest.approx(1.0 / (0.1 * 29.81), abs=1e-13)
     assert examine(case, reference.simulate(case, 1e-13)).energy <= 1e-12
+
+
+@dataclass(frozen=True)
+class Stilts(ContactEffect):
+    """A force that lifts the plate while it touches, and not in flight."""
+
+    def force(self):
+        return ContactForce(across=30.0)
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_force_that_lifts_off_what_touches_ends_the_motion_at_once(monkeypatch, method):
+    """Weight 9.81 N, 30 N upwards in contact alone: neither contact nor flight lasts. A phase that changes nothing is
+    not repeated a thousand times, which took up to half a minute."""
+    case = on_line(Stilts(), Flight(), Impact(0.0), gap=0.1)
+    monkeypatch.setattr(hybrid, "MOST_PHASES", 50)
+    motion = reference.simulate(case, method=method)
+    assert motion.status == "accumulation"
+    assert motion.t[-1] == pytest.approx(np.sqrt(2 * 0.1 / 9.81), abs=1e-12)
+
+
+def test_mirror_image_rotation_and_units_change_no_transition():
+    for more in ({"slip": 1.0}, {"slip": -0.3, "omega": 8.0}):
+        assert check_invariance(on_line(Adhesion(2.0, 0.3, 0.002), slope=0.2, **more))
 
 
 def test_the_true_motion_breaks_no_law_and_has_the_friction_factor_one():

@@ -2,14 +2,18 @@
 
 import statistics
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import cases
 import reference
 from cases import (
+    Belt,
     Case,
     CoulombFriction,
+    Drive,
     Flight,
     Gravity,
     Impact,
@@ -19,10 +23,13 @@ from cases import (
     Unilateral,
     disc,
 )
+from cases.expression_graph import in_order
 from cases.library import circle, line
+from cases.moving_frame import relative_case
 from reference.minimal import contact_end, flight_end, hybrid
 from reference.minimal.integrators import dop853, taylor
-from reference.minimal.modes import candidates, phase
+from reference.minimal.modes import FLIGHT, candidates, phase, phase_at, start_state
+from tests.scenes.moving import Adhesion, on_line
 
 G = 9.81
 needs_heyoka = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
@@ -106,6 +113,42 @@ def test_only_the_events_of_named_effects_are_watched(effects, events):
     # A disc at rest has no state that changes, and so nothing to watch but time.
     assert watched <= events and (watched == events or "turn" in events)
     assert {name for regime in candidates(case) for name in phase(case, regime).system.conditions} == events
+
+
+# Numbers of operations of the equations of all regimes, flight last, before there were belts, driven tracks, friction
+# by slip speed, effects of a user's own and plates that do not turn (commit bf32a94).
+OPERATIONS = {
+    "disc_in_circle[mu=0.2]": [51, 52, 52, 6],
+    "ellipse_in_circle": [122, 122, 122, 6],
+    "disc_on_line": [25, 33, 33, 6],
+    "disc_rolling_to_rest": [24, 38, 38, 33, 45, 45, 33, 45, 45, 6],
+}
+
+
+def operations(case) -> list[int]:
+    """Number of different operations, inputs and constants in the equations and conditions of each regime of a case."""
+    case = relative_case(case)
+    systems = [phase_at(case, regime, start_state(case)).system for regime in (*candidates(case), FLIGHT)]
+    return [
+        len(in_order([*s.rates, *s.outputs, *s.load_quantities, *(e for some in _named(s) for e in some.values())]))
+        for s in systems
+    ]
+
+
+def _named(system):
+    return system.conditions, system.condition_rates, system.guards
+
+
+@pytest.mark.parametrize("label", OPERATIONS)
+def test_scenes_without_them_have_the_operations_they_had_before_there_were_more_effects(label):
+    assert operations(cases.select(label)[0]) == OPERATIONS[label]
+
+
+@pytest.mark.parametrize("effect", [Belt("0.1*t"), Drive(x="0.1*t**2"), Adhesion(1.0, 0.1, 0.1)])
+def test_each_effect_has_operations_of_its_own(effect):
+    without = on_line(slip=1.0)
+    case = replace(without, effects=(*without.effects, effect))
+    assert all(more > less for more, less in zip(operations(case)[:-1], operations(without)[:-1], strict=True))
 
 
 class Calls:
