@@ -30,7 +30,7 @@ from cases.mechanics import gravity
 from cases.nearest import nearest
 
 from . import plate_contacts, several_contacts, support_contacts
-from .motion_table import CREEP, LEAST_SAMPLES, OPTIONAL_COLUMNS, REQUIRED_COLUMNS, columns_of, of_plate
+from .motion_table import CREEP, LEAST_SAMPLES, LEVER, OPTIONAL_COLUMNS, REQUIRED_COLUMNS, columns_of, of_plate
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,6 +57,14 @@ def _creep(columns, declaration: float) -> float:
         if not (isfinite(value) and value >= 0.0):
             raise BadValue(f"the creep is {value:g}; give a speed in m/s, zero or more")
     return float(max([declaration, *columns.get(CREEP, ())]))
+
+
+def _lever(columns) -> float:
+    """The share of the gap at which friction acts; raises BadValue for one outside of it."""
+    lever = float(columns.get(LEVER, (0.0,))[0])
+    if not 0.0 <= lever <= 1.0:
+        raise BadValue(f"the lever is {lever:g}; give 0 to 1, the share of the gap at which the engine's friction acts")
+    return lever
 
 
 def check_start(case: Case, table: pd.DataFrame) -> None:
@@ -182,7 +190,8 @@ def _of_plates(case: Case, columns: dict[str, np.ndarray], creep: float) -> Traj
         np.array([[columns[of_plate(name, plate)] for name in names] for plate in names_of(case)]).transpose(2, 0, 1)
         for names in (POSE[:3], POSE[3:])
     )
-    motion = plate_contacts.with_plates(case, columns["t"], poses, rates, _clear(case, columns["t"]))
+    t = columns["t"]
+    motion = plate_contacts.with_plates(case, t, poses, rates, _clear(case, t), slip_lever=_lever(columns))
     return replace(motion, slip_resolution=_creep(columns, creep))
 
 
@@ -200,7 +209,7 @@ def _on_supports(case: Case, columns: dict[str, np.ndarray], creep: float) -> Tr
     poses = {name: columns.get(name, nothing) for name in ("x", "y", "theta", "vx", "vy", "omega")}
     whole: dict[str, Any] = {**dict.fromkeys(State._fields, nothing), **poses}
     motion = Trajectory(t=t, **whole, slip_resolution=_creep(columns, creep))
-    return support_contacts.with_supports(case, motion, _clear(case, t))
+    return support_contacts.with_supports(case, motion, _clear(case, t), slip_lever=_lever(columns))
 
 
 def slowest(case: Case, seconds: float) -> float:

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
 
 REQUIRED_COLUMNS = ("t", "x", "y", "theta")
 OPTIONAL_COLUMNS = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
-CREEP = "creep"
+# What the comments before the columns may declare: the creep (m/s), and the share of a gap or an overlap, from the
+# plate, at which the engine's friction acts.
+CREEP, LEVER = "creep", "lever"
 # The columns of a further plate, as `of_plate` names them.
 _FURTHER = re.compile("(x|y|theta|vx|vy|omega) of [A-Za-z0-9_-]{1,30}")
 
@@ -44,7 +46,7 @@ def read(path: str | Path) -> pd.DataFrame:
 
 
 def parse(text: str, file: str) -> pd.DataFrame:
-    """Read the columns of a text; lines that begin with # are comments, and may declare the creep.
+    """Read the columns of a text; lines that begin with # are comments, and may declare creep and lever.
 
     `file` is the name that messages give. Raises BadValue, in one sentence.
     """
@@ -57,9 +59,7 @@ def parse(text: str, file: str) -> pd.DataFrame:
         raise BadValue(f"line {line} of {file} repeats an earlier line; remove duplicates")
     known = (*REQUIRED_COLUMNS, *OPTIONAL_COLUMNS, CREEP, *filter(_FURTHER.fullmatch, table.columns))
     table = table[[name for name in known if name in table]]
-    creep = _declaration(comments)
-    if creep is not None:
-        table = table.assign(**{CREEP: creep})
+    table = table.assign(**_declarations(comments))
     for name in table:
         table = table.assign(**{str(name): _numbers(table[name], str(name), file, first_line)})
     backwards = np.flatnonzero(np.diff(table["t"]) <= 0.0)
@@ -126,14 +126,13 @@ def _check_names(file: str, names: list[str]) -> None:
         )
 
 
-# A comment that declares the creep, such as `# creep = 5e-3` or `# creep: 0.005 m/s`.
-_CREEP_LINE = re.compile(r"#\s*creep\s*[=:]\s*(\S+)(\s*m/s)?\s*", re.IGNORECASE)
+# A comment that declares a number, such as `# creep = 5e-3`, `# creep: 0.005 m/s` or `# lever = 0.5`.
+_DECLARATION = re.compile(rf"#\s*({CREEP}|{LEVER})\s*[=:]\s*(\S+)(\s*m/s)?\s*", re.IGNORECASE)
 
 
-def _declaration(comments: list[str]) -> str | None:
-    """The creep that the comments before the columns declare, as text."""
-    values = [match[1] for line in comments if (match := _CREEP_LINE.fullmatch(line))]
-    return values[-1] if values else None
+def _declarations(comments: list[str]) -> dict[str, str]:
+    """The numbers that the comments before the columns declare, as text by name."""
+    return {match[1].lower(): match[2] for line in comments if (match := _DECLARATION.fullmatch(line))}
 
 
 def _numbers(cells: pd.Series, name: str, file: str, first_line: int) -> pd.Series:

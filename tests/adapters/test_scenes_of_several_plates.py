@@ -43,6 +43,24 @@ def test_the_track_reaches_as_far_as_any_plate():
     assert max(by_process.scene(far)["points"]["track"]["x"]) > 40.0
 
 
+def test_slip_is_that_of_the_place_where_friction_acts():
+    """A disc rolls on the floor and overlaps it by 1 cm: it sticks in the middle of that, and its outline slips."""
+    case = cases.load("row_of_discs")
+    names = "t,x,y,theta,vx,vy,omega," + ",".join(
+        f"{name} of {other.name}" for other in case.others for name in ("x", "y", "theta", "vx", "vy", "omega")
+    )
+    rest = ",".join(f"{other.start.x!r},{other.start.y!r},0,0,0,0" for other in case.others)
+    rows = []
+    for t in np.linspace(0.0, 0.2, 41).tolist():
+        rows.append(f"{t!r},{-0.5 + t!r},{0.09 if t else 0.1},{-t / 0.095!r},1,0,{-1 / 0.095!r},{rest}")
+    text = "\n".join([names, *rows])
+    for head, slip in (("", -0.005 / 0.095), ("# lever = 0.5\n", 0.0)):
+        motion = motion_file.trajectory_of(case, motion_table.parse(head + text, "motion.csv"))
+        np.testing.assert_allclose(motion.contacts["plate/track"].slip[5:], slip, atol=1e-12)
+    with pytest.raises(BadValue, match="lever is 2"):
+        motion_file.trajectory_of(case, motion_table.parse("# lever = 2\n" + text, "motion.csv"))
+
+
 @pytest.fixture
 def exported(tmp_path):
     """The true motion of a disc on a free disc, as `cases export` writes it; case and file."""

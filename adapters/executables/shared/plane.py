@@ -348,24 +348,39 @@ def nearest_normal(scene) -> Callable[[float, float], tuple[float, float]]:
     return normal
 
 
+# The share of an overlap at which friction acts, in engines with the contact point in its middle.
+MIDDLE = 0.5
+
+
 class PlatesRows:
     """The rows of a motion of several plates, and the CPU time since this object was made. The suite computes the
     contacts from the poses."""
 
     def __init__(self, scene):
-        self.names, self.cpu_start = [plate.name for plate in plates(scene)], time.process_time()
+        self.scene, self.cpu_start = scene, time.process_time()
+        self.names = [plate.name for plate in plates(scene)]
         self.rows: list[list[float]] = []
 
     def note(self, t: float, states: Sequence[Sequence[float]]) -> None:
         """Add a row: (x, y, theta, vx, vy, omega) of every plate at a time."""
         self.rows.append([t, *(value for state in states for value in state)])
 
+    def record(self, states: Callable, step: Callable[[int], object], creep: Callable[[], float]) -> None:
+        """Note all `states()` before each step of the scene, make it by `step(number)`, and print the motion. `creep()`
+        is the slip velocity (m/s) of contacts that stuck in the last step."""
+        (count, h), fastest = steps(self.scene), 0.0
+        for k in range(count + 1):
+            self.note(k * h, states())
+            step(k)
+            fastest = max(fastest, creep())
+        self.write(fastest)
+
     def write(self, creep: float) -> None:
         """Print the motion as comma-separated values, with its cost and the slip (m/s) below which it counts as
         sticking."""
         cpu = time.process_time() - self.cpu_start
         columns = [name if plate == "plate" else f"{name} of {plate}" for plate in self.names for name in POSE + RATES]
-        print(f"# creep = {creep:.6g}")
+        print(f"# creep = {creep:.6g}\n# lever = {MIDDLE}")
         print(
             ",".join(["t", *columns]), *(",".join(repr(float(value)) for value in row) for row in self.rows), sep="\n"
         )
@@ -416,11 +431,12 @@ class MotionRows:
         ]
         return sum(slips) / push - self.belt if push > 0.0 else None
 
-    def write(self, creep: float) -> None:
+    def write(self, creep: float, lever: float = 0.0) -> None:
         """Print the motion as comma-separated values, with its cost and the slip (m/s) below which it counts as
-        sticking: `creep` from the engine's own law, plus what missing friction leaves."""
+        sticking: `creep` from the engine's own law, plus what missing friction leaves. Friction acts at the share
+        `lever` of an overlap from the plate; this is for slips that the suite computes from the poses."""
         cpu = time.process_time() - self.cpu_start
-        print(f"# creep = {creep + self._missing():.6g}")
+        print(f"# creep = {creep + self._missing():.6g}\n# lever = {lever:g}")
         lines = (",".join("" if value is None else repr(float(value)) for value in row) for row in self.rows)
         print(self.NAMES, *lines, sep="\n")
         print(f"# cost cpu_s={cpu:.6g} steps={len(self.rows)}")
