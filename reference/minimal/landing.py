@@ -217,7 +217,7 @@ class Landings:
 
     def _elsewhere(self, segment: Segment, start: Look, look: Look) -> Meeting | None:
         """A meeting before a look at another pair than the one at which the flight began; None if there is none."""
-        if not look.time > start.time or look.gap < ALONE * self._room(start.contact.xi1).gap:
+        if not look.time > start.time or max(look.gap, 0.0) < ALONE * self._room(start.contact.xi1).gap:
             return None
         motion = windows(partial(poses, segment), np.array([start.time, look.time]), self.size, self.degree)
         ends = np.sort([start.pair, look.pair], axis=0)

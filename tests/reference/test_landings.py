@@ -15,6 +15,7 @@ import pytest
 import reference
 from cases import (
     Case,
+    CoulombFriction,
     Curve,
     Flight,
     Gravity,
@@ -348,6 +349,23 @@ def test_a_contact_that_opens_more_slowly_than_its_gap_is_rounded_flies_off():
     motion ended as an accumulation of changes of mode at most tolerances."""
     motion = reference.simulate(rippled(1947).case, rtol=1e-10)
     assert (len(motion.transitions), motion.status) == (23, "completed")
+
+
+def test_a_hop_from_one_crest_may_end_on_the_next():
+    """Flight 871: where ripples bend more than the disc, it may land elsewhere before its hop ends where it began. That
+    was not searched for if the gap at the hop's end was a rounding below zero: here 1.7 µs and 0.6 nm too late."""
+    track = Curve(("s", "1.585e-8*sin(52807.4*s+6.260769393)"), (0.025, 0.034))
+    start = Start(0.02931086, 3.28121863, omega=-3.37083933, gap_rate=5.1e-5)
+    effects = (Gravity(G), Unilateral(), Flight(), CoulombFriction(0.3), Impact(0.5))
+    motion = reference.simulate(Case(track, disc(SIZE, 1.0), effects, start, 1.2e-5), rtol=1e-13)
+    landing = motion.transitions[0]
+    # Points 1e-8 m apart give a distance to 1e-15 m.
+    x, y = track.point(np.linspace(0.0292, 0.0295, 30_001))
+    for t in np.linspace(0.0, landing.time, 50):
+        state = motion(t)
+        apart = float(np.hypot(x - state.x, y - state.y).min()) - SIZE
+        assert apart > -1e-15
+    assert apart < 4e-15 and landing.xi1 > 0.0294
 
 
 def test_bouncing_over_ripples_rests_at_the_limit_of_its_impacts():
