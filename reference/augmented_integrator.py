@@ -114,20 +114,19 @@ class LiteralSystem:
     def outputs_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """The contact quantities in the order of `ContactQuantities`, each of shape (n,)."""
         columns = states.T.tolist()
-        if columns and contact_forces.fits(self.case):
+        in_contact = self.original is None and self.regime != FLIGHT
+        if columns and in_contact and contact_forces.fits(self.case, self.regime.turn):
             full = [full_state(self.case, self.phase, t, y) for t, y in zip(times.tolist(), columns, strict=True)]
             try:
-                return list(self._observed_at_once(full))
+                return list(self._observed_at_once(times.tolist(), full))
             except np.linalg.LinAlgError:
                 pass  # solved one by one below: those that are not singular have forces
         rows = [self._observe(t, y) for t, y in zip(times.tolist(), columns, strict=True)]
         return list(np.array(rows).reshape(-1, len(ContactQuantities._fields)).T)
 
-    def _observed_at_once(self, states: Sequence[Sequence[float]]) -> Iterator[np.ndarray]:
-        contact, mass = (
-            contact_forces.contacts(self.case, self.regime.mode, states, self.regime.side),
-            self.case.plate.mass,
-        )
+    def _observed_at_once(self, times: Sequence[float], states: Sequence[Sequence[float]]) -> Iterator[np.ndarray]:
+        mode, side, turn = self.regime
+        contact, mass = contact_forces.contacts(self.case, mode, states, side, turn, times), self.case.plate.mass
         yield np.zeros(len(states)) if self.regime.mode in WITHOUT_SLIP else contact.slip
         yield from (contact.theta_dot, contact.normal_force / mass, contact.friction_force / mass)
 

@@ -2,8 +2,7 @@
 
 A trajectory has thousands of samples between its steps, and their arithmetic takes a tenth of the time of separate
 NumPy calls. Products of matrices stay products of matrices, so that rounding is the same as in `augmented`. Only for
-contacts without load, belt and rolling resistance, whose matrices have one size and whose torsor is the same, and for a
-constant coefficient of friction.
+a track at rest and without the user's own effects.
 """
 
 from __future__ import annotations
@@ -14,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, CoulombFriction, Load, Mode, RollingResistance
+from cases import Case, CoulombFriction, Drive, Load, Mode, RollingResistance
 from cases.own_effects import own_effects
 
-from .augmented import fill
-from .kinematics import I2, U
+from .augmented import SIGN, THETA_ROW, applied_torsor, fill
+from .kinematics import I2, U, belt_of
 
 
 class Contacts(NamedTuple):
@@ -30,50 +29,94 @@ class Contacts(NamedTuple):
     friction_force: np.ndarray
 
 
-def fits(case: Case) -> bool:
-    """Whether `contacts` covers all forces on the case's plate."""
-    friction = case.effect(CoulombFriction)
-    constant = (friction is None or not friction.by_speed) and not own_effects(case.effects)
-    return constant and case.plate.turns and all(case.effect(kind) is None for kind in (Belt, Load, RollingResistance))
+def fits(case: Case, turn: int | None) -> bool:
+    """Whether `contacts` covers all forces on the case's plate. With rolling resistance only for a known sense of the
+    rotation: without, it would be each instant's own."""
+    return (
+        case.effect(Drive) is None
+        and not own_effects(case.effects)
+        and (turn is not None or case.effect(RollingResistance) is None)
+    )
 
 
-def contacts(case: Case, mode: Mode, states: Sequence[Sequence[float]], side: int = 1) -> Contacts:
-    """Slip, spin and contact forces by (27) in each state (ξ₁, ξ₂, ξ̇₁, ξ̇₂); `side` as in `fill`.
+def contacts(
+    case: Case,
+    mode: Mode,
+    states: Sequence[Sequence[float]],
+    side: int = 1,
+    turn: int | None = None,
+    times: Sequence[float] | None = None,
+) -> Contacts:
+    """Slip, spin and contact forces by (27) in each state (ξ₁, ξ₂, ξ̇₁, ξ̇₂), followed by θ (rad) if a load counts whole
+    turns; `side` and `turn` as in `fill`, `times` (s; None: zero) are for loads and belts.
 
     Raises numpy.linalg.LinAlgError if (27) is singular in one of them.
     """
+    times = [0.0] * len(states) if times is None else times
     xi1, xi2, *speeds = zip(*states, strict=True)
     R, Rp, Rs, Rt = np.array([case.track.jet(s) for s in xi1]).reshape(-1, 4, 2).swapaxes(0, 1)  # (1)
     r, rp, rs, rt = np.array([case.plate.outline.jet(s) for s in xi2]).reshape(-1, 4, 2).swapaxes(0, 1)  # (2)
     theta = [atan2(*p) - atan2(*q) for p, q in zip(Rp[:, ::-1].tolist(), rp[:, ::-1].tolist(), strict=True)]  # (6)
-    turn = np.array([[[cos(a), -sin(a)], [sin(a), cos(a)]] for a in theta])  # (3)
-    u1, u2 = (np.array(column) for column in speeds)
-    along, bent = _times(turn, rp), _times(turn, rs)
+    rotation = np.array([[[cos(a), -sin(a)], [sin(a), cos(a)]] for a in theta])  # (3)
+    u1, u2 = (np.array(column) for column in speeds[:2])
+    along, bent = _times(rotation, rp), _times(rotation, rs)
     w = (u1 * _dot(Rs @ U, along) + u2 * _dot(Rp @ U, bent)) / _dot(Rp, along)  # (9)
-    slip = _dot(Rp, u1[:, None] * Rp - u2[:, None] * along) / np.hypot(*Rp.T)  # (12), (13)
-    # M, F, the ratio of the forces and the zeros are the same in all of them.
-    first = fill(case, mode, states[0], side)
-    ratio, rolls = first.ratio, first.rolls
-    matrix, right = np.repeat(first.matrix[None], len(w), axis=0), np.repeat(first.right[None], len(w), axis=0)
-    _constrain(matrix, right, turn, (Rp, Rs, Rt), (r, rp, rs, rt), (u1, u2, w))
-    Rp_tilde = _times(I2 - ratio * U, Rp)  # (32), (33)
+    belt, belt_rate = np.array([belt_of(case, time) for time in times]).T
+    slip = _dot(Rp, u1[:, None] * Rp - u2[:, None] * along) / np.hypot(*Rp.T) - belt  # (12), (13)
+    # M, the arm of the resistance, the rows of a fixed rotation and the zeros are the same in all of them.
+    first = fill(case, mode, states[0], side, turn, times[0])
+    matrix, right = (np.repeat(part[None], len(w), axis=0) for part in _with_rotation(first.matrix, first.right, case))
+    _constrain(matrix, right, rotation, (Rp, Rs, Rt), (r, rp, rs, rt), (u1, u2, w))
+    if case.effect(Load) is not None:
+        arm = _times(rotation, r)
+        angles = speeds[2] if len(speeds) > 2 else case.track.tangent_angle(xi1) - case.plate.outline.tangent_angle(xi2)
+        velocity = u1[:, None] * Rp - w[:, None] * (arm @ U.T) - u2[:, None] * along  # (8)
+        motion = np.column_stack([times, R - arm, angles, velocity, w])
+        right[:, :3] = [applied_torsor(case, row) for row in motion.tolist()]
+    ratio, size = _ratios(case, mode, side, slip, first.ratio), np.sqrt(_dot(Rp, Rp))
+    Rp_tilde = _times(I2 - np.multiply.outer(ratio, U), Rp)  # (32), (33)
     matrix[:, :2, 5] = -(Rp_tilde @ U.T)
-    matrix[:, 2, 5] = -_dot((Rp_tilde[:, None, :] @ turn)[:, 0], r)
-    if rolls:
-        matrix[:, :2, 6], matrix[:, 2, 6] = -Rp, -_dot(_times(U @ turn, r), Rp)
+    matrix[:, 2, 5] = -(_dot((Rp_tilde[:, None, :] @ rotation)[:, 0], r) + first.arm * size)
+    if first.rolls:
+        matrix[:, :2, 6], matrix[:, 2, 6] = -Rp, -_dot(_times(U @ rotation, r), Rp)
         matrix[:, 6, 3], matrix[:, 6, 4] = _dot(Rp, Rp), -_dot(Rp, along)
         S_dot = u1 * _dot(Rs, along) + _dot(Rp, w[:, None] * (along @ U.T) + u2[:, None] * bent)
-        right[:, 6] = u2 * S_dot - 2 * u1**2 * _dot(Rp, Rs)
-    multipliers = np.linalg.solve(matrix, right[:, :, None])[:, 5:, 0]
-    size = np.sqrt(_dot(Rp, Rp))
+        bend = _dot(Rp, Rs)
+        right[:, 6] = u2 * S_dot - 2 * u1**2 * bend + (size * belt_rate + belt * u1 * bend / size)
+    multipliers = _multipliers(matrix, right, case)
     normal = multipliers[:, 0] * size
-    return Contacts(slip, w, normal, multipliers[:, 1] * size if rolls else ratio * normal)
+    friction = multipliers[:, 1] * size if first.rolls else ratio * normal
+    return Contacts(slip, np.zeros(len(w)) if first.rotation_fixed else w, normal, friction)
+
+
+def _ratios(case: Case, mode: Mode, side: int, slip: np.ndarray, first: float) -> np.ndarray | float:
+    """μ of (30) with its sign, as of `augmented.friction_ratio`; `first`: that of the first state."""
+    friction = case.effect(CoulombFriction)
+    if friction is None or mode not in SIGN or not friction.by_speed:
+        return first
+    return SIGN[mode] * side * np.asarray(friction.at(-SIGN[mode] * slip))
+
+
+def _with_rotation(matrix: np.ndarray, right: np.ndarray, case: Case) -> tuple[np.ndarray, np.ndarray]:
+    """(27) with a row and a column of θ̈, which it lacks for a plate of infinite inertia: zeros there."""
+    if case.plate.turns:
+        return matrix, right
+    wide = np.insert(np.insert(matrix, THETA_ROW, 0.0, axis=0), THETA_ROW, 0.0, axis=1)
+    return wide, np.insert(right, THETA_ROW, 0.0)
+
+
+def _multipliers(matrix: np.ndarray, right: np.ndarray, case: Case) -> np.ndarray:
+    """The multipliers of each system, without the row and the column of θ̈ for a plate of infinite inertia."""
+    if not case.plate.turns:
+        matrix = np.delete(np.delete(matrix, THETA_ROW, axis=1), THETA_ROW, axis=2)
+        right = np.delete(right, THETA_ROW, axis=1)
+    return np.linalg.solve(matrix, right[:, :, None])[:, 5 if case.plate.turns else 4 :, 0]
 
 
 def _constrain(
     matrix: np.ndarray,
     right: np.ndarray,
-    turn: np.ndarray,
+    rotation: np.ndarray,
     track: tuple[np.ndarray, ...],
     outline: tuple[np.ndarray, ...],
     rates: tuple[np.ndarray, ...],
@@ -82,7 +125,7 @@ def _constrain(
     (Rp, Rs, _), (u1, u2, w) = track, rates
     # By Python's power, as in `augmented`: NumPy's square rounds differently.
     u1_square, u2_square, w_square = (np.array([value**2 for value in rate.tolist()]) for rate in rates)
-    outline_rows = turn @ np.stack(outline, axis=1).swapaxes(1, 2)
+    outline_rows = rotation @ np.stack(outline, axis=1).swapaxes(1, 2)
     rows = np.stack(track, axis=1)
     (_, S, p_s, _), (_, s_p, *_), _ = np.moveaxis(rows @ outline_rows, 0, -1)
     (_, p_Up, G, p_Ut), (_, E, s_Us, _), (_, t_Up, *_) = np.moveaxis(rows @ U @ outline_rows, 0, -1)

@@ -31,9 +31,9 @@ from cases.trajectory import State
 from reference.augmented_integrator import ContactQuantities, LiteralSystem
 from reference.minimal.elimination import Elimination
 from reference.minimal.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning
+from reference.paper import contact_forces
 from reference.paper.augmented import augmented_system, condition, flight_acceleration, solve_full_system, uniqueness
-from reference.paper.contact_forces import contacts
-from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate, slip_velocity
+from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate
 from tests.scenes.elliptic import elliptic_scenes, examples
 
 
@@ -108,26 +108,6 @@ def test_the_two_forms_of_the_slip_velocity_agree(case):
     assert slip_vector(k) == pytest.approx(slip_vector_of_plate(k), abs=1e-12)
     assert slip_vector(k) @ k.Rp / np.linalg.norm(k.Rp) == pytest.approx(case.start.slip, abs=1e-12)
     assert k.theta_dot == pytest.approx(case.start.omega, abs=1e-11)
-
-
-@given(elliptic_scenes)
-@examples(10, 40)
-def test_many_instants_at_once_tell_what_each_tells_alone(case):
-    case = replace(case, effects=tuple(e for e in case.effects if not isinstance(e, Load | RollingResistance)))
-    for mode in modes(case) - {Mode.REST}:
-        first = np.array(_state(case, mode))
-        states = [first + share * np.array([0.1, -0.2, 0.3, 0.5]) for share in (0.0, 0.5, 1.0)]
-        if mode is Mode.ROLL:
-            states = [np.array([*y[:3], without_slip(case, 0.0, *y[:3])]) for y in states]
-        at_once = contacts(case, mode, [tuple(y.tolist()) for y in states])
-        for place, y in enumerate(states):
-            alone, k = solve_full_system(case, mode, y), kinematics(case, *y)
-            # The same sums in the same order; where a library multiplies matrices in another one, their rounding.
-            size = abs(alone.normal_force) + abs(alone.friction_force)
-            assert at_once.normal_force[place] == pytest.approx(alone.normal_force, abs=1e-10 * size)
-            assert at_once.friction_force[place] == pytest.approx(alone.friction_force, abs=1e-10 * size)
-            assert at_once.theta_dot[place] == pytest.approx(k.theta_dot, rel=1e-12, abs=1e-12)
-            assert at_once.slip[place] == pytest.approx(slip_velocity(k), rel=1e-12, abs=1e-12)
 
 
 @given(elliptic_scenes)
@@ -207,6 +187,37 @@ def _agrees(case):
         assert ours == pytest.approx(
             theirs, abs=10 * scale
         )  # couples are over a radius of gyration of a tenth of a metre
+
+
+SEVERAL_TIMES = (0.0, 0.3, 0.7)
+
+
+def check_at_once(case):
+    """Asserts that (27) gives at many instants at once what it gives at each alone."""
+    for now, y in phases(case):
+        literal = LiteralSystem(case, now)
+        states = np.array([y, *(np.array(y) * share for share in (1.01, 0.98))])
+        assert contact_forces.fits(case, now.regime.turn)
+        alone = np.array([literal._observe(t, y) for t, y in zip(SEVERAL_TIMES, states.tolist(), strict=True)]).T
+        at_once = literal.outputs_of_arrays(np.array(SEVERAL_TIMES), states.T)
+        # The same sums in the same order; where a library multiplies matrices in another one, their rounding.
+        force = np.abs(alone[2:]).sum(axis=0)
+        for name, own, other in zip(ContactQuantities._fields, at_once, alone, strict=True):
+            size = force if name in ("normal", "friction") else 1e-2
+            assert np.all(np.abs(own - other) <= 1e-10 * size), name
+
+
+@given(scenes_with_effects())
+@examples(10, 40)
+def test_many_instants_at_once_give_what_each_gives_alone(case):
+    check_at_once(case)
+
+
+@pytest.mark.parametrize(
+    "name", ["block_on_viscous_ramp", "disc_on_conveyor", "ellipse_on_surging_belt", "stribeck_disc", "slider_on_belt"]
+)
+def test_many_instants_at_once_on_belts_with_friction_by_speed_and_without_rotation(name):
+    check_at_once(cases.select(name)[0])
 
 
 def _at_once(y):
