@@ -25,24 +25,38 @@ class Losses(NamedTuple):
     by_law: float
 
 
+INDETERMINATE = Losses(np.nan, np.nan)
+
+
 def friction_factor(case: Case, motion: Trajectory, truth: Losses, end: float) -> float:
     """The energy lost up to the time `end`, relative to what the law of friction takes from this motion: 1 for the law,
     60 for an engine whose friction (and other losses) is 60 times as large. `truth`: the losses of the true motion.
 
     NaN where the losses are unknown, and where friction takes almost nothing from the truth or from the motion.
     """
-    own = losses(case, motion if motion.dense is None else _at_even_times(motion), end)
-    is_known = np.isfinite(own.by_law) and np.isfinite(truth.by_law)
-    if not is_known or own.by_law <= _LEAST_SLIP * truth.by_law or truth.by_law <= 0.0:
+    if not 0.0 < truth.by_law < np.inf:  # NaN too
         return np.nan
-    return own.actual / own.by_law
+    own = _losses_of_any(case, motion, end)
+    return own.actual / own.by_law if _LEAST_SLIP * truth.by_law < own.by_law < np.inf else np.nan
 
 
 def losses_of_truth(case: Case, truth: Trajectory) -> Losses:
     """The losses of the true motion; `by_law` is NaN where friction takes almost nothing."""
-    own = losses(case, _at_even_times(truth), float(truth.t[-1]))
+    own = _losses_of_any(case, truth, float(truth.t[-1]))
     largest = float(np.max(kinetic_energy(case, truth)))
     return own if own.by_law > _LEAST_LOSS * largest else Losses(own.actual, np.nan)
+
+
+def _losses_of_any(case: Case, motion: Trajectory, end: float) -> Losses:
+    """The losses of a motion, which is sampled only if they can be known."""
+    if not _has_losses(case, motion):
+        return INDETERMINATE
+    return losses(case, motion if motion.dense is None else _at_even_times(motion), end)
+
+
+def _has_losses(case: Case, motion: Trajectory) -> bool:
+    """Whether the losses follow from the momentum: with Coulomb friction, a track at rest and one contact."""
+    return case.effect(CoulombFriction) is not None and case.effect(Drive) is None and len(motion.contact_names) == 1
 
 
 def _at_even_times(motion: Trajectory) -> Trajectory:
@@ -61,14 +75,9 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
     """
     friction, resistance = case.effect(CoulombFriction), case.effect(RollingResistance)
     inside = motion.t <= end
-    if (
-        friction is None
-        or case.effect(Drive) is not None
-        or len(motion.contact_names) > 1
-        or inside.sum() < 2
-        or not np.isfinite(motion.xi1[inside]).all()
-    ):
-        return Losses(np.nan, np.nan)
+    in_contact = inside.sum() >= 2 and np.isfinite(motion.xi1[inside]).all()
+    if friction is None or not _has_losses(case, motion) or not in_contact:
+        return INDETERMINATE
     h = np.diff(motion.t[inside])
     vx, vy, omega, slip, xi1 = (getattr(motion, name)[inside] for name in ("vx", "vy", "omega", "slip", "xi1"))
     load = applied_forces(case, motion, inside).T

@@ -6,6 +6,7 @@ Pure functions; SI units.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 from math import isfinite, nan
 from typing import NamedTuple
@@ -74,8 +75,10 @@ def rest_time(case: Case, motion: Trajectory) -> float:
     return float(t[moving[-1] + 1]) if moving[-1] + 1 < len(t) else nan
 
 
+@lru_cache(maxsize=2)
 def _samples(motion: Trajectory) -> tuple[np.ndarray, State]:
-    """Times and states of a motion: at its own samples, or at even times if its steps are few."""
+    """Times and states of a motion: at its own samples, or at even times if its steps are few. Cached, as all motions
+    of a case are compared with one truth."""
     if motion.dense is None:
         return motion.t, State(*(getattr(motion, name) for name in State._fields))
     t = np.linspace(motion.t[0], motion.t[-1], _EVEN)

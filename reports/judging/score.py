@@ -102,9 +102,15 @@ class Score(NamedTuple):
     missing: bool
 
 
-def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls: Mapping[str, Trajectory]) -> Scale:
+def scale_of(
+    case: Case,
+    truth: Trajectory,
+    events: Sequence[Transition],
+    nulls: Mapping[str, Trajectory],
+    losses: Losses | None = None,
+) -> Scale:
     """The scale of a case: `truth` is its motion, known at every time, `events` its transitions, `nulls` its null
-    motions by name."""
+    motions by name; `losses`: those of the truth, by default `losses_of_truth`."""
     end = float(truth.t[-1])
     state = truth(np.linspace(0.0, end, _EVEN))
     path = max(_path(plate, own) for plate, own in _plates(case, truth, np.linspace(0.0, end, _EVEN), state))
@@ -139,7 +145,7 @@ def scale_of(case: Case, truth: Trajectory, events: Sequence[Transition], nulls:
         slips=slips,
         either=either,
         fastest_slip=fastest_slip,
-        losses=losses_of_truth(case, truth),
+        losses=losses_of_truth(case, truth) if losses is None else losses,
         null_motion=nearest,
         share=pose / path if moves else np.inf,
         most_creep=_MOST_CREEP * max(fastest_slip, _fastest_slip(nulls[nearest]) if nearest else 0.0),

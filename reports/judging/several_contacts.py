@@ -17,6 +17,7 @@ from cases.trajectory import CONTACT, ContactColumns
 
 from . import ledger
 from .distances import differences
+from .friction_factor import INDETERMINATE
 from .ledger import LedgerRow
 from .score import Scale, Score, scale_of, score_and_reading
 from .slip_phases import RESOLVABLE_GAPS, Reading
@@ -44,7 +45,8 @@ def scales(
 ) -> dict[str, Scale]:
     """The scale of each contact of the truth, by its name; `events`: the truth's transitions."""
     return {
-        name: scale_of(case, truth.of(name), of_contact(events, name), _matched(truth, nulls, name))
+        # The losses of a motion with several contacts are not known.
+        name: scale_of(case, truth.of(name), of_contact(events, name), _matched(truth, nulls, name), INDETERMINATE)
         for name in truth.contact_names
     }
 
