@@ -233,12 +233,14 @@ class Trajectory:
             raise unknown_name("contact of the motion", str(contact), self.contact_names)
         if self.contact_columns is None:
             return self
-        now = self._columns(contact, None)
+        # The ranges of open forces may take long to compute, and are no part of the motion of one contact.
+        columns = getattr(self.contact_columns, "without_ranges", self.contact_columns)
+        now = columns(contact, None)
         transitions = tuple(t for t in self.transitions if t.contact == contact)
         return replace(
             self, slip=now.slip, normal_force=now.normal_force, friction_force=now.friction_force, xi1=now.xi1,
             xi2=now.xi2, transitions=transitions, first_mode=self._first_mode_of(contact, transitions, now.slip),
-            dense=self.dense and _OneContact(self.dense, self.contact_columns, contact),
+            dense=self.dense and _OneContact(self.dense, columns, contact),
             contact_names=(contact,), contact_columns=None,
         )  # fmt: skip
 

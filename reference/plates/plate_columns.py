@@ -16,7 +16,7 @@ from cases.trajectory import ContactColumns
 from ..minimal.integrators.segment import Segment, blocks
 from ..several import forces
 from .group_decision import groups, load_and_units, plates_in
-from .plate_places import place, places
+from .plate_places import coordinates, places
 from .plates_phase import PlatesPhase, moving_contacts, regime_of
 from .plates_system import COLUMNS
 
@@ -83,10 +83,9 @@ class AllPlateContacts:
 def contact_columns(case: Case, now: PlatesPhase, times: np.ndarray, y: np.ndarray, number: int) -> ContactColumns:
     """One contact of a phase at some instants; `y` (variables, n)."""
     regime, none, nothing = regime_of(now), np.full(times.shape, np.nan), np.zeros(times.shape)
-    at = [place(case, number, state) for state in y.T]
-    xi1, xi2 = (np.unwrap([getattr(one, name) for one in at]) for name in ("xi1", "xi2"))
+    gap, *parameters = coordinates(case, number, y)
+    xi1, xi2 = map(np.unwrap, parameters)
     if number not in regime.closed:
-        gap = np.array([one.gap for one in at])
         return ContactColumns(gap, none, nothing, nothing, xi1, xi2, *np.zeros((2, 2, len(times))))
     moving = moving_contacts(case, regime)
     k = next((k for k, (other, _) in enumerate(moving) if other == number), None)
@@ -115,9 +114,8 @@ def _rest_ranges(case: Case, now: PlatesPhase, state: np.ndarray, number: int) -
 
 @lru_cache(maxsize=64)
 def _group_ranges(case: Case, group: tuple[int, ...], state: bytes) -> forces.ForceRanges:
-    """The ranges of the forces of some contacts of plates at rest, computed once for all contacts and all times: four
-    linear programs for each contact. `state`: the variables' bytes, because keys that are equal may differ in the sign
-    of a zero."""
+    """The ranges of the forces of some contacts of plates at rest, computed once for all contacts and all times.
+    `state`: the variables' bytes, because keys that are equal may differ in the sign of a zero."""
     at = places(case, group, np.frombuffer(state))
     load, units = load_and_units(case, plates_in(case, group))
     limits = forces.ranges(at, load, units, [one.stick for one in at])

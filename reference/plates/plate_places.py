@@ -99,6 +99,28 @@ def place(case: Case, number: int, state: Sequence[float] | np.ndarray) -> Plate
     return PlateContactPlace(contact, gap, (-ty, tx), xi1, xi2, lift_row, slip_row, lift_bias, slip_bias)
 
 
+def coordinates(case: Case, number: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gap (m) and parameters of a contact in many states (variables, n): as of `place`, each of shape (n,)."""
+    contact, radii = plate_contacts(case)[number], numbers_of(case).radii
+    body, base = contact.body, contact.base
+    (x, y, theta), plates = states[3 * body : 3 * body + 3], plates_of(case)
+    if base is None:
+        assert contact.line is not None and contact.curve is not None
+        (px, py), (tx, ty) = contact.line.point, (float(v) for v in contact.line.direction)
+        gap = (y - py) * tx - (x - px) * ty - radii[body]
+        low = contact.curve.span[0]
+        xi1 = float(low) + ((x - px) * tx + (y - py) * ty) / float(contact.curve.speed(low))
+        inward = np.full(x.shape, np.arctan2(-tx, ty))
+    else:
+        u, v, turn = states[3 * base : 3 * base + 3]
+        distance = np.hypot(x - u, y - v)
+        gap = distance - radii[body] - radii[base]
+        nx, ny = (x - u) / distance, (y - v) / distance
+        xi1 = parameter(plates[base].outline, np.arctan2(ny, nx) - turn)
+        inward = np.arctan2(-ny, -nx)
+    return gap, xi1, parameter(plates[body].outline, inward - theta)
+
+
 def places(case: Case, numbers: Sequence[int], state: Sequence[float] | np.ndarray) -> list[PlateContactPlace]:
     """`place` for every contact."""
     return [place(case, number, state) for number in numbers]

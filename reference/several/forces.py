@@ -2,14 +2,17 @@
 
 A force inside Coulomb's cone is a sum of its two edges n ± μ t with weights that are not negative (a frictionless
 contact has the one edge n, one that slips n + ratio t). Equilibrium is three equations for the weights, so the
-admissible forces are a polytope: linear programs find whether it is empty and its ranges, and the last step solves the
-active equations, to rounding. A plate that belts move in a given way is in equilibrium with its inertial forces.
+admissible forces are a polytope. A linear program finds whether it is empty, and its vertices give its ranges. Where it
+has no bound or too many vertices, linear programs do, and the last step solves the active equations, to rounding. A
+plate that belts move in a given way is in equilibrium with its inertial forces.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, isinf, nan
+from functools import lru_cache
+from itertools import combinations
+from math import comb, inf, isinf, nan
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -19,6 +22,10 @@ import numpy as np
 ZERO = 1e-7
 # Ranges narrower than this part of the load are one value: HiGHS' tolerance is below it.
 UNIQUE = 1e-8
+# Vertices of a polytope: so many bases are tried all at once, in the time of a tenth of one linear program. Bases whose
+# determinant is below SINGULAR of their columns' sizes have no vertex (three forces on one line: a rounding); weights
+# above −FEASIBLE are positive, as HiGHS takes them.
+MOST_BASES, SINGULAR, FEASIBLE = 500, 1e-9, 1e-9
 
 
 class RowsOfContact(Protocol):
@@ -106,25 +113,74 @@ def margin(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, st
 def ranges(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, sticks: Sequence[Limit]) -> ForceRanges:
     """The ranges of the forces with which the contacts balance a load (N, N, N m); NaN if they cannot. `units` as of
     `margin`."""
-    from scipy.optimize import linprog
-
     columns, parts = _generators(now, sticks)
     matrix, right = columns * units[:, None], -load * units
     size = float(np.abs(right).max()) or 1.0
-    limits = np.full((len(now), 2, 2), nan)
-    for k in range(len(now)):
+    corners = _corners(matrix, right / size)
+    if len(corners):
+        forces = size * (parts @ corners.T)
+        limits = np.stack([forces.min(axis=2), forces.max(axis=2)], axis=2)
+    else:
+        limits = _limits_by_programs(matrix, right / size, parts, size)
+    return ForceRanges(limits[:, 0], limits[:, 1])
+
+
+def _corners(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The vertices (n, weights) of the weights that are not negative and solve the equations; none if the weights have
+    no bound, or if there are too many bases."""
+    count = matrix.shape[1]
+    if comb(count, min(len(matrix) + 1, count // 2)) > MOST_BASES:
+        return np.empty((0, count))
+    # Weights without bound contain a direction: weights of sum one that balance nothing.
+    nothing = np.append(np.zeros(len(matrix)), 1.0)
+    if len(_vertices(np.vstack([matrix, np.ones(count)]), nothing)):
+        return np.empty((0, count))
+    return _vertices(matrix, right)
+
+
+def _vertices(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The solutions x ≥ 0 of matrix x = right with as many weights as the equations' rank, shape (n, weights)."""
+    count = matrix.shape[1]
+    basis, sizes, _ = np.linalg.svd(matrix)
+    rank = int((sizes > SINGULAR * sizes[0]).sum())
+    if np.abs(basis[:, rank:].T @ right).max(initial=0.0) > FEASIBLE:
+        return np.empty((0, count))
+    rows, target = basis[:, :rank].T @ matrix, basis[:, :rank].T @ right
+    choices = _choices(count, rank)
+    squares = rows[:, choices].swapaxes(0, 1)
+    volume = np.prod(np.linalg.norm(squares, axis=1), axis=1)
+    regular = np.abs(np.linalg.det(squares)) > SINGULAR * volume
+    weights = np.linalg.solve(squares[regular], np.broadcast_to(target[:, None], (int(regular.sum()), rank, 1)))[..., 0]
+    admissible = weights.min(axis=1, initial=inf) >= -FEASIBLE
+    result = np.zeros((int(admissible.sum()), count))
+    np.put_along_axis(result, choices[regular][admissible], weights[admissible], axis=1)
+    return result
+
+
+@lru_cache(maxsize=64)
+def _choices(count: int, size: int) -> np.ndarray:
+    """All choices of so many columns, shape (choices, size)."""
+    return np.array(list(combinations(range(count), size)), dtype=int).reshape(-1, size)
+
+
+def _limits_by_programs(matrix: np.ndarray, right: np.ndarray, parts: np.ndarray, size: float) -> np.ndarray:
+    """The limits (contacts, 2, 2) of normal and friction force by linear programs."""
+    from scipy.optimize import linprog
+
+    limits = np.full((len(parts), 2, 2), nan)
+    for k in range(len(parts)):
         for which in range(2):
             for end, sign in enumerate((1.0, -1.0)):
                 goal = sign * parts[k, which]
-                answer = linprog(goal, A_eq=matrix, b_eq=right / size, bounds=(0.0, None))
+                answer = linprog(goal, A_eq=matrix, b_eq=right, bounds=(0.0, None))
                 if answer.status == 0:
                     active = answer.x > ZERO
-                    exact, *_ = np.linalg.lstsq(matrix[:, active], right / size, rcond=None)
+                    exact, *_ = np.linalg.lstsq(matrix[:, active], right, rcond=None)
                     close = np.abs(exact - answer.x[active]).max(initial=0.0) <= ZERO
                     limits[k, which, end] = size * (parts[k, which, active] @ (exact if close else answer.x[active]))
                 elif answer.status == 3:
                     limits[k, which, end] = -sign * inf
-    return ForceRanges(limits[:, 0], limits[:, 1])
+    return limits
 
 
 def values(ranges_of: np.ndarray, size: float) -> np.ndarray:

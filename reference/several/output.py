@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -37,7 +38,8 @@ class OneContactColumns(NamedTuple):
 class AllContacts:
     """The contacts of a motion: (name, times) -> ContactColumns; None instead of times: those of its samples.
 
-    `observe` gives the State of a phase with one contact at some times. It is pickled with all steps.
+    `observe` gives the State of a phase with one contact at some times. It is pickled with all steps. The ranges of
+    forces that are not unique take a search for vertices at every time: `without_ranges` leaves them NaN.
     """
 
     def __init__(self, case: Case, segments: list[Segment], transitions: Sequence[Transition], observe: Callable):
@@ -51,31 +53,34 @@ class AllContacts:
         names = {regime.names[k] for regime in regimes for k in regime.closed} | self.touched
         return tuple(sorted(names | {CONTACT}, key=_order))
 
-    def __call__(self, name: str, times: np.ndarray | None) -> ContactColumns:
+    def without_ranges(self, name: str, times: np.ndarray | None) -> ContactColumns:
+        """The same without the ranges of forces that are not unique."""
+        return self(name, times, with_ranges=False)
+
+    def __call__(self, name: str, times: np.ndarray | None, with_ranges: bool = True) -> ContactColumns:
         if times is None:
-            return _join([self._of(segment, name, segment.times) for segment in self.segments])
+            return _join([self._of(segment, name, segment.times, with_ranges) for segment in self.segments])
         columns = [np.empty(len(times)) for _ in OneContactColumns._fields] + [
             np.empty((2, len(times))) for _ in range(2)
         ]
         for i, block in blocks(np.array([segment.start for segment in self.segments]), times):
-            for column, values in zip(columns, self._of(self.segments[i], name, times[block]), strict=True):
+            part = self._of(self.segments[i], name, times[block], with_ranges)
+            for column, values in zip(columns, part, strict=True):
                 column[..., block] = values
         return ContactColumns(*columns)
 
-    def _of(self, segment: Segment, name: str, times: np.ndarray) -> ContactColumns:
+    def _of(self, segment: Segment, name: str, times: np.ndarray, with_ranges: bool) -> ContactColumns:
         y = segment.states(times)
         if not isinstance(segment.phase, SeveralPhase):
             return self._one_contact(segment, name, times, y)
         now = contact_states(self.case, segment.phase, times, y, name)
         normal, friction = (np.array([values, values]) for values in (now.normal_force, now.friction_force))
         open_forces = np.flatnonzero(np.isnan(now.normal_force) | np.isnan(now.friction_force))
-        results: dict[float, np.ndarray] = {}
-        for i in open_forces.tolist():
+        if with_ranges and len(open_forces):
             moves = bool(regime_of(segment.phase).guides) or depends_on_time(self.case)
-            key = float(times[i]) if moves else 0.0
-            if key not in results:
-                results[key] = force_ranges(self.case, segment, float(times[i]))[name]
-            normal[:, i], friction[:, i] = results[key]
+            for i in open_forces.tolist():
+                time = float(times[i if moves else open_forces[0]])
+                normal[:, i], friction[:, i] = force_ranges(self.case, segment, time)[name]
         return ContactColumns(*now, normal, friction)
 
     def _one_contact(self, segment: Segment, name: str, times: np.ndarray, y: np.ndarray) -> ContactColumns:
@@ -187,6 +192,7 @@ def observe(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray) -> 
     return State(x, y0, theta, vx, vy, omega, one.slip, one.normal_force, one.friction_force, one.xi1, one.xi2)
 
 
+@lru_cache(maxsize=2048)  # the times at which the columns of each contact in turn are computed
 def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray]:
     """For each closed contact at an instant: least and greatest normal force and friction force, shape (2, 2)."""
     now, state = cast(SeveralPhase, segment.phase), segment.states(np.array([t]))[:, 0]
