@@ -115,8 +115,9 @@ def rows_of(chosen: tuple[Case, ...], most: int, jobs: int) -> None:
                 assert row.outcome != "unsupported" or len(rows) == 1
 
 
-def test_case_has_a_row_for_every_route_a_result_or_a_reason():
-    rows_of((one("disc_in_cosine"),), most=1, jobs=1)
+def test_case_has_a_row_for_every_route_a_result_or_a_reason(in_process):
+    with in_process():
+        rows_of((one("disc_in_cosine"),), most=1, jobs=1)
 
 
 @pytest.mark.slow

@@ -61,11 +61,11 @@ def test_slip_is_that_of_the_place_where_friction_acts():
         motion_file.trajectory_of(case, motion_table.parse("# lever = 2\n" + text, "motion.csv"))
 
 
-@pytest.fixture
-def exported(tmp_path):
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory):
     """The true motion of a disc on a free disc, as `cases export` writes it; case and file."""
-    case = cases.load("disc_on_free_disc[mu=0.5]")
-    return case, next(path for path in export.export(case, tmp_path) if path.name == "motion.csv")
+    case, folder = cases.load("disc_on_free_disc[mu=0.5]"), tmp_path_factory.mktemp("exported")
+    return case, next(path for path in export.export(case, folder) if path.name == "motion.csv")
 
 
 def test_the_true_motion_is_read_back_with_a_pose_per_plate(exported):
