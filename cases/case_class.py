@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import sin
 from types import MappingProxyType
@@ -66,24 +66,15 @@ class Case:
         ) -> None: ...
 
     def __post_init__(self):
-        is_pose = isinstance(self.start, StartPose)
-        if isinstance(self.start, StartPose) and isinstance(self.track, Curve) and isinstance(self.plate, Plate):
-            with np.errstate(all="ignore"):
-                object.__setattr__(self, "start", as_start(self.start, self.track, self.plate.outline))
-        elif all(isinstance(a, b) for a, b in ((self.start, Start), (self.track, Curve), (self.plate, Plate))):
-            object.__setattr__(self, "start", from_flat_side(self.start, self.track, self.plate.outline))
-        for what, value, kind in (
-            ("track", self.track, Curve),
-            ("plate", self.plate, Plate),
-            ("start", self.start, Start),
+        for what, value, kinds in (
+            ("track", self.track, (Curve,)),
+            ("plate", self.plate, (Plate,)),
+            ("start", self.start, (Start, StartPose)),
         ):
-            if not isinstance(value, kind):
-                raise BadValue(f"the {what} of a case is {value!r}; give a {kind.__name__}")
+            if not isinstance(value, kinds):
+                raise BadValue(f"the {what} of a case is {value!r}; give a {kinds[0].__name__}")
         object.__setattr__(self, "effects", effects.check_formula(self.effects))
-        belt = self.effect(effects.Belt)
-        if is_pose and belt is not None:  # the velocities of a pose are not relative to the belt
-            check_belt(belt)
-            object.__setattr__(self, "start", replace(self.start, slip=self.start.slip - belt.at(0.0)[0]))
+        object.__setattr__(self, "start", self._checked_start())
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
         object.__setattr__(self, "parameters", _check_parameters(self.parameters))
         _check_name(self.name)
@@ -100,6 +91,13 @@ class Case:
                 _check_start_at_supports(self)
             if self.others:
                 check_places(self)
+
+    def _checked_start(self) -> Start:
+        """The start by contact parameters; of a pose that of its nearest point."""
+        if isinstance(self.start, StartPose):
+            with np.errstate(all="ignore"):
+                return as_start(self.start, self.track, self.plate.outline, self.effects)
+        return from_flat_side(self.start, self.track, self.plate.outline)
 
     def __hash__(self) -> int:
         return self._hash

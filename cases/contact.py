@@ -119,7 +119,7 @@ def slip_velocity(case: Case, x, y, vx, vy, omega, xi1, t=None):
     if t is None and (case.effect(Belt) is not None or case.effect(Drive) is not None):
         raise BadValue("the track or its surface moves; give the times t to slip_velocity")
     if case.effect(Drive) is not None:
-        x, y, vx, vy, omega = _in_track_frame(track_place(case, t), x, y, vx, vy, omega)
+        x, y, vx, vy, omega = track_place(case, t).seen_from_track(x, y, vx, vy, omega)
     slip = geometry.slip_velocity(case.track, x, y, vx, vy, omega, xi1)
     return slip if t is None else slip - belt_speed(case, t)
 
@@ -129,16 +129,8 @@ def in_track_frame(case: Case, t, x, y, theta):
     if case.effect(Drive) is None:
         return x, y, theta
     place = track_place(case, t)
-    seen_x, seen_y, *_ = _in_track_frame(place, x, y, 0.0, 0.0, 0.0)
+    seen_x, seen_y, *_ = place.seen_from_track(x, y, 0.0, 0.0, 0.0)
     return seen_x, seen_y, theta - place.angle
-
-
-def _in_track_frame(place: TrackPlace, x, y, vx, vy, omega):
-    """Place, velocity and spin as the track sees them."""
-    c, s = np.cos(place.angle), np.sin(place.angle)
-    dx, dy = x - place.x, y - place.y
-    ux, uy = vx - place.vx + place.spin * dy, vy - place.vy - place.spin * dx
-    return c * dx + s * dy, c * dy - s * dx, c * ux + s * uy, c * uy - s * ux, omega - place.spin
 
 
 def clearance(case: Case, xi1, xi2):

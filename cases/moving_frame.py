@@ -134,14 +134,5 @@ class _SeenFromTrack(_View):
 
     def move(self, when: np.ndarray, state: State) -> State:
         place = track_place(self.case, when)
-        c, s = np.cos(place.angle), np.sin(place.angle)
-        dx, dy = state.x - place.x, state.y - place.y
-        ux, uy = state.vx - place.vx + place.spin * dy, state.vy - place.vy - place.spin * dx
-        return state._replace(
-            x=c * dx + s * dy,
-            y=c * dy - s * dx,
-            theta=state.theta - place.angle,
-            vx=c * ux + s * uy,
-            vy=c * uy - s * ux,
-            omega=state.omega - place.spin,
-        )
+        x, y, vx, vy, omega = place.seen_from_track(state.x, state.y, state.vx, state.vy, state.omega)
+        return state._replace(x=x, y=y, theta=state.theta - place.angle, vx=vx, vy=vy, omega=omega)

@@ -91,6 +91,13 @@ class TrackPlace(NamedTuple):
     ay: float
     swing: float
 
+    def seen_from_track(self, x, y, vx, vy, omega):
+        """Place, velocity and spin (m, m/s, rad/s) in the track's frame, of numbers or arrays in the fixed frame."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        dx, dy = x - self.x, y - self.y
+        ux, uy = vx - self.vx + self.spin * dy, vy - self.vy - self.spin * dx
+        return c * dx + s * dy, c * dy - s * dx, c * ux + s * uy, c * uy - s * ux, omega - self.spin
+
 
 @dataclass(frozen=True)
 class Drive:

@@ -64,12 +64,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
             f"{RATIO:g} times"
         )
     _check_load(track, plate, one(effects, Load), start)
-    drive = one(effects, Drive)
-    if drive and not all(isfinite(value) and abs(value) <= ENORMOUS for value in drive.at(0.0)):
-        raise BadValue(
-            f"Drive or its rates have no value up to {ENORMOUS:g} where the motion begins; give formulas that have "
-            "values at t = 0"
-        )
+    check_drive(one(effects, Drive))
     check_belt(one(effects, Belt))
     numbers = {"g of Gravity": gravity.g if gravity else 0.0, "duration of the case": duration}
     _check_numbers(numbers)
@@ -126,4 +121,13 @@ def check_belt(belt: Belt | None) -> None:
     if belt is not None and not all(isfinite(value) and abs(value) <= ENORMOUS for value in belt.at(0.0)):
         raise BadValue(
             f"speed of Belt or its rate has no value up to {ENORMOUS:g} where the motion begins; give one at t = 0"
+        )
+
+
+def check_drive(drive: Drive | None) -> None:
+    """Raise BadValue unless a drive has values of ordinary size where the motion begins."""
+    if drive is not None and not all(isfinite(value) and abs(value) <= ENORMOUS for value in drive.at(0.0)):
+        raise BadValue(
+            f"Drive or its rates have no value up to {ENORMOUS:g} where the motion begins; give formulas that have "
+            "values at t = 0"
         )

@@ -11,8 +11,10 @@ from . import geometry, piece_contact
 from .chain import Chain
 from .corner import Corner, Edge
 from .curves import Curve
+from .effects import Belt, Drive, Effect, one
 from .errors import BadValue, DoesNotFit, finite
 from .line_or_circle import as_line
+from .size_limits import check_belt, check_drive
 from .start import Start
 
 # A gap below this part of the plate's size and place is the rounding of a pose: the plate touches its track. A velocity
@@ -26,8 +28,9 @@ TRACK_SAMPLES, OUTLINE_SAMPLES = 2_000, 721
 class StartPose:
     """The plate's pose and velocities at time zero: centre of mass (m), angle (rad), m/s, rad/s.
 
-    A case stores it as the `Start` of the nearest point of the track: in contact if the gap is rounding, else off the
-    track, which needs Flight. Raises BadValue for values that are no finite numbers.
+    They are those of the fixed frame, also where a Belt or a Drive moves the track. A case stores it as the `Start` of
+    the nearest point of the track: in contact if the gap is rounding, else off the track, which needs Flight. Raises
+    BadValue for values that are no finite numbers.
     """
 
     x: float
@@ -42,28 +45,40 @@ class StartPose:
             object.__setattr__(self, name, finite(f"{name} of StartPose", getattr(self, name)))
 
 
-def as_start(pose: StartPose, track: Curve, outline: Curve) -> Start:
-    """The same start by the contact parameters of the nearest points. Raises DoesNotFit where they are not found."""
-    x, y, theta = pose.x, pose.y, pose.theta
-    contact = min(_contacts(track, outline, x, y, theta), key=lambda contact: contact.gap, default=None)
+def as_start(pose: StartPose, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> Start:
+    """The same start by the contact parameters of the nearest points, with the slip relative to a track that moves by
+    these effects. Raises DoesNotFit where the points are not found, BadValue for a motion without values at t = 0."""
+    belt, drive, seen = one(effects, Belt), one(effects, Drive), pose
+    check_belt(belt)
+    check_drive(drive)
+    if drive is not None:
+        place = drive.at(0.0)
+        x, y, *velocities = place.seen_from_track(pose.x, pose.y, pose.vx, pose.vy, pose.omega)
+        seen = StartPose(x, y, pose.theta - place.angle, *velocities)
+    contact = min(_contacts(track, outline, seen.x, seen.y, seen.theta), key=lambda contact: contact.gap, default=None)
     if contact is None:
         raise DoesNotFit("the point of the track nearest to the StartPose is not found; give a Start instead")
-    place, (tx, ty) = track.point(contact.xi1), track.tangent(contact.xi1)
-    nx, ny, gap = -ty, tx, contact.gap
-    px, py = place[0] + gap * nx, place[1] + gap * ny
-    vx, vy = pose.vx - pose.omega * (py - y), pose.vy + pose.omega * (px - x)
-    slip, rate = float(vx * tx + vy * ty), float(vx * nx + vy * ny)
-    size = outline.sizes[0]
-    if abs(gap) <= TOUCHES * (abs(x) + abs(y) + size):
+    slip, rate = _velocities(seen, track, contact)
+    slip, gap = slip - (belt.at(0.0)[0] if belt else 0.0), contact.gap
+    # What is left of larger numbers that cancel is rounding.
+    size, both = outline.sizes[0], (pose, seen)
+    if abs(gap) <= TOUCHES * (max(abs(p.x) + abs(p.y) for p in both) + size):
         gap = 0.0
-    fastest = hypot(pose.vx, pose.vy) + size * abs(pose.omega)
-    if abs(rate) <= TOUCHES * fastest:
-        rate = 0.0
-    angle = float(geometry.pose(track, outline, contact.xi1, contact.xi2)[2]) - theta
+    fastest = max(hypot(p.vx, p.vy) + size * abs(p.omega) for p in both)
+    slip, rate = (0.0 if abs(speed) <= TOUCHES * fastest else speed for speed in (slip, rate))
+    angle = float(geometry.pose(track, outline, contact.xi1, contact.xi2)[2]) - seen.theta
     rounds = round(angle / (2.0 * pi)) * (outline.period or 0.0)  # so that the angle is the given one
     if gap < 0.0:
         raise DoesNotFit(f"the plate overlaps its track by {-gap:.6g} m in the StartPose; give another one")
     return Start(contact.xi1, contact.xi2 + rounds, slip, pose.omega, gap, rate)
+
+
+def _velocities(pose: StartPose, track: Curve, contact: geometry.Contact) -> tuple[float, float]:
+    """The velocities of the outline's point along the track and away from it (m/s)."""
+    place, (tx, ty) = track.point(contact.xi1), track.tangent(contact.xi1)
+    px, py = place[0] - contact.gap * ty, place[1] + contact.gap * tx
+    vx, vy = pose.vx - pose.omega * (py - pose.y), pose.vy + pose.omega * (px - pose.x)
+    return float(vx * tx + vy * ty), float(vy * tx - vx * ty)
 
 
 def from_flat_side(start: Start, track: Curve, outline: Curve) -> Start:

@@ -23,6 +23,7 @@ from cases import (
     Mode,
     RollingResistance,
     Start,
+    StartPose,
     Unilateral,
     contact,
     disc,
@@ -177,6 +178,42 @@ def test_frames_are_inverse_to_each_other():
     assert slip == pytest.approx(state.slip, abs=1e-11)
 
 
+@METHODS
+def test_a_pose_on_a_track_that_moves_has_the_velocities_of_the_fixed_frame(method):
+    """A disc at rest on a track that runs at v: μ g on it and 2 μ g/r until r ω + v̇ t = v, after v/(3 μ g), then v/3.
+    The velocities were taken as relative to the track, so that the disc began with v."""
+    v, mu = 3.0, 0.2
+    effects = (Gravity(G), CoulombFriction(mu), Unilateral(), Drive(x=f"0.4 + {v}*t", y=0.7))
+    case = Case(line(), disc(R, M), effects, StartPose(1.0, 0.7 + R), 1.0)
+    assert case.start.slip == pytest.approx(-v, abs=1e-15)
+    motion = reference.simulate(case, rtol=1e-13, method=method)
+    (change,) = motion.transitions
+    assert change.time == pytest.approx(v / (3.0 * mu * G), abs=EXACT)
+    first, last = motion(0.0), motion(1.0)
+    assert (first.x, first.y, first.vx, first.vy, first.omega) == pytest.approx(
+        (1.0, 0.7 + R, 0.0, 0.0, 0.0), abs=1e-15
+    )
+    assert (last.vx, last.omega * R) == pytest.approx((v / 3.0, 2.0 * v / 3.0), abs=EXACT)
+
+
+@pytest.mark.parametrize("surface", [(), (Belt("1.5 + t"),)])
+def test_a_pose_is_that_of_the_fixed_frame_on_a_track_that_turns(surface):
+    drive = Drive(x="0.3 - 2*t", y="0.1 + sin(3*t)", angle="0.4 + 5*t")
+    effects = (Gravity(G), CoulombFriction(0.2), Unilateral(), Flight(), Impact(0.0), drive, *surface)
+    pose = StartPose(0.2, 1.1, 2.5, 0.7, -1.2, 3.0)
+    begin = contact.start_motion(Case(line(), disc(R, M), effects, pose, 1.0))
+    given = pose.x, pose.y, pose.theta, pose.vx, pose.vy, pose.omega
+    assert (begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega) == pytest.approx(given, abs=1e-14)
+
+
+def test_a_pose_that_moves_with_its_track_has_no_velocity_relative_to_it():
+    # 0.1·3 and the like are rounded: a rest of 1e-17 m/s was a velocity away from the track, which needs Flight.
+    drive = Drive(x="0.3*sin(0.7*t)", y="0.1*sin(3*t)")
+    pose = StartPose(0.0, R, vx=0.3 * 0.7, vy=0.1 * 3.0 * (1.0 + 2e-16))
+    start = Case(line(), disc(R, M), (Gravity(G), CoulombFriction(0.2), drive), pose, 1.0).start
+    assert (start.slip, start.gap, start.gap_rate) == (0.0, 0.0, 0.0)
+
+
 def test_motion_file_of_a_driven_track_is_read_back(tmp_path):
     from adapters.common import motion_file, motion_table
 
@@ -196,6 +233,11 @@ def test_motion_file_of_a_driven_track_is_read_back(tmp_path):
         (lambda: Drive(x=1.0), BadValue, "leave Drive out"),
         (lambda: Drive(x="v"), BadValue, "use t"),
         (lambda: on_line(Drive(x="1/t")), BadValue, "at t = 0"),
+        (
+            lambda: Case(line(), disc(R, M), (Gravity(G), Drive(x="1/t")), StartPose(0.0, R), 1.0),
+            BadValue,
+            "formulas that have values at t = 0",
+        ),
     ],
 )
 def test_wrong_drives_are_rejected_with_what_to_give(wrong, error, sentence):

@@ -421,6 +421,13 @@ def test_a_pose_is_the_start_of_the_nearest_point():
         Case(line(), disc(0.5, 1.0), INELASTIC, StartPose(0.0, 0.4), 1.0)
 
 
+@pytest.mark.parametrize("v", [0.1, 0.3, 0.7])
+def test_a_pose_that_rolls_has_no_slip_of_rounding(v):
+    # 1e-17 m/s was one, with which a rough contact cannot begin.
+    pose = StartPose(0.3 * sin(0.3), 0.3 * cos(0.3), 0.0, v * cos(0.3), -v * sin(0.3), -v / 0.3)
+    assert Case(line(0.3), disc(0.3, 1.0), (Gravity(G), PerfectlyRough()), pose, 1.0).start.slip == 0.0
+
+
 def test_pairs_are_the_supports_and_the_corners_in_order():
     case = cases.load("ladder_at_wall")
     assert [pair.support for pair in pairs(case)] == ["track"] * 4 + ["wall"] * 4
