@@ -134,16 +134,25 @@ class PhaseIntegration(PlateState):
             if t > blind or name[0] != "slip" or name[1] not in self.beginning
         }  # fmt: skip
 
-    def tops(self, phase: SeveralContactPhase) -> dict[tuple[str, str], float]:
-        """When contacts that open with a velocity are farthest from their supports, s: the gap of a small hop is
-        resolved there, or nowhere."""
-        tops, acceleration = {}, phase.forces(self.t, self.body).acceleration
+    def hops(self, phase: SeveralContactPhase) -> dict[str, tuple[float, float]]:
+        """Of contacts that open with a velocity, and are going to close again: that velocity (m/s), and the
+        acceleration with which it falls (m/s²)."""
+        hops, acceleration = {}, phase.forces(self.t, self.body).acceleration
         for contact, pair in zip(phase.contacts, phase.pairs(self.t, self.body), strict=True):
             pull = -float(pair.lift_row @ acceleration + pair.lift_bias)
             may_hop = not contact.is_closed and not contact.is_away
             if may_hop and pull > 0.0 and pair.lift > 0.0 and pair.gap <= TOUCHES * self.size():
-                tops["gap", contact.name] = self.t + pair.lift / pull
-        return tops
+                hops[contact.name] = pair.lift, pull
+        return hops
+
+    def tops(self, phase: SeveralContactPhase) -> dict[tuple[str, str], float]:
+        """When contacts that open with a velocity are farthest from their supports, s: the gap of a small hop is
+        resolved there, or nowhere."""
+        return {("gap", name): self.t + lift / pull for name, (lift, pull) in self.hops(phase).items()}
+
+    def is_tiny(self, lift: float, pull: float) -> bool:
+        """Whether a rebound with that speed (m/s), pulled back by that acceleration (m/s²), is lower than rounding."""
+        return lift * lift <= 8.0 * pull * EPS * self.size()
 
     def first_step(self, tops: Iterable[float]) -> float | None:
         """A first step about as long as the shortest hop: dense output of a longer one shows less of its small gap."""

@@ -13,9 +13,9 @@ from .complementarity import solutions
 from .contacts import PairState, friction_of, frictions, is_rough
 from .impact_laws import velocities
 from .integration import EPS, FORGOTTEN, DenseStep, PhaseIntegration
-from .phase import SeveralContactPhase
+from .phase import SeveralContactPhase, WatchedContact
 from .plate_state import MOVES, TOUCHES, SimulationEnd
-from .small_impacts import ImpactRecord
+from .small_impacts import SMALL_IMPACT, ImpactRecord
 
 # Small impacts are extrapolated to their end where the plate moves by less than this part of its size until then.
 SMALL_HOP = 1e-9
@@ -91,7 +91,8 @@ class Simulation(PhaseIntegration):
                     )
                 )
             self.contacts[k] = contact._replace(mode=mode)
-        self.impacts.list_changes(self.t, [] if self.is_start else changes)  # the modes of a start are no changes
+        goes_on = frozenset(c.name for c, pair in zip(self.contacts, now, strict=True) if self.bounces_on(c, pair))
+        self.impacts.list_changes(self.t, [] if self.is_start else changes, goes_on)  # a start's modes are no changes
         self.is_start = False
         self.beginning = set(self.begins)
         self.begins, self.leaving, self.struck, self.stuck = {}, set(), set(), set()
@@ -180,6 +181,14 @@ class Simulation(PhaseIntegration):
         if phase.rests:
             self.rest(phase)
             return
+        if self.impacts.strikes and self.impacts.strikes[-1].time == self.t:
+            tiny = {name for name, (lift, pull) in self.hops(phase).items() if self.is_tiny(lift, pull)}
+            if tiny:  # the other contacts' forces drive the plate back
+                self.touching = {c.name for c in self.contacts if c.is_closed} | tiny
+                self.stuck = {c.name for c in self.contacts if c.mode is Mode.ROLL}
+                self.impacts.at_rest = True
+                self.settle()
+                return
         while True:
             hit_guards = self.integrate(phase)
             if hit_guards != ["retry"]:
@@ -305,25 +314,17 @@ class Simulation(PhaseIntegration):
             name, lift = self.contacts[k].name, float(now[k].lift_row @ velocity)
             if k in closing:
                 self.struck.add(name)
-            if lift > small and not self.is_tiny(now[k], lift):
+            if lift > small and not self.is_tiny(lift, self.pull(now[k])):
                 continue
             tiny |= lift > small
             self.touching.add(name)
             if stuck[i]:
                 self.stuck.add(name)
-        # One corner may lie still while the other one bounces on.
-        low = {
-            c.name for c, pair in zip(self.contacts, now, strict=True)
-            if pair.gap <= TOUCHES * self.size() and not c.is_away
-        }  # fmt: skip
-        self.impacts.at_rest |= tiny and low <= self.touching
+        self.impacts.at_rest |= tiny
 
     def velocities_after(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
         """Velocities after an impact at some contacts, and which of these do not slip."""
         return velocities(self, effect, some)
-
-    def is_tiny(self, pair: PairState, lift: float) -> bool:
-        return lift * lift <= 8.0 * self.pull(pair) * EPS * self.size()
 
     def pull(self, pair: PairState) -> float:
         """The acceleration of the load towards a contact's support, m/s²."""
@@ -336,24 +337,32 @@ class Simulation(PhaseIntegration):
         now = [p for c, p in zip(self.contacts, self.pairs(), strict=True) if c.name in names]
         return all(2.0 * self.pull(pair) * (height - pair.gap) >= pair.lift**2 for pair in now)
 
+    def bounces_on(self, contact: WatchedContact, pair: PairState) -> bool:
+        """Whether small impacts have hit an open contact lately, and go on to."""
+        is_hit = any(contact.name in record.closers for record in self.impacts.strikes[-TURNS:])
+        is_near = contact.name not in self.touching and not contact.is_away and pair.gap <= SMALL_HOP * self.size()
+        return is_hit and is_near and abs(pair.lift) < SMALL_IMPACT * self.impacts.fastest
+
     def end_bouncing(self) -> None:
-        """Go to the end of a series of small impacts, where all contacts of the last ones touch."""
+        """Go to the end of a series of small impacts, where its contacts touch; others may bounce on."""
         last = self.impacts.strikes[-1] if self.impacts.strikes else None
         if last is None or not self.impacts.small or last.time != self.t:
             return
-        size, noise = SMALL_HOP * self.size(), ENDS * last.closing
-        answer = self.impacts.end(self.t, size)
-        low = LOWEST * self.size()
-        if answer is None and self.is_low(low):
-            answer, size, noise = (self.t, self.body.copy()), low, 2.0 * last.closing
+        size, noise = self.size(), ENDS * last.closing
+        answer = self.impacts.end(self.t, SMALL_HOP * size)
+        if answer is None and self.is_low(LOWEST * size):
+            low = {c.name for c, p in zip(self.contacts, self.pairs(), strict=True) if p.gap <= LOWEST * size}
+            answer, noise = (self.t, self.body.copy(), frozenset(low)), 2.0 * last.closing
         if answer is None or answer[0] >= self.case.duration:
             return
-        before, (end, body) = self.body.copy(), answer
+        before, (end, body, names) = self.body.copy(), answer
         self.body = body
-        now = self.pairs()
-        self.touching = {
-            c.name for c, pair in zip(self.contacts, now, strict=True) if pair.gap <= size and not c.is_away
-        }  # fmt: skip
+        bouncing = {c.name for c in self.contacts if c.name in names and not c.is_away}
+        others = [p for c, p in zip(self.contacts, self.pairs(), strict=True) if not (c.name in bouncing or c.is_away)]
+        if any(pair.gap <= 0.0 for pair in others):  # another contact meets its support before
+            self.body = before
+            return
+        self.touching = bouncing
         self.close_gaps()
         if np.abs(self.body[self.half :] * self.dynamics.units).max() <= noise:
             self.body[self.half :] = 0.0

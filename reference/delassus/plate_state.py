@@ -14,7 +14,7 @@ from .phase import WatchedContact
 
 # A contact touches if its gap is below this part of the plate's size; it closes, slips or accelerates if the speed or
 # acceleration exceeds this part of the motion's.
-TOUCHES, MOVES = 1e-11, 1e-10
+TOUCHES, MOVES = 1e-12, 1e-10
 # The names of contacts that have not touched yet begin with this.
 OPEN_NAME = "open "
 

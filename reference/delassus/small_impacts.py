@@ -13,7 +13,8 @@ from cases.instants import one_per_instant
 # Impacts that close with less than this part of the largest closing speed are small: they are listed only if they do
 # not come to an end (the definition in `cases.Transition`).
 SMALL_IMPACT = 7e-4
-# A cubic in the closing speed is fitted through four impacts, each at least so many times slower than the one before.
+# A cubic in the closing speed is fitted through four impacts, each at least so many times slower than the one before; a
+# parabola where there have been only four, as they are then much slower each time.
 POINTS, SLOWER = 4, 2.0
 # Its end is accepted if it differs from that of the cubic before by less than this part of the time that remains: where
 # successive impacts have no fixed ratio, they differ by more.
@@ -43,7 +44,7 @@ class SmallImpacts:
     @property
     def all(self) -> tuple[Transition, ...]:
         """All transitions of a motion that is complete."""
-        return one_per_instant([*self.ordinary, *self.kept_back])
+        return one_per_instant(sorted([*self.ordinary, *self.kept_back], key=lambda change: change.time))
 
     def count(self, record: ImpactRecord) -> None:
         """Record an impact."""
@@ -53,24 +54,27 @@ class SmallImpacts:
             self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back], []
         self.strikes.append(record)
 
-    def end(self, t: float, size: float) -> tuple[float, np.ndarray] | None:
-        """Time (s) and (x, y, θ, vx, vy, ω) at which small impacts end, the last of them at t, if the contacts that
-        bounce move by less than `size` (m) until then; None otherwise."""
-        some = self.points() if self.small and self.strikes and self.strikes[-1].time == t else []
-        if len(some) <= POINTS:
+    def end(self, t: float, size: float) -> tuple[float, np.ndarray, frozenset[str]] | None:
+        """Time (s) and (x, y, θ, vx, vy, ω) at which small impacts end, the last of them at t, and the contacts that
+        then touch, if those that bounce move by less than `size` (m) until then; None otherwise."""
+        is_now = self.small and self.strikes and self.strikes[-1].time == t
+        some, names = self.points() if is_now else ([], frozenset())
+        points = min(POINTS, len(some) - 1)
+        if points < POINTS - 1:
             return None
         speeds = np.array([one.closing for one in some]) / some[-1].closing
         values = np.array([[one.time - t, *(one.after - some[-1].after)] for one in some])
         before, now = (
-            np.linalg.solve(np.vander(speeds[those]), values[those])[-1] for those in (slice(POINTS), slice(1, None))
+            np.linalg.solve(np.vander(speeds[those]), values[those])[-1] for those in (slice(points), slice(1, None))
         )
         wait = float(now[0])
         if not 0.0 <= wait * some[-1].closing <= size or abs(wait - before[0]) > max(AGREES * wait, np.spacing(t)):
             return None
-        return t + wait, some[-1].after + now[1:]
+        return t + wait, some[-1].after + now[1:], names
 
-    def points(self) -> list[ImpactRecord]:
-        """The last impacts that repeat with the same contacts, each well slower than the one before."""
+    def points(self) -> tuple[list[ImpactRecord], frozenset[str]]:
+        """The last impacts that repeat with the same contacts, each well slower than the one before, and all contacts
+        of the impacts between two of them."""
         last, period = self.strikes[-1], 0
         some, sequence = [last], [(one.names, one.closers) for one in self.strikes]
         for i in range(len(self.strikes) - 2, -1, -1):
@@ -84,21 +88,25 @@ class SmallImpacts:
                 some.insert(0, self.strikes[i])
             if len(some) == POINTS + 1:
                 break
-        return some
+        return some, frozenset().union(*(one.names for one in self.strikes[-period:] if period))
 
-    def list_changes(self, t: float, changes: list[Transition]) -> None:
-        """Keep the changes of small impacts back until it is clear whether the motion comes to rest."""
+    def list_changes(self, t: float, changes: list[Transition], goes_on: frozenset[str] = frozenset()) -> None:
+        """Keep the changes of small impacts back until it is clear whether the motion comes to rest. `goes_on`: where
+        some contacts do, the others that have small impacts still to come."""
         changes = sorted(changes, key=lambda change: change.contact)
         if self.at_rest:
-            every = [*self.kept_back, *changes]
+            every = [change for change in [*self.kept_back, *changes] if change.contact not in goes_on]
             before = {change.contact: change.before for change in reversed(every)}
             last = {change.contact: change for change in every}
+            still = [change for change in [*self.kept_back, *changes] if change.contact in goes_on]
             changes = [
                 replace(change, time=t, before=before[name])
                 for name, change in last.items() if before[name] is not change.after
             ]  # fmt: skip
             self.ordinary += sorted(changes, key=lambda change: change.contact)
-            self.kept_back, self.at_rest, self.small, self.fastest, self.strikes = [], False, False, 0.0, []
+            self.kept_back, self.at_rest = still, False
+            if not goes_on:
+                self.small, self.fastest, self.strikes = False, 0.0, []
         elif self.small:
             self.kept_back += changes
         else:

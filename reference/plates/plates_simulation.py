@@ -252,12 +252,13 @@ class PlatesSimulation(PhaseLoop):
         end = self.hops.limit(self.t, small)
         if end is None:
             self._check_accumulation()
-        if end is None or not end[0] < self.case.duration:
+        if end is None or not end.time < self.case.duration:
             return
-        limit, values = end
-        recent = self.hops.recent(self.t)
-        hit = [n for n, contact in enumerate(self.contacts) if contact.name in recent]
-        near = sorted({n for n in hit if place(self.case, n, values).gap <= small} | self.touching)
+        limit, values = end.time, end.body
+        hit = [n for n, contact in enumerate(self.contacts) if contact.name in end.contacts]
+        near = sorted({*hit, *self.touching})
+        if any(place(self.case, n, values).gap <= 0.0 for n in range(len(self.contacts)) if n not in near):
+            return  # another contact closes before
         state = project(self.case, tuple(values), near)
         remains = REMAINS * self.hops.strikes[-1].closing
         velocity = np.array(state[self.half :])

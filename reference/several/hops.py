@@ -40,6 +40,14 @@ class Strike(NamedTuple):
     closing_contacts: frozenset[str]
 
 
+class SeriesEnd(NamedTuple):
+    """The end of a series of impacts: its time (s), (x, y, θ, vx, vy, ω), and the contacts of its impacts."""
+
+    time: float
+    body: list[float]
+    contacts: frozenset[str]
+
+
 class ImpactSeries:
     """The transitions of a motion in order, those of small impacts kept back, and the impacts."""
 
@@ -52,7 +60,7 @@ class ImpactSeries:
     @property
     def all(self) -> list[Transition]:
         """All transitions of a motion that is complete."""
-        return list(one_per_instant([*self.ordinary, *self.kept_back]))
+        return list(one_per_instant(sorted([*self.ordinary, *self.kept_back], key=lambda change: change.time)))
 
     def strike(self, now: Strike) -> None:
         """Record an impact."""
@@ -67,10 +75,10 @@ class ImpactSeries:
         is_now = self.is_small and self.strikes and self.strikes[-1].time == t
         return frozenset().union(*(one.contacts for one in self.strikes[-RECENT:])) if is_now else frozenset()
 
-    def limit(self, t: float, size: float) -> tuple[float, list[float]] | None:
-        """Time (s) and (x, y, θ, vx, vy, ω) in which small impacts end, the last of them at t, if the contacts that
-        bounce move by less than `size` (m) until then."""
-        some = self._series() if self.recent(t) else []
+    def limit(self, t: float, size: float) -> SeriesEnd | None:
+        """The end of small impacts, the last of them at t, if the contacts that bounce move by less than `size` (m)
+        until then; None otherwise."""
+        some, contacts = self._series() if self.recent(t) else ([], frozenset())
         if len(some) < 4:
             return None
         speeds, times = [one.closing for one in some], [one.time for one in some]
@@ -78,14 +86,16 @@ class ImpactSeries:
         remaining = time - t
         if not 0.0 <= remaining * speeds[-1] <= size or abs(time - before) > max(AGREES * remaining, np.spacing(t)):
             return None
-        return time, [extrapolate(speeds, column)[0] for column in zip(*(one.body for one in some), strict=True)]
+        body = [extrapolate(speeds, column)[0] for column in zip(*(one.body for one in some), strict=True)]
+        return SeriesEnd(time, body, contacts)
 
-    def _series(self) -> Sequence[Strike]:
-        """The last impacts of the same contacts after the same cycle of impacts, with speeds that are well apart."""
+    def _series(self) -> tuple[Sequence[Strike], frozenset[str]]:
+        """The last impacts of the same contacts after the same cycle of impacts, with speeds that are well apart, and
+        all contacts of the cycle."""
         names = [(one.contacts, one.closing_contacts) for one in self.strikes]
         places = [i for i, those in enumerate(names) if those == names[-1]]
         if len(places) < 3:
-            return []
+            return [], frozenset()
         period = places[-1] - places[-2]
         cycle, some = names[-period:], [self.strikes[-1]]
         for end in range(len(names) - period, period - 1, -period):
@@ -93,20 +103,33 @@ class ImpactSeries:
                 break
             if APART * self.strikes[end - 1].closing >= some[0].closing:
                 some.insert(0, self.strikes[end - 1])
-        return some[-MOST:]
+        return some[-MOST:], frozenset().union(*(contacts for contacts, _ in cycle))
 
-    def record(self, t: float, changes: list[Transition], cause: str = "") -> None:
-        """Record the changes of mode at one instant; `cause` is given if bouncing has come to rest."""
-        rests, changes = bool(cause), sorted(changes, key=lambda change: change.contact)
-        if rests and self.kept_back:
-            changes = _net([*self.kept_back, *changes], t, cause)
-            self.kept_back = []
-        if rests:
+    def record(
+        self, t: float, changes: list[Transition], cause: str = "", bouncing: frozenset[str] = frozenset()
+    ) -> None:
+        """Record the changes of mode at one instant; `cause` is given if contacts have come to rest, and `bouncing` are
+        others whose small impacts have not ended."""
+        changes = sorted(changes, key=lambda change: change.contact)
+        if not cause:
+            if self.is_small:
+                self.kept_back += changes
+            else:
+                self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back, *changes], []
+            return
+        every = [*self.kept_back, *changes]
+        resting = [change for change in every if change.contact not in bouncing]
+        self.ordinary += _net(resting, t, cause) if self.kept_back else resting
+        self.kept_back = [change for change in every if change.contact in bouncing]
+        if not bouncing:
             self.fastest, self.is_small, self.strikes = 0.0, False, []
-        if self.is_small:
-            self.kept_back += changes
-        else:
-            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back, *changes], []
+
+    def bouncing(self, speeds: dict[str, float]) -> frozenset[str]:
+        """The contacts that small impacts have hit lately and go on to hit: of open ones next to their supports, given
+        their speeds along the normals (m/s)."""
+        hit = frozenset[str]().union(*(one.closing_contacts for one in self.strikes[-RECENT:]))
+        small = LISTING_PART * self.fastest
+        return frozenset(name for name, speed in speeds.items() if name in hit and abs(speed) < small)
 
 
 def _net(changes: list[Transition], t: float, cause: str) -> list[Transition]:

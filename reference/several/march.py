@@ -29,11 +29,12 @@ from ..minimal.phase_end import (
 from ..minimal.scales import frequency
 from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time
 from .geometry import places, project, without_velocity
+from .hops import SeriesEnd
 from .meetings import first_meeting
 from .phase_loop import PhaseLoop, several_motions
-from .regimes import SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
+from .regimes import SeveralPhase, SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
 from .rest import RestStates, StraightStates, limit_of_rest, limit_on_belts
-from .watched_plate import MotionEnds, WatchedPlate, WatchState
+from .watched_plate import TOUCHES, MotionEnds, WatchedPlate, WatchState
 
 # Impacts are extrapolated to their end where the plate moves by less than this part of its size until then: gaps of
 # larger hops have five digits.
@@ -45,6 +46,8 @@ STILL = 1e-3
 LOW_HOP = 1e-12
 # A flight is integrated over this many of its time scales at once.
 FLIES = 4.0
+# Accelerations of gaps are differences of their speeds over this part of the motion's time scale.
+LOOK_AHEAD = 1e-6
 
 
 class SeveralSimulation(WatchedPlate, PhaseLoop):
@@ -112,7 +115,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         if self.begins:  # the modes of a start are no changes
             changes, self.begins = [], False
         came_to_rest = CAUSES["rest"] in self.causes.values()
-        self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "")
+        bouncing = self._bouncing(now) if came_to_rest else frozenset()
+        self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "", bouncing)
         self.causes, self.fixed, self.stuck = {}, {}, set()
         if not regime.closed and self.case.effect(Flight) is None:
             raise MotionEnds(LIFT_OFF)
@@ -131,13 +135,16 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
     def _end_bouncing(self, now: DecisionInstant) -> DecisionInstant:
         """The instant at which impacts that accumulate end, if they do; the same instant otherwise.
 
-        The plate moves by less than rounding until then, and all contacts of the last impacts touch."""
-        end, size = self._end_of_impacts(now)
-        if end is None or not end[0] < self.case.duration:
+        The plate moves by less than rounding until then, and all contacts of the last impacts touch. Others may bounce
+        on: the end is none if one of them would have met its support before."""
+        end = self._end_of_impacts(now)
+        if end is None or not end.time < self.case.duration:
             return now
-        limit, body = end
+        limit, body = end.time, end.body
         watched, pairs = self.contacts(), [(at.xi1, at.xi2) for at in now.places]
-        near = [k for k, at in enumerate(places(watched, body, pairs)) if at.gap <= size and not now.away[k]]
+        near = [k for k, name in enumerate(now.names) if name in end.contacts]
+        if any(at.gap <= 0.0 for k, at in enumerate(places(watched, body, pairs)) if not (k in near or now.away[k])):
+            return now
         still = STILL * self.hops.strikes[-1].closing if limit > self.t else 2.0 * self.hops.strikes[-1].closing
         if np.abs(np.array(body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max() <= still:
             body[3:] = 0.0, 0.0, 0.0
@@ -158,16 +165,15 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         self.causes = {name: CAUSES["rest"] for name in self.touching}
         return self.instant()
 
-    def _end_of_impacts(self, now: DecisionInstant) -> tuple[tuple[float, list[float]] | None, float]:
-        """Time and state in which small impacts end, and the gap (m) up to which contacts touch then.
-
-        Impacts that alternate between two corners without a fixed ratio end where all gaps count as touching."""
-        x, y, *_ = self.body
-        size = abs(x) + abs(y) + self.case.plate.reach
-        end = self.hops.limit(self.t, SMALL_HOP * size)
-        if end is None and self._is_low(now, LOW_HOP * size):
-            return (self.t, list(self.body)), LOW_HOP * size
-        return end, SMALL_HOP * size
+    def _end_of_impacts(self, now: DecisionInstant) -> SeriesEnd | None:
+        """The end of small impacts. Those that alternate between two corners without a fixed ratio end where all hops
+        are lower than what counts as touching."""
+        end, low = self.hops.limit(self.t, SMALL_HOP * self._size()), LOW_HOP * self._size()
+        if end is None and self._is_low(now, low):
+            near = zip(now.places, now.names, now.away, strict=True)
+            touching = frozenset(name for at, name, is_away in near if at.gap <= low and not is_away)
+            return SeriesEnd(self.t, list(self.body), touching)
+        return end
 
     def _is_low(self, now: DecisionInstant, height: float) -> bool:
         """Whether a small impact ends hops of at most that height, m, at all contacts of the last impacts."""
@@ -177,6 +183,12 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             for at, name in zip(now.places, now.names, strict=True) if name in recent and self.pull(at) > 0.0
         ]  # fmt: skip
         return 0 < len(hops) == len(recent) and max(hops) <= height
+
+    def _bouncing(self, now: DecisionInstant) -> frozenset[str]:
+        """The contacts that small impacts go on to hit, while others have come to rest."""
+        height, velocity = SMALL_HOP * self._size(), np.array(self.body[3:])
+        near = [k for k, at in enumerate(now.places) if k not in now.touching and at.gap <= height and not now.away[k]]
+        return self.hops.bouncing({now.names[k]: float(now.places[k].lift_row @ velocity) for k in near})
 
     def _is_watched(self, watch: WatchState) -> bool:
         if watch.contact.has_unique_points:
@@ -211,6 +223,12 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         """Integrate one phase and apply its event; returns an ending, or None."""
         phase = several_phase(self.case, regime)
         y = join(self.body, [watch.pair for watch in self.watches])
+        low = self._low_hops(phase, y)
+        if low:
+            self.touching = {regime.names[k] for k in regime.closed} | low
+            self.causes = dict.fromkeys(low, CAUSES["rest"])
+            self.settle({regime.names[k] for k in regime.closed if regime.modes[k] is Mode.ROLL})
+            return None
         if regime.rests:
             segment = self._rest(phase, y)
         else:
@@ -223,6 +241,24 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
                 return self._meet(*meeting)
         self._advance(segment)
         return self._event(segment, regime)
+
+    def _low_hops(self, phase: SeveralPhase, y: tuple[float, ...]) -> set[str]:
+        """The contacts that an impact has just opened, whose hops rise no higher than positions' rounding: the other
+        contacts' forces may drive the plate to a support from which its load pulls it away."""
+        if not self.hops.strikes or self.hops.strikes[-1].time != self.t:
+            return set()
+        step = LOOK_AHEAD * (frequency(phase, self.t, y) or 1.0) ** -1
+        rates = phase.system.rates_of_numbers(self.t, y, phase.parameters)
+        ahead = body_of([value + step * rate for value, rate in zip(y, rates, strict=True)])
+        now, low = self.places(), set[str]()
+        then = places(self.contacts(), ahead, [watch.pair for watch in self.watches])
+        for watch, at, later in zip(self.watches, now, then, strict=True):
+            lift = float(at.lift_row @ np.array(self.body[3:]))
+            pull = (lift - float(later.lift_row @ np.array(ahead[3:]))) / step
+            may_hop = watch.mode is Mode.FLIGHT and not watch.is_away and at.gap <= TOUCHES * self._size()
+            if may_hop and lift > 0.0 and self._is_unresolved(lift, pull):
+                low.add(watch.name)
+        return low
 
     def _first_meeting(self, segment: Segment) -> tuple[PairCase, Meeting] | None:
         """The first contact at a place that is not watched, with its pair."""

@@ -228,7 +228,7 @@ class WatchedPlate:
             watch, lift = self.watches[k], float(outcome.lift[i])
             if k in closing:
                 self.causes[watch.name] = CAUSES["landing"]
-            if lift > 0.0 and not self._is_unresolved(now[k], lift):
+            if lift > 0.0 and not self._is_unresolved(lift, self.pull(now[k])):
                 continue
             if lift > 0.0:
                 self.causes[watch.name] = CAUSES["rest"]
@@ -252,10 +252,11 @@ class WatchedPlate:
     def _is_still(self, at: ContactPlace, velocity: np.ndarray) -> bool:
         return abs(at.slip(velocity, self.t)) <= 1e-11 * self.speed
 
-    def _is_unresolved(self, at: ContactPlace, lift: float) -> bool:
-        """Whether a rebound rises no higher than positions' rounding."""
+    def _is_unresolved(self, lift: float, pull: float) -> bool:
+        """Whether a rebound with that speed (m/s), pulled back by that acceleration (m/s²), rises no higher than
+        positions' rounding."""
         rounding = REBOUND_ROUNDINGS * EPS * self._size()
-        return lift * lift <= 2.0 * self.pull(at) * rounding
+        return lift * lift <= 2.0 * pull * rounding
 
     def pull(self, at: ContactPlace) -> float:
         """The acceleration of the load towards a contact's support, m/s²."""

@@ -269,8 +269,9 @@ def random_belts(seed: int) -> Case:
     return Case(case.track, case.plate, effects, start, 1.2, supports=(replace(wall, effects=own),))
 
 
-@pytest.mark.parametrize("seed", [2, 11, 23, *slow(*range(2), *range(3, 11), 12, 13)])
+@pytest.mark.parametrize("seed", [2, 11, 18, 23, *slow(*range(2), *range(3, 11), 12, 13)])
 def test_both_formulations_have_the_same_random_sequences_with_belts(seed):
+    # 18: the two corners of a rod's end land within 3e-13 s, at 5e-12 m from each other's contact.
     agree(random_belts(seed), 1e-10)
 
 
