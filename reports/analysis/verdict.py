@@ -78,9 +78,11 @@ def rows(experiment: Experiment, times: Sequence[Mapping[str, Any]] = ()) -> lis
 
 def _level_counts(experiment: Experiment, cases: Sequence[str]) -> dict[tuple[str, str], Counter]:
     """In how many cases each route reaches the counted levels, and in how many of them by one setting only."""
-    counts: dict[tuple[str, str], Counter] = {}
+    # A solver that crashed before it named its routes reaches none.
+    none = {f"{name}_{what}": 0 for name in _COUNT_LEVELS for what in ("cases", "one_setting")}
+    counts = {(run.solver, run.route): Counter(none) for run in experiment.runs}
     for one in level_results(experiment):
-        count = counts.setdefault((one.solver, one.route), Counter())
+        count = counts[one.solver, one.route]
         for name, level in _COUNT_LEVELS.items():
             is_counted = one.level == level and one.case in cases
             count[f"{name}_cases"] += is_counted and bool(one.settings)

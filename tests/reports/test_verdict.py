@@ -67,6 +67,14 @@ def test_only_engines_by_themselves_are_ranked_and_the_reference_is_not_there():
     assert "one" not in verdict.sentence(rows)
 
 
+def test_an_engine_that_crashed_before_it_named_its_routes_has_a_row():
+    rows = table(run("a", "one", "native", 1e-4), unanswered("a", "broken", "", "crashed"))
+    assert [(row["solver"], row["crashed"], row["good_cases"], row["excellent_one_setting"]) for row in rows] == [
+        ("one", 0, 1, 1), ("broken", 1, 0, 0)
+    ]  # fmt: skip
+    assert "broken" in verdict.in_terminal(rows) and "broken" not in verdict.sentence(rows)
+
+
 def test_a_case_without_an_answer_counts_as_ignoring_friction():
     rows = table(
         run("a", "easy", "native", 1e-4), unanswered("b", "easy", "native"),
