@@ -25,6 +25,7 @@ import numpy as np
 
 from cases import BadValue, Case, DoesNotFit, Flight, Impact, StartPose, State, Trajectory, Unilateral
 from cases.contact import Contact, MotionPoint, find, in_track_frame, slip_velocity, start_motion
+from cases.contact_limits import touches_by_features
 from cases.free_plates import POSE, names_of, plates_of
 from cases.mechanics import gravity
 from cases.nearest import nearest
@@ -127,7 +128,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
         _complete_rates(columns, t, name, slowest(case, float(t[-1] - t[0])), plate.reach)
     if case.others:
         return _of_plates(case, columns, creep)
-    if case.supports:
+    if touches_by_features(case):
         return _on_supports(case, columns, creep)
     touches_twice = several_contacts.may_touch_twice(case)
     if touches_twice:  # which contact's slip a file has is not known; that of each contact follows from the poses
@@ -204,7 +205,7 @@ def _clear(case: Case, t: np.ndarray) -> float:
 
 
 def _on_supports(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:
-    """The motion of a plate on supports, whose contacts follow from its poses and velocities."""
+    """The motion of a plate on supports or with flat sides, whose contacts follow from its poses and velocities."""
     t, nothing = columns["t"], np.full(len(columns["t"]), np.nan)
     poses = {name: columns.get(name, nothing) for name in ("x", "y", "theta", "vx", "vy", "omega")}
     whole: dict[str, Any] = {**dict.fromkeys(State._fields, nothing), **poses}

@@ -11,7 +11,7 @@ import pytest
 import cases
 import reference
 from adapters import engine, refusal, refusal_of_several_contacts
-from adapters.common import support_contacts
+from adapters.common import motion_file, motion_table, support_contacts
 from cases import (
     Belt,
     Case,
@@ -27,6 +27,7 @@ from cases import (
     disc,
 )
 from cases.library import circle, line
+from reports import export
 from tests.adapters.test_engine_effects import off, play
 
 NATIVE = ("pymunk", "box2d")
@@ -55,6 +56,17 @@ def test_contacts_on_supports_follow_from_the_poses(label):
             np.testing.assert_allclose(getattr(own, column)[both], getattr(exact, column)[both], atol=1e-7)
         rounds = (own.xi2 - exact.xi2)[both] / case.plate.outline.period
         np.testing.assert_allclose(rounds, np.round(rounds), atol=1e-7)
+
+
+@pytest.mark.parametrize("label", ["sliding_box", "dropped_box"])
+def test_an_exported_motion_of_a_box_is_read_back(label, tmp_path):
+    case = cases.load(label)
+    file = next(path for path in export.export(case, tmp_path) if path.name == "motion.csv")
+    motion, truth = motion_file.trajectory_of(case, motion_table.read(file)), reference.simulate(case)
+    assert motion.status == "completed" and motion.contact_names == truth.contact_names
+    for name in truth.contact_names:
+        exact = truth.contact_columns(name, motion.t).slip
+        np.testing.assert_allclose(motion.contacts[name].slip, exact, atol=1e-9)
 
 
 def test_a_contact_that_does_not_push_is_open():
