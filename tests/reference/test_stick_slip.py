@@ -11,10 +11,11 @@ from math import atan, atan2, cos, exp, inf, log, pi, sin, sqrt, tan
 import mpmath
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Gravity, Load, Mode, RollingResistance, Start, Unilateral, disc
+from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, RollingResistance, Start, Unilateral, disc
 from cases.library import line
 from reference import contact_frame
 from reports.studies.published.oscillating import OSCILLATOR, OSCILLATOR_STEP, oscillator
@@ -132,6 +133,38 @@ def test_a_falling_law_sustains_stick_and_slip_without_static_friction(mu):
     change = np.diff(energy(case, ours(np.array([0.0, ours.t[-1]]))))[0]
     scale = 3.0 * 0.02 * 3.5  # the force of friction times the way of the spring's moving end, J
     assert change == pytest.approx(work_done(case, ours), abs=1e-10 * scale)
+
+
+def test_the_limit_cycle_of_leines_block_on_a_belt():
+    """q'' + q = 1/(1 + 3 v) for the slip speed v = 0.2 − q' > 0: rleine/Keynote_Nonsmooth_Dynamics_ENOC2024 (looked up:
+    parameters in stickslip_system/class_block_on_belt.m, start of the quasi-exact motion on the limit cycle, q = 1.135,
+    q' = 0, in script.m: a semi-implicit scheme with 5,000 steps in 12.3). Every slip begins at q = 1. Its end, and the
+    largest q, by SciPy's DOP853; the block then sticks until q = 1."""
+
+    def slips(t, y):
+        return [y[1], -y[0] + 1.0 / (1.0 + 3.0 * (0.2 - y[1]))]
+
+    def reaches_belt(t, y):
+        return y[1] - 0.2
+
+    def turns(t, y):
+        return y[1]
+
+    reaches_belt.terminal, reaches_belt.direction, turns.direction = True, 1, -1
+    # It begins below the belt's speed by what grows to about 1e-12·exp(3 t) within the first units of time.
+    options = dict(method="DOP853", rtol=1e-13, atol=1e-14, events=(reaches_belt, turns))
+    slip = solve_ivp(slips, (0.0, 10.0), [1.0, 0.2 - 1e-13], **options)
+    (ends,), (farthest,) = slip.t_events[0], slip.y_events[1][:, 0]
+    sticks = (1.0 - slip.y_events[0][0, 0]) / 0.2
+    effects = (Gravity(1.0), CoulombFriction("1/(1 + 3*v)"), Belt(0.2), Load(fx="-x"), Unilateral())
+    case = Case(line(), disc(RADIUS, 1.0, inf), effects, Start(0.5), 15.0)
+    for motion in all_motions(case):
+        assert [t.after for t in motion.transitions] == [Mode.SLIP_BACKWARD, Mode.REST, Mode.SLIP_BACKWARD]
+        times = [t.time for t in motion.transitions]
+        assert times == pytest.approx([2.5, 2.5 + ends, 2.5 + ends + sticks], abs=1e-9)
+    ours = reference.simulate(case, 1e-13)
+    assert np.max(ours(np.linspace(2.5, 6.0, 3501)).x) == pytest.approx(farthest, abs=1e-6)  # samples of 1 ms
+    assert farthest == pytest.approx(1.135, abs=12.3 / 5000)  # one of its steps
 
 
 def test_the_cases_of_the_catalogue_have_their_exact_instants():
