@@ -6,14 +6,14 @@ import logging
 import pickle
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from cases import BadValue, Case, Chain, Cost, Drive, Load, Mode, NotSupported, Passage, State, Trajectory
+from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
 from cases.contact import belt_speed, pose
 from cases.contact_limits import has_features, limitation, touches_by_features
 from cases.errors import between, unknown_name
@@ -99,40 +99,51 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
 
 
 def _simulate(case: Case, rtol: float, method: str) -> Trajectory:
-    """Same as `simulate`, for valid arguments; on a driven track in the track's frame."""
-    _, integrate = INTEGRATORS[method]
-    if case.effect(Drive) is None:
-        return _simulate_at_rest(case, rtol, integrate)
-    if method == "augmented":
+    """Same as `simulate`, for valid arguments."""
+    began = time.perf_counter()
+    problem = initial_value_problem(case, rtol, method)
+    setup = time.perf_counter() - began
+    cpu, wall = time.thread_time(), time.perf_counter()
+    solution = problem.solve()
+    cost = Cost(time.thread_time() - cpu, time.perf_counter() - wall, setup_s=setup)
+    return problem.trajectory(solution, cost)
+
+
+@dataclass(frozen=True)
+class InitialValueProblem:
+    """A case that is ready to be integrated.
+
+    `relative` is the case as its track sees it; `regime` is that of its first contact, None for several contacts or
+    plates and where no contact is consistent; `solve` integrates and returns (segments, transitions, (status, reason)).
+    """
+
+    case: Case
+    relative: Case
+    regime: Regime | None
+    solve: Callable[[], Any]
+
+    def trajectory(self, solution, cost: Cost = _FREE) -> Trajectory:
+        """The result of `solve` as a motion in the fixed frame."""
+        segments, transitions, ending = solution
+        motion = as_trajectory(self.relative, segments, transitions, ending, cost)
+        return motion if self.relative is self.case else in_fixed_frame(self.case, motion)
+
+
+def initial_value_problem(case: Case, rtol: float, method: str) -> InitialValueProblem:
+    """Decide the regime of the first contact; the case is not integrated yet."""
+    relative, (_, integrate) = relative_case(case), INTEGRATORS[method]
+    if method == "augmented" and relative is not case:
         integrate = partial(augmented_integrator.integrate, original=case)
-    return in_fixed_frame(case, _simulate_at_rest(relative_case(case), rtol, integrate, case))
-
-
-def _simulate_at_rest(
-    case: Case, rtol: float, integrate: Callable[..., Segment], original: Case | None = None
-) -> Trajectory:
-    """The motion of a case on a track at rest; `original`: the driven case that it is, as its track sees it."""
-    if case.others or touches_by_features(case):
-        return _simulate_supports(case, rtol, integrate)
-    began_setup = time.perf_counter()
-    start = start_state(case)
+    if case.others or touches_by_features(relative):
+        return InitialValueProblem(case, relative, None, partial(solve_supports, relative, rtol, integrate))
+    start = start_state(relative)
     try:
-        regime = first_regime(case, start)
+        regime = first_regime(relative, start)
     except Undecidable:
-        return as_trajectory(case, [], [], undecidable(0.0))
-    setup = time.perf_counter() - began_setup
-    cpu, wall = time.thread_time(), time.perf_counter()
-    segments, transitions, ending = solve_motion(case, regime, start, rtol, integrate, original)
-    elapsed_times = time.thread_time() - cpu, time.perf_counter() - wall
-    return as_trajectory(case, segments, transitions, ending, Cost(*elapsed_times, setup_s=setup))
-
-
-def _simulate_supports(case: Case, rtol: float, integrate: Callable[..., Segment]) -> Trajectory:
-    """The motion of several plates, of a case with supports, or of a plate with corners that may leave its track."""
-    cpu, wall = time.thread_time(), time.perf_counter()
-    segments, transitions, ending = solve_supports(case, rtol, integrate)
-    elapsed_times = time.thread_time() - cpu, time.perf_counter() - wall
-    return as_trajectory(case, segments, transitions, ending, Cost(*elapsed_times, setup_s=0.0))
+        return InitialValueProblem(case, relative, None, lambda: ([], [], undecidable(0.0)))
+    return InitialValueProblem(
+        case, relative, regime, partial(solve_motion, relative, regime, start, rtol, integrate, case)
+    )
 
 
 def solve_supports(case: Case, rtol: float, integrate: Callable[..., Segment]):

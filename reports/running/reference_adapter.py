@@ -5,13 +5,11 @@ Its routes are its methods and the paper's own matrix ("augmented"); its ladder 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from adapters import Setting
 from cases import Case, ContactEffect, Trajectory
 from reference import solve
-from reference.minimal.modes import start_state
 
 NAME = "reference"
 # The compiled package of the Taylor method; the other routes are pure Python.
@@ -20,7 +18,7 @@ routes = solve.ROUTES
 SLIP_LAWS = routes
 # The paper's matrix is for one contact.
 SEVERAL_CONTACTS = tuple(route for route in routes if route != "augmented")
-SEVERAL_PLATES = SEVERAL_CONTACTS
+SUPPORTS = BELTS_AND_SUPPORTS = SEVERAL_PLATES = CORNERS = SEVERAL_CONTACTS
 OWN_EFFECTS = (ContactEffect,)
 
 # From a coarse tolerance to the limit of double precision.
@@ -32,11 +30,10 @@ _LITERAL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9)
 
 @dataclass
 class _Model:
-    """A case and its integration; after the run also the result of `solve.solve_motion`."""
+    """A case to integrate; after the run also its solution."""
 
-    case: Case
-    integrate: Callable[[], tuple]
-    result: tuple | None = None
+    problem: solve.InitialValueProblem
+    solution: tuple | None = None
 
 
 def refuses(case: Case, route: str) -> str | None:
@@ -52,26 +49,21 @@ def ladder(case: Case, route: str) -> tuple[Setting, ...]:
 def build(case: Case, route: str, setting: Setting) -> _Model:
     """Derive and compile the equations of the first mode, later ones when a run enters them; raises NotSupported for an
     unsupported case."""
-    if case.others:
-        _, integrator = solve.INTEGRATORS[route]
-        return _Model(case, lambda: solve.solve_supports(case, setting["rtol"], integrator))
-    start = start_state(case)
-    regime = solve.first_regime(case, start)
-    if regime is not None:
-        solve.prepare(case, regime, route, setting["rtol"])
-    _, integrator = solve.INTEGRATORS[route]
-    return _Model(case, lambda: solve.solve_motion(case, regime, start, setting["rtol"], integrator))
+    problem = solve.initial_value_problem(case, setting["rtol"], route)
+    if problem.regime is not None:
+        solve.prepare(problem.relative, problem.regime, route, setting["rtol"])
+    return _Model(problem)
 
 
 def run(model: _Model) -> None:
     """Integrate, locate the transitions and search for second contacts: the work of an engine's steps."""
-    model.result = model.integrate()
+    model.solution = model.problem.solve()
 
 
 def read(model: _Model) -> Trajectory:
     """The sampled motion with the transitions that the reference located."""
-    assert model.result is not None, "read comes after run"
-    return solve.as_trajectory(model.case, *model.result)
+    assert model.solution is not None, "read comes after run"
+    return model.problem.trajectory(model.solution)
 
 
 def version() -> str:
