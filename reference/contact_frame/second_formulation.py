@@ -65,6 +65,8 @@ JAMMED = 1e-2
 
 # Far more changes of phase than any motion makes during one turn; a loop without progress ends with a status.
 MOST_CHANGES = 5000
+# Far more than follow each other at one instant: beyond that, the same flight of zero length is repeated.
+MOST_AT_ONCE = 100
 
 
 class SecondMotion(NamedTuple):
@@ -111,7 +113,7 @@ def _run(course: MotionState) -> SecondMotion:
     now: ContactState | FlightState | EndState = _start(course)
     if isinstance(now, EndState):
         _at_once(course)
-    changes, counted_until = 0, 0.0
+    changes, counted_until, at_once, before = 0, 0.0, 0, -inf
     while not isinstance(now, EndState):
         if course.work.used_up:
             now = EndState(IN_PROGRESS)
@@ -119,7 +121,8 @@ def _run(course: MotionState) -> SecondMotion:
         if course.t >= counted_until:
             changes, counted_until = 0, course.t + _turn(course, now)
         changes += not (isinstance(now, FlightState) and now.leap)  # rebounds end when they are no longer resolved
-        if changes > MOST_CHANGES:
+        at_once, before = at_once + 1 if course.t == before else 0, course.t
+        if changes > MOST_CHANGES or at_once > MOST_AT_ONCE:
             now = EndState("accumulation")
             break
         try:
