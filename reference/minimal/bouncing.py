@@ -156,7 +156,7 @@ class Bounces:
             tuple(map(float, in_flight(self.case, at.time, (at.xi1, at.xi2), touch.slip, touch.omega, touch.lift)))
             for at, touch in ((landing, after), (limit, limit.touch))
         )
-        times, states = np.array([landing.time, limit.time]), _Straight(landing.time, limit.time, first, last)
+        times, states = np.array([landing.time, limit.time]), StraightStates(landing.time, limit.time, first, last)
         return Segment.of(flight, times, states, Event(None, limit.time, last), 0)
 
 
@@ -166,7 +166,7 @@ def _pieces(case: Case, landing: Landing) -> PieceCase | None:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Straight:
+class StraightStates:
     """States that change linearly from one time (s) to another: times (n,) ↦ states (variables, n)."""
 
     start: float

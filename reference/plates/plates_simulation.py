@@ -10,8 +10,9 @@ import numpy as np
 from cases import Case, Impact, Mode, Transition
 from cases.free_plates import plate_contacts, start_poses
 
+from ..minimal.bouncing import StraightStates
 from ..minimal.flight_end import REBOUND_ROUNDINGS
-from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Segment
+from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
 from ..minimal.phase_end import (
     CAUSES,
     COMPLETION,
@@ -295,9 +296,6 @@ class PlatesSimulation(PhaseLoop):
 
     def _straight(self, near: list[int], limit: float, state: tuple[float, ...]) -> Segment:
         """The segment between the last impact that is simulated and the end of all of them."""
-        from ..minimal.integrators.segment import Event
-        from ..several.rest import StraightStates
-
         modes = tuple(Mode.SLIDE if n in near else mode for n, mode in self.modes.items())
         bodies = frozenset(range(self.half // 3))
         phase: PlatesPhase = plates_phase(self.case, PlatesRegime(tuple(self.modes), modes, bodies))

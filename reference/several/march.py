@@ -10,6 +10,7 @@ import numpy as np
 from cases import Case, Flight, Mode, Transition
 from cases.contact_pairs import PairCase, pairs
 
+from ..minimal.bouncing import StraightStates
 from ..minimal.boxes import Geometry
 from ..minimal.curve_pieces import TooMuch
 from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
@@ -33,7 +34,7 @@ from .hops import SeriesEnd
 from .meetings import first_meeting
 from .phase_loop import PhaseLoop, several_motions
 from .regimes import SeveralPhase, SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
-from .rest import RestStates, StraightStates, limit_of_rest, limit_on_belts
+from .rest import RestStates, limit_of_rest, limit_on_belts
 from .watched_plate import TOUCHES, MotionEnds, WatchedPlate, WatchState
 
 # Impacts are extrapolated to their end where the plate moves by less than this part of its size until then: gaps of

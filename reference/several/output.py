@@ -159,12 +159,12 @@ def _forces_on_belts(case: Case, now: SeveralPhase, times: np.ndarray, y: np.nda
 
 def _balance(case: Case, regime: SeveralRegime, state: np.ndarray, load: np.ndarray, k: int):
     """Normal and friction force of contact k that balance loads (3, n) in one state, NaN where they are not unique."""
-    closed = regime.closed
-    at = places(contacts_of(case, regime), body_of(state), pairs_of(state))
-    held = [i for i in closed if at[i].stick > 0.0 and regime.modes[i] is Mode.ROLL]
-    limits = limits_of_friction([at[i] for i in closed], [regime.modes[i] for i in closed])
-    ratios = {i: limit.ratio for i, limit in zip(closed, limits, strict=True) if isinstance(limit, Slipping)}
-    rows = [at[i].lift_row + ratios[i] * at[i].slip_row if i in ratios else at[i].lift_row for i in closed]
+    closed, at = regime.closed, _closed_places(case, regime, state)
+    modes = [regime.modes[number] for number in closed]
+    held = [i for i, mode in enumerate(modes) if at[i].stick > 0.0 and mode is Mode.ROLL]
+    limits = limits_of_friction(at, modes)
+    ratios = {i: limit.ratio for i, limit in enumerate(limits) if isinstance(limit, Slipping)}
+    rows = [one.lift_row + ratios[i] * one.slip_row if i in ratios else one.lift_row for i, one in enumerate(at)]
     rows += [at[i].slip_row for i in held]
     units = units_of(case.plate.gyration)[:, None]
     matrix = units * np.array(rows).T
@@ -174,10 +174,16 @@ def _balance(case: Case, regime: SeveralRegime, state: np.ndarray, load: np.ndar
     _, sizes, basis = np.linalg.svd(matrix)
     free = basis[int((sizes > OPEN_FORCE * sizes[0]).sum()) :]
     values[np.abs(free).max(axis=0, initial=0.0) > OPEN_FORCE] = np.nan
-    normal = values[closed.index(k)]
-    if k in held:
-        return normal, values[len(closed) + held.index(k)]
-    return normal, ratios[k] * normal if k in ratios else np.zeros(load.shape[1])
+    i = closed.index(k)
+    if i in held:
+        return values[i], values[len(closed) + held.index(i)]
+    return values[i], ratios[i] * values[i] if i in ratios else np.zeros(load.shape[1])
+
+
+def _closed_places(case: Case, regime: SeveralRegime, state: np.ndarray) -> list[ContactPlace]:
+    """The closed contacts in a state."""
+    contacts, pairs = contacts_of(case, regime), pairs_of(state)
+    return places([contacts[k] for k in regime.closed], body_of(state), [pairs[k] for k in regime.closed])
 
 
 def observe(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray) -> State:
@@ -202,8 +208,7 @@ def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray
         values = [contact_states(case, now, np.array([t]), state[:, None], name) for name in names]
         pairs = [(float(one.normal_force[0]), float(one.friction_force[0])) for one in values]
         return {name: np.array([[n, n], [f, f]]) for name, (n, f) in zip(names, pairs, strict=True)}
-    every = places(contacts_of(case, regime), body_of(state), pairs_of(state))
-    at: list[ContactPlace] = [every[k] for k in regime.closed]
+    at = _closed_places(case, regime, state)
     load = load_on_belts(now, t, state) if regime.guides else load_at(case, t, body_of(state))
     friction = limits_of_friction(at, [regime.modes[k] for k in regime.closed])
     limits: ForceRanges = ranges(at, load, units_of(case.plate.gyration), friction)

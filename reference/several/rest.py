@@ -33,20 +33,6 @@ class RestStates:
         return np.outer(self.state, np.ones_like(times))
 
 
-@dataclass(frozen=True)
-class StraightStates:
-    """States that change linearly from one time (s) to another: times (n,) ↦ states (variables, n)."""
-
-    start: float
-    end: float
-    first: tuple[float, ...]
-    last: tuple[float, ...]
-
-    def __call__(self, times: np.ndarray) -> np.ndarray:
-        first, part = np.array(self.first), (times - self.start) / (self.end - self.start)
-        return first[:, None] + np.outer(np.array(self.last) - first, part)
-
-
 def limit_of_rest(case: Case, closed: Sequence[ContactPlace], start: float, y: Sequence[float]) -> float | None:
     """When the closed contacts cannot balance the load any more, s; None if they can until the motion's end."""
     from scipy.optimize import brentq
