@@ -239,15 +239,6 @@ def _check_breakaway(run: LawRun, k: ContactSamples, model: Mechanics, threshold
 # --- which parameter --------------------------------------------------------------------------------------------------
 
 
-class Candidate(NamedTuple):
-    """One parameter with another value: a variation of the model, the case's value and the names of both."""
-
-    name: str
-    model: Mechanics
-    value: float
-    true: float
-
-
 def suspicion(model: Mechanics, k: ContactSamples, threshold: float, scale: np.ndarray) -> str:
     """Which single parameter with another value explains the motion, and that value; what is left if none does."""
 

@@ -14,9 +14,6 @@ import reference
 from cases import BadCurve, BadValue, Curve, library
 from cases import curves as c
 
-T = np.linspace(0, 2 * pi, 61)[:-1]
-SQUARE_ROOT = np.column_stack([0.3 * np.cos(T), 0.2 * np.sin(T) + 0.02 * np.cos(2 * T)])
-
 
 def length(curve, low, high):
     return quad(lambda s: float(curve.speed(s)), low, high, epsabs=1e-13)[0]

@@ -1,7 +1,6 @@
 """A belt together with a second contact: exact motions, two formulations, the paper's matrix, and the belts' work."""
 
 from dataclasses import replace
-from functools import lru_cache
 from math import atan, cos, pi, sin, sqrt
 
 import numpy as np
@@ -33,11 +32,9 @@ from cases.contact_pairs import contact_case
 from cases.library import line
 from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
-from reference.paper.bodies import BodyContact, solve_bodies
-from reference.several.regimes import contacts_of, regime_of
 from tests.scenes.motions import work_done
 
-from .test_supports import agree, events, random_case, simulated, slow
+from .test_supports import agree, compare_with_matrix, events, random_case, simulated, slow
 
 G = 9.81
 INELASTIC = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
@@ -285,34 +282,10 @@ def test_a_narrow_valley_that_is_a_belt_holds_a_disc_in_two_places():
     assert motion.status == "completed" and "plate/track 2" in motion.contact_names
 
 
-@lru_cache
-def _compared(seeds: tuple[int, ...]) -> list[int]:
-    """Compare accelerations and forces with the paper's matrix; returns the numbers of rows that were solved."""
-    counts = []
-    for case in (*map(random_belts, seeds), disc_at_wall(-2.0)):
-        for segment in simulated(case).dense._segments:
-            regime = regime_of(segment.phase)
-            if not regime.closed or regime.has_open_forces:
-                continue
-            t = 0.5 * (segment.start + segment.event.time)
-            y = segment.states(np.array([t]))[:, 0]
-            rates = segment.phase.system.rates_of_numbers(t, tuple(y), segment.phase.parameters)
-            outputs = segment.phase.system.outputs_of_numbers(t, tuple(y), segment.phase.parameters)
-            modes = [regime.modes[k] for k in regime.closed]
-            states = [(*y[3 + 2 * k : 5 + 2 * k], *rates[3 + 2 * k : 5 + 2 * k]) for k in regime.closed]
-            contacts = [contacts_of(case, regime)[k] for k in regime.closed]
-            paper = solve_bodies([case], list(map(BodyContact, contacts, modes, states)), [(t, *y[:3], *y[-3:])])
-            assert paper.q1_ddot[0] == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
-            for i, k in enumerate(regime.closed):
-                forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
-                assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)
-            counts.append(len(modes) + sum(mode is Mode.ROLL for mode in modes))
-    return counts
-
-
 def test_the_papers_matrix_with_belts_gives_the_same_accelerations_and_forces():
-    counts = _compared((2, 11))
-    assert len(counts) >= 6 and max(counts) == 3  # of a disc that sticks to the belt and slips at the wall
+    compared = compare_with_matrix((*map(random_belts, (2, 11)), disc_at_wall(-2.0)))
+    rows = [len(modes) + modes.count(Mode.ROLL) for modes in compared]
+    assert len(rows) >= 6 and max(rows) == 3  # of a disc that sticks to the belt and slips at the wall
 
 
 # --- the checks -------------------------------------------------------------------------------------------------------
