@@ -76,3 +76,10 @@ def rows_from_track(case: Case, rows: np.ndarray, poses_at: np.ndarray, velociti
     c, s, dx, dy = np.cos(at.angle), np.sin(at.angle), x + later * vx - at.x, y + later * vy - at.y
     ux, uy = vx - at.vx + at.spin * dy, vy - at.vy - at.spin * dx
     return np.column_stack([*pose, c * ux + s * uy, c * uy - s * ux, omega - at.spin])
+
+
+def in_track_axes(case: Case, times: np.ndarray, torsor: np.ndarray) -> np.ndarray:
+    """Forces (N) and moments (N m) at some times (s) along the axes of the driven track, shape (n, 3)."""
+    (fx, fy, moment), angle = torsor.T, track_place(case, times).angle
+    c, s = np.cos(angle), np.sin(angle)
+    return np.column_stack([c * fx + s * fy, c * fy - s * fx, moment])

@@ -17,14 +17,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Cost, CoulombFriction, Drive, Flight, Load, Trajectory
+from cases import Case, Cost, CoulombFriction, Drive, Flight, Trajectory
 from cases.contact import Contact, slip_velocity, start_motion
 from cases.contact_limits import touches_by_features
 from cases.mechanics import gravity
 from cases.moving_frame import relative_case
 
 from ..interface import EngineFailure
-from .driven_tracks import rows_from_track, to_fixed_frame
+from .driven_tracks import in_track_axes, rows_from_track, to_fixed_frame
 from .facets import sway, track_kind, visible_span
 from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights, lands_for_good
 from .several_contacts import may_touch_twice, with_contacts
@@ -105,20 +105,20 @@ def read(record: StepRecord) -> Trajectory:
 
 
 def _from_track(record: StepRecord) -> StepRecord:
-    """The record as a driven track sees it, where the loads of the track's motion act."""
+    """The record as a driven track sees it; its load is what of each step's change of momentum is no contact force.
+
+    Contact forces are the same in both frames. The load of the track's motion at an instant differs from its mean over
+    a step by up to h²/24 times its second derivative, which would count as a contact force in flight.
+    """
     case, rows = record.case, record.rows
     if len(rows) < 3 or not np.isfinite(rows).all():
         return record
-    relative, times = relative_case(case), record.h * np.arange(len(rows))
+    times, torsor = record.h * np.arange(len(rows)), _torsor(record)
     rows = rows_from_track(case, rows, times, times + record.h * (1.0 - record.rest))
-    load, forces = relative.effect(Load), np.zeros((len(rows), 3))
-    if load:
-        start = start_motion(relative)
-        before = np.vstack([[start.vx, start.vy, start.omega], rows[:-1, 3:]])
-        rates = rates_at_poses(before, rows[:, 3:], case.plate.reach, record.rest)
-        forces = np.array([load.at(*row) for row in np.column_stack([times, rows[:, :3], rates]).tolist()])
-    pull = float(np.hypot(*forces[:, :2].T).max()) / case.plate.mass + float(np.hypot(*gravity(relative)))
-    return replace(record, case=relative, rows=rows, load=forces, pull=pull)
+    seen = replace(record, case=relative_case(case), rows=rows, load=None)
+    load = _torsor(seen) - in_track_axes(case, times, torsor)
+    pull = float(np.hypot(*load[:, :2].T).max()) / case.plate.mass + float(np.hypot(*gravity(seen.case)))
+    return replace(seen, load=load, pull=pull)
 
 
 def _read(record: StepRecord) -> Trajectory:

@@ -50,6 +50,19 @@ def test_every_route_keeps_the_law_of_driven_tracks(name, route):
     driven_track(Route(engine(name), route, 3))
 
 
+@pytest.mark.parametrize("name", ["pymunk", "box2d"])
+@pytest.mark.parametrize("rung", [0, 2])
+def test_nothing_touches_a_disc_in_flight_over_a_driven_track(name, rung):
+    """The change of the track's acceleration within a step counted as a contact force, which ended no flight."""
+    pytest.importorskip(f"adapters.{name}")
+    case = cases.load("disc_on_bouncing_table")
+    first, second = (transition.time for transition in reference.simulate(case).transitions[:2])
+    motion = play(name, "native", case, rung)
+    flies = (motion.t > first + 0.02) & (motion.t < second - 0.02)  # longer than a step
+    assert np.sum(flies) > 3
+    assert np.all(motion.normal_force[flies] == 0.0) and np.all(np.isnan(motion.slip[flies]))
+
+
 def test_load_in_the_fixed_frame_acts_on_a_driven_track():
     """pymunk's load is evaluated in the fixed frame, that of its body."""
     drive, load = Drive(x="0.05*sin(7*t)"), Load(fx="-4*x - 0.5*vx")
