@@ -25,12 +25,15 @@ from .errors import BadValue
 from .trajectory import State, Trajectory
 
 
-@lru_cache(maxsize=256)
 def relative_case(case: Case) -> Case:
-    """The case as its track sees it: without Drive, with the loads of the track's motion."""
+    """The case as its track sees it: without Drive, with the loads of the track's motion; the case itself if its track
+    is at rest."""
     drive = case.effect(Drive)
-    if drive is None:
-        return case
+    return case if drive is None else _from_track(case, drive)
+
+
+@lru_cache(maxsize=256)
+def _from_track(case: Case, drive: Drive) -> Case:
     try:
         load = _load(case, drive)
     except BadValue as problem:

@@ -29,6 +29,7 @@ from cases.moving_frame import relative_case
 from reference.minimal import contact_end, flight_end, hybrid
 from reference.minimal.integrators import dop853, taylor
 from reference.minimal.modes import FLIGHT, candidates, phase, phase_at, start_state
+from tests.scenes import bits
 from tests.scenes.moving import Adhesion, on_line
 
 G = 9.81
@@ -123,6 +124,16 @@ OPERATIONS = {
     "disc_on_line": [25, 33, 33, 6],
     "disc_rolling_to_rest": [24, 38, 38, 33, 45, 45, 33, 45, 45, 6],
 }
+
+
+def test_an_equal_copy_of_a_case_on_a_track_at_rest_is_not_seen_from_another_frame():
+    # -0.0 of the first is 0.0 where a second one is turned by an angle of 0.
+    first, second = scene(Gravity(G)), scene(Gravity(G))
+    assert second == first and second is not first
+    assert relative_case(first) is first and relative_case(second) is second
+    assert bits.of_case(second) == bits.of_case(first)
+    dense = reference.simulate(second).dense
+    assert type(dense) is type(reference.simulate(first).dense)
 
 
 def operations(case) -> list[int]:
