@@ -29,6 +29,9 @@ CLOSE = 1e6
 # Two parameters of an outline closer than this, in units of a period over 2π, are the same one, found from both sides
 # of the seam: Newton's method leaves roundings.
 SAME = 1e-9
+# From this angle (rad) on, its cosine and sine come from the tangents: the angle's own rounding would turn the plate by
+# more than 1e-10. (A load may spin a disc to 1e14 rad.)
+MANY_TURNS = 1e6
 # Largest residual of the two contact conditions, relative as above and in radians, where Newton's steps do not
 # converge. The error of the gap is then its square.
 CONVERGENCE = 1e-12
@@ -63,6 +66,10 @@ def pose(track: Curve, outline: Curve, xi1, xi2):
     ((X, Y), along_track), ((x, y), along_outline) = track.place(xi1), outline.place(xi2)
     theta = along_track - along_outline
     c, s = np.cos(theta), np.sin(theta)
+    many = np.abs(theta) > MANY_TURNS
+    if np.any(many):
+        (T, S), (t, u) = track.tangent(xi1), outline.tangent(xi2)
+        c, s = np.where(many, T * t + S * u, c), np.where(many, S * t - T * u, s)
     return X - (c * x - s * y), Y - (s * x + c * y), theta
 
 
