@@ -86,6 +86,13 @@ class Support:
         return (*(effect for effect in of_case if not isinstance(effect, replaced)), *(self.effects or ()))
 
 
+def effects_at(case: Any, contact: str) -> tuple[Effect, ...]:
+    """All effects at a contact, such as "plate/wall 2": those of the case, and its support's own in their places."""
+    _, _, place = contact.partition("/")
+    own = [support for support in case.supports if support.name == place.partition(" ")[0]]
+    return own[0].acting(case.effects) if own else case.effects
+
+
 def check_supports(case: Any) -> None:
     """Raise BadValue or DoesNotFit for supports that the case cannot have."""
     if not isinstance(case.supports, tuple):

@@ -67,14 +67,12 @@ def _probable_mistakes(case: Case, columns: Columns) -> list[str]:
 def _text(case: Case, motion: Trajectory, run: Run) -> str:
     from tabulate import tabulate
 
-    from adapters.common.motion_file import follow_contact
-    from adapters.common.motion_table import REQUIRED_COLUMNS
+    from adapters.common.motion_file import least_gap
     from cases.mechanics import energy
 
     from .judging import grades
     from .judging.residuals import broken_laws, energy_growth
 
-    gap = follow_contact(case, {name: getattr(motion, name) for name in REQUIRED_COLUMNS})[2]
     ledger = [
         (r.event, str(r.before), str(r.after), r.time, r.reference_time, r.error, _time_text(motion, r.time), r.pairing)
         for r in run.ledger
@@ -89,7 +87,7 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
         ("energy at the end (J)", total[-1]),
         ("largest growth (J)", energy_growth(case, motion)),
     ]
-    violations = broken_laws(case, motion, gap)
+    violations = broken_laws(case, motion, least_gap(case, motion))
     assert run.score is not None, "a motion that is judged has a score"
     return "\n\n".join(
         (

@@ -11,14 +11,14 @@ Columns that the table lacks are computed from the others:
 Slips and forces of several contacts are not read: they follow from the poses. A solver whose contacts creep while they
 stick reports the speed, as the built-in adapters do. Coarse samples are judged like those of the built-in engines: a
 transition that they miss is a row. A bounce lower than a hundredth of the plate differs from contact only by its
-forces, which are 0 in flight.
+forces, which are 0 in flight; without forces, by the change of momentum between samples.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import isfinite, pi
+from math import inf, isfinite, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +30,8 @@ from cases.free_plates import POSE, names_of, plates_of
 from cases.mechanics import gravity
 from cases.nearest import nearest
 
-from . import plate_contacts, several_contacts, support_contacts
+from . import momentum, plate_contacts, several_contacts, support_contacts
+from .flights import flights
 from .motion_table import CREEP, LEAST_SAMPLES, LEVER, OPTIONAL_COLUMNS, REQUIRED_COLUMNS, columns_of, of_plate
 
 if TYPE_CHECKING:
@@ -42,6 +43,10 @@ LOOSE = 1e-2
 # Relative to the plate's size: the gap below which one of several contacts is closed, besides what gravity closes or
 # opens within two samples. At the speeds of an impact it is a matter of a millisecond.
 CLOSED = 1e-3
+# The same of one contact that does not push: a lower hop lasts a few milliseconds for plates of some centimetres.
+HOP = 1e-4
+# The shortest hop that the transitions' reader takes for one, in gaps between samples.
+SHORTEST = 2.5
 
 RATES = (("vx", "x"), ("vy", "y"), ("omega", "theta"))
 # Largest turn (rad) of the plate or the track between samples. From a quarter of a turn on, the contact cannot be found
@@ -133,7 +138,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     touches_twice = several_contacts.may_touch_twice(case)
     if touches_twice:  # which contact's slip a file has is not known; that of each contact follows from the poses
         columns.pop("slip", None)
-    xi1, xi2, gap = follow_contact(case, columns)
+    xi1, xi2, gap = follow_contact(case, columns, from_differences)
     count, status, reason = _ending(case, columns, xi1, gap)
     slip, resolution = _slip(case, columns, xi1), _creep(columns, creep)
     if "slip" not in columns:
@@ -196,12 +201,11 @@ def _of_plates(case: Case, columns: dict[str, np.ndarray], creep: float) -> Traj
     return replace(motion, slip_resolution=_creep(columns, creep))
 
 
-def _clear(case: Case, t: np.ndarray) -> float:
-    """The gap (m) below which one of several contacts is closed."""
-    return (
-        CLOSED * min(plate.inner for plate in plates_of(case))
-        + 2.0 * float(np.hypot(*gravity(case))) * float(np.max(np.diff(t))) ** 2
-    )
+def _clear(case: Case, t: np.ndarray, share: float = CLOSED, gaps: float = 4.0) -> float:
+    """The gap (m) below which a contact is closed: a share of the plate's size, and the height of a hop that lasts so
+    many gaps between samples, by default what gravity closes or opens within two of them."""
+    hop = float(np.hypot(*gravity(case))) * (gaps * float(np.max(np.diff(t)))) ** 2 / 8.0
+    return share * min(plate.inner for plate in plates_of(case)) + hop
 
 
 def _on_supports(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:
@@ -223,13 +227,22 @@ def _coarse(slope: np.ndarray) -> float:
     return float(np.mean(np.abs(np.diff(slope))))
 
 
+def least_gap(case: Case, motion: Trajectory) -> np.ndarray:
+    """The gap (m) of the nearest contact at the samples of such a motion; NaN where there is none."""
+    if not touches_by_features(case):
+        return follow_contact(case, {name: getattr(motion, name) for name in REQUIRED_COLUMNS})[2]
+    gaps = [columns.gap for columns in motion.contacts.values()]
+    return np.min(gaps, axis=0) if gaps else np.full(len(motion.t), np.nan)
+
+
 # --- the contact ------------------------------------------------------------------------------------------------------
 
 
-def follow_contact(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def follow_contact(case: Case, columns, from_differences: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Contact parameters and gap (m) of every pose; NaN where the plate has none.
 
-    With Flight the plate has none wherever it is off its track, else from the first pose far from its track.
+    With Flight the plate has none wherever it is off its track, else from the first pose far from its track. Where
+    `columns` have velocities (central differences, if `from_differences`) and no forces, the momentum decides near it.
     """
     start, flies, off = start_motion(case), case.effect(Flight) is not None, LOOSE * case.plate.reach
     near, contacts = (start.xi1, start.xi2), np.full((len(columns["t"]), 3), np.nan)
@@ -248,6 +261,9 @@ def follow_contact(case: Case, columns) -> tuple[np.ndarray, np.ndarray, np.ndar
     xi1, xi2, gap = contacts.T
     if flies:
         aloft = _aloft(gap <= off, columns.get("normal_force"))
+        if "vx" in columns and "normal_force" not in columns:
+            lasting = ~aloft & momentum.push(case, columns, aloft, from_differences)
+            aloft |= _without_force(case, columns["t"], gap, lasting)
         xi1[aloft] = xi2[aloft] = np.nan
     turns = np.abs(np.diff(case.track.tangent_angle(xi1)))
     turn = turns[np.isfinite(turns)].max(initial=0.0)
@@ -275,6 +291,15 @@ def _aloft(near: np.ndarray, force: np.ndarray | None) -> np.ndarray:
             if stop < len(near):
                 aloft[last:stop] = True
     return aloft
+
+
+def _without_force(case: Case, t: np.ndarray, gap: np.ndarray, lasting: np.ndarray) -> np.ndarray:
+    """Which samples are in flight although near the track: without a contact that lasts, and above its usual gap."""
+    usual = float(np.median(gap[lasting])) if lasting.any() else 0.0
+    result = np.zeros(len(gap), dtype=bool)
+    for start, stop in flights(np.nan_to_num(gap, nan=inf) - usual, lasting, _clear(case, t, HOP, SHORTEST)):
+        result[start:stop] = True
+    return result
 
 
 def _ending(case: Case, columns, xi1: np.ndarray, gap: np.ndarray) -> tuple[int, str, str]:

@@ -9,6 +9,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Case, Mode, State, Transition
+from cases.contact_pairs import PairCase
 from cases.trajectory import CONTACT, ContactColumns
 
 from ..minimal.integrators.segment import Segment, blocks
@@ -141,43 +142,49 @@ def _rest_forces(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray
     closed = regime_of(now).closed
     if k not in closed:
         return 0.0 * times, 0.0 * times
-    state = y[:, 0]
-    load = np.array([load_at(case, float(t), body_of(state)) for t in times]).T
-    return _balance(case, regime_of(now), state, load, k)
+    load = np.array([load_at(case, float(t), body_of(y[:, 0])) for t in times]).T
+    return _balance(case, regime_of(now), y[:, :1], load, k)
 
 
 def _forces_on_belts(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray, k: int):
     """The same for contacts with more than three rows, which belts may move."""
-    forces = np.zeros((2, len(times)))
-    if k in regime_of(now).closed:
-        for i, state in enumerate(y.T):
-            load = load_on_belts(now, float(times[i]), state)
-            normal, friction = _balance(case, regime_of(now), state, load[:, None], k)
-            forces[:, i] = normal[0], friction[0]
-    return forces
+    if k not in regime_of(now).closed:
+        return 0.0 * times, 0.0 * times
+    load = np.array([load_on_belts(now, t, state) for t, state in zip(times.tolist(), y.T, strict=True)]).T
+    return _balance(case, regime_of(now), y, load, k)
 
 
-def _balance(case: Case, regime: SeveralRegime, state: np.ndarray, load: np.ndarray, k: int):
-    """Normal and friction force of contact k that balance loads (3, n) in one state, NaN where they are not unique."""
-    closed, at = regime.closed, _closed_places(case, regime, state)
+def _balance(case: Case, regime: SeveralRegime, states: np.ndarray, load: np.ndarray, k: int):
+    """Normal and friction force of contact k that balance loads (3, n), NaN where they are not unique. `states`: as
+    many, or one state (variables, 1) for all loads."""
+    closed, at = regime.closed, _closed_places(case, regime, states[:, 0])
     modes = [regime.modes[number] for number in closed]
     held = [i for i, mode in enumerate(modes) if at[i].stick > 0.0 and mode is Mode.ROLL]
-    limits = limits_of_friction(at, modes)
-    ratios = {i: limit.ratio for i, limit in enumerate(limits) if isinstance(limit, Slipping)}
-    rows = [one.lift_row + ratios[i] * one.slip_row if i in ratios else one.lift_row for i, one in enumerate(at)]
-    rows += [at[i].slip_row for i in held]
-    units = units_of(case.plate.gyration)[:, None]
-    matrix = units * np.array(rows).T
-    load = units * load
-    values, *_ = np.linalg.lstsq(matrix, -load, rcond=OPEN_FORCE)
+    ratios = {i: one.ratio for i, one in enumerate(limits_of_friction(at, modes)) if isinstance(one, Slipping)}
+    each = [_rows(contacts_of(case, regime)[number], states, number) for number in closed]
+    rows = [lift + ratios.get(i, 0.0) * slip for i, (slip, lift) in enumerate(each)] + [each[i][0] for i in held]
+    units = units_of(case.plate.gyration)
+    matrix = units[:, None] * np.stack(rows, axis=-1)
+    values = -(np.linalg.pinv(matrix, rcond=OPEN_FORCE) @ (units[:, None] * load).T[:, :, None])[:, :, 0].T
     # Forces that balance nothing may be added: the normal forces on one line are unique, their frictions' sum is.
     _, sizes, basis = np.linalg.svd(matrix)
-    free = basis[int((sizes > OPEN_FORCE * sizes[0]).sum()) :]
-    values[np.abs(free).max(axis=0, initial=0.0) > OPEN_FORCE] = np.nan
+    rank = (sizes > OPEN_FORCE * sizes[:, :1]).sum(axis=1)
+    free = np.arange(basis.shape[1]) >= rank[:, None]
+    is_open = (free[:, :, None] & (np.abs(basis) > OPEN_FORCE)).any(axis=1).T
+    values = np.where(is_open, np.nan, values)
     i = closed.index(k)
     if i in held:
         return values[i], values[len(closed) + held.index(i)]
     return values[i], ratios[i] * values[i] if i in ratios else np.zeros(load.shape[1])
+
+
+def _rows(contact: PairCase, states: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """The rows of contact k's slip and lift velocity in (vx, vy, ω), as `geometry.place` has them, shape (n, 3)."""
+    theta, (xi1, xi2) = states[2], states[3 + 2 * k : 5 + 2 * k]
+    (tx, ty), (u, v) = contact.track.tangent(xi1), contact.plate.outline.point(xi2)
+    c, s = np.cos(theta), np.sin(theta)
+    rx, ry = c * u - s * v, s * u + c * v
+    return np.stack([tx, ty, ty * rx - tx * ry], axis=-1), np.stack([-ty, tx, tx * rx + ty * ry], axis=-1)
 
 
 def _closed_places(case: Case, regime: SeveralRegime, state: np.ndarray) -> list[ContactPlace]:

@@ -98,12 +98,16 @@ def _time_below_noise(t: np.ndarray, size: np.ndarray, noise: float, event: floa
     return abs(float(t[i]) - event) * (np.sqrt(share) if begins else share)
 
 
-def unresolved(motion: Trajectory, phases: Sequence[ModePhase], slips: Sequence[float]) -> float:
-    """The total duration, s, of those phases of the truth that a motion's samples cannot resolve: phases shorter than a
-    few gaps, and phases whose largest slip (`slips`, m/s) is below the noise."""
+def unresolved(
+    motion: Trajectory, phases: Sequence[ModePhase], slips: Sequence[float], hops: Sequence[float] = ()
+) -> float:
+    """The total duration, s, of those phases of the truth that a motion's samples cannot resolve: phases and flights
+    between impacts (`hops`, s) shorter than a few gaps, and phases whose largest slip (`slips`, m/s) is below the
+    noise."""
     least, noise = RESOLVABLE_GAPS * gap(motion), _CERTAIN * roughness(motion.t, motion.slip)
-    return sum(
+    slow = sum(
         phase.duration
         for phase, largest in zip(phases, slips, strict=True)
         if phase.duration < least or 0.0 < largest < noise
     )
+    return slow + sum(hop for hop in hops if hop < least)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -67,7 +68,8 @@ class Scale:
     largest of `slips`, or the fastest speed where nothing slips or only for an instant; `losses` are those of
     `friction_factor`. `null_motion` names the null motion with the smallest pose error, "" where none differs from the
     truth: `pose` is then the plate's reach. `share` is `pose` as a share of the truth's path, infinite for a plate that
-    stays where it is; `most_creep` (m/s): slip below it may count as none.
+    stays where it is; `most_creep` (m/s): slip below it may count as none. `hops` (s): the truth's flights after an
+    impact.
     """
 
     pose: float
@@ -82,6 +84,7 @@ class Scale:
     null_motion: str
     share: float
     most_creep: float
+    hops: tuple[float, ...] = ()
 
 
 class Score(NamedTuple):
@@ -149,6 +152,7 @@ def scale_of(
         null_motion=nearest,
         share=pose / path if moves else np.inf,
         most_creep=_MOST_CREEP * max(fastest_slip, _fastest_slip(nulls[nearest]) if nearest else 0.0),
+        hops=_hops(events),
     )
 
 
@@ -180,6 +184,13 @@ def _fastest_slip(motion: Trajectory) -> float:
 
 
 _SLIPS = (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD)
+
+
+def _hops(events: Sequence[Transition]) -> tuple[float, ...]:
+    """The durations of flights that follow an impact, s."""
+    return tuple(
+        after.time - impact.time for impact, after in pairwise(events) if impact.before is impact.after is Mode.FLIGHT
+    )
 
 
 def _largest_slip(truth: Trajectory, phase: ModePhase) -> float:
@@ -245,7 +256,7 @@ def _modes(
 ) -> _Modes:
     """The reading of a motion's modes that agrees best with the truth. `others`: the larger one of the other scores."""
     is_exact = motion.first_mode is not None
-    unresolved = 0.0 if is_exact else doubts.unresolved(motion, scale.phases, scale.slips)
+    unresolved = 0.0 if is_exact else doubts.unresolved(motion, scale.phases, scale.slips, scale.hops)
     gaps, last = _sample_gaps(motion), _last(motion, scale.end)
     true_flights, best = flights(scale.phases), None
     for reading in _readings(case, motion, scale, creep, read):

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Mode, Trajectory, Transition
+from cases.supports import effects_at
 from cases.trajectory import CONTACT, ContactColumns
 
 from . import ledger
@@ -21,7 +22,7 @@ from .friction_factor import INDETERMINATE
 from .ledger import LedgerRow
 from .score import Scale, Score, scale_of, score_and_reading
 from .slip_phases import RESOLVABLE_GAPS, Reading
-from .transitions import LEAST_SHARE, MotionReader, ReadChange, SampleStretch
+from .transitions import LEAST_SHARE, MotionReader, ReadChange, SampleStretch, stick_bound
 
 # Samples next to where a contact closes or opens whose velocities may be means of both sides of an impact.
 _EDGE = 2
@@ -65,7 +66,7 @@ def judge(
     first = Mode.FLIGHT
     for name, partner in partners.items():
         one, exact = only(motion, partner), truth.of(name)
-        reader = ContactReader(gap_of(motion, partner))
+        reader = ContactReader(case, name, gap_of(motion, partner))
         score, reading = score_and_reading(case, one, exact, scales[name], differences(one, exact, case), reader)
         scores[name] = score
         first = reading.first_mode if name == truth.contact_names[0] else first
@@ -163,7 +164,8 @@ def _matched(truth: Trajectory, nulls: Mapping[str, Trajectory], name: str) -> d
 
 
 class ContactReader:
-    """Reads first mode and transitions of one contact of several, with its gaps (m) at the samples.
+    """Reads first mode and transitions of one contact of several, with its gaps (m) at the samples, by the friction at
+    that contact.
 
     While it is open the plate may touch its track elsewhere, so that nothing follows from the laws of free flight: a
     contact closes where its gap, extrapolated by a line through the last two samples, vanishes. Slip within two samples
@@ -171,17 +173,17 @@ class ContactReader:
     fixed step reports the mean.
     """
 
-    def __init__(self, gap: np.ndarray):
-        self.gap = gap
+    def __init__(self, case: Case, contact: str, gap: np.ndarray):
+        self.gap, self.bound = gap, stick_bound(effects_at(case, contact))
 
     def __call__(self, case: Case, motion: Trajectory) -> Reading:
-        return _OneOfSeveral(case, motion, self.gap).reading()
+        return _OneOfSeveral(case, motion, self.gap, self.bound).reading()
 
 
 class _OneOfSeveral(MotionReader):
-    def __init__(self, case: Case, motion: Trajectory, gap: np.ndarray):
+    def __init__(self, case: Case, motion: Trajectory, gap: np.ndarray, bound: float | None):
         super().__init__(case, motion)
-        self.gap = gap
+        self.gap, self.bound = gap, bound
         if case.others:
             # A contact of several plates that sticks rolls, whether or not one of them turns.
             self.turns = False

@@ -8,7 +8,7 @@ In flight a jump of the velocity that gravity and load do not explain is an impa
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import inf, nan
@@ -19,6 +19,7 @@ import numpy as np
 from cases import (
     Case,
     CoulombFriction,
+    Effect,
     Load,
     Mode,
     PerfectlyRough,
@@ -28,6 +29,7 @@ from cases import (
     Transition,
     mechanics,
 )
+from cases.effects import one as one_effect
 from cases.nearest import nearest
 
 from . import slip_phases
@@ -90,6 +92,12 @@ def read_motion(case: Case, trajectory: Trajectory) -> Reading:
     return MotionReader(case, trajectory).reading()
 
 
+def stick_bound(effects: Sequence[Effect]) -> float | None:
+    """The coefficient that bounds stick, as `slip_phases.read_contact` needs it: 0 without friction, None: no bound."""
+    friction = one_effect(effects, CoulombFriction)
+    return friction.stick if friction else None if one_effect(effects, PerfectlyRough) else 0.0
+
+
 class MotionReader:
     """A sampled motion and the facts of its case."""
 
@@ -99,8 +107,7 @@ class MotionReader:
         # A contact may be slower than the whole motion, the rounding of its velocities is not smaller.
         self.resolution = max(trajectory.slip_resolution, slip_phases.ROUNDING * speed / slip_phases.SURELY)
         self.smallest_jump = _SMALLEST_JUMP * speed
-        friction = case.effect(CoulombFriction)
-        self.bound = friction.stick if friction else None if case.effect(PerfectlyRough) else 0.0
+        self.bound = stick_bound(case.effects)
         self.turns = case.effect(RollingResistance) is not None or not case.plate.turns
 
     def reading(self) -> Reading:

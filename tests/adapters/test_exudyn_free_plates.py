@@ -38,7 +38,9 @@ def test_an_impact_goes_through_a_row_of_discs_that_are_apart():
     )  # restitution is met to a thousandth
     for contact, time in (("second/plate", 0.3), ("third/second", 0.31)):
         one = several_contacts.only(motion, contact)
-        (impact,) = several_contacts.ContactReader(several_contacts.gap_of(motion, contact))(case, one).transitions
+        (impact,) = several_contacts.ContactReader(case, contact, several_contacts.gap_of(motion, contact))(
+            case, one
+        ).transitions
         assert (impact.before, impact.after, impact.cause) == (Mode.FLIGHT, Mode.FLIGHT, "impact")
         assert impact.time == pytest.approx(time, abs=2e-4)  # an impact takes pi sqrt(m/2 k), 0.1 ms
     assert not other_laws(exudyn, case, "native")

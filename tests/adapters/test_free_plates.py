@@ -139,7 +139,7 @@ def test_impacts_within_a_row_are_read_at_each_contact():
     motion = play("pymunk", "native", case, 2)
     for contact, time in (("second/plate", 0.3), ("third/second", 0.31)):
         one = several_contacts.only(motion, contact)
-        reading = several_contacts.ContactReader(several_contacts.gap_of(motion, contact))(case, one)
+        reading = several_contacts.ContactReader(case, contact, several_contacts.gap_of(motion, contact))(case, one)
         (impact,) = reading.transitions
         assert (impact.before, impact.after, impact.cause) == (Mode.FLIGHT, Mode.FLIGHT, "impact")
         assert impact.time == pytest.approx(time, abs=2.0 * motion.t[1])

@@ -88,6 +88,19 @@ def test_contacts_are_matched_on_their_own_support_only():
     assert several_contacts.same_contacts(floor_only, both) == {"plate/track": "plate/track", "plate/wall": ""}
 
 
+def test_each_contact_is_read_by_its_own_friction():
+    # The conveyor has friction, the wall has none: a contact without slip rolls on the one and slides on the other.
+    case = cases.load("block_on_conveyor", speed=0.8, mu_static=0.0, stiffness=0.0)
+    t = np.linspace(0.0, 1.0, 101)
+    nothing = np.zeros(101)
+    still = Trajectory(*(t, nothing, nothing, nothing, nothing, nothing, nothing, nothing), *[nothing] * 4)
+    first = {
+        contact: several_contacts.ContactReader(case, contact, nothing)(case, still).first_mode
+        for contact in ("plate/track", "plate/track 2", "plate/wall", "plate/wall 2")
+    }
+    assert list(first.values()) == [Mode.ROLL, Mode.ROLL, Mode.SLIDE, Mode.SLIDE]
+
+
 def test_a_motion_that_ignores_friction_is_as_bad_as_that(truth, scales):
     for name, motion in null_motions(ROCKING).items():
         result = judged(truth, scales, motion)

@@ -1,0 +1,63 @@
+"""Poses and velocities of the truth, sampled and stored as a file without forces, are judged to be the truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cases
+from adapters import Setting
+from adapters.common import motion_file, motion_table
+from cases.free_plates import POSE
+from reports import compare
+from reports.running.external_motions import judge_external
+from reports.running.records import Run
+from reports.running.tasks import find_truth, true_motion
+
+SAMPLES = 2001
+# The doubt is an estimate; "excellent" is below that.
+SMALL = 1e-4
+QUICK = (
+    "bouncing_disc[e=0.8]",  # hops that are lower than a hundredth of the disc
+    "disc_off_ramp",  # its normal force fades for 30 ms
+    "hopping_rod",
+    "ladder_at_wall[mu=0.1,mu_wall=0.2]",
+)
+SLOW = tuple(case.label for name in cases.names() for case in cases.select(name) if case.label not in QUICK)
+
+
+def judged(label: str, folder) -> Run | None:
+    """The judgement of the true poses and velocities in a file; None without a truth."""
+    case = cases.load(label)
+    truth = find_truth(case)
+    if truth.failure:
+        return None
+    motion, frame = true_motion(case, truth.method), {}
+    frame["t"] = np.linspace(0.0, motion.t[-1], SAMPLES)
+    for plate in motion.plate_names:
+        own = motion.plate(plate)(frame["t"])
+        frame |= {motion_table.of_plate(name, plate): getattr(own, name) for name in POSE}
+    file = folder / "motion.csv"
+    pd.DataFrame(frame).to_csv(file, index=False)
+    table = motion_table.read(file)
+    row = Run(label, file.name, "", Setting.of(), 0, outcome="")
+    return judge_external(row, case, motion_file.trajectory_of(case, table), truth, motion_table.columns_of(table))
+
+
+@pytest.mark.parametrize("label", [*QUICK, *(pytest.param(label, marks=pytest.mark.slow) for label in SLOW)])
+def test_true_poses_are_the_truth(label, tmp_path):
+    run = judged(label, tmp_path)
+    if run is None:
+        pytest.skip("no certificate, so nothing is judged by it")
+    assert run.score is not None, run.reason
+    assert run.score.off <= run.score.doubt + SMALL, run.reason
+
+
+def test_an_exported_box_is_compared(tmp_path):
+    # Its outline has no single formula, which the list of laws broken asked for.
+    file = tmp_path / "motion.csv"
+    case = cases.load("block_on_incline", slope=0.3, mu=0.2)
+    assert judged(case.label, tmp_path) is not None
+    text = compare.compare(case, file)
+    assert "excellent" in text and "Laws broken\nnone" in text
