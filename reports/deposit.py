@@ -29,7 +29,7 @@ PACKAGE = "tables/datapackage.json"
 AUTHORS = "the slip-to-roll authors"
 KEYWORDS = ("multibody dynamics", "Coulomb friction", "contact", "benchmark", "physics engines")
 _ABSTRACT = (
-    "Errors and costs of physics engines for one rigid plate on one fixed curve with Coulomb friction, compared with "
+    "Errors and costs of physics engines for rigid plates on planar curves with Coulomb friction, compared with "
     "certified times of slip, roll, reversal, lift-off and impact. Tables with the unit and meaning of each column "
     "(tables/datapackage.json), the report's page, and the versions of all packages."
 )

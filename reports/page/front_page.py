@@ -64,7 +64,7 @@ def _comparison(experiment: Experiment) -> str:
     solvers = dict.fromkeys(solver for _, solver, route in routes(experiment.runs) if route and solver != REFERENCE)
     engines, many = ", ".join(solvers) or "no engine", len(experiment.cases)
     return (
-        f"{many} scene{'s' * (many != 1)} of one rigid plate on one fixed curve with Coulomb friction, in "
+        f"{many} scene{'s' * (many != 1)} of rigid plates on planar curves with Coulomb friction, in "
         f"{len(experiment.runs):,} runs: {engines}, compared with a motion computed from the equations of Ogaru and "
         "Pandrea and certified to the last digits."
     )
