@@ -15,15 +15,14 @@ from .impact_laws import velocities
 from .integration import EPS, FORGOTTEN, DenseStep, PhaseIntegration
 from .phase import SeveralContactPhase, WatchedContact
 from .plate_state import MOVES, TOUCHES, SimulationEnd
-from .small_impacts import SMALL_IMPACT, ImpactRecord
+from .small_impacts import SMALL_IMPACT, TURNS, ImpactRecord
 
 # Small impacts are extrapolated to their end where the plate moves by less than this part of its size until then.
 SMALL_HOP = 1e-9
 # Velocities at their end below this part of the last closing speed are the error of the fit.
 ENDS = 1e-3
-# Impacts of which no cubic shows the end are over where no hop is higher than this part of the plate's size; two
-# corners take turns within so many impacts.
-LOWEST, TURNS = 1e-12, 8
+# Impacts of which no cubic shows the end are over where no hop is higher than this part of the plate's size.
+LOWEST = 1e-12
 MOST_PHASES = 5_000
 # Impacts at one instant that follow from each other, at contacts whose gap is below this part of the plate's size: its
 # rounding.
@@ -187,6 +186,10 @@ class Simulation(PhaseIntegration):
                 self.touching = {c.name for c in self.contacts if c.is_closed} | tiny
                 self.stuck = {c.name for c in self.contacts if c.mode is Mode.ROLL}
                 self.impacts.at_rest = True
+                end, body = self.impacts.low_end(self.t, self.body, frozenset(self.touching))
+                if self.t < end < self.case.duration:
+                    names, noise = frozenset(self.touching), 2.0 * self.impacts.strikes[-1].closing
+                    self.come_to_rest(end, body, names, noise)
                 self.settle()
                 return
         while True:
@@ -350,13 +353,22 @@ class Simulation(PhaseIntegration):
             return
         size, noise = self.size(), ENDS * last.closing
         answer = self.impacts.end(self.t, SMALL_HOP * size)
-        if answer is None and self.is_low(LOWEST * size):
-            low = {c.name for c, p in zip(self.contacts, self.pairs(), strict=True) if p.gap <= LOWEST * size}
-            answer, noise = (self.t, self.body.copy(), frozenset(low)), 2.0 * last.closing
+        if answer is None and self.impacts.is_driven():
+            raise SimulationEnd("accumulation")
+        is_low = answer is None and self.is_low(LOWEST * size)
+        if answer is None and (is_low or self.impacts.at_rest):
+            low = frozenset(c.name for c, p in zip(self.contacts, self.pairs(), strict=True) if p.gap <= LOWEST * size)
+            low_end, body = self.impacts.low_end(self.t, self.body, low)
+            if is_low or low_end > self.t:
+                answer, noise = (low_end, body, low), 2.0 * last.closing
         if answer is None or answer[0] >= self.case.duration:
             return
-        before, (end, body, names) = self.body.copy(), answer
-        self.body = body
+        self.come_to_rest(*answer, noise)
+
+    def come_to_rest(self, end: float, body: np.ndarray, names: frozenset[str], noise: float) -> None:
+        """Go to a time (s) and state where contacts touch, unless others meet their supports before; velocities below
+        `noise` (m/s) are none."""
+        before, self.body = self.body.copy(), body
         bouncing = {c.name for c in self.contacts if c.name in names and not c.is_away}
         others = [p for c, p in zip(self.contacts, self.pairs(), strict=True) if not (c.name in bouncing or c.is_away)]
         if any(pair.gap <= 0.0 for pair in others):  # another contact meets its support before

@@ -16,6 +16,8 @@ SMALL_IMPACT = 7e-4
 # A cubic in the closing speed is fitted through four impacts, each at least so many times slower than the one before; a
 # parabola where there have been only four, as they are then much slower each time.
 POINTS, SLOWER = 4, 2.0
+# Two contacts take turns within so many impacts.
+TURNS = 8
 # Its end is accepted if it differs from that of the cubic before by less than this part of the time that remains: where
 # successive impacts have no fixed ratio, they differ by more.
 AGREES = 1e-2
@@ -71,6 +73,22 @@ class SmallImpacts:
         if not 0.0 <= wait * some[-1].closing <= size or abs(wait - before[0]) > max(AGREES * wait, np.spacing(t)):
             return None
         return t + wait, some[-1].after + now[1:], names
+
+    def is_driven(self) -> bool:
+        """Whether small impacts do not shrink. Closing a gap that counts as none changes the energy by its height,
+        which may drive hops of that height for ever."""
+        same = [one.closing for one in self.strikes[-3 * TURNS :] if one.closers == self.strikes[-1].closers]
+        return self.small and len(same) > TURNS and same[-1] >= same[-1 - TURNS]
+
+    def low_end(self, t: float, body: np.ndarray, low: frozenset[str]) -> tuple[float, np.ndarray]:
+        """Time (s) and (x, y, θ, vx, vy, ω) at the end of hops so low that nothing is known of their ratio, at contacts
+        `low`: on the straight line through the last two impacts that repeat; t and the body if there are none."""
+        some, names = self.points()
+        if len(some) < 2 or not names <= low:
+            return t, body.copy()
+        before, last = some[-2:]
+        part = last.closing / (before.closing - last.closing)
+        return last.time + part * (last.time - before.time), last.after + part * (last.after - before.after)
 
     def points(self) -> tuple[list[ImpactRecord], frozenset[str]]:
         """The last impacts that repeat with the same contacts, each well slower than the one before, and all contacts

@@ -36,8 +36,6 @@ from .plates_phase import PlatesPhase, PlatesRegime, moving_contacts, plates_pha
 SMALL_HOP = 1e-9
 # Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
 ACCUMULATES = 1e-7
-# Velocities at the end of bouncing below this part of the last closing speed are the extrapolation's error.
-REMAINS = 1e-3
 # Modes and impulses are enumerated, four for each contact with friction: so many combinations take a second.
 MOST_COMBINATIONS = 4**6
 
@@ -251,6 +249,8 @@ class PlatesSimulation(PhaseLoop):
         then, and all contacts of the last impacts touch."""
         small = SMALL_HOP * size(self.case, self.state)
         end = self.hops.limit(self.t, small)
+        if end is None and CAUSES["rest"] in self.causes.values():
+            end = self.hops.lowest(frozenset(self.contacts[n].name for n in self.touching))
         if end is None:
             self._check_accumulation()
         if end is None or not end.time < self.case.duration:
@@ -261,12 +261,11 @@ class PlatesSimulation(PhaseLoop):
         if any(place(self.case, n, values).gap <= 0.0 for n in range(len(self.contacts)) if n not in near):
             return  # another contact closes before
         state = project(self.case, tuple(values), near)
-        remains = REMAINS * self.hops.strikes[-1].closing
         velocity = np.array(state[self.half :])
-        stuck = [n for n in near if self._slips_less(n, state, remains)]
+        stuck = [n for n in near if self._slips_less(n, state, end.error)]
         still = {c for b in plates_in(self.case, near) for c in range(3 * b, 3 * b + 3)}
         lengths = numbers_of(self.case).lengths
-        if all(abs(velocity[c]) * lengths[c] <= remains for c in still):
+        if all(abs(velocity[c]) * lengths[c] <= end.error for c in still):
             velocity[sorted(still)] = 0.0
         state = without_velocity(self.case, (*state[: self.half], *velocity.tolist()), near, stuck)
         if limit > self.t:

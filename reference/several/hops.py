@@ -25,6 +25,8 @@ LONGEST = 1000
 # An end is accepted if the last impact changes it by less than this part of the time that remains. Impacts on two
 # corners alternately need not have speeds in a fixed ratio, and then have no such end.
 AGREES = 1e-2
+# Velocities at the end of a series below this part of the last closing speed are the extrapolation's error.
+STILL = 1e-3
 # Two corners take turns within this many impacts.
 RECENT = 8
 
@@ -41,11 +43,13 @@ class Strike(NamedTuple):
 
 
 class SeriesEnd(NamedTuple):
-    """The end of a series of impacts: its time (s), (x, y, θ, vx, vy, ω), and the contacts of its impacts."""
+    """The end of a series of impacts: its time (s), (x, y, θ, vx, vy, ω), the contacts of its impacts, and the error of
+    its velocities (m/s)."""
 
     time: float
     body: list[float]
     contacts: frozenset[str]
+    error: float
 
 
 class ImpactSeries:
@@ -87,7 +91,19 @@ class ImpactSeries:
         if not 0.0 <= remaining * speeds[-1] <= size or abs(time - before) > max(AGREES * remaining, np.spacing(t)):
             return None
         body = [extrapolate(speeds, column)[0] for column in zip(*(one.body for one in some), strict=True)]
-        return SeriesEnd(time, body, contacts)
+        return SeriesEnd(time, body, contacts, STILL * speeds[-1])
+
+    def lowest(self, touching: frozenset[str]) -> SeriesEnd | None:
+        """The end of small impacts whose hops count as touching: on the line through the last two that repeat, as their
+        number or their ratio gives no better one. None if there are no two, or one of their contacts does not touch."""
+        some, contacts = self._series() if self.strikes else ([], frozenset())
+        if len(some) < 2 or not contacts <= touching:
+            return None
+        speeds = [one.closing for one in some[-2:]]
+        time, *body = (
+            extrapolate(speeds, column)[0] for column in zip(*((one.time, *one.body) for one in some[-2:]), strict=True)
+        )
+        return SeriesEnd(time, body, touching, 2.0 * speeds[-1])
 
     def _series(self) -> tuple[Sequence[Strike], frozenset[str]]:
         """The last impacts of the same contacts after the same cycle of impacts, with speeds that are well apart, and
@@ -98,11 +114,11 @@ class ImpactSeries:
             return [], frozenset()
         period = places[-1] - places[-2]
         cycle, some = names[-period:], [self.strikes[-1]]
-        for end in range(len(names) - period, period - 1, -period):
-            if names[end - period : end] != cycle:
+        for last in range(len(names) - 1 - period, -1, -period):
+            if names[last] != names[-1] or names[last + 1 : last + 1 + period] != cycle:
                 break
-            if APART * self.strikes[end - 1].closing >= some[0].closing:
-                some.insert(0, self.strikes[end - 1])
+            if APART * self.strikes[last].closing >= some[0].closing:
+                some.insert(0, self.strikes[last])
         return some[-MOST:], frozenset().union(*(contacts for contacts, _ in cycle))
 
     def record(

@@ -40,8 +40,6 @@ from .watched_plate import TOUCHES, MotionEnds, WatchedPlate, WatchState
 # Impacts are extrapolated to their end where the plate moves by less than this part of its size until then: gaps of
 # larger hops have five digits.
 SMALL_HOP = 1e-9
-# Velocities at the end of bouncing below this part of the last closing speed are the extrapolation's error.
-STILL = 1e-3
 # Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the
 # plate's size, the gap at which contacts count as touching.
 LOW_HOP = 1e-12
@@ -101,6 +99,11 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         self.held_out = False
         if decision.regime is None and fixed and not decision.motions:
             decision = decide(self.case, now, error)
+        if decision.regime is None and not decision.motions and self.touches_more():
+            # A slip vanished where a gap is that small, too.
+            self.settle({watch.name for watch in self.watches if watch.mode is Mode.ROLL} | self.stuck)
+            now = self.instant()
+            decision = decide(self.case, now, error)
         if decision.regime is None:
             raise MotionEnds(self._no_regime(now, decision))
         regime, changes = decision.regime, list[Transition]()
@@ -146,11 +149,10 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         near = [k for k, name in enumerate(now.names) if name in end.contacts]
         if any(at.gap <= 0.0 for k, at in enumerate(places(watched, body, pairs)) if not (k in near or now.away[k])):
             return now
-        still = STILL * self.hops.strikes[-1].closing if limit > self.t else 2.0 * self.hops.strikes[-1].closing
-        if np.abs(np.array(body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max() <= still:
+        if np.abs(np.array(body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max() <= end.error:
             body[3:] = 0.0, 0.0, 0.0
         body, at = project(self.case, watched, body, pairs, near)
-        stuck = [k for k in near if at[k].stick > 0.0 and abs(at[k].slip(np.array(body[3:]), limit)) <= still]
+        stuck = [k for k in near if at[k].stick > 0.0 and abs(at[k].slip(np.array(body[3:]), limit)) <= end.error]
         body = without_velocity(self.case, limit, body, at, near, stuck)
         state = join(body, [(one.xi1, one.xi2) for one in at])
         decision = decide(
@@ -173,7 +175,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         if end is None and self._is_low(now, low):
             near = zip(now.places, now.names, now.away, strict=True)
             touching = frozenset(name for at, name, is_away in near if at.gap <= low and not is_away)
-            return SeriesEnd(self.t, list(self.body), touching)
+            error = 2.0 * self.hops.strikes[-1].closing
+            return self.hops.lowest(touching) or SeriesEnd(self.t, list(self.body), touching, error)
         return end
 
     def _is_low(self, now: DecisionInstant, height: float) -> bool:

@@ -153,6 +153,12 @@ class WatchedPlate:
         if self.present_speed() <= EPS * self.speed:  # a rounding, which decisions would take for a motion
             self.body[3:] = [0.0, 0.0, 0.0]
 
+    def touches_more(self) -> bool:
+        """Add open contacts without a gap to those that touch; returns whether there are any."""
+        before = set(self.touching)
+        self._add_touching()
+        return self.touching != before
+
     def _name_touching(self, stuck: set[str]) -> set[str]:
         """Name the contacts that touch for the first time by their order; returns `stuck` with their names."""
         for watch in self.watches:

@@ -302,7 +302,8 @@ def random_box(seed):
     return on(library.line(float(chance.uniform(0, 0.4))), plate, *effects, start=start, duration=0.8)
 
 
-@pytest.mark.parametrize("seed", [3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1, 2, 11))])
+# 2, 62: two corners hit in turn, each time 0.03 of the time before, from the first impact on: few impacts have one end.
+@pytest.mark.parametrize("seed", [2, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 1, 11, 62))])
 def test_both_formulations_agree_on_random_boxes(seed):
     check_several_contacts(random_box(seed))
 

@@ -274,6 +274,16 @@ def test_impacts_at_one_instant_are_listed_alike_whether_they_are_found_together
 
 
 @pytest.mark.slow
+def test_a_disc_that_rocks_between_two_others_ends_at_the_limit_of_four_impacts():
+    """Each is 0.0088 of the one before; the last hops are some 1e-12 m high, and rounding is 1e-9 s of their times."""
+    one, other = reference.simulate(random_scene(230), rtol=1e-12), bodies_motion(random_scene(230))
+    assert [(e.contact, e.before, e.after) for e in one.transitions] == [
+        (e.contact, e.before, e.after) for e in other.transitions
+    ]
+    assert [e.time for e in one.transitions] == pytest.approx([e.time for e in other.transitions], abs=5e-9)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [117, 162])
 def test_formulations_differ_by_less_than_a_rounding_of_the_start_changes(seed):
     """Contacts that close slowly: 1e-15 m/s at the start change the times by 1e-9 and 2e-10 s."""
