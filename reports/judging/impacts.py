@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from math import isfinite, nan
 from typing import NamedTuple
 
@@ -37,18 +37,31 @@ class ImpactRow(NamedTuple):
     reference_swing: float
 
 
-def rows(case: Case, motion: Trajectory, truth: Trajectory, paired: Sequence[LedgerRow]) -> tuple[ImpactRow, ...]:
-    """The impacts of a motion next to the truth's, and the times of rest; `paired`: their transitions."""
-    landings = [row for row in paired if row.before is Mode.FLIGHT and row.after is not Mode.FLIGHT]
-    own, true = (
-        _swings(motion, [row.time for row in landings]),
-        _swings(truth, [row.reference_time for row in landings]),
-    )
+def rows(case: Case, motion: Trajectory, truth: Trajectory, ledger_rows: Sequence[LedgerRow]) -> tuple[ImpactRow, ...]:
+    """The impacts of a motion next to the truth's of the same number at that contact, and the times of rest;
+    `ledger_rows`: their transitions."""
+    landings = _in_order(ledger_rows)
+    own = _swings(motion, [time for _, time, _ in landings])
+    true = _swings(truth, [exact for *_, exact in landings])
     result = [ImpactRow(0, "", rest_time(case, motion), rest_time(case, truth), nan, nan)]
-    for number, row in enumerate(landings, start=1):
-        there = (own.get(row.time, nan), true.get(row.reference_time, nan))
-        result.append(ImpactRow(number, row.contact, row.time, row.reference_time, *there))
+    for number, (contact, time, exact) in enumerate(landings, start=1):
+        result.append(ImpactRow(number, contact, time, exact, own.get(time, nan), true.get(exact, nan)))
     return tuple(result)
+
+
+def _in_order(ledger_rows: Sequence[LedgerRow]) -> list[tuple[str, float, float]]:
+    """Contact, time and the truth's time (s) of each impact in order: the nth at a contact with the truth's nth there.
+
+    A solver that loses too much in each impact has few: the nearest in time to its fifth may be the truth's seventh,
+    which follows another swing."""
+    landings = [row for row in ledger_rows if row.before is Mode.FLIGHT and row.after is not Mode.FLIGHT]
+    result = list[tuple[str, float, float]]()
+    for contact in dict.fromkeys(row.contact for row in landings):
+        here = [row for row in landings if row.contact == contact]
+        own = sorted(row.time for row in here if isfinite(row.time))
+        true = sorted(row.reference_time for row in here if isfinite(row.reference_time))
+        result += [(contact, time, exact) for time, exact in zip_longest(own, true, fillvalue=nan)]
+    return sorted(result, key=lambda one: one[2] if isfinite(one[2]) else one[1])
 
 
 def _swings(motion: Trajectory, times: Sequence[float]) -> dict[float, float]:

@@ -11,7 +11,7 @@ import cases
 import reference
 from adapters.common import motion_file, motion_table
 from adapters.common import several_contacts as from_poses
-from cases import Mode, Trajectory, Transition
+from cases import Mode, State, Trajectory, Transition
 from cases.sampled_contacts import SampledContacts
 from reports.judging import friction_factor, impacts, several_contacts
 from reports.judging.ledger import LedgerRow
@@ -130,12 +130,28 @@ def test_swings_and_the_time_of_rest_are_those_of_the_motion():
     state = {name: nothing for name in ("x", "y", "vx", "vy", "slip", "normal_force", "friction_force", "xi1", "xi2")}
     motion = Trajectory(t=t, theta=theta, omega=np.gradient(theta, t), **state)
     events = [Transition(float(k), Mode.FLIGHT, Mode.ROLL, contact="a") for k in range(1, 4)]
-    paired = [LedgerRow(k, e.before, e.after, e.time, e.time, 0.0, "paired", "a") for k, e in enumerate(events, 1)]
-    rest, *rows = impacts.rows(ROCKING, motion, motion, paired)
+    pairs = [LedgerRow(k, e.before, e.after, e.time, e.time, 0.0, "paired", "a") for k, e in enumerate(events, 1)]
+    rest, *rows = impacts.rows(ROCKING, motion, motion, pairs)
     assert [row.swing for row in rows] == pytest.approx([0.05, 0.005, 0.0005], rel=1e-3)
     # The kinetic energy of hump k is 1e-2 of that before: it is below 1e-4 within hump 2, at its top first.
     assert rest.event == 0 and 2.0 < rest.time <= 3.0 and rest.time == rest.reference_time
     assert np.isnan(impacts.rest_time(ROCKING, replace(motion, omega=np.ones(len(t)))))
+
+
+def test_impacts_are_compared_in_their_order_at_each_contact():
+    """The run's third impact at a is nearest in time to the truth's fourth, with which the ledger pairs it."""
+    times, exact = [1.0, 1.5, 2.9], [1.0, 2.0, 2.5, 3.0]
+    kinds = Mode.FLIGHT, Mode.ROLL
+    both = [(1.0, 1.0), (1.5, 2.0), (np.nan, 2.5), (2.9, 3.0)]
+    pairs = [LedgerRow(k, *kinds, own, true, own - true, "paired", "a") for k, (own, true) in enumerate(both, 1)]
+    pairs.insert(2, LedgerRow(9, *kinds, 2.2, 2.2, 0.0, "paired", "b"))
+    t = np.linspace(0.0, 4.0, 401)
+    motion = Trajectory(t=t, **dict.fromkeys(State._fields, np.zeros(len(t))))
+    _, *rows = impacts.rows(ROCKING, motion, motion, pairs)
+    assert [(row.contact, row.time) for row in rows if row.contact == "b"] == [("b", 2.2)]
+    assert [row.time for row in rows if row.contact == "a"][:3] == times and np.isnan(rows[-1].time)
+    assert [row.reference_time for row in rows if row.contact == "a"] == exact
+    assert [row.event for row in rows] == [1, 2, 3, 4, 5]
 
 
 def test_an_exported_true_motion_is_the_truth(truth, scales):
