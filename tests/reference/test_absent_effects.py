@@ -175,10 +175,10 @@ class Calls:
 
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_absent_effects_are_asked_nothing(monkeypatch, method):
-    landings, impacts, guards = Calls(hybrid.Landings), Calls(flight_end.collide), Calls(dop853._guards_at_nodes)
+    landings, impacts, guards = Calls(hybrid.Landings), Calls(flight_end.collide), Calls(dop853.guards_at_nodes)
     monkeypatch.setattr(hybrid, "Landings", landings)
     monkeypatch.setattr(flight_end, "collide", impacts)
-    monkeypatch.setattr(dop853, "_guards_at_nodes", guards)
+    monkeypatch.setattr(dop853, "guards_at_nodes", guards)
     decisions = Calls(hybrid.decide)
     for module in (hybrid, contact_end):
         monkeypatch.setattr(module, "decide", decisions)

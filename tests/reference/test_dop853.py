@@ -7,7 +7,7 @@ import pytest
 
 import cases
 import reference
-from reference.minimal.integrators import dop853
+from reference.minimal.integrators import step_zeros
 
 
 def step_with_guard(guard):
@@ -20,11 +20,11 @@ def step_with_guard(guard):
 def test_a_dip_that_begins_below_zero_is_located_at_its_beginning():
     """The interpolation is positive where the guard is below zero by a rounding; that was an error."""
     edge, lowest = 63, 64
-    begins = float(dop853._FINE[edge])
+    begins = float(step_zeros.FINE[edge])
     phase, piece = step_with_guard(lambda y: (y - begins) * (y - begins - 1e-3) - 1e-30)
-    interpolated = np.full(len(dop853._FINE), 1e-20)
+    interpolated = np.full(len(step_zeros.FINE), 1e-20)
     interpolated[lowest] = 1e-21
-    assert dop853._zero_of_one(phase, piece, 0, interpolated, first=False) == begins
+    assert step_zeros._zero_of_one(phase, piece, 0, interpolated, first=False) == begins
 
 
 @pytest.mark.parametrize("rtol", [pytest.param(1e-6, marks=pytest.mark.slow), 1e-9])

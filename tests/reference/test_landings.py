@@ -344,10 +344,11 @@ def agree(seed: int) -> None:
     assert agree_as_known(case, one, ours, theirs), seed
 
 
-def test_a_contact_that_opens_more_slowly_than_its_gap_is_rounded_flies_off():
-    """Flight 1947: an ellipse slides off a ripple. The gap after the first short step was a rounding of zero, and the
-    motion ended as an accumulation of changes of mode at most tolerances."""
-    motion = reference.simulate(rippled(1947).case, rtol=1e-10)
+@pytest.mark.parametrize("method, rtol", [("taylor", 1e-10), ("dop853", 1e-8)])
+def test_a_contact_that_opens_more_slowly_than_its_gap_is_known_flies_off(method, rtol):
+    """Flight 1947: an ellipse slides off a ripple. The gap after the first short step was a rounding of zero, or less
+    than the error of DOP853's dense output, and the motion ended as an accumulation of changes of mode."""
+    motion = reference.simulate(rippled(1947).case, rtol=rtol, method=method)
     assert (len(motion.transitions), motion.status) == (23, "completed")
 
 

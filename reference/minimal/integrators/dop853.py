@@ -15,7 +15,6 @@ from math import sqrt
 
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
-from scipy.optimize import brentq, minimize_scalar
 
 from cases import CoulombFriction
 from cases.supports import has_belt
@@ -24,33 +23,9 @@ from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
 from ..series import EPS
-from .first_step import open_gaps
+from .first_step import SHORTER
 from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks
-
-# Places in a step at which guards are evaluated: Chebyshev–Lobatto points, which resolve a polynomial of DOP853's
-# order.
-_NODES = 0.5 * (1 - np.cos(np.pi * np.arange(9) / 8))
-# The same guards on a fine grid, by interpolation through the nodes (barycentric; Berrut & Trefethen, SIAM Review 46,
-# 2004, 501: looked up).
-_FINE = np.linspace(0.0, 1.0, 129)
-
-
-def _interpolation() -> np.ndarray:
-    weights = (-1.0) ** np.arange(9) * np.where((np.arange(9) == 0) | (np.arange(9) == 8), 0.5, 1.0)
-    difference = _FINE[:, None] - _NODES[None, :]
-    exact = np.isclose(difference, 0.0, atol=1e-15)
-    terms = weights / np.where(exact, 1.0, difference)
-    rows = terms / terms.sum(axis=1, keepdims=True)
-    hit = exact.any(axis=1)
-    rows[hit] = exact[hit].astype(float)
-    return rows
-
-
-_TO_FINE = _interpolation()
-
-
-# Next to an end of a step a guard is evaluated at this part of it, to see whether it falls from there.
-INWARD = 1e-6
+from .step_zeros import FINE, NODES, first_zero, growing_gaps, guard_at, guards_at_nodes, never_opens, weights
 
 # Limit on the defect of a step's dense output, which is of order seven while the step is of order eight, in tolerances
 # to the power 7/8: steps that resolved their features stayed below 40 (bumps, steps and notches at 1e-4 … 1e-13).
@@ -63,6 +38,9 @@ MOST_CUTS = 4
 # Roundings of the stages in the dense output of a step of constant acceleration: the largest observed is 3.7.
 ROUNDINGS = 16
 _STAGE_WEIGHTS = np.abs(DOP853.D)
+
+# A step in which a gap closes that has not opened is repeated with this part of its length.
+SHORTENED = 0.1
 
 # Before a first step the rates are evaluated this far ahead, in parts of the motion's time scale.
 PROBE = 1e-2
@@ -77,30 +55,18 @@ MOST_OF_ONE = 6
 MOST_TINY_STEPS, TINY = 500, 1e-9
 
 
-def _weights(x):
-    """The weights of the seven vectors F of a step's dense output at part x of the step: x, x (1−x), x² (1−x), …
-    (Hairer, Nørsett & Wanner, II.6). One part as a float, or an array of them."""
-    weights = [x]
-    for k in range(1, 7):
-        weights.append(weights[-1] * (1.0 - x if k % 2 else x))
-    return weights
-
-
-_AT_NODES = np.array(_weights(_NODES)).T
-
-
 def _weight_slopes(x):
-    """The derivatives of `_weights`."""
-    slopes, weights = [np.ones_like(x)], _weights(x)
+    """The derivatives of `weights`."""
+    slopes, values = [np.ones_like(x)], weights(x)
     for k in range(1, 7):
-        slopes.append(slopes[-1] * (1.0 - x if k % 2 else x) + weights[k - 1] * (-1.0 if k % 2 else 1.0))
+        slopes.append(slopes[-1] * (1.0 - x if k % 2 else x) + values[k - 1] * (-1.0 if k % 2 else 1.0))
     return slopes
 
 
 # Cached, as most steps are evaluated at the same places.
 @lru_cache(maxsize=128)
 def _at(parts: bytes) -> np.ndarray:
-    return np.array(_weights(np.frombuffer(parts))).T
+    return np.array(weights(np.frombuffer(parts))).T
 
 
 @lru_cache(maxsize=8)
@@ -112,7 +78,7 @@ class _StepOutput:
     """A step by its dense output."""
 
     # The dense output's last four vectors are sums of the stages, with large weights of either sign.
-    amplification = float(np.max(np.abs(_weight_slopes(_FINE)[3:]).T @ np.sum(_STAGE_WEIGHTS, axis=1)))
+    amplification = float(np.max(np.abs(_weight_slopes(FINE)[3:]).T @ np.sum(_STAGE_WEIGHTS, axis=1)))
 
     def __init__(self, piece: DenseOutput):
         self._piece, self.start, self.length = piece, float(piece.t_old), float(piece.h)
@@ -155,21 +121,29 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
     solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
-    tries = 0
+    tries = shorter = 0
     while True:
         tries += _step(solver, phase, rtol)
         if solver.status == "failed":
             event = Event(BREAKDOWN, float(solver.t), tuple(solver.y.tolist()))
             return _end_event(phase, times, pieces, event, solver.nfev)
         piece = _dense_output(solver)
-        first_zero = None
+        zero = None
         if phase.system.guards:
-            at_nodes = _guards_at_nodes(phase, piece)
+            at_nodes = guards_at_nodes(phase, piece)
             if not np.isfinite(at_nodes).all():
                 return _without_value(phase, times, pieces, piece, at_nodes, rtol, solver.nfev, cuts)
-            first_zero = _first_zero(phase, piece, at_nodes, first=not pieces)
-        if first_zero:
-            guard, when = first_zero
+            zero = first_zero(phase, piece, at_nodes, not pieces)
+            if zero and never_opens(phase, piece, zero[0], zero[1], not pieces):
+                growing = growing_gaps(phase, piece) if shorter else frozenset()
+                if zero[0] not in growing and shorter < SHORTER:
+                    shorter += 1
+                    solver = _restart(solver, piece, rhs, end, rtol, atol)
+                    continue
+                zero = first_zero(phase, piece, at_nodes, not pieces, growing)
+        shorter = 0
+        if zero:
+            guard, when = zero
             piece, event = _land(phase, rhs, piece, guard, when, rtol, atol)
             return Segment.of(
                 phase, np.array([*times, event.time]), _PiecewiseOutput(times, [*pieces, piece]), event, solver.nfev
@@ -230,6 +204,13 @@ def _step(solver: DOP853, phase: Phase, rtol: float) -> int:
     return tries
 
 
+def _restart(solver: DOP853, piece: DenseOutput, rhs, end: float, rtol: float, atol: np.ndarray) -> DOP853:
+    """The solver at the start of its last step, which is to be shorter."""
+    again = DOP853(rhs, piece.t_old, piece.y_old, end, rtol=rtol, atol=atol, first_step=SHORTENED * piece.h)
+    again.nfev += solver.nfev
+    return again
+
+
 def _dense_output(solver: DOP853) -> DenseOutput:
     """The dense output of the last step, without terms that are only rounding of its stages.
 
@@ -260,10 +241,10 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
 def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, evaluations: int, cuts: int) -> Segment:
     """The segment up to the point in the last step where a guard's formula becomes undefined, or an earlier zero."""
     after = int(np.argmin(np.isfinite(at_nodes).all(axis=0)))
-    low, high = float(_NODES[max(after - 1, 0)]), float(_NODES[after])
+    low, high = float(NODES[max(after - 1, 0)]), float(NODES[after])
     for _ in range(60):
         middle = 0.5 * (low + high)
-        state = piece.y_old + _weights(middle) @ piece.F
+        state = piece.y_old + weights(middle) @ piece.F
         values = phase.system.guards_of_numbers(piece.t_old + piece.h * middle, state.tolist(), phase.parameters)
         low, high = (middle, high) if np.isfinite(values).all() else (low, middle)
     until = piece.t_old + piece.h * low
@@ -273,90 +254,6 @@ def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, ev
     event = rest.event if rest.event.guard else rest.event._replace(guard=BREAKDOWN)
     states = _PiecewiseOutput(times, [*pieces, rest.states])
     return Segment.of(phase, np.array([*times, *rest.times[1:]]), states, event, evaluations + rest.evaluations)
-
-
-def _guards_at_nodes(phase: Phase, piece) -> np.ndarray:
-    """All guards at _NODES of a step, shape (guards, nodes)."""
-    # One product instead of SciPy's evaluation, which costs as much as a third of the step itself.
-    states = (piece.y_old + _AT_NODES @ piece.F).T
-    values = np.empty((len(phase.system.guards), len(_NODES)))
-    times = piece.t_old + piece.h * _NODES
-    with np.errstate(all="ignore"):
-        for row, guard in zip(values, phase.system.guards_of_arrays(times, states, phase.parameters), strict=True):
-            row[:] = guard  # a constant one is a number
-    return values
-
-
-def _guard(phase: Phase, piece, index: int, x: float) -> float:
-    """One guard at the part x of a step."""
-    state, time = piece.y_old + _weights(x) @ piece.F, piece.t_old + piece.h * x
-    value = phase.system.guards_of_numbers(time, state.tolist(), phase.parameters)[index]
-    if value == value:
-        return value
-    # Numbers have no value where any guard has none: where a divisor vanishes, it is itself a guard that is exactly 0.
-    with np.errstate(all="ignore"):
-        alone = phase.system.guards_of_arrays(np.array([time]), state[:, None], phase.parameters)[index]
-    value = float(np.ravel(alone)[0])
-    return value if value == value else 0.0  # the guard ends where its formula does
-
-
-def _first_zero(phase: Phase, piece, at_nodes: np.ndarray, first: bool) -> tuple[str, float] | None:
-    """The first guard to reach zero inside the step, and its time; None if all stay positive. `first`: of a phase."""
-    if piece.t <= piece.t_old:
-        return None
-    if first:
-        # By the decision that began the phase all guards are positive just after its start; at the start itself one is
-        # zero, up to a rounding of either sign.
-        at_nodes[:, 0] = np.maximum(at_nodes[:, 0], 0.0)
-    fine = at_nodes @ _TO_FINE.T
-    # Most guards of most steps are far from zero compared with how much they change.
-    near = ~(fine.min(axis=1) > 0.1 * (at_nodes.max(axis=1) - at_nodes.min(axis=1)))
-    earliest = None
-    names = list(phase.system.guards)
-    # A gap that is open at the start may close and open again before the first place of the grid.
-    open_at_start = {index for index, _ in open_gaps(phase, piece.t_old, piece.y_old.tolist())} if first else ()
-    for index in np.flatnonzero(near).tolist():
-        when = _zero_of_one(phase, piece, index, fine[index], first and index not in open_at_start)
-        if when is not None and (earliest is None or when < earliest[1]):
-            earliest = (names[index], when)
-    return earliest
-
-
-def _zero_of_one(phase: Phase, piece, index: int, fine: np.ndarray, first: bool) -> float | None:
-    h = piece.t - piece.t_old
-
-    def value(s: float) -> float:
-        return _guard(phase, piece, index, s)
-
-    below = np.flatnonzero(fine[1:] <= 0.0) + 1
-    if below.size:
-        # The bracket may be wrong by the interpolation's error, so the guard itself is evaluated.
-        low, high = float(_FINE[below[0] - 1]), float(_FINE[below[0]])
-        while high < 1.0 and value(high) > 0.0:
-            high = min(1.0, high + _FINE[1])
-        if value(high) <= 0.0:
-            if low == 0.0 and first:
-                low = _FINE[1] * 1e-3
-                while low > 1e-12 and value(low) <= 0.0:
-                    low *= 0.1
-                if value(low) <= 0.0:
-                    # The phase ends before it is resolved: its start is nearer to the zero than any later state. (A
-                    # spin of 1e-306 rad/s would end as one of -1e-31 rad/s.)
-                    return piece.t_old
-            if value(low) <= 0.0:
-                return piece.t_old + h * low
-            return piece.t_old + h * brentq(value, low, high, xtol=1e-15, rtol=8.9e-16)
-    # No change of sign on the fine grid: the lowest place inside the step may still dip below zero between its points.
-    lowest = int(np.argmin(fine))
-    low, high = float(_FINE[max(lowest - 1, 0)]), float(_FINE[min(lowest + 1, len(_FINE) - 1)])
-    # At an end of the step it may, if the guard falls from there.
-    if 0 < lowest < len(_FINE) - 1 or value(abs(float(_FINE[lowest]) - INWARD)) < fine[lowest]:
-        dip = minimize_scalar(value, bounds=(low, high), method="bounded", options={"xatol": 1e-9})
-        if dip.fun < 0.0 and not (first and low == 0.0):
-            if value(low) <= 0.0:  # the interpolation is positive there, by a rounding
-                return piece.t_old + h * low
-            return piece.t_old + h * brentq(value, low, float(dip.x), xtol=1e-15, rtol=8.9e-16)
-    return None
 
 
 def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
@@ -380,7 +277,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
     index = list(phase.system.guards).index(guard)
     part = (when - start) / whole
     inner = max(part - 1e-4, 0.0)
-    fall = _guard(phase, piece, index, part) - _guard(phase, piece, index, inner)
+    fall = guard_at(phase, piece, index, part) - guard_at(phase, piece, index, inner)
     slope = fall / ((part - inner) * whole)
     t, y = float(again.t), again.y
     for _ in range(2 if slope < 0.0 else 0):

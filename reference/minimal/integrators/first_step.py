@@ -101,10 +101,10 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
         zero = next((i for i, value in enumerate(values) if not value > 0.0), -1)
         if zero < 0:
             return FirstStep(t + h, state, 1, longest)
-        opening = _opening_gaps(phase, y, starts, ((t + 0.5 * h, half), (t + h, state))) - growing
+        opening = opening_gaps(phase, y, starts, ((t + 0.5 * h, half), (t + h, state))) - growing
         if not opening and clear == 1.0:
             _, _, later, before, after, _ = states(rows, lengths, travel, LATER * part, span)
-            opening = _opening_gaps(phase, y, starts, ((t + 0.5 * later, before), (t + later, after))) - growing
+            opening = opening_gaps(phase, y, starts, ((t + 0.5 * later, before), (t + later, after))) - growing
         growing |= opening | {i for i, pair in enumerate(zip(halves, ends, strict=True)) if min(pair) > 0.0}
         if not opening:
             part *= 0.1
@@ -115,15 +115,15 @@ def leave(phase: Phase, coefficients: np.ndarray, t: float, y, end: float, toler
 def _without_rounding(phase: Phase, y, values: Sequence[float], growing: set[int]) -> list[float]:
     """The guards' values with those gaps positive that are known to grow and are rounding in this step: a contact that
     opens as its force vanishes has a gap that grows with the third power of time."""
-    least = _gap_rounding(phase, y)
+    least = gap_rounding(phase, y)
     gaps = {i for i, name in enumerate(phase.system.guards) if i in growing and name.startswith("gap")}
     return [least if i in gaps and abs(value) <= least else value for i, value in enumerate(values)]
 
 
-def _opening_gaps(phase: Phase, y, starts: Sequence[float], later: Sequence[tuple[float, list[float]]]) -> set[int]:
+def opening_gaps(phase: Phase, y, starts: Sequence[float], later: Sequence[tuple[float, list[float]]]) -> set[int]:
     """The guards that are gaps of rounding at the start and grow at all of these later times and states: their rates
     are thousands of times more precise than they are."""
-    least, names = _gap_rounding(phase, y), tuple(phase.system.guards)
+    least, names = gap_rounding(phase, y), tuple(phase.system.guards)
     gaps = {i for i, name in enumerate(names) if name.startswith("gap") and abs(starts[i]) <= least}
     conditions = tuple(phase.system.conditions)
     for time, state in later if gaps else ():
@@ -136,7 +136,7 @@ def _opening_gaps(phase: Phase, y, starts: Sequence[float], later: Sequence[tupl
     return gaps
 
 
-def _gap_rounding(phase: Phase, y) -> float:
+def gap_rounding(phase: Phase, y) -> float:
     """The rounding of a gap, m, in a state."""
     return ROUNDINGS * EPS * (phase.size + abs(y[0]) + abs(y[1]))
 
