@@ -17,9 +17,10 @@ from dataclasses import dataclass, replace
 from math import isfinite, nan
 from pathlib import Path
 
-from cases import BadValue, Case, CaseError, Cost, NotSupported, Trajectory
+from cases import BadValue, Case, CaseError, Chain, Cost, NotSupported, Trajectory
 
 from ..common import motion_file, motion_table, supervision, support_contacts
+from ..common.facets import is_convex
 from ..interface import EngineFailure, Setting
 from .scene_file import SAMPLES, as_json, scene
 
@@ -61,6 +62,7 @@ class Engine:
     SUPPORTS = routes
     BELTS_AND_SUPPORTS = routes
     SEVERAL_PLATES = routes
+    CORNERS: tuple[str, ...] = routes
 
     def __init__(self, path: Path):
         if not self.runs(path):
@@ -83,7 +85,12 @@ class Engine:
         return f"executable, sha256 {hashlib.sha256(self.path.read_bytes()).hexdigest()[:12]}"
 
     def refuses(self, case: Case, route: str) -> str | None:
-        """Supports that a scene cannot describe; an executable refuses a scene when it sees it."""
+        """What a scene cannot describe: a track with corners, whose samples do not have them, and curved supports. An
+        executable refuses a scene when it sees it."""
+        if isinstance(case.track, Chain):
+            return "A scene has no track with corners."
+        if isinstance(case.plate.outline, Chain) and not is_convex(case.plate.outline):
+            return "A scene has no outline with corners that point inwards."
         return support_contacts.refuses(case) if case.supports and not case.others else None
 
     def refuses_several_contacts(self, case: Case, route: str) -> str | None:
