@@ -178,28 +178,44 @@ def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
         guess = poking
     if guess is None:
         return None
+    nearer: list[Contact] = []
     for _ in range(ROUNDS):
-        contact = _pairs(case, x, y, theta, guess)
-        if contact is not None:
-            return None if _at_an_end(case, contact) else contact
+        pair, is_neighbour = _pair_from(case, x, y, theta, guess)
+        if pair is not None and is_neighbour:
+            if _at_an_end(case, pair):
+                return None
+            return min([pair, *nearer], key=_gap)
+        if pair is not None and pair.gap <= guess.apart and not _at_an_end(case, pair):
+            nearer.append(pair)
         if _at_an_end(case, guess):
             return None
         if guess.spacing <= LEVEL * _size(case.plate.outline):
-            return Contact(*guess[:3])
+            return min([Contact(*guess[:3]), *nearer], key=_gap)
         guess = _closer(case, x, y, theta, guess)
     raise DoesNotFit(f"the point of the track nearest to the pose ({x:.6g}, {y:.6g}), theta = {theta:.6g} is not found")
 
 
-def _pairs(case: Case, x: float, y: float, theta: float, guess: _Guess) -> Contact | None:
-    """What Newton's method finds from a pair of samples; None if it does not, or finds another pair than they show."""
+def _pair_from(case: Case, x: float, y: float, theta: float, guess: _Guess) -> tuple[Contact | None, bool]:
+    """What Newton's method finds from a pair of samples, and whether that is the pair which they show; None if it finds
+    none, or one far from them.
+
+    The foot on ripples of samples of the outline is as far away as these are apart, and may be on another ripple.
+    """
     try:
         contact = find(case, x, y, theta, guess[:2])
     except DoesNotFit:
-        return None
-    near = abs(contact.xi1 - guess.xi1) <= NEIGHBOURS * guess.width1
-    near = near and abs(contact.xi2 - guess.xi2) <= NEIGHBOURS * guess.width2
+        return None, False
+    along, around = abs(contact.xi1 - guess.xi1), abs(contact.xi2 - guess.xi2)
+    away = along * float(case.track.speed(guess.xi1))
     # A gap that differs by more than the samples are apart is another pair's, or that of no nearest pair at all.
-    return contact if near and abs(contact.gap - guess.apart) <= guess.spacing else None
+    if abs(contact.gap - guess.apart) > guess.spacing or not around <= NEIGHBOURS * guess.width2:
+        return None, False
+    is_neighbour = along <= NEIGHBOURS * guess.width1
+    return (contact, is_neighbour) if is_neighbour or away <= NEIGHBOURS * guess.spacing else (None, False)
+
+
+def _gap(contact: Contact) -> float:
+    return contact.gap
 
 
 def _closer(case: Case, x: float, y: float, theta: float, guess: _Guess) -> _Guess:

@@ -61,3 +61,11 @@ def test_over_ripples_the_nearest_pair_is_at_most_as_far_as_that_of_the_start(se
     begun = start_motion(case)
     pair = nearest(case, begun.x, begun.y, begun.theta)
     assert 0.0 < pair.gap <= case.start.gap * (1.0 + 1e-12)
+
+
+def test_foot_on_ripples_may_be_several_ripples_from_that_of_a_sample():
+    """Flight 111, whose start is the only pair of a gap of its size: ripples bend less than the plate. Samples of the
+    outline are 4 mm apart, ripples 0.4 mm, and the pair found from them was not taken: it was 0.05 µm farther."""
+    case = rippled(111).case
+    start = start_motion(case)
+    assert nearest(case, start.x, start.y, start.theta).gap == pytest.approx(case.start.gap, abs=1e-15)
