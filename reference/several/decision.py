@@ -202,6 +202,8 @@ def _guides(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> tuple[
 
 def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error: float) -> bool:
     """Whether the conditions of a regime hold just after the instant along its own motion."""
+    if not now.touching:
+        return True  # a gap of rounding that closes is an impact, at once
     size = abs(now.state[0]) + abs(now.state[1]) + case.plate.reach
     near = [at.gap <= NEAR * size and not is_away for at, is_away in zip(now.places, now.away, strict=True)]
     is_touched = any(mode is Mode.FLIGHT and close for mode, close in zip(regime_of(phase).modes, near, strict=True))

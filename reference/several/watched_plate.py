@@ -154,9 +154,12 @@ class WatchedPlate:
             self.body[3:] = [0.0, 0.0, 0.0]
 
     def touches_more(self) -> bool:
-        """Add open contacts without a gap to those that touch; returns whether there are any."""
-        before = set(self.touching)
-        self._add_touching()
+        """Add contacts without a gap that do not open to those that touch; returns whether there are any."""
+        before, opening, velocity = set(self.touching), CLOSES * self.speed, np.array(self.body[3:])
+        for watch, at in zip(self.watches, self.places(), strict=True):
+            has_gap = at.gap > TOUCHES * self._size() or watch.is_away
+            if not has_gap and float(at.lift_row @ velocity) <= opening:
+                self.touching.add(watch.name)
         return self.touching != before
 
     def _name_touching(self, stuck: set[str]) -> set[str]:

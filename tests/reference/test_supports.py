@@ -346,6 +346,12 @@ def test_a_corner_comes_to_rest_while_another_one_bounces_on(seed, e):
     agree(with_restitution(random_case(seed), e), 5e-6)  # as of the test before
 
 
+@pytest.mark.parametrize(("seed", "e"), [(192, 0.2), (304, 0.2)])
+def test_a_plate_in_flight_next_to_a_support_is_no_paradox(seed, e):
+    # A corner leaves while another one closes a gap of 2e-12 m.
+    assert simulated(with_restitution(random_case(seed), e)).status == "completed"
+
+
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 def test_bouncing_ends_on_each_support_at_the_limit_of_its_own_series(method):
     """A disc falls on a floor (e = 0.2), and a load pulls it to a wall (e = 0.8): without friction neither bouncing
