@@ -27,8 +27,8 @@ from . import several_contacts
 
 # A contact force below this part of the whole is none: noise of a step's momentum in engines of single precision.
 UNNEEDED = 1e-3
-# The drift of a gap along a motion by rounding, for coordinates of size 1: thousands of steps add some 1e-16 each.
-ROUNDING = 1e-12
+# The drift of a gap along a motion by rounding, for coordinates of size 1: hundreds of steps add some 1e-16 each.
+ROUNDING = 1e-13
 # The angle of a cone that no force leaves.
 ROUGH = 1e6
 
