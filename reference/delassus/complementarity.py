@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
+from math import inf
 
 import numpy as np
 
@@ -140,8 +141,10 @@ def gauss_seidel(
     stick: np.ndarray,
     start: np.ndarray,
     sweeps: int = SWEEPS,
+    precision: float = CONVERGED,
 ) -> np.ndarray | None:
-    """Contact forces (2K,) by projection, contact after contact, from `start`; None if it does not converge."""
+    """Contact forces (2K,) by projection, contact after contact, from `start`; None if it does not converge: if rates
+    still change by more than the part `precision` of those without forces."""
     force, count = start.copy(), len(slips)
     size = np.abs(free).max() or 1.0
     for _ in range(sweeps):
@@ -154,11 +157,33 @@ def gauss_seidel(
                 continue
             bound = stick[k] * force[k]
             force[t] = min(bound, max(-bound, force[t] - (delassus[t] @ force + free[t]) / delassus[t, t]))
-        if np.abs(delassus @ (force - before)).max() <= CONVERGED * size:
+        if np.abs(delassus @ (force - before)).max() <= precision * size:
             return force
         if not np.isfinite(force).all():
             return None
     return None
+
+
+def least_rate(
+    delassus: np.ndarray,
+    free: np.ndarray,
+    slips: Sequence[float | None],
+    mu: np.ndarray,
+    stick: np.ndarray,
+    rows: Sequence[int] | slice,
+    none: float,
+) -> float:
+    """The least of the greatest rates in these rows that forces of Coulomb's law leave, as a part of the greatest rate
+    without forces; infinite without a solution. Lemke's method takes what is below SMALL for zero: forces whose rates
+    exceed the part `none` are made more precise by projection."""
+    size, least = float(np.abs(free).max()) or 1.0, inf
+    for force in solutions(delassus, free, slips, mu, stick):
+        rate = float(np.abs((delassus @ force + free)[rows]).max())
+        if none * size < rate <= SOLVED * size:
+            finer = gauss_seidel(delassus, free, slips, mu, stick, force, precision=0.1 * none)
+            rate = rate if finer is None else min(rate, float(np.abs((delassus @ finer + free)[rows]).max()))
+        least = min(least, rate / size)
+    return least
 
 
 def solutions(

@@ -10,7 +10,7 @@ import numpy as np
 from cases import Mode
 from cases.contact_pairs import PairCase
 
-from .complementarity import solutions
+from .complementarity import least_rate, solutions
 from .contacts import PairState, PlateDynamics, friction_of, frictions, is_rough, on_surface, pair_at
 
 # Singular values below this part of the largest are rows that depend on others.
@@ -152,15 +152,15 @@ class SeveralContactPhase:
         some, count = [pair for _, pair in closed], len(closed)
         delassus, rows = self.dynamics.delassus(some)
         free = self.dynamics.free_rates(t, y, some, rows)
-        slips = [SIGN.get(contact.mode) for contact, _ in closed]
-        answers = solutions(delassus, free, slips, *frictions(some))
+        slips, law = [SIGN.get(contact.mode) for contact, _ in closed], frictions(some)
+        rolls = [k for k, (contact, _) in enumerate(closed) if contact.mode is Mode.ROLL]
+        constraints = [*range(count), *(count + k for k in rolls)]
+        if least_rate(delassus, free, slips, *law, constraints, NO_RATE) <= NO_RATE:
+            return None
+        answers = solutions(delassus, free, slips, *law)
         if not answers:
             return {}
-        rates = [delassus @ force + free for force in answers]
-        rolls = [k for k, (contact, _) in enumerate(closed) if contact.mode is Mode.ROLL]
-        constraints, small = [*range(count), *(count + k for k in rolls)], NO_RATE * float(np.abs(free).max())
-        if min(float(np.abs(rate[constraints]).max()) for rate in rates) <= small:
-            return None
+        rates, small = [delassus @ force + free for force in answers], NO_RATE * float(np.abs(free).max())
         slipping = [k for k in rolls if abs(rates[0][count + k]) > small]
         opening = {closed[k][0].name: 0.0 for k in range(count) if rates[0][k] > small}
         return {closed[k][0].name: float(np.sign(rates[0][count + k])) for k in slipping} | opening

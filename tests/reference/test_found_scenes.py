@@ -6,7 +6,23 @@ import numpy as np
 import pytest
 
 import reference
-from cases import CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
+from cases import (
+    Belt,
+    Case,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    Mode,
+    PerfectlyRough,
+    Plate,
+    RollingResistance,
+    Start,
+    Unilateral,
+)
+from cases.library import circle, ellipse
+from reference import contact_frame
 from reference.minimal.integrators import dop853, taylor
 from reference.several.regimes import SeveralRegime, several_phase
 from tests.reference.test_random_effects import check_physics, with_effects
@@ -319,6 +335,22 @@ def test_all_methods_agree_on_what_was_found(name):
         output(reference.simulate(SCENES[name], rtol=1e-11, method=method)) for method in reference.METHODS
     ]
     assert all(other == first for other in others)
+
+
+def test_a_slip_that_vanishes_by_a_factor_of_its_own_when_bouncing_ends():
+    """Scene 1104 on belts: the slip after an impact shrinks by 0.29 besides 0.593, the bounces' factor, so that nothing
+    is a polynomial of their speeds. The first formulation's limit was 2.1e-11 s early; the second's had a slip left
+    that ended in 6e-14 s."""
+    effects = (Gravity(9.81), CoulombFriction(0.171958), Belt(-1.877), Unilateral(), Flight(), Impact(0.6))
+    plate = Plate(ellipse(0.11915, 0.0754368), 1.0, 0.0057611)
+    start = Start(-1.31919, 2.68877, slip=-0.957172, omega=1.85368, gap=0.0177468, gap_rate=0.0190041)
+    case = Case(circle(1.0), plate, effects, start, 0.2)
+    motion, second = reference.simulate(case, rtol=1e-13), contact_frame.solve(case, rtol=1e-13)
+    modes = [(t.before, t.after) for t in motion.transitions]
+    assert modes == [(t.before, t.after) for t in second.transitions] and modes[-1] == (Mode.FLIGHT, Mode.ROLL)
+    # By stepping through all bounces down to 2e-7 m/s, and Aitken's Δ² twice. Both formulations' roundings: 3e-14 s.
+    rest = pytest.approx(0.1252198834481093, abs=1e-13)
+    assert motion.transitions[-1].time == rest and second.transitions[-1].time == rest
 
 
 @pytest.mark.parametrize("integrator", [taylor, dop853])

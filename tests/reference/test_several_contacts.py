@@ -20,12 +20,14 @@ from cases import (
     Mode,
     Plate,
     Start,
+    StartPose,
     Unilateral,
     disc,
 )  # fmt: skip
 from cases import curves as c
 from cases.contact import start_motion
 from cases.contact_pairs import pairs
+from cases.library import line
 from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
 from reference.delassus import complementarity
@@ -250,6 +252,24 @@ def test_decisions_are_those_of_lemkes_method_and_of_projected_gauss_seidel():
 def test_five_thousand_decisions_are_those_of_projected_gauss_seidel():
     counts = _compare_decisions(range(5000))
     assert counts["one"] > 4000 and counts["projected"] > 3500
+
+
+def test_forces_that_lemkes_method_takes_for_none_hold_a_plate():
+    """Two contacts of a block under a load of 7.5e-12 of its weight: Lemke's method has no friction, and a slip begins
+    with that part. On a belt the motion went on in phases of no length, and so did a rest."""
+    rows = np.array([[0.0, 1.0, -0.3], [0.0, 1.0, 0.3], [1.0, 0.0, 0.2], [1.0, 0.0, 0.2]])
+    matrix, every = rows / (1.0, 1.0, 0.13 / 3.0) @ rows.T, slice(None)
+    law = [None, None], np.full(2, 0.2), np.full(2, 0.4)
+    for part, least in ((7.5e-12, 0.0), (0.4, 0.0), (0.4 + 1e-11, 1e-11), (0.5, 0.1)):
+        free = G * np.array([-1.0, -1.0, part, part])
+        assert complementarity.least_rate(matrix, free, *law, every, 1e-12) == pytest.approx(least, abs=1e-12)
+
+
+def test_a_block_rests_under_a_load_of_roundings():
+    effects = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.3), Load(fx="7e-11*sin(3*t)")
+    case = Case(line(), Plate.rectangle(0.6, 0.4, 1.0), effects, StartPose(0.0, 0.2), 1.0)
+    motion = _by_second(case, "second", 1e-13)
+    assert (motion.status, motion.end, motion.transitions) == ("completed", 1.0, ())
 
 
 def test_the_papers_matrix_with_a_block_for_each_contact_gives_the_same_accelerations_and_forces():
