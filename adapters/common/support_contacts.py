@@ -27,6 +27,8 @@ from . import several_contacts
 
 # A contact force below this part of the whole is none: noise of a step's momentum in engines of single precision.
 UNNEEDED = 1e-3
+# A contact that is faster than this part of the fastest slip is no creep of an engine's stick.
+SURE_SLIP = 0.1
 # The drift of a gap along a motion by rounding, for coordinates of size 1: hundreds of steps add some 1e-16 each.
 ROUNDING = 1e-13
 # The angle of a cone that no force leaves.
@@ -94,7 +96,7 @@ def with_supports(
         return motion
     contacts, is_closed = [every[i] for i in order], [closed[i] for i in order]
     if torsor is not None:
-        is_closed = _pushing(contacts, is_closed, torsor, case.plate.reach)
+        is_closed = _pushing(contacts, is_closed, torsor, motion, case.plate.reach)
     else:
         rounding = ROUNDING * (case.plate.reach + float(np.max(np.hypot(motion.x, motion.y))))
         steady = [touching(one.gap, shut, rounding) for one, shut in zip(contacts, is_closed, strict=True)]
@@ -169,24 +171,31 @@ def _outline_parameter(one: _Contact, theta: np.ndarray) -> np.ndarray:
 
 
 def _pushing(
-    contacts: Sequence[_Contact], closed: list[np.ndarray], torsor: np.ndarray, size: float
+    contacts: Sequence[_Contact], closed: list[np.ndarray], torsor: np.ndarray, motion: Trajectory, size: float
 ) -> list[np.ndarray]:
     """Which of the contacts with small gaps are closed: from their first push to their last one.
 
-    A contact pushes unless the others alone give the torsor, with forces in their cones; moments are divided by the
-    plate's `size` (m). In between a contact that is detected by its overlap may push in some steps only.
+    A contact pushes unless the others alone give the torsor, with forces in their cones, or on the edge of the cone
+    where they slip; moments are divided by the plate's `size` (m). Where several contacts can give what is missing, all
+    of them push. In between a contact that is detected by its overlap may push in some steps only.
     """
     torsors = torsor / np.array([1.0, 1.0, size])
     usual = float(np.median(np.linalg.norm(torsors, axis=1)))
+    slips = np.array([one.slip(motion) for one in contacts])
+    way = np.sign(np.where(np.abs(slips) > SURE_SLIP * np.abs(slips).max(), slips, 0.0))
     pushing = [shut.copy() for shut in closed]
     for i in np.flatnonzero(np.sum(closed, axis=0) > 1):
         target = torsors[i]
         least = UNNEEDED * max(usual, float(np.linalg.norm(target)))
         here = [k for k in range(len(contacts)) if closed[k][i]]
-        edges = {k: _edges(contacts[k], int(i), size) for k in here}
+        edges = {k: _edges(contacts[k], int(i), size, int(way[k, i])) for k in here}
         for k in here:
             others = np.hstack([edges[other] for other in here if other != k])
             pushing[k][i] = nnls(others, target)[1] > least
+        core = [edges[k] for k in here if pushing[k][i]]
+        if not core or nnls(np.hstack(core), target)[1] > least:
+            for k in here:
+                pushing[k][i] = True
     return [from_first_to_last(*each) for each in zip(closed, pushing, strict=True)]
 
 
@@ -220,7 +229,9 @@ def from_first_to_last(closed: np.ndarray, pushing: np.ndarray) -> np.ndarray:
     return result
 
 
-def _edges(contact: _Contact, sample: int, size: float) -> np.ndarray:
-    """The edges of a contact's friction cone as torsors, columns of shape (3, 2)."""
+def _edges(contact: _Contact, sample: int, size: float, way: int) -> np.ndarray:
+    """The edges of a contact's friction cone as torsors, columns of shape (3, 2), or the one of a contact that slips
+    forwards (`way` 1) or backwards (−1)."""
     lever = contact.lever[:, sample]
-    return np.array([[fx, fy, (lever[0] * fy - lever[1] * fx) / size] for fx, fy in contact.cone]).T
+    cone = {0: contact.cone, 1: contact.cone[1:], -1: contact.cone[:1]}[way]
+    return np.array([[fx, fy, (lever[0] * fy - lever[1] * fx) / size] for fx, fy in cone]).T

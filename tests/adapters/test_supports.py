@@ -243,3 +243,14 @@ def test_box2d_rejects_belts_with_supports_whose_speed_changes():
     why = "box2d's shapes keep the tangent speed that they are made with, and a belt here has another speed later."
     for speeds in (("1", "1 - t"), ("1 - t", "1")):
         assert refusal(engine("box2d"), belts_in_v(*speeds), "native") == why
+
+
+def test_two_contacts_with_a_wall_push_although_either_of_them_would_do():
+    # The belt slips below the block and presses both of its corners to the wall, in shares that are not unique.
+    case = cases.load("block_on_conveyor", speed=0.8, mu_static=0.0, stiffness=0.0)
+    motion = play("pymunk", "native", case, 0)
+    # It rides after 0.8/(0.2 g), and its front corner begins 0.7 m from the wall.
+    impact = 0.5 * 0.8 / (0.2 * 9.81) + 0.7 / 0.8
+    for name in ("plate/wall", "plate/wall 2"):
+        closed = np.isfinite(motion.contacts[name].slip)
+        assert closed[motion.t > impact + 0.1].all() and not closed[motion.t < impact - 0.1].any()
