@@ -86,15 +86,22 @@ def own_forces(case: Case, effect: ContactEffect, t, motion):
     return np.array(rows).T.reshape(3, *np.shape(slip))
 
 
+def loads(case: Case, now: Any) -> np.ndarray:
+    """Force (N) and moment about the centre of mass (N m) of the case's load, shape (3, n), in the fixed frame. `now`
+    has the samples t, x, y, theta, vx, vy and omega, arrays (n,)."""
+    load = case.effect(Load)
+    if load is None:
+        return np.zeros((3, len(now.t)))
+    rows = zip(*(getattr(now, name).tolist() for name in ("t", "x", "y", "theta", "vx", "vy", "omega")), strict=True)
+    return np.array([load.at(*row) for row in rows]).reshape(-1, 3).T
+
+
 def applied_forces(case: Case, motion: Trajectory, inside: np.ndarray | slice = slice(None)) -> np.ndarray:
     """Force (N) and moment about the centre of mass (N m), shape (3, n), at the samples `inside`, in the fixed frame:
     of the case's load and, in contact with a track at rest, of the user's own effects."""
     names = ("t", "x", "y", "theta", "vx", "vy", "omega", "xi1", "slip")
     now = SimpleNamespace(**{name: getattr(motion, name)[inside] for name in names})
-    load, forces = case.effect(Load), np.zeros((3, len(now.t)))
-    if load is not None:
-        rows = (now.t, now.x, now.y, now.theta, now.vx, now.vy, now.omega)
-        forces += np.array([load.at(*row) for row in zip(*(row.tolist() for row in rows), strict=True)]).T
+    forces = loads(case, now)
     touches = np.isfinite(now.xi1)
     place = np.where(touches, now.xi1, case.start.xi1)
     for effect in own_effects(case.effects):

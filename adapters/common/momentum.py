@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import SimpleNamespace
 
 import numpy as np
 
-from cases import Case, Load
-from cases.mechanics import gravity
+from cases import Case
+from cases.mechanics import gravity, loads
 from cases.own_effects import own_effects
 
 # A contact force below this part of the usual one is none, or below some times the force that a motion has where it
@@ -24,8 +25,9 @@ def push(case: Case, columns: Mapping[str, np.ndarray], far: np.ndarray, from_di
     """
     if own_effects(case.effects):
         return np.ones(len(far), dtype=bool)
-    steps = _contact_force(case, columns)
-    usual = max(float(np.median(steps)), float(np.median(_external(case, columns)[1])))
+    external = case.plate.mass * gravity(case)[:, None] + loads(case, SimpleNamespace(**columns))[:2]
+    steps = _contact_force(case, columns, external)
+    usual = max(float(np.median(steps)), float(np.median(np.hypot(*external))))
     in_flight = steps[far[1:] & far[:-1]]
     noise = float(np.median(in_flight)) if len(in_flight) else 0.0
     pushing = steps > max(NO_FORCE * usual, NOISE * noise)
@@ -34,19 +36,8 @@ def push(case: Case, columns: Mapping[str, np.ndarray], far: np.ndarray, from_di
     return np.asarray(np.lib.stride_tricks.sliding_window_view(around, 2 * width).all(axis=1))
 
 
-def _contact_force(case: Case, columns: Mapping[str, np.ndarray]) -> np.ndarray:
-    """The mean contact force in each step, shape (n − 1,), N."""
-    external, _ = _external(case, columns)
+def _contact_force(case: Case, columns: Mapping[str, np.ndarray], external: np.ndarray) -> np.ndarray:
+    """The mean contact force in each step, shape (n − 1,), N; `external`: gravity and load at the samples, (2, n)."""
     velocity = np.array([columns["vx"], columns["vy"]])
     change = case.plate.mass * np.diff(velocity, axis=1) / np.diff(columns["t"])
     return np.hypot(*(change - 0.5 * (external[:, 1:] + external[:, :-1])))
-
-
-def _external(case: Case, columns: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Gravity and load at the samples, shape (2, n), and their strength, (n,), N."""
-    count, load = len(columns["t"]), case.effect(Load)
-    force = np.repeat(case.plate.mass * gravity(case)[:, None], count, axis=1)
-    if load is not None:
-        rows = zip(*(columns[name].tolist() for name in ("t", "x", "y", "theta", "vx", "vy", "omega")), strict=True)
-        force = force + np.array([load.at(*row)[:2] for row in rows]).T
-    return force, np.hypot(*force)

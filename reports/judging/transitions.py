@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from math import inf, nan
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,6 @@ from cases import (
     Case,
     CoulombFriction,
     Effect,
-    Load,
     Mode,
     PerfectlyRough,
     RollingResistance,
@@ -194,14 +194,11 @@ class MotionReader:
         """Acceleration of free flight at the samples (n, 2), m/s²; NaN in contact."""
         motion, case = self.all, self.case
         free = np.full((len(motion.t), 2), nan)
-        load = case.effect(Load)
         aloft = np.isnan(motion.xi1)
-        free[aloft] = mechanics.gravity(case)
-        if load:
-            names = ("t", "x", "y", "theta", "vx", "vy", "omega")
-            moves = np.column_stack([getattr(motion, name) for name in names])
-            for i in np.flatnonzero(aloft):
-                free[i] += np.array(load.at(*moves[i].tolist())[:2]) / case.plate.mass
+        samples = {name: getattr(motion, name)[aloft] for name in ("t", "x", "y", "theta", "vx", "vy", "omega")}
+        free[aloft] = (
+            mechanics.gravity(case) + mechanics.loads(case, SimpleNamespace(**samples))[:2].T / case.plate.mass
+        )
         return free
 
     @cached_property
