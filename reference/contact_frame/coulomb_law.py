@@ -125,6 +125,13 @@ def leaves(scene: ContactScene, t: float, z, turns: int) -> bool:
     return scene.forces(t, z, free, turns).push <= RELEASE * scene.scale(t, z, turns) / scene.m
 
 
+def comes_down(scene: ContactScene, t: float, z, turns: int) -> bool:
+    """Whether a plate that leaves its track would come down at once, as effects of the user's own lift it and end with
+    the contact. The push of a plate that leaves is not positive; what remains of it is the error of that instant."""
+    push = min(scene.forces(t, z, ContactPhase(None, None), turns).push, 0.0)
+    return push + scene.own_lift(t, z) > RELEASE * scene.scale(t, z, turns) / scene.m
+
+
 def lets_go(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> bool:
     """Whether a plate leaves a perfectly rough contact whose normal force has just vanished.
 

@@ -12,7 +12,7 @@ formulas are then slip plus speed of the belt, and their rates.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from math import copysign, cos, hypot, inf, isfinite, pi, sin, sqrt
 from typing import NamedTuple
 
@@ -257,13 +257,25 @@ class ContactScene:
     def pull_in_contact(self, t: float, z, q: Place, turns: int) -> tuple[float, float, float]:
         """What `pull` gives, and the forces of the user's own effects, which act at the contact."""
         ax, ay, spin_pull = self.pull(t, self.body_with(self.absolute(t, z), turns, q) if self.load else None)
+        for along, across, own_spin_pull in self._own_pulls(t, z, q):
+            ax, ay = ax + along * q.tx - across * q.ty, ay + along * q.ty + across * q.tx
+            spin_pull += own_spin_pull
+        return ax, ay, spin_pull
+
+    def _own_pulls(self, t: float, z, q: Place) -> Iterator[tuple[float, float, float]]:
+        """For each of the user's own effects its force along tangent and normal and its moment, per mass."""
         for effect in self.own:
             along, across, couple = (value / self.m for value in effect.at(t, z[3], z[2])[:3])
             if not isfinite(along + across + couple):
                 raise StepFailure(f"{type(effect).__name__} has no value at t = {t:.9g} s; end the case before")
-            ax, ay = ax + along * q.tx - across * q.ty, ay + along * q.ty + across * q.tx
-            spin_pull += q.arm_t * across - q.arm_n * along + couple
-        return ax, ay, spin_pull
+            yield along, across, q.arm_t * across - q.arm_n * along + couple
+
+    def own_lift(self, t: float, z) -> float:
+        """The gap's acceleration (m/s²) by the user's own effects, which act in contact alone."""
+        if not self.own:
+            return 0.0
+        q = self.place(z[0], z[1])
+        return sum((lift + q.arm_t * moment * self.m / self.J for _, lift, moment in self._own_pulls(t, z, q)), 0.0)
 
     def forces(self, t: float, z, phase: ContactPhase, turns: int) -> Forces:
         """Forces and rates in one phase: Newton–Euler with one linear condition each on friction and couple."""

@@ -6,12 +6,12 @@ from math import hypot, inf, sqrt
 
 import numpy as np
 
-from cases import Impact, Mode, Transition
+from cases import Flight, Impact, Mode, Transition
 from cases.piece_case import corners_meet, has_pieces, lies_flat
 
 from . import bouncing, chain_flights, flight, impact, short_flights
 from .bouncing import Bounce
-from .coulomb_law import leaves
+from .coulomb_law import comes_down, leaves
 from .equations import ContactPhase
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, LiftOff, MotionState
 from .pairs import frame
@@ -132,8 +132,8 @@ def land(course: MotionState, landing: LandingState, from_flight: bool = True) -
 
 
 def _press(course: MotionState, z, turns: int) -> float:
-    """The acceleration (m/s²) of a free plate towards its track."""
-    return course.scene.forces(course.t, z, ContactPhase(None, None), turns).push
+    """The acceleration (m/s²) of a plate in flight towards its track."""
+    return course.scene.forces(course.t, z, ContactPhase(None, None), turns).push + course.scene.own_lift(course.t, z)
 
 
 def is_unresolved(course: MotionState, z, turns: int, lift: float) -> bool:
@@ -155,16 +155,27 @@ def leap(course: MotionState, z, turns: int, lift: float) -> ContactState | Flig
     )
 
 
+def depart(course: MotionState, z, turns: int) -> FlightState | EndState:
+    """The state of a plate that no force holds on its track: off it, unless it would come down at once."""
+    if course.case.effect(Flight) and comes_down(course.scene, course.t, z, turns):
+        return EndState("accumulation" if course.case.effect(Impact) else "landing")
+    return off(course, z, turns)
+
+
+def off(course: MotionState, z, turns: int) -> FlightState | EndState:
+    """The flight that begins at a state in contact; the end of the motion in a case without Flight."""
+    if course.case.effect(Flight) is None:
+        return EndState("lift_off")
+    course.last_xi1 = course.on_curves(z)[0]
+    return FlightState(course.scene.body(course.t, z, turns), (z[0], z[1]))
+
+
 def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | EndState:
     """The state after a landing without rebound: contact, or flight if no force presses the plate down."""
     course.bounces.clear()
     after = course.contact_state(z, turns)
     if after is None:
-        return (
-            FlightState(course.scene.body(course.t, z, turns), (z[0], z[1]))
-            if leaves(course.scene, course.t, z, turns)
-            else EndState("paradox")
-        )
+        return depart(course, z, turns) if leaves(course.scene, course.t, z, turns) else EndState("paradox")
     course.fastest = 0.0
     course.transitions.append(Transition(course.t, Mode.FLIGHT, after.phase.mode, *course.on_curves(z)))
     return after

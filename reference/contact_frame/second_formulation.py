@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from cases import Case, CaseError, Flight, Mode, Transition
+from cases import Case, CaseError, Mode, Transition
 from cases.contact import clearance, start_motion
 from cases.corner import Corner
 from cases.own_effects import ContactEffect
@@ -65,8 +65,6 @@ JAMMED = 1e-2
 
 # Far more changes of phase than any motion makes during one turn; a loop without progress ends with a status.
 MOST_CHANGES = 5000
-# Far more than follow each other at one instant: beyond that, the same flight of zero length is repeated.
-MOST_AT_ONCE = 100
 
 
 class SecondMotion(NamedTuple):
@@ -113,7 +111,7 @@ def _run(course: MotionState) -> SecondMotion:
     now: ContactState | FlightState | EndState = _start(course)
     if isinstance(now, EndState):
         _at_once(course)
-    changes, counted_until, at_once, before = 0, 0.0, 0, -inf
+    changes, counted_until = 0, 0.0
     while not isinstance(now, EndState):
         if course.work.used_up:
             now = EndState(IN_PROGRESS)
@@ -121,8 +119,7 @@ def _run(course: MotionState) -> SecondMotion:
         if course.t >= counted_until:
             changes, counted_until = 0, course.t + _turn(course, now)
         changes += not (isinstance(now, FlightState) and now.leap)  # rebounds end when they are no longer resolved
-        at_once, before = at_once + 1 if course.t == before else 0, course.t
-        if changes > MOST_CHANGES or at_once > MOST_AT_ONCE:
+        if changes > MOST_CHANGES:
             now = EndState("accumulation")
             break
         try:
@@ -199,14 +196,7 @@ def _start_on_pieces(course: MotionState, z: list[float]) -> list[float]:
 
 def _without_mode(course: MotionState, z, turns: int) -> FlightState | EndState:
     """No phase of contact is consistent: the plate leaves, or rigid contact has no solution (Painlevé)."""
-    return _off(course, z, turns) if leaves(course.scene, course.t, z, turns) else EndState("paradox")
-
-
-def _off(course: MotionState, z, turns: int) -> FlightState | EndState:
-    if course.case.effect(Flight) is None:
-        return EndState("lift_off")
-    course.last_xi1 = course.on_curves(z)[0]
-    return FlightState(course.scene.body(course.t, z, turns), (z[0], z[1]))
+    return flight_guards.depart(course, z, turns) if leaves(course.scene, course.t, z, turns) else EndState("paradox")
 
 
 def _contact(course: MotionState, now: ContactState) -> ContactState | FlightState | EndState:
@@ -238,13 +228,20 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
     if _vanishes(course, phase, guard_names, z, turns):
         if course.scene.laws.stick == inf and not lets_go(course.scene, course.t, z, phase, turns):
             return EndState("paradox")
-        after = _off(course, z, turns)
+        after = flight_guards.depart(course, z, turns)
     else:
         after = _after(course, phase, guard_names, z, turns) or _without_mode(course, z, turns)
-    mode = after.phase.mode if isinstance(after, ContactState) else Mode.FLIGHT
-    if mode is not phase.mode and after != EndState("paradox"):
-        course.transitions.append(Transition(course.t, phase.mode, mode, *course.on_curves(z)))
+    _list(course, phase.mode, after, course.on_curves(z))
     return after
+
+
+def _list(course: MotionState, before: Mode, after: ContactState | FlightState | EndState, place) -> None:
+    """Record the transition from a mode of contact; an end other than a lift-off has no mode."""
+    if isinstance(after, EndState) and after.status != "lift_off":
+        return
+    mode = after.phase.mode if isinstance(after, ContactState) else Mode.FLIGHT
+    if mode is not before:
+        course.transitions.append(Transition(course.t, before, mode, *place))
 
 
 def _overlaps(course: MotionState, now: ContactState) -> Overlaps | ChainOverlaps | None:
@@ -271,16 +268,14 @@ def _pass_on(
     if is_concave(following):
         return EndState(STOPS["elsewhere"])
     if corner_on_corner(following):
-        after: ContactState | FlightState | EndState = _off(course, z, now.turns)
+        after: ContactState | FlightState | EndState = flight_guards.off(course, z, now.turns)
     else:
         z[i] = following.pieces[i].span[0 if way > 0 else 1]
         if not clearance(following, z[0], z[1]) > 0.0:
             return EndState(STOPS["elsewhere"])
         course.scene = ContactScene(following, course.drive_load)
         after = course.contact_state(z, now.turns) or _without_mode(course, z, now.turns)
-    mode = after.phase.mode if isinstance(after, ContactState) else Mode.FLIGHT
-    if mode is not now.phase.mode and after != EndState("paradox"):
-        course.transitions.append(Transition(course.t, now.phase.mode, mode, *place))
+    _list(course, now.phase.mode, after, place)
     return after
 
 

@@ -7,7 +7,7 @@ from math import ceil, log10
 
 import numpy as np
 
-from cases import Case, Flight, PerfectlyRough, Unilateral
+from cases import Case, Flight, Impact, PerfectlyRough, Unilateral
 from cases.contact import belt_speed, clearance
 from cases.own_effects import own_effects
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
@@ -42,7 +42,9 @@ from .phase_end import (
     CONCAVE,
     ENDS,
     FLAT,
+    LANDING_END,
     LIFT_OFF,
+    LIFTED,
     LOCATION_ERROR,
     NO_MODE,
     NO_SLIP,
@@ -221,11 +223,12 @@ def breakdown(now: Phase, segment: Segment) -> Ending:
 
 
 def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> Ending:
-    """Why no contact follows: the plate lifts off, unless without contact it would move into its track.
+    """Why no contact follows: the plate lifts off, unless without contact it would move into its track, or comes down
+    at once, because effects of the user's own lift it and do not act in flight.
 
-    The latter happens where the normal force of a perfectly rough contact vanishes while friction T acts: without T the
-    gap's acceleration is arm_t arm_n T/J. If that is negative, Coulomb friction of any μ begins to slip with N ≈ |T|/μ;
-    in the limit of a perfectly rough contact, which excludes slip, there is no solution.
+    It would move into its track where the normal force of a perfectly rough contact vanishes while friction T acts:
+    without T the gap's acceleration is arm_t arm_n T/J. If that is negative, Coulomb friction of any μ begins to slip
+    with N ≈ |T|/μ; in the limit of a perfectly rough contact, which excludes slip, there is no solution.
     """
     if case.effect(Unilateral) is None:
         return NO_MODE
@@ -240,14 +243,31 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> 
     # At a lift-off the normal force has vanished, to the location's error and the growth of the terms in it, or to the
     # relative `error` of the motion.
     if m.free_approach <= max(1e6 * LOCATION_ERROR, error) * scale:
-        return LIFT_OFF
+        # The force that has vanished is zero; the lift of effects that end with the contact is known to rounding.
+        returns = min(m.free_approach, 0.0) + own_lift(case, t, y) > LOCATION_ERROR * scale
+        if not returns or case.effect(Flight) is None:
+            return LIFT_OFF
+        return LIFTED if case.effect(Impact) else LANDING_END
     return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
 
 
 def free_quantities(case: Case, t: float, y: Sequence[float]) -> Elimination:
-    """The quantities of the contact's equations at a full state; `free_approach` is valid without contact, too."""
+    """The quantities of the contact's equations at a full state; `free_approach` is valid without contact force, too,
+    and with `own_lift` added to it in flight."""
     now = phase_at(case, candidates(case)[-1], y)
     return Elimination(*now.system.outputs_of_numbers(t, state_in(now, y), now.parameters))
+
+
+def own_lift(case: Case, t: float, y: Sequence[float]) -> float:
+    """The gap's acceleration (m/s²) by effects of the user's own at a full state in contact; they end with it."""
+    own = own_effects(case.effects)
+    if not own:
+        return 0.0
+    slip, omega = slip_and_spin(case, t, y)
+    along, across, couple = (sum(parts) for parts in zip(*(e.at(t, slip, omega)[:3] for e in own), strict=True))
+    (x, r), (tx, ty) = case.plate.outline.point(y[1]), case.plate.outline.tangent(y[1])
+    arm_t, arm_n = float(x * tx + r * ty), float(r * tx - x * ty)
+    return across / case.plate.mass + arm_t * (arm_t * across - arm_n * along + couple) / case.plate.inertia
 
 
 def contact_step(

@@ -12,7 +12,7 @@ from cases.contact import pose
 from cases.piece_case import PieceCase, corners_meet, has_pieces, lies_flat, pieces_at
 
 from .bouncing import Bounces
-from .contact_end import breakdown, contact_step, free_quantities
+from .contact_end import breakdown, contact_step, free_quantities, own_lift
 from .curve_pieces import TooMuch
 from .impact import collide, energy, law_of
 from .integrators.segment import LOST_SIGHT, OUT_OF_STEPS, Segment
@@ -130,7 +130,9 @@ def _after_landing(
     if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
         return Step(path, landing.time, place, "landing", ending=ENERGY)
     y = in_contact(case, landing.time, *place, after.slip, after.omega, landing.theta)
-    pull = free_quantities(case, landing.time, y).free_approach if after.lift > 0.0 else np.inf
+    pull = np.inf
+    if after.lift > 0.0:
+        pull = free_quantities(case, landing.time, y).free_approach + own_lift(case, landing.time, y)
     if none or after.lift <= 0.0:
         bounces.no_rebound()
         cause = "rest" if after.lift > 0.0 else "landing"

@@ -79,10 +79,8 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
         segments.extend(step.segments)
         steps += sum(segment.steps for segment in step.segments)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending in OFF else regime.mode
-        case, before = step.pieces or case, place
+        case = step.pieces or case
         place = case.to_whole(*step.place) if isinstance(case, PieceCase) else step.place
-        if idle > IDLE and (step.regime, tuple(step.state), place) == (regime, tuple(y), before):
-            return segments, transitions, ACCUMULATION  # the phase changes nothing, so it would follow itself for ever
         if following is not regime.mode or (step.regime == FLIGHT == regime and step.is_listed):
             transitions.append(Transition(step.time, regime.mode, following, place[0], place[1], CAUSES[step.cause]))
         if step.regime is None:

@@ -70,6 +70,10 @@ NO_SLIP = (
     "without slip it can neither stay nor leave.",
 )
 ACCUMULATION = ("accumulation", "Changes of regime accumulate: they take no time.")
+LIFTED = (
+    ACCUMULATION[0],
+    "An effect that does not act in flight lifts the plate off as soon as it touches: it can neither stay nor fly.",
+)
 
 # Guards whose zero changes the mode, with the cause that the transition reports.
 CAUSES = {

@@ -19,8 +19,13 @@ STEPS_PER_TURN = (60, 400, 2000)
 
 
 def check_same_sequence(case: Case, literal: bool = False) -> None:
-    """Assert that both formulations (and, with `literal`, the paper's matrix) have the same sequence of modes, the same
-    ending, times within TIME (s) and motions within STATE."""
+    """Assert that both formulations have the same sequence of modes, the same ending, times within TIME (s) and motions
+    within STATE; with `literal`, also the paper's matrix and the eliminated equations.
+
+    The matrix is slow, takes 1e-10, and is compared with the eliminated equations by the same steps. A motion of 1e-13
+    may differ by more: by 1.4e-8 s where the last bounce of an ellipse on a shaken wave is 9.8e-8 s later for a start
+    that is 1e-8 m farther. By the same steps the two differ by 7.6e-14 s there.
+    """
     motion = reference.simulate(case, rtol=1e-13)
     problem = ""
     for steps in STEPS_PER_TURN:
@@ -29,8 +34,8 @@ def check_same_sequence(case: Case, literal: bool = False) -> None:
             break
     assert not problem, f"second formulation: {problem}: {case}"
     if literal:
-        printed = reference.simulate(case, rtol=1e-10, method="augmented")
-        problem = _difference_of_sequence(motion, printed)
+        printed, eliminated = (reference.simulate(case, rtol=1e-10, method=m) for m in ("augmented", "dop853"))
+        problem = _difference_of_sequence(eliminated, printed)
         assert not problem, f"paper's matrix: {problem}: {case}"
 
 
