@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         RollingResistance,
         Unilateral,
     )
+    from .fits import fit_friction, fit_waves
     from .free_plates import FreePlate
     from .outline import Outline, arc
     from .own_effects import ContactEffect, ContactForce, EndCondition
@@ -81,6 +82,8 @@ __all__ = [
     "case",
     "disc",
     "entry",
+    "fit_friction",
+    "fit_waves",
     "load",
     "load_file",
     "names",
@@ -92,7 +95,7 @@ _MODULES = {
     "case_class": ("Case",), "chain": ("Chain",), "curves": ("Curve",),
     "effects": ("Belt", "CoulombFriction", "Drive", "Effect", "Flight", "Gravity", "Impact", "Load", "PerfectlyRough",
                 "RollingResistance", "Unilateral"),
-    "free_plates": ("FreePlate",), "outline": ("Outline", "arc"),
+    "fits": ("fit_friction", "fit_waves"), "free_plates": ("FreePlate",), "outline": ("Outline", "arc"),
     "own_effects": ("ContactEffect", "ContactForce", "EndCondition"),
     "plate": ("Plate", "disc"), "start": ("Start",), "start_pose": ("StartPose",), "supports": ("Support",),
     "trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),

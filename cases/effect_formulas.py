@@ -18,6 +18,12 @@ def formula_in(symbols: Sequence[sp.Symbol], what: str, value: sp.Expr | str | f
     """A number, a text or an expression as an expression in `symbols`; raises BadValue, which names it `what`."""
     if isinstance(value, str):
         return formulas.parse(value, {symbol.name: symbol for symbol in symbols}, what, BadValue)
+    if expressions.as_expression(value) is None:
+        raise BadValue(
+            f"{what} is {expressions.shortened(value)}; give a number, or a formula in "
+            f"{', '.join(symbol.name for symbol in symbols)} as text, such as '0.5*sin(3*t)' (cases.fit_waves makes "
+            "one of samples)"
+        )
     return expressions.admissible(value, symbols, what, BadValue)
 
 

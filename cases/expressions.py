@@ -75,7 +75,7 @@ def admissible(value: object, variables: Iterable[sp.Symbol], what: str, error: 
     expression, symbols = as_expression(value), tuple(variables)
     if expression is None:
         names = ", ".join(symbol.name for symbol in symbols)
-        raise error(f"{what} is {_quote(value)}; give a number or an expression in {names}")
+        raise error(f"{what} is {shortened(value)}; give a number or an expression in {names}")
     if _check(expression, symbols, what, error):
         expression = _rewrite(expression)
         _check(expression, symbols, what, error)
@@ -201,7 +201,7 @@ def float_text(number: sp.Expr) -> str:
     return str(sp.N(number, 3))
 
 
-def _quote(value: object) -> str:
+def shortened(value: object) -> str:
     """What was given, shortened: a list may hold anything."""
     text = repr(value) if isinstance(value, str | bytes | int | float | complex | None) else type(value).__name__
     return text if len(text) <= 60 else f"{text[:40]} … {text[-15:]}"

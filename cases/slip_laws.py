@@ -37,7 +37,10 @@ def coefficient(what: str, value: object) -> float | sp.Expr:
             return expression
         value = expression
     if real(value) is None:
-        raise BadValue(f"{what} is {value!r}; give a number, or a formula in v, the slip speed")
+        raise BadValue(
+            f"{what} is {expressions.shortened(value)}; give a number, or a formula in v, the slip speed, as text, "
+            "such as '0.2 + 0.1*exp(-v/0.05)' (cases.fit_friction makes one of samples)"
+        )
     return not_negative(what, value)
 
 
