@@ -18,11 +18,13 @@ MOST_TRIES = 20
 # If no such stretch is found, as near a place where the plate no longer fits, points closer to the pair than this part
 # of the reach count as the pair.
 SAME = 1e-6
+# Where the pair moves by less than this part of the shortest stretch, a shorter range would prove no more.
+STILL = 0.1
 
 
 def cores(case: Case, xi1: np.ndarray, xi2: np.ndarray, gap: np.ndarray) -> tuple[Cores, np.ndarray]:
     """The cores around n pairs whose parameters stay within `xi1` and `xi2`, (2, n), and whose gap (m) is at most that,
-    (n,); and which of them are proven. The others contain only the pair itself."""
+    (n,); and which of them shorter ranges may still prove. Cores that are not proven contain only the pair itself."""
     n, reach = len(gap), case.plate.reach
     lengths = np.append(reach * 0.5 ** np.arange(1, MOST_TRIES + 1), SAME * reach)
     track, outline = (_widen(curve, ends, lengths) for curve, ends in ((case.track, xi1), (case.plate.outline, xi2)))
@@ -43,7 +45,13 @@ def cores(case: Case, xi1: np.ndarray, xi2: np.ndarray, gap: np.ndarray) -> tupl
     proven = alone.any(axis=0)
     first = np.where(proven, np.argmax(alone, axis=0), len(lengths) - 1)
     which = np.arange(n)
-    return Cores(track[:, first, which], outline[:, first, which]), proven
+    moves = np.maximum(_lengths(case.track, xi1), _lengths(case.plate.outline, xi2)) > STILL * lengths.min()
+    return Cores(track[:, first, which], outline[:, first, which]), moves & ~proven
+
+
+def _lengths(curve: Curve, ends: np.ndarray) -> np.ndarray:
+    """The lengths (m) of ranges (2, n) of a parameter."""
+    return np.asarray((ends[1] - ends[0]) * curve.speed(ends.mean(axis=0)))
 
 
 def _widen(curve: Curve, ends: np.ndarray, lengths: np.ndarray) -> np.ndarray:

@@ -222,12 +222,12 @@ def _in_windows(case: Case, segment: Segment, edges: np.ndarray) -> tuple[Window
         low, high = places.min(axis=2), places.max(axis=2)
         more = BEYOND * (high - low)
         xi1, xi2 = zip(low - more, high + more, strict=True)
-        around, proven = cores(case, np.array(xi1), np.array(xi2), np.zeros(len(motion.start)))
+        around, unproven = cores(case, np.array(xi1), np.array(xi2), np.zeros(len(motion.start)))
         long = motion.end - motion.start > 64 * EPS * motion.end
-        if not (long & ~proven).any():
+        if not (long & unproven).any():
             break
         middle = 0.5 * (motion.start + motion.end)
-        edges = np.sort(np.concatenate([motion.start, motion.end[-1:], middle[long & ~proven]]))
+        edges = np.sort(np.concatenate([motion.start, motion.end[-1:], middle[long & unproven]]))
     return motion, around
 
 

@@ -39,21 +39,21 @@ def _in_windows(contact: PairCase, segment: Segment, edges: np.ndarray) -> tuple
         motion = windows(partial(_poses, segment), edges, contact.plate.reach)
         times = motion.start[:, None] + (motion.end - motion.start)[:, None] * PLACES
         states = segment.states(times.ravel())
-        around, proven = [], np.ones(len(motion.start), dtype=bool)
+        around, unproven = [], np.zeros(len(motion.start), dtype=bool)
         for k in watched:
             places = states[3 + 2 * k : 5 + 2 * k].reshape(2, *times.shape)
             low, high = places.min(axis=2), places.max(axis=2)
             more = BEYOND * (high - low)
             gap = np.maximum(gaps(contact, states, k).reshape(times.shape).max(axis=1), 0.0)
             xi1, xi2 = zip(low - more, high + more, strict=True)
-            one, alone = cores(contact, np.array(xi1), np.array(xi2), gap)
+            one, doubtful = cores(contact, np.array(xi1), np.array(xi2), gap)
             around.append(one)
-            proven &= alone
+            unproven |= doubtful
         long = motion.end - motion.start > 64 * EPS * motion.end
-        if not (long & ~proven).any():
+        if not (long & unproven).any():
             break
         middle = 0.5 * (motion.start + motion.end)
-        edges = np.sort(np.concatenate([motion.start, motion.end[-1:], middle[long & ~proven]]))
+        edges = np.sort(np.concatenate([motion.start, motion.end[-1:], middle[long & unproven]]))
     return motion, around
 
 
