@@ -126,18 +126,21 @@ class MeetingSearch:
         low, high = self._corners(boxes, k)
         wide = high - low
         at = 0.5 * (low + high)
-        window = int(boxes.window[k])
+        window, before = int(boxes.window[k]), np.full(len(at), np.inf)
         for _ in range(STEPS):
             step = self._step(motion, window, at)
             if step is None:
                 return None
-            at = at + step
+            at, size = at + step, np.abs(step)
             if np.any(np.abs(at - 0.5 * (low + high)) > 2.0 * wide + 1e-9 * np.abs(at)):
                 return None
-            if np.all(np.abs(step) <= 1e-10 * wide + 4.0 * EPS * np.abs(at)):
-                beyond = BEYOND * wide + 8.0 * EPS * np.abs(at)
+            beyond = BEYOND * wide + 8.0 * EPS * np.abs(at)
+            # Where the plate hardly fits, roundings of the gap are more than those of the parameters.
+            is_rounding = np.all(size <= beyond) and np.all(size >= before)
+            if is_rounding or np.all(size <= 1e-10 * wide + 4.0 * EPS * np.abs(at)):
                 inside = np.all((low - beyond <= at) & (at <= high + beyond))
                 return self._meeting(at) if inside else None
+            before = size
         return None
 
     def _touching(self, motion: Windows, boxes: Boxes, k: int) -> Meeting | None:

@@ -33,6 +33,7 @@ from reference import contact_frame
 from reference.contact_frame import pairs
 from reference.contact_frame.equations import ContactScene
 from reference.contact_frame.steps import MOST_STEPS, StepFailure
+from reference.minimal.meetings import MeetingSearch
 from tests.scenes.event_times import agree_as_known, events
 from tests.scenes.motions import energy
 from tests.scenes.ripples import SIZE, G, closest, rippled
@@ -370,12 +371,23 @@ def test_a_hop_from_one_crest_may_end_on_the_next():
 
 
 def test_a_search_is_not_divided_where_a_shorter_one_proves_no_more():
-    """Flight 522 from 0.017865 s on: next to a place where the plate hardly fits, no stretch around the contact is
-    proven to be free of others. Steps were halved into 40,883 parts, in each of which it moves by 3e-12 m, and the motion
+    """Flight 522 from 0.017865 s on: where the plate hardly fits, no stretch around the contact is
+    proven to be free of others. Steps were halved into 40,883 parts, in each of which it moves by 3e-12 m, and it
     ended as unfinished at its second contact."""
     start = Start(-0.0037460332202311724, 1.126906395357151, slip=0.1113341718853888, omega=-3.8558337098472224)
     motion = reference.simulate(replace(rippled(522).case, start=start, duration=3.5e-6))
     assert motion.status == "completed" and len(motion.contact_names) == 2
+
+
+def test_newtons_method_ends_at_the_rounding_of_the_gap(monkeypatch):
+    """Flight 523: where the plate hardly fits, steps in time stay above 1e-10 of a box. Two of three tries went on to
+    their limit on steps, and found nothing: 12 steps on average, and the motion took 50 s instead of 29."""
+    tries, steps = [], []
+    locate, step = MeetingSearch._locate, MeetingSearch._step
+    monkeypatch.setattr(MeetingSearch, "_locate", lambda *args: tries.append(1) or locate(*args))
+    monkeypatch.setattr(MeetingSearch, "_step", lambda *args, **how: steps.append(1) or step(*args, **how))
+    motion = reference.simulate(replace(rippled(523).case, duration=0.0504))
+    assert len(motion.transitions) == 11 and len(steps) < 6 * len(tries)
 
 
 def test_bouncing_over_ripples_rests_at_the_limit_of_its_impacts():
