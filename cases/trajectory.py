@@ -56,8 +56,10 @@ class Transition:
 
     An impact after which the plate flies is a change from flight to flight. It is listed if it closes with at least
     7e-4 of the greatest closing speed since the plate last lay on its track, whatever its rebound is. Slower ones
-    belong to bouncing that comes to rest, whose end is the change from flight to contact. At one instant each of
-    several contacts has one change, from its mode before to its mode after, in the order of their names.
+    belong to bouncing that comes to rest, whose end is the change from flight to contact. Where such bouncing is
+    repeated ever faster (off a wall, at rest on the floor, off the wall again), the same holds for its first impacts.
+    At one instant each of several contacts has one change, from its mode before to its mode after, in the order of
+    their names.
     """
 
     time: float

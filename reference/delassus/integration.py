@@ -19,7 +19,7 @@ from ..contact_frame.dips import Dips
 from .contacts import all_pairs, pair_at
 from .phase import SeveralContactPhase
 from .plate_state import TOUCHES, PlateState, SimulationEnd
-from .small_impacts import SmallImpacts
+from .small_impacts import ImpactsOnTwoLevels
 
 EPS = float(np.finfo(float).eps)
 # Guards are evaluated at this many places of each step; steps are at most this part of the plate's turn.
@@ -55,7 +55,7 @@ class PhaseIntegration(PlateState):
         super().__init__(case, t, body)
         self.rtol, self.steps = max(rtol, 1e-13), 0
         self.stretches: list[DenseStep] = []
-        self.impacts = SmallImpacts()
+        self.impacts = ImpactsOnTwoLevels()
         self.clearances: dict[str, float] = {}
         self.beginning: set[str] = set()
         self.searched = [pair for pair in pairs(case) if not pair.has_unique_points]

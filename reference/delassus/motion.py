@@ -349,9 +349,15 @@ class Simulation(PhaseIntegration):
     def end_bouncing(self) -> None:
         """Go to the end of a series of small impacts, where its contacts touch; others may bounce on."""
         last = self.impacts.strikes[-1] if self.impacts.strikes else None
-        if last is None or not self.impacts.small or last.time != self.t:
+        if last is None or last.time != self.t:
             return
         size, noise = self.size(), ENDS * last.closing
+        if self.impacts.is_first():
+            answer = self.impacts.firsts.end(self.t, SMALL_HOP * size)
+            if answer is not None and answer[0] < self.case.duration and self.come_to_rest(*answer, noise):
+                self.impacts.end_all()
+        if not self.impacts.small:
+            return
         answer = self.impacts.end(self.t, SMALL_HOP * size)
         if answer is None and self.impacts.is_driven():
             raise SimulationEnd("accumulation")
@@ -365,15 +371,15 @@ class Simulation(PhaseIntegration):
             return
         self.come_to_rest(*answer, noise)
 
-    def come_to_rest(self, end: float, body: np.ndarray, names: frozenset[str], noise: float) -> None:
+    def come_to_rest(self, end: float, body: np.ndarray, names: frozenset[str], noise: float) -> bool:
         """Go to a time (s) and state where contacts touch, unless others meet their supports before; velocities below
-        `noise` (m/s) are none."""
+        `noise` (m/s) are none. Returns whether it does."""
         before, self.body = self.body.copy(), body
         bouncing = {c.name for c in self.contacts if c.name in names and not c.is_away}
         others = [p for c, p in zip(self.contacts, self.pairs(), strict=True) if not (c.name in bouncing or c.is_away)]
         if any(pair.gap <= 0.0 for pair in others):  # another contact meets its support before
             self.body = before
-            return
+            return False
         self.touching = bouncing
         self.close_gaps()
         if np.abs(self.body[self.half :] * self.dynamics.units).max() <= noise:
@@ -392,6 +398,7 @@ class Simulation(PhaseIntegration):
             phase = SeveralContactPhase(self.dynamics, self.contacts, not self.body[self.half :].any())
             self.stretches.append(DenseStep(self.t, end, straight, phase))
         self.t, self.impacts.at_rest = end, True
+        return True
 
     # --- rest ---------------------------------------------------------------------------------------------------------
 

@@ -52,9 +52,19 @@ class SmallImpacts:
         """Record an impact."""
         self.small = record.closing < SMALL_IMPACT * self.fastest
         self.fastest = max(self.fastest, record.closing)
-        if not self.small:
-            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back], []
+        self.list_or_keep([])
         self.strikes.append(record)
+
+    def list_or_keep(self, changes: list[Transition]) -> None:
+        """List changes and those kept back, unless impacts are small."""
+        if self.small:
+            self.kept_back += changes
+        else:
+            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back, *changes], []
+
+    def forget(self) -> None:
+        """Forget the impacts: they are over."""
+        self.small, self.fastest, self.strikes = False, 0.0, []
 
     def end(self, t: float, size: float) -> tuple[float, np.ndarray, frozenset[str]] | None:
         """Time (s) and (x, y, θ, vx, vy, ω) at which small impacts end, the last of them at t, and the contacts that
@@ -124,13 +134,53 @@ class SmallImpacts:
             self.ordinary += sorted(changes, key=lambda change: change.contact)
             self.kept_back, self.at_rest = still, False
             if not goes_on:
-                self.small, self.fastest, self.strikes = False, 0.0, []
-        elif self.small:
-            self.kept_back += changes
+                self.forget()
         else:
-            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back, *changes], []
+            self.list_or_keep(changes)
 
     def cut(self, t: float) -> None:
         """Forget the changes after a time: the motion goes back to it."""
         self.ordinary = [change for change in self.ordinary if change.time <= t]
         self.kept_back = [change for change in self.kept_back if change.time <= t]
+
+
+class ImpactsOnTwoLevels(SmallImpacts):
+    """The same where a plate comes to rest, and hits something else from there, ever faster: the first impacts after
+    each rest, `firsts`, come to an end by the same rules."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.firsts = SmallImpacts()
+
+    @property
+    def all(self) -> tuple[Transition, ...]:
+        changes = [*self.firsts.ordinary, *self.firsts.kept_back, *self.kept_back]
+        return one_per_instant(sorted(changes, key=lambda change: change.time))
+
+    def count(self, record: ImpactRecord) -> None:
+        if not self.strikes:
+            self.firsts.count(record)
+        super().count(record)
+        self.hand_over()
+
+    def is_first(self) -> bool:
+        """Whether the last impact is the first after a rest, and small among those."""
+        return len(self.strikes) == 1 and self.firsts.small
+
+    def end_all(self) -> None:
+        """The first impacts have come to an end: keep only what all small changes amount to."""
+        self.kept_back, self.firsts.kept_back = [*self.firsts.kept_back, *self.kept_back], []
+        self.firsts.forget()
+
+    def list_changes(self, t: float, changes: list[Transition], goes_on: frozenset[str] = frozenset()) -> None:
+        super().list_changes(t, changes, goes_on)
+        self.hand_over()
+
+    def hand_over(self) -> None:
+        """Hand the listed changes over to those of the first impacts."""
+        self.firsts.list_or_keep(self.ordinary)
+        self.ordinary = []
+
+    def cut(self, t: float) -> None:
+        super().cut(t)
+        self.firsts.cut(t)

@@ -24,7 +24,7 @@ from ..minimal.phase_end import (
     work_limit_ending,
 )
 from ..minimal.series import EPS
-from ..several.hops import ImpactSeries, Strike
+from ..several.hops import NestedSeries, Strike
 from ..several.impact import Inertia, NoImpact, impact_of_all
 from ..several.phase_loop import PhaseLoop, several_motions
 from ..several.watched_plate import CLOSES, TOUCHES, MotionEnds
@@ -52,7 +52,7 @@ class PlatesSimulation(PhaseLoop):
         self.modes = dict.fromkeys(range(len(self.contacts)), Mode.FLIGHT)
         self.touching: set[int] = set()
         self.segments: list[Segment] = []
-        self.hops = ImpactSeries()
+        self.hops = NestedSeries()
         self.causes: dict[int, str] = {}
         self.fixed: dict[int, tuple[Mode, ...]] = {}
         self.speed, self.idle, self.work, self.begins = 0.0, 0, 0, True
@@ -270,6 +270,8 @@ class PlatesSimulation(PhaseLoop):
         state = without_velocity(self.case, (*state[: self.half], *velocity.tolist()), near, stuck)
         if limit > self.t:
             self._advance(self._straight(near, limit, state))
+        if end.ends_nested:
+            self.hops.end_nested()
         self.state, self.touching = state, set(near)
         self.causes = {number: CAUSES["rest"] for number in hit if number in near}
 

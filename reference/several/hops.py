@@ -5,6 +5,9 @@ each time slower, infinitely often in a finite time. Impacts that close with les
 closing speed are simulated, but listed only if they do not end so. From one cycle of impacts to the next the closing
 speed shrinks, and time, pose and velocities are smooth functions of it (`minimal.bouncing` has the reason): their
 polynomials at speed 0 are the end of the series.
+
+Series may themselves follow each other ever faster: a disc comes to rest on a floor, rolls to a wall, bounces off it,
+comes to rest on the floor again. The first impacts of such series are a series, too, and end by the same rules.
 """
 
 from __future__ import annotations
@@ -43,13 +46,14 @@ class Strike(NamedTuple):
 
 
 class SeriesEnd(NamedTuple):
-    """The end of a series of impacts: its time (s), (x, y, θ, vx, vy, ω), the contacts of its impacts, and the error of
-    its velocities (m/s)."""
+    """The end of a series of impacts: its time (s), (x, y, θ, vx, vy, ω), the contacts of its impacts, the error of its
+    velocities (m/s), and whether series end that follow each other."""
 
     time: float
     body: list[float]
     contacts: frozenset[str]
     error: float
+    ends_nested: bool = False
 
 
 class ImpactSeries:
@@ -70,9 +74,19 @@ class ImpactSeries:
         """Record an impact."""
         self.is_small = now.closing < LISTING_PART * self.fastest
         self.fastest = max(self.fastest, now.closing)
-        if not self.is_small:
-            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back], []
+        self.add([])
         self.strikes = [*self.strikes[-LONGEST:], now]
+
+    def add(self, changes: list[Transition]) -> None:
+        """Keep changes back while impacts are small; list them, and those kept back, otherwise."""
+        if self.is_small:
+            self.kept_back += changes
+        else:
+            self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back, *changes], []
+
+    def begin_again(self) -> None:
+        """Forget the impacts: a series has ended."""
+        self.fastest, self.is_small, self.strikes = 0.0, False, []
 
     def recent(self, t: float) -> frozenset[str]:
         """The contacts of the last impacts, of which the last one is small and at that time; otherwise none."""
@@ -128,17 +142,14 @@ class ImpactSeries:
         others whose small impacts have not ended."""
         changes = sorted(changes, key=lambda change: change.contact)
         if not cause:
-            if self.is_small:
-                self.kept_back += changes
-            else:
-                self.ordinary, self.kept_back = [*self.ordinary, *self.kept_back, *changes], []
+            self.add(changes)
             return
         every = [*self.kept_back, *changes]
         resting = [change for change in every if change.contact not in bouncing]
         self.ordinary += _net(resting, t, cause) if self.kept_back else resting
         self.kept_back = [change for change in every if change.contact in bouncing]
         if not bouncing:
-            self.fastest, self.is_small, self.strikes = 0.0, False, []
+            self.begin_again()
 
     def bouncing(self, speeds: dict[str, float]) -> frozenset[str]:
         """The contacts that small impacts have hit lately and go on to hit: of open ones next to their supports, given
@@ -146,6 +157,50 @@ class ImpactSeries:
         hit = frozenset[str]().union(*(one.closing_contacts for one in self.strikes[-RECENT:]))
         small = LISTING_PART * self.fastest
         return frozenset(name for name, speed in speeds.items() if name in hit and abs(speed) < small)
+
+
+class NestedSeries(ImpactSeries):
+    """The same, where the first impacts of successive series are a series of their own, `outer`, which lists the
+    transitions."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.outer = ImpactSeries()
+
+    @property
+    def all(self) -> list[Transition]:
+        changes = [*self.outer.ordinary, *self.outer.kept_back, *self.kept_back]
+        return list(one_per_instant(sorted(changes, key=lambda change: change.time)))
+
+    def strike(self, now: Strike) -> None:
+        if not self.strikes:
+            self.outer.strike(now)
+        super().strike(now)
+        self._pass_on()
+
+    def limit(self, t: float, size: float) -> SeriesEnd | None:
+        end = super().limit(t, size)
+        if end is None:
+            end = self.outer.limit(t, size)
+            return end and end._replace(ends_nested=True)
+        return end
+
+    def end_nested(self) -> None:
+        """End the series that follow each other, with the changes of all that are small."""
+        self.kept_back = [*self.outer.kept_back, *self.kept_back]
+        self.outer.kept_back = []
+        self.outer.begin_again()
+
+    def record(
+        self, t: float, changes: list[Transition], cause: str = "", bouncing: frozenset[str] = frozenset()
+    ) -> None:
+        super().record(t, changes, cause, bouncing)
+        self._pass_on()
+
+    def _pass_on(self) -> None:
+        """Pass the changes that this series lists on to the outer one."""
+        self.outer.add(self.ordinary)
+        self.ordinary = []
 
 
 def _net(changes: list[Transition], t: float, cause: str) -> list[Transition]:

@@ -158,12 +158,17 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         decision = decide(
             self.case, now._replace(time=limit, state=state, places=at, touching=tuple(near)), LOCATION_ERROR
         )
-        if decision.regime is None:
+        regime = decision.regime
+        if regime is None and end.ends_nested:  # the motion ends there
+            regime = SeveralRegime((Mode.FLIGHT,) * len(at), now.names, now.limits, now.pairs, now.away)
+        if regime is None:
             return now
         if limit > self.t:
-            short = several_phase(self.case, decision.regime)
+            short = several_phase(self.case, regime)
             states = StraightStates(self.t, limit, now.state, state)
             self._advance(Segment.of(short, np.array([self.t, limit]), states, Event(None, limit, state), 0))
+        if end.ends_nested:
+            self.hops.end_nested()
         self.body, self.touching = body, {self.watches[k].name for k in near}
         self.causes = {name: CAUSES["rest"] for name in self.touching}
         return self.instant()

@@ -16,7 +16,7 @@ from ..minimal.phase_end import CAUSES, ENERGY, Ending
 from ..minimal.series import EPS
 from .decision import DecisionInstant, load_at
 from .geometry import ContactPlace, places, project, without_velocity
-from .hops import ImpactSeries, Strike
+from .hops import NestedSeries, Strike
 from .impact import NoImpact, impact
 from .regimes import LOST, join
 
@@ -74,7 +74,7 @@ class WatchedPlate:
     causes: dict[str, str] = field(default_factory=dict)
     stuck: set[str] = field(default_factory=set)
     touching: set[str] = field(default_factory=set)
-    hops: ImpactSeries = field(default_factory=ImpactSeries)
+    hops: NestedSeries = field(default_factory=NestedSeries)
 
     def places(self) -> list[ContactPlace]:
         """The places of all watched contacts; their pairs are updated."""

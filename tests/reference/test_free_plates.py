@@ -213,10 +213,6 @@ def _compare(case: Case, method: str | None = None) -> None:
         assert np.array([own.x, own.y, own.theta]) == pytest.approx(other.motions[3 * b : 3 * b + 3], abs=2e-10)
 
 
-# Two discs that rattle on a third one: the impacts accumulate, and both formulations end where rebounds are small.
-RATTLES = {2}
-
-
 def random_scene(seed: int) -> Case:
     """Two or three discs, in a row, apart, or one on another, in motion; half of those with impacts bounce."""
     numbers = np.random.default_rng(seed)
@@ -243,7 +239,7 @@ def random_scene(seed: int) -> Case:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [seed for seed in range(40) if seed not in RATTLES])
+@pytest.mark.parametrize("seed", [seed for seed in range(40) if seed != 2])  # 2: in test_nested_series
 def test_both_formulations_agree_in_random_scenes(seed):
     _compare(random_scene(seed))
 
@@ -299,19 +295,18 @@ def test_formulations_differ_by_less_than_a_rounding_of_the_start_changes(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", RATTLES)
-def test_impacts_that_accumulate_without_a_known_end_are_reported(seed):
-    one, other = reference.simulate(random_scene(seed)), bodies_motion(random_scene(seed))
+def test_impacts_that_accumulate_without_a_known_end_are_reported():
+    """A disc rattles between ground and another disc, which bounces on the ground itself."""
+    one, other = reference.simulate(random_scene(124)), bodies_motion(random_scene(124))
     assert one.status == other.status == "accumulation" and "follow each other ever faster" in one.reason
     assert one.t[-1] == pytest.approx(other.end, abs=1e-4)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", RATTLES)
-def test_a_coarse_tolerance_gives_closed_contacts_no_part_in_an_impact(seed):
-    """A disc between others strikes them in turn. At 1e-8 the sequence had 2 of its 72 transitions."""
-    exact = reference.simulate(random_scene(seed), rtol=1e-12)
-    motion = reference.simulate(random_scene(seed), rtol=1e-8, method="dop853")
+def test_a_coarse_tolerance_gives_closed_contacts_no_part_in_an_impact():
+    """A disc between others strikes them in turn. At 1e-8 the sequence had 2 of its transitions."""
+    exact = reference.simulate(random_scene(2), rtol=1e-12)
+    motion = reference.simulate(random_scene(2), rtol=1e-8, method="dop853")
     assert [(e.contact, e.after) for e in motion.transitions] == [(e.contact, e.after) for e in exact.transitions]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from ..modes import Phase
+from ..series import Series
 from .first_step import OPEN, gap_rounding, open_gaps, opening_gaps
 
 # Places in a step at which guards are evaluated: Chebyshev–Lobatto points, which resolve a polynomial of DOP853's
@@ -144,14 +145,26 @@ def _zero_of_one(phase: Phase, piece, index: int, fine: np.ndarray, first: bool,
 def never_opens(phase: Phase, piece, guard: str, when: float, first: bool) -> bool:
     """Whether a zero is that of a gap which is one at the step's start and has not opened before: it may grow more
     slowly at first, with the third power of time, than the dense output is wrong. In a shorter step that error is less
-    by the eighth power."""
+    by the eighth power. A gap that grows at the start by more than its rounding is a hop, however low."""
     if not guard.startswith("gap"):
         return False
     index = list(phase.system.guards).index(guard)
     half = 0.5 * (when - piece.t_old) / piece.h
     closed = first or abs(guard_at(phase, piece, index, 0.0)) <= gap_rounding(phase, piece.y_old)
     least = OPEN * (phase.size + abs(piece.y_old[0]) + abs(piece.y_old[1]))
-    return closed and guard_at(phase, piece, index, half) <= least
+    if not closed or guard_at(phase, piece, index, half) > least:
+        return False
+    # A hop of the least height that is no rounding, `flight_end.REBOUND_ROUNDINGS`, rises to a quarter of this.
+    return _rate(phase, piece, guard) * (when - piece.t_old) <= gap_rounding(phase, piece.y_old)
+
+
+def _rate(phase: Phase, piece, guard: str) -> float:
+    """The rate of a guard at a step's start; its guard is a condition of the phase."""
+    state = piece.y_old.tolist()
+    bounds = [np.finfo(float).eps * abs(value) for value in state]
+    series = phase.system.expand(piece.t_old, state, bounds, phase.parameters, 1)[1]
+    value = series[list(phase.system.conditions).index(guard)]
+    return float(value.c[1]) if isinstance(value, Series) else 0.0
 
 
 def growing_gaps(phase: Phase, piece) -> frozenset[str]:
