@@ -85,9 +85,11 @@ def close(error: float) -> float:
     return 1e6 * max(error, series.EPS)
 
 
-def _by_series(candidate: Phase, t, y, error) -> bool:
+def _by_series(candidate: Phase, t, y, error, positive: frozenset[str] = frozenset()) -> bool:
+    """Whether the conditions hold, but those that are known to be positive."""
     for order in (QUICK, ORDER):
         signs = _leading_signs(candidate, t, y, error, order)
+        signs = {name: sign for name, sign in signs.items() if name not in positive}
         has_zero = any(sign == 0 for sign in signs.values())
         if not has_zero or any(sign < 0 for sign in signs.values()):
             break

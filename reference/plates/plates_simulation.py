@@ -270,8 +270,8 @@ class PlatesSimulation(PhaseLoop):
         state = without_velocity(self.case, (*state[: self.half], *velocity.tolist()), near, stuck)
         if limit > self.t:
             self._advance(self._straight(near, limit, state))
-        if end.ends_nested:
-            self.hops.end_nested()
+        if end.ends_cascade:
+            self.hops.end_cascade()
         self.state, self.touching = state, set(near)
         self.causes = {number: CAUSES["rest"] for number in hit if number in near}
 

@@ -23,7 +23,7 @@ from ..minimal.elimination import T
 from . import forces
 from .contact_law import slip_modes
 from .equations import COLUMNS, FIRST_COLUMN
-from .geometry import ContactPlace
+from .geometry import TOUCHES, ContactPlace
 from .regimes import SeveralPhase, SeveralRegime, body_of, regime_of, several_phase
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
@@ -209,7 +209,8 @@ def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error:
     is_touched = any(mode is Mode.FLIGHT and close for mode, close in zip(regime_of(phase).modes, near, strict=True))
     if is_touched or regime_of(phase).guides:
         # A gap, or what a row lacks, has no size with which its value can be compared.
-        return _by_series(phase, now.time, now.state, error)
+        apart = {k for k, at in enumerate(now.places) if k not in now.touching and at.gap > TOUCHES * size}
+        return _by_series(phase, now.time, now.state, error, frozenset(f"gap:{k}" for k in apart))
     return follows(case, phase, now.time, now.state, error)
 
 

@@ -15,6 +15,8 @@ from cases.corner import Corner
 
 from .contact_law import coefficients, restitution
 
+# A contact touches if its gap is below this part of the plate's size and place: the rounding of an event's pose.
+TOUCHES = 1e-12
 # Newton's steps that move a plate onto its contacts: each squares the error, which begins at an integrator's tolerance.
 STEPS = 8
 

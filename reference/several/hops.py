@@ -53,7 +53,7 @@ class SeriesEnd(NamedTuple):
     body: list[float]
     contacts: frozenset[str]
     error: float
-    ends_nested: bool = False
+    ends_cascade: bool = False
 
 
 class ImpactSeries:
@@ -182,10 +182,10 @@ class NestedSeries(ImpactSeries):
         end = super().limit(t, size)
         if end is None:
             end = self.outer.limit(t, size)
-            return end and end._replace(ends_nested=True)
+            return end and end._replace(ends_cascade=True)
         return end
 
-    def end_nested(self) -> None:
+    def end_cascade(self) -> None:
         """End the series that follow each other, with the changes of all that are small."""
         self.kept_back = [*self.outer.kept_back, *self.kept_back]
         self.outer.kept_back = []

@@ -29,13 +29,13 @@ from ..minimal.phase_end import (
 )
 from ..minimal.scales import frequency
 from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time
-from .geometry import places, project, without_velocity
+from .geometry import TOUCHES, places, project, without_velocity
 from .hops import SeriesEnd
 from .meetings import first_meeting
 from .phase_loop import PhaseLoop, several_motions
 from .regimes import SeveralPhase, SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
 from .rest import RestStates, limit_of_rest, limit_on_belts
-from .watched_plate import TOUCHES, MotionEnds, WatchedPlate, WatchState
+from .watched_plate import MotionEnds, WatchedPlate, WatchState
 
 # Impacts are extrapolated to their end where the plate moves by less than this part of its size until then: gaps of
 # larger hops have five digits.
@@ -159,7 +159,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             self.case, now._replace(time=limit, state=state, places=at, touching=tuple(near)), LOCATION_ERROR
         )
         regime = decision.regime
-        if regime is None and end.ends_nested:  # the motion ends there
+        if regime is None and (end.ends_cascade or decision.motions):  # the motion ends there
             regime = SeveralRegime((Mode.FLIGHT,) * len(at), now.names, now.limits, now.pairs, now.away)
         if regime is None:
             return now
@@ -167,8 +167,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             short = several_phase(self.case, regime)
             states = StraightStates(self.t, limit, now.state, state)
             self._advance(Segment.of(short, np.array([self.t, limit]), states, Event(None, limit, state), 0))
-        if end.ends_nested:
-            self.hops.end_nested()
+        if end.ends_cascade:
+            self.hops.end_cascade()
         self.body, self.touching = body, {self.watches[k].name for k in near}
         self.causes = {name: CAUSES["rest"] for name in self.touching}
         return self.instant()

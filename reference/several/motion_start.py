@@ -14,9 +14,9 @@ from cases.trajectory import CONTACT
 
 from ..minimal.integrators.segment import Segment
 from ..minimal.phase_end import Ending
-from .geometry import places
+from .geometry import TOUCHES, places
 from .march import SeveralSimulation
-from .watched_plate import TOUCHES, WatchState, open_watch
+from .watched_plate import WatchState, open_watch
 
 # A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
 # turn of 1e-11 (`cases.piece_case.LEVEL`).

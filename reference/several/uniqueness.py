@@ -8,11 +8,9 @@ from cases import Case, Mode
 from cases.contact_pairs import contact_name, pairs_in_pose
 
 from .decision import DecisionInstant, consistent_motions
-from .geometry import places
+from .geometry import TOUCHES, places
 from .regimes import join
 
-# A gap below this part of the plate's size and place is the rounding of a pose.
-TOUCHES = 1e-12
 # Relative error of a state that is given by formulas: a few roundings of its numbers.
 ERROR = 1e-14
 

@@ -15,13 +15,11 @@ from ..minimal.flight_end import REBOUND_ROUNDINGS
 from ..minimal.phase_end import CAUSES, ENERGY, Ending
 from ..minimal.series import EPS
 from .decision import DecisionInstant, load_at
-from .geometry import ContactPlace, places, project, without_velocity
+from .geometry import TOUCHES, ContactPlace, places, project, without_velocity
 from .hops import NestedSeries, Strike
 from .impact import NoImpact, impact
 from .regimes import LOST, join
 
-# A contact touches if its gap is below this part of the plate's size: the rounding of an event's pose.
-TOUCHES = 1e-12
 # A contact closes if it does so faster than this part of the largest speed so far; slower is rounding.
 CLOSES = 1e-10
 # Impacts at one instant that follow from each other, at contacts whose gap is below this part of the plate's size: its
