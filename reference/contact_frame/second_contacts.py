@@ -11,7 +11,6 @@ from cases import Case
 from .pairs import Touch, refine
 from .plate_motion import Motion, limits
 from .sampling import bodies_in_contact
-from .stretches import Stretches
 from .surroundings import Surroundings
 
 # A step in which the contact is not proven to be the only one around it is halved while it moves by more than this part
@@ -51,7 +50,7 @@ class Overlaps:
             x, y = bodies(np.array([start]))[:2, 0].tolist()
             way = limits(motion, start, end).speed * (end - start)
             some = self.around.near(x, y, self.around.reach + way)
-            if _fits(self.around, some):
+            if self.around.fits(some):
                 continue
             places = z_at(start + (end - start) * PLACES)[:2]
             low, high = places.min(axis=1), places.max(axis=1)
@@ -72,16 +71,3 @@ class Overlaps:
         body = motion.bodies(np.array([touch.time - self.step]))[:, 0].tolist()
         pair = refine(self.around.scene, body, touch.xi1, touch.xi2, self.around.size)
         return pair is not None and pair.gap > ROUNDINGS * (self.around.reach + abs(body[0]) + abs(body[1]))
-
-
-def _fits(around: Surroundings, some: Stretches) -> bool:
-    """Whether the curvatures alone exclude a second touch: the outline bends more everywhere than the nearby track, and
-    that track is the graph of a function, or the whole of a convex closed curve."""
-    if not some.number or not around.distance.bluntest > max(float(some.valley.max()), 0.0):
-        return not some.number
-    if around.convex:
-        return True
-    one_piece = bool(np.all(some.low[1:] == some.high[:-1]))
-    angles = np.arctan2(some.ty, some.tx)
-    turning = np.angle(np.exp(1j * (angles - angles[0])))
-    return one_piece and float(np.ptp(turning)) + 2.0 * float((some.bend * some.half).max()) < 0.9 * np.pi

@@ -245,13 +245,14 @@ def _list(course: MotionState, before: Mode, after: ContactState | FlightState |
 
 
 def _overlaps(course: MotionState, now: ContactState) -> Overlaps | ChainOverlaps | None:
-    """The search for second contacts, if there is one."""
+    """The search for second contacts, if there may be any."""
     if not course.overlaps:
         return None
     pieces = course.scene.case
     if isinstance(pieces, PieceCase):
         return ChainOverlaps(course.case, pieces, course.scene.reach, course.on_curves(now.z)[0])
-    return Overlaps(course.case, course.surroundings(), now.turns)
+    around = course.surroundings()
+    return None if around.fits_everywhere else Overlaps(course.case, around, now.turns)
 
 
 def _pass_on(

@@ -4,7 +4,7 @@ excludes."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from functools import cached_property, partial
 from math import ceil, floor
 
 import numpy as np
@@ -110,6 +110,23 @@ class Surroundings:
         for shift in shifts:
             inside |= (own[0] + shift <= some.middle) & (some.middle <= own[1] + shift)
         return some, inside
+
+    @cached_property
+    def fits_everywhere(self) -> bool:
+        """Whether the curvatures of the whole track, which has two ends or none, exclude a second touch."""
+        return not self.endless and self.fits(self.stretches)
+
+    def fits(self, some: Stretches) -> bool:
+        """Whether the curvatures alone exclude a second touch on nearby stretches: the outline bends more everywhere
+        than they do, and they are the graph of a function, or parts of a convex closed curve."""
+        if not some.number or not self.distance.bluntest > max(float(some.valley.max()), 0.0):
+            return not some.number
+        if self.convex:
+            return True
+        one_piece = bool(np.all(some.low[1:] == some.high[:-1]))
+        angles = np.arctan2(some.ty, some.tx)
+        turning = np.angle(np.exp(1j * (angles - angles[0])))
+        return one_piece and float(np.ptp(turning)) + 2.0 * float((some.bend * some.half).max()) < 0.9 * np.pi
 
     def own(self, xi1: Sequence[float], xi2: Sequence[float]) -> tuple[float, float] | None:
         """The range of the track's parameter around a contact, whose parameters stay in the given ranges, in which the
