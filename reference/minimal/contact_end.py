@@ -30,6 +30,7 @@ from .modes import (
     full_state,
     in_contact,
     in_flight,
+    phase,
     phase_at,
     senses,
     slip_ended,
@@ -63,10 +64,12 @@ def after_contact(case: Case, segment: Segment, error: float) -> Step:
     now, guard, t = segment.phase, segment.event.guard, segment.event.time
     if guard is None:
         return Step((segment,), t)
-    across = over_touch(segment, error, case.duration) if guard == "normal_force" else None
-    if across:
-        t, y = across.event.time, full_state(case, now, t, across.event.state)
-        return Step((segment, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
+    if guard == "normal_force" or guard in BEGINS and _force_vanished(case, segment):
+        across = over_touch(segment, guard, error, case.duration)
+        guard = "normal_force"
+        if across:
+            t, y = across.event.time, full_state(case, now, t, across.event.state)
+            return Step((segment, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
     y = full_state(case, now, t, segment.event.state)
     if (knot := passed(case, segment, y)) is not None:
         return _beyond_knot(case, segment, *knot)
@@ -173,6 +176,21 @@ def _following(
         slips, turns = senses(case, t, y, *slip_and_spin(case, t, y), LOCATION_ERROR)
         following = decide(case, t, y, LOCATION_ERROR, able(case, slip * abs(slips), turn * abs(turns)))
     return following
+
+
+def _force_vanished(case: Case, segment: Segment) -> bool:
+    """Whether the normal force of a one-sided contact has vanished since a segment's start. Its bounds on friction and
+    couple have vanished with it then, and no motion begins against these."""
+    if case.effect(Unilateral) is None:
+        return False
+    now, ends = segment.phase, (segment.times[0], segment.times[-1])
+    now = phase(now.case, now.regime, now.parts)  # whose system has outputs, whatever equations integrated the segment
+    states = segment.states(np.array(ends)).T.tolist()
+    first, last = (
+        abs(Elimination(*now.system.outputs_of_numbers(float(t), state, now.parameters)).normal)
+        for t, state in zip(ends, states, strict=True)
+    )
+    return last <= ROUGH * first and first > 0.0  # one without weight has no normal force from the start
 
 
 def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:

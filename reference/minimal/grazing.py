@@ -15,22 +15,22 @@ from .modes import Phase, phase
 
 # Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.
 ORDER = 8
-GUARD = "normal_force"
 
 
-def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
+def over_touch(segment: Segment, guard: str, error: float, end: float) -> Segment | None:
     """Continue the motion across a dip of the normal force that ended the segment; None if the contact really ends.
 
-    A dip is ignored if it is no deeper than the relative `error` of the greatest normal force of the segment. The
-    motion across has zero length if the force only reaches zero, and does not go beyond the time `end`.
+    `guard` is the force itself, or the bound of a static friction or couple that vanishes with it. A dip is ignored if
+    it is no deeper than the relative `error` of the guard's greatest value in the segment. The motion across has zero
+    length if the guard only reaches zero, and does not go beyond the time `end`.
     """
     now, t, y = segment.phase, segment.event.time, segment.event.state
-    motion, force = _expand(now, t, y)
+    motion, force = _expand(now, guard, t, y)
     value, slope, bend = force[:3]
     if not bend > 0.0:
         return None
     depth = slope * slope / (4.0 * bend) - value
-    index = list(now.system.guards).index(GUARD)
+    index = list(now.system.guards).index(guard)
     along = now.system.guards_of_arrays(segment.times, segment.states(segment.times), now.parameters)[index]
     if depth > error * np.max(np.abs(along)):
         return None
@@ -48,9 +48,9 @@ def over_touch(segment: Segment, error: float, end: float) -> Segment | None:
     return Segment.of(now, np.array([t, t + lasts]), states, Event(None, t + lasts, tuple(last.tolist())), 1)
 
 
-def _expand(now: Phase, t: float, y) -> tuple[np.ndarray, list[float]]:
-    """The coefficients in time of the state, shape (variables, ORDER + 1), and of the normal force's guard."""
+def _expand(now: Phase, guard: str, t: float, y) -> tuple[np.ndarray, list[float]]:
+    """The coefficients in time of the state, shape (variables, ORDER + 1), and of the guard."""
     now = phase(now.case, now.regime, now.parts)  # whose system has series, whatever equations integrated the segment
     state, conditions = now.system.expand(t, y, [0.0] * len(y), now.parameters, ORDER)
-    force = conditions[list(now.system.conditions).index(GUARD)]
+    force = conditions[list(now.system.conditions).index(guard)]
     return np.array([component.c for component in state]), list(force.c)

@@ -44,6 +44,7 @@ IDLE = 4
 def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integrate: Callable[..., Segment]):
     """Simulate phases until the end of the time span or a status: (segments, transitions, (status, sentence))."""
     t, y, initial = 0.0, start, start_motion(case)
+    whole, case = case, start_pieces(case)
     segments: list[Segment] = []
     transitions: list[Transition] = []
     if regime is None:
@@ -54,9 +55,8 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
         if step.regime is None:
             return segments, transitions, step.ending
         regime, y = step.regime, step.state
-    bounces, progress, idle, steps = Bounces(case), _Progress(), 0, 0
+    bounces, progress, idle, steps = Bounces(whole), _Progress(), 0, 0
     landings, place = None, (initial.xi1, initial.xi2)  # of the whole curves, as all landings are
-    whole, case = case, start_pieces(case)
     for _ in range(MOST_PHASES):
         now = phase_at(case, regime, y)
         y = state_in(now, y)

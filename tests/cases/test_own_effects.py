@@ -189,9 +189,10 @@ def end_of(motion) -> float:
 
 
 @ENDS
-def test_a_growing_force_that_lifts_in_contact_alone_ends_the_motion_where_it_is_the_weight(more, status):
-    """N = m g − 30 t vanishes at g/30 s, where the disc still slips: it does until v₀ = 3 μ (g t − 15 t²)."""
-    for motion in all_motions(on_line(Lift("30*t"), *more, mu=0.1, slip=1.0)):
+@pytest.mark.parametrize("slip", [1.0, 0.0])
+def test_a_growing_force_that_lifts_in_contact_alone_ends_the_motion_where_it_is_the_weight(more, status, slip):
+    """N = m g − 30 t vanishes at g/30 s: the disc slips until then, as v₀ > 3 μ (g t − 15 t²), or rolls throughout."""
+    for motion in all_motions(on_line(Lift("30*t"), *more, mu=0.1, slip=slip, omega=-3.0)):
         assert motion.status == status
         assert end_of(motion) == pytest.approx(9.81 / 30.0, abs=1e-13)
         # A plate that leaves its track ends in flight; one that can do neither has no mode there.

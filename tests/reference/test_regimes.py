@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from math import atan2, cos, pi, sin
 
 import numpy as np
@@ -9,8 +10,23 @@ import pytest
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    Mode,
+    Plate,
+    Start,
+    Unilateral,
+    disc,
+    library,
+)  # fmt: skip
 from cases import curves as c
+from reference import contact_frame
 from reference.minimal.elimination import Elimination
 from reference.minimal.modes import Regime, phase
 from tests.scenes.elliptic import ellipse
@@ -188,3 +204,34 @@ def test_a_loose_tolerance_does_not_change_what_follows_a_transition(method):
     fine = [t.after for t in reference.simulate(case, rtol=1e-10, method=method).transitions]
     coarse = reference.simulate(case, rtol=1e-3, method=method)
     assert [t.after for t in coarse.transitions] == fine
+
+
+def test_a_growing_load_lifts_a_disc_off_that_rolls_without_friction():
+    """N = m g − 30 t vanishes at g/30 s together with the bounds on a friction that is not needed. A slip was listed
+    there first, and on a track with corners the first formulation slipped and rolled in turn 2,000 times, and ended."""
+    lift = (Load(fy="30*t"), Flight(), Impact(0.3))
+    kept = tuple(e for e in cases.load("disc_over_edge").effects if not isinstance(e, Flight | Impact))
+    for case in (
+        Case(
+            library.line(), disc(0.1, 1.0), (Gravity(9.81), CoulombFriction(0.2), Unilateral(), *lift), Start(0.0), 2.0
+        ),
+        replace(cases.load("disc_over_edge"), effects=(*kept, *lift)),
+    ):
+        for motion in (
+            *(reference.simulate(case, method=method) for method in reference.METHODS), contact_frame.solve(case)
+        ):  # fmt: skip
+            assert motion.status == "completed"
+            assert [t.after for t in motion.transitions] == [Mode.FLIGHT]
+            assert motion.transitions[0].time == pytest.approx(9.81 / 30.0, abs=1e-12)
+
+
+def test_a_plate_with_corners_that_a_load_lifts_from_the_start_flies():
+    """Its start was rejected, as "a curve with corners has no single formula"."""
+    case = cases.load("half_disc_rocking")
+    kept = tuple(e for e in case.effects if not isinstance(e, Flight | Impact))
+    case = replace(case, effects=(*kept, Load(fy="30"), Flight(), Impact(0.3)))
+    motion, other = reference.simulate(case), contact_frame.solve(case, times=[1.0])
+    assert motion.first_mode is Mode.FLIGHT and not motion.transitions and not other.transitions
+    assert motion(1.0).y == pytest.approx(other.motions[1, 0], abs=1e-9)
+    # Weightless but for 30 N upwards.
+    assert motion(1.0).vy == pytest.approx(30.0 / case.plate.mass - 9.81 + motion(0.0).vy, abs=1e-11)
