@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import tempfile
+from collections import Counter
 from collections.abc import Callable
 from contextlib import contextmanager
 from functools import cache
@@ -65,15 +66,34 @@ def chosen_cases(names: tuple[str, ...]) -> list[Case]:
     return [case for name in names for case in cases.select(name)]
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest leaves out the slow tests
 def pytest_collection_modifyitems(config, items):
-    """With --case-file only the tests of those cases run."""
+    """With --case-file only the tests of those cases run. A test that the command line names runs with all its cases;
+    of the others marked `sampled` only a sample is quick."""
     if config.own_cases:
         items[:] = [item for item in items if "any_case" in getattr(item, "fixturenames", ("any_case",))]
+    elif not any("::" in argument for argument in config.args):
+        mark_outside_samples(items)
+
+
+def mark_outside_samples(items) -> None:
+    """Mark slow what is outside the samples: `sampled(every, first=0)` keeps a test's cases number `first`,
+    `first + every`, …, without those that are slow anyway."""
+    numbers: Counter[str] = Counter()
+    for item in items:
+        mark = item.get_closest_marker("sampled")
+        if mark is None or item.get_closest_marker("slow"):
+            continue
+        name = item.nodeid.partition("[")[0]
+        if numbers[name] % mark.args[0] != mark.kwargs.get("first", 0):
+            item.add_marker(pytest.mark.slow)
+        numbers[name] += 1
 
 
 def pytest_collection_finish(session):
     gc.freeze()
     gc.enable()
+    gc.set_threshold(50_000, 20, 20)  # looking after every 700 new objects takes 10 s of CPU
 
 
 @pytest.fixture(autouse=True, scope="session")

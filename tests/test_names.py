@@ -5,13 +5,13 @@ Counted are the identifiers of the four rooms. Tests are not: a test's name is a
 
 from __future__ import annotations
 
-import ast
 import io
 import keyword
 import re
 import tokenize
 from collections import Counter, defaultdict
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -63,10 +63,16 @@ def texts() -> dict[str, str]:
     return {file.relative_to(ROOT).as_posix(): file.read_text(encoding="utf-8") for file in files}
 
 
+@cache
+def words(text: str) -> list[str]:
+    """All names and keywords of a source text, as often as they occur; read once for all tests."""
+    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
+    return [token.string for token in tokens if token.type == tokenize.NAME]
+
+
 def identifiers(text: str) -> list[str]:
     """All names of a source text, as often as they occur."""
-    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
-    return [token.string for token in tokens if token.type == tokenize.NAME and not keyword.iskeyword(token.string)]
+    return [word for word in words(text) if not keyword.iskeyword(word)]
 
 
 def is_participle(name: str) -> bool:
@@ -85,15 +91,9 @@ def participles(sources: list[str]) -> tuple[float, Counter[str]]:
     return those.total() / names.total(), those
 
 
-def defined(text: str, kind: type[ast.AST]) -> list[str]:
-    """The names of all classes or functions of a source text, wherever they are."""
-    return [node.name for node in definitions(text) if isinstance(node, kind)]
-
-
-@cache
-def definitions(text: str) -> list[ast.AST]:
-    """All classes and functions of a source text, parsed once for all tests."""
-    return [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ClassDef | ast.FunctionDef)]
+def defined(text: str, kind: str) -> list[str]:
+    """The names of all classes ("class") or functions ("def") of a source text, wherever they are."""
+    return [name for word, name in pairwise(words(text)) if word == kind]
 
 
 def namesakes(paths: list[str]) -> dict[str, list[str]]:
@@ -118,14 +118,14 @@ def test_a_participle_is_counted():
 def test_one_name_one_class():
     homes: dict[str, list[str]] = defaultdict(list)
     for path, text in texts().items():
-        for name in defined(text, ast.ClassDef) if not path.startswith(INDEPENDENT) else ():
+        for name in defined(text, "class") if not path.startswith(INDEPENDENT) else ():
             homes[name].append(path)
     assert len(homes) > 200
     assert not {name: where for name, where in homes.items() if len(where) > 1}
 
 
 def test_only_interfaces_prescribe_a_function_called_run():
-    runs = {path for path, text in texts().items() if "run" in defined(text, ast.FunctionDef)}
+    runs = {path for path, text in texts().items() if "run" in defined(text, "def")}
     assert len(runs) > 10 and not {path for path in runs if not RUN_INTERFACES.fullmatch(path)}
 
 

@@ -38,6 +38,7 @@ def test_contact_moves_on_to_the_next_pieces():
     assert contact.xi1 == pytest.approx(1.5, abs=1e-12) and abs(contact.gap) < 1e-14
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", ["pymunk", "box2d"])
 @pytest.mark.parametrize(("case", "order"), [(ROLLS_OFF, None), (ROCKS, 0.7), (WHEEL, 0.7)])
 def test_engine_has_the_corners_and_converges(name, case, order):

@@ -28,6 +28,7 @@ ROUTES = {
 EACH = pytest.mark.parametrize(("name", "route"), ROUTES)
 
 
+@pytest.mark.sampled(2, first=1)
 @EACH
 def test_disc_in_a_bowl_that_swings_and_shakes_converges_to_the_reference(name, route):
     """A track that turns about a point off its centre, shaken along both axes."""

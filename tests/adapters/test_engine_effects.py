@@ -62,6 +62,7 @@ def off(case: Case, moved: Trajectory) -> tuple[float, float]:
     ("exudyn", "native", 1e-11), ("exudyn", "integrator", 1e-4),
     ("pymunk", "native", 1e-11), ("pymunk", "assisted", 1e-7),
 ])  # fmt: skip
+@pytest.mark.sampled(3)
 def test_perfectly_rough_disc_rolls_down_any_incline(name, route, tolerance, effects):
     slope = 1.2  # far beyond what friction of an ordinary coefficient would hold
     case = Case(line(slope), DISC, (G, PerfectlyRough(), *effects), Start(0.0), 0.5)
@@ -82,6 +83,7 @@ def test_perfectly_rough_disc_rolls_down_any_incline(name, route, tolerance, eff
 @pytest.mark.parametrize(("name", "route", "tolerance"), [
     ("exudyn", "integrator", 1e-5), ("pymunk", "assisted", 1e-6), ("pymunk", "native", 1e-3),
 ])  # fmt: skip
+@pytest.mark.sampled(3, first=1)
 def test_perfectly_rough_disc_rolls_in_a_circle_as_the_reference_does(name, route, tolerance):
     case = Case(circle(1.0), DISC, (G, PerfectlyRough(), PUSH), Start(-2.6), 1.5)
     assert off(case, play(name, route, case))[0] < tolerance
@@ -93,6 +95,7 @@ def test_perfectly_rough_disc_rolls_in_a_circle_as_the_reference_does(name, rout
 @pytest.mark.parametrize(("name", "route", "tolerance"), [
     ("exudyn", "native", 2e-6), ("exudyn", "integrator", 1e-5), ("pymunk", "assisted", 1e-6),
 ])  # fmt: skip
+@pytest.mark.sampled(3)
 def test_frictionless_guide_holds_a_disc_beyond_lift_off_and_leaves_its_spin(name, route, tolerance):
     case = Case(hill(1.0), DISC, (G,), Start(0.2, omega=1.0), 1.5)
     moved = play(name, route, case)
@@ -105,6 +108,7 @@ def test_frictionless_guide_holds_a_disc_beyond_lift_off_and_leaves_its_spin(nam
     assert np.abs(moved.normal_force - exact)[50:].max() < 1e-3 * np.abs(exact).max()
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "route"), [("exudyn", "native"), ("exudyn", "integrator"), ("pymunk", "assisted")])
 def test_frictionless_disc_slides_along_a_straight_guide_with_its_spin(name, route):
     case = Case(line(0.3), DISC, (G,), Start(0.0, slip=1.0, omega=1.0), 1.0)
@@ -131,6 +135,7 @@ LOADED = {
     ("exudyn", "native", 2e-4), ("exudyn", "integrator", 2e-4),
     ("pymunk", "assisted", 2e-4), ("pymunk", "native", 5e-3),
 ])  # fmt: skip
+@pytest.mark.sampled(2)
 def test_load_of_time_and_velocity_moves_the_plate_as_it_moves_the_reference(name, route, tolerance, scene):
     case = LOADED[scene]
     if engine(name).refuses(case, route):
@@ -219,6 +224,7 @@ def test_friction_of_an_impact_turns_spin_into_speed(name, route, e):
     assert abs(exact.vx[-1]) > 0.5
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("name", "tolerance"), [("exudyn", 2e-3), ("pymunk", 5e-3)])
 def test_disc_that_falls_out_of_a_loop_lands_on_its_other_side(name, tolerance):
     start = Start(-np.pi / 2, slip=float(np.sqrt(4.5 * 9.81 * 0.9)))

@@ -61,6 +61,7 @@ def elliptic_plate(a=0.2, b=0.1) -> Plate:
 # --- against exact values -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "mu", [0.1, *(pytest.param(mu, marks=pytest.mark.slow) for mu in FIRST_TRANSITION if mu != 0.1)]
 )
@@ -73,6 +74,7 @@ def test_first_transition_in_a_circle_is_exact_on_the_finest_rung(mu, route, tol
              tolerance=tolerance)  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("route", exudyn.routes)
 def test_first_transition_converges_with_every_rung(route):
     case = cases.load("disc_in_circle", mu=0.1)
@@ -108,6 +110,7 @@ def test_first_step_presses_and_rubs_as_the_rigid_plate_does(label):
         assert np.abs(apart).max() < 0.05 * weight, name
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("route", exudyn.routes)
 def test_four_transitions_at_a_friction_of_a_fifth(route):
     motion = solve(cases.load("disc_in_circle", mu=0.2), route)
@@ -125,6 +128,7 @@ def crossings(motion) -> int:
     return int(np.sum(np.diff(signs) != 0))
 
 
+@pytest.mark.sampled(3, first=1)
 @pytest.mark.parametrize("rung", [1, 3, 6])
 def test_wheel_driven_to_and_fro_rolls_in_between_if_steps_are_cut_where_its_slip_ends(rung):
     case = cases.load("driven_disc")
@@ -148,6 +152,7 @@ def test_slip_that_ends_in_stick_does_not_overshoot_to_the_other_side(rung):
     assert crossings(solve(case, "integrator", setting=setting)) == 0
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("route", exudyn.routes)
 def test_slip_that_reverses_leaves_less_error_if_steps_are_cut_there(route):
     case = cases.load("disc_in_circle", mu=0.1)
@@ -179,6 +184,7 @@ def test_rounding_of_the_penetration_ends_no_rung(route):
     assert off[-1] < off[0] < 1e-3 * exact
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("route", exudyn.routes)
 @pytest.mark.parametrize("slope", [0.1, atan(0.3) - 0.02, atan(0.3) + 0.02, 0.6])
 def test_disc_rolls_down_an_incline_up_to_tan_equal_three_mu_and_slips_beyond(route, slope):
@@ -203,6 +209,7 @@ def test_frictionless_disc_leaves_a_hill_at_two_thirds_of_its_starting_height(ro
 # --- facts of mechanics ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("route", exudyn.routes)
 @pytest.mark.parametrize("mu", [0.1, 0.5])
 def test_friction_force_stays_inside_cone_and_opposes_slip(route, mu):
@@ -257,6 +264,7 @@ def test_disc_inside_a_circle_may_run_its_track_either_way():
         assert energy(case, motion)[-1] < energy(case, motion)[0]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "case",
     [

@@ -47,11 +47,30 @@ KNOWN_FAULTS: dict[tuple[str, str, str], str] = {
 }
 
 
+def _scenes(law: str) -> list[str]:
+    """The law's entries in LAWS: one, or one for each scene."""
+    return [name for name in LAWS if name.partition("[")[0] == law]
+
+
 def _routes(name: str) -> tuple[str, ...]:
     try:
         return adapters.engine(name).routes
     except ImportError:
         return ("",)
+
+
+# They take seconds; the pile stands and moves apart in `test_exudyn_free_plates`, too.
+LONG = ("equations_of_motion[off-centre disc in a valley]", "equations_of_motion[loaded disc in a valley]")
+LONG_IN_EXUDYN = "pile_of_free_plates"
+
+
+def _is_quick(name: str, law: str) -> bool:
+    """Whether the quick tests hold an engine to a law: in the first of its scenes, to the equations of motion, which
+    have a scene for each effect, in most."""
+    family = law.partition("[")[0]
+    if law in LONG or (name, law) == ("exudyn", LONG_IN_EXUDYN):
+        return False
+    return family == "equations_of_motion" or law == _scenes(family)[0]
 
 
 def _all():
@@ -60,6 +79,7 @@ def _all():
             for law in LAWS:
                 fault = KNOWN_FAULTS.get((name, route, law))
                 marks = [pytest.mark.xfail(strict=True, reason=fault)] if fault else []
+                marks += [] if _is_quick(name, law) else [pytest.mark.slow]
                 yield pytest.param(name, route, law, marks=marks, id=f"{name}-{route}-{law}")
 
 
@@ -255,19 +275,20 @@ MUTANTS = [
 ]
 
 
-def _scenes(law: str) -> list[str]:
-    """The law's entries in LAWS: one, or one for each scene."""
-    return [name for name in LAWS if name.partition("[")[0] == law]
+FIRST = {law: i for i, (law, *_) in reversed([*enumerate(MUTANTS)])}
+IDS = [f"{law}-{i}" for i, (law, *_) in enumerate(MUTANTS)]
+every_mutant = pytest.mark.parametrize(("law", "words", "wrong"), MUTANTS, ids=IDS)
 
 
-every_mutant = pytest.mark.parametrize(
-    ("law", "words", "wrong"), MUTANTS, ids=[f"{law}-{i}" for i, (law, *_) in enumerate(MUTANTS)]
+@pytest.mark.parametrize(
+    ("law", "words", "wrong"),
+    [
+        pytest.param(*one, id=IDS[i], marks=() if i in FIRST.values() else pytest.mark.slow)
+        for i, one in enumerate(MUTANTS)
+    ],
 )
-
-
-@every_mutant
 def test_wrong_adapter_fails_its_law_by_name(law, words, wrong):
-    """In the first of the law's scenes."""
+    """In the first of the law's scenes; of the wrong adapters of one law the first is quick."""
     with pytest.raises(AssertionError, match=f"^{words}"):
         LAWS[_scenes(law)[0]](Route(wrong(), "assisted"))
 
@@ -280,6 +301,7 @@ def test_wrong_adapter_fails_its_law_in_every_scene(law, words, wrong):
             LAWS[name](Route(wrong(), "assisted"))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("column", ["normal_force", "friction_force"])
 def test_what_an_engine_does_not_tell_is_neither_kept_nor_broken(column):
     silent = spoiled(**{column: lambda m: np.full_like(m.t, np.nan)})

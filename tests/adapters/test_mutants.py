@@ -65,6 +65,7 @@ def _families() -> list:
     return [pytest.param(law, marks=pytest.mark.slow) if law in _LONG else law for law in first.values()]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("law", _families())
 def test_the_adapter_without_a_mistake_keeps_the_law(law):
     LAWS[law](Route(of_case(), "native"))
@@ -98,6 +99,7 @@ def test_two_mistakes_at_once_are_not_blamed_on_one_parameter():
         LAWS["equations_of_motion[loaded disc]"](Route(of_case(change), "native"))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", [0, 1, pytest.param(range(2, 40), marks=pytest.mark.slow)])
 def test_drawn_scenes_last_as_long_as_they_should(seed):
     for each in [seed] if isinstance(seed, int) else seed:

@@ -43,6 +43,7 @@ def shapes(case: Case) -> dict[str, np.ndarray]:
     return {name: np.asarray(value, dtype=float) for name, value in given.items()}
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("how", LINEAR)
 @pytest.mark.parametrize("name", SCENES)
 def test_shapes_do_not_depend_on_the_unit_of_a_parameter(name, how):
@@ -64,6 +65,7 @@ def test_shapes_by_a_warped_parameter_differ_by_the_error_of_their_samples_alone
         assert np.abs(there[shape] - own).max() <= 2e-5 * max(1.0, float(np.abs(own).max())), shape
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("how", LINEAR)
 @pytest.mark.parametrize("name", ["endless", "disc_in_circle", "disc_in_cosine"])
 def test_exported_scenes_do_not_depend_on_the_unit_of_a_parameter(name, how):
@@ -129,6 +131,7 @@ def motion(engine: str, route: str, name: str, how: str):
 ROUTES = [("pymunk", "native"), ("pymunk", "assisted"), ("exudyn", "native"), ("exudyn", "integrator")]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("how", ["parameter*1e-06", "parameter*1e+06"])
 @pytest.mark.parametrize("name", ["disc_in_circle", "disc_in_cosine", "ellipse_on_line", "endless"])
 @pytest.mark.parametrize(("engine", "route"), ROUTES)

@@ -112,6 +112,7 @@ def bean_on_line() -> Case:
     return Case(Curve(lambda s: (s, 0)), Plate(bean, 1.0, 0.004), effects, Start(0.0, xi2=0.05), 0.4)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "case",
     [bean_on_line(), *map(cases.load, ("superellipse_on_hill", "straight_edge_on_catenary", "spiral_on_incline"))],
@@ -199,6 +200,7 @@ NATIVE_TRANSITION = {0.01: 4e-4, 0.1: 1e-4, 0.2: 5e-5}
 ASSISTED_TRANSITION = {0.01: 9e-7, 0.1: 6e-7, 0.2: 4e-7}
 
 
+@pytest.mark.sampled(3, first=2)
 @pytest.mark.parametrize("mu", FIRST_TRANSITION)
 def test_native_meets_the_first_transition_of_the_paper(mu, accuracy):
     case = cases.load("disc_in_circle", mu=mu)

@@ -175,6 +175,7 @@ def test_mujoco_holds_a_plate_that_does_not_turn(engine):
     assert np.ptp(motion.theta) == 0.0 and motion.plate("upper").omega.min() < -1.0
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("engine", sorted(set(by_process.bundled_engines()) - {"drake", "mujoco"}), indirect=True)
 def test_the_other_executables_reject_free_plates_by_name(engine):
     with pytest.raises(NotSupported, match="FreePlates"):

@@ -41,6 +41,7 @@ def from_poses(case: Case, truth: Trajectory, count: int = 1201) -> Trajectory:
     return support_contacts.with_supports(case, poses, 1e-9)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("label", ["rocking_block", "ladder_at_wall", "round_ladder_at_wall", "disc_spinning_in_v"])
 def test_contacts_on_supports_follow_from_the_poses(label):
     case = cases.load(label)
@@ -58,6 +59,7 @@ def test_contacts_on_supports_follow_from_the_poses(label):
         np.testing.assert_allclose(rounds, np.round(rounds), atol=1e-7)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("label", ["sliding_box", "dropped_box"])
 def test_an_exported_motion_of_a_box_is_read_back(label, tmp_path):
     case = cases.load(label)
@@ -222,6 +224,7 @@ def belts_in_v(left: str, right: str) -> Case:
     return replace(case, effects=(*effects, Belt(left)), start=start, supports=(own,))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("name", "speeds", "least"),
     # Distance (m) allowed at the fourth rung: twice what was measured.

@@ -5,13 +5,14 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from cases import BadCurve, BadValue, Chain, Curve, NotSupported, Outline, Plate, arc, library
 from cases.area import area_inside
 from cases.chain import translate
 from cases.corner import Corner, Edge
+from tests.scenes.elliptic import examples
 
 SQUARE = [(0, 0), (2, 0), (2, 1), (0, 1)]
 # The integrals are sums of tens to hundreds of terms, summed exactly; each term has a few roundings.
@@ -77,7 +78,7 @@ def test_reuleaux_triangle_has_constant_width_and_its_area():
     assert plate.outline.point(0.5 * (plate.outline.pieces[0].span[1] + low))[1] < 0
 
 
-@settings(max_examples=40, deadline=None)
+@examples(12, 40)
 @given(st.lists(st.tuples(st.floats(0.5, 2.0), st.floats(0.0, 1.0)), min_size=3, max_size=8), st.floats(-50, 50))
 def test_polygon_is_the_sum_of_its_triangles(rays, shift):
     """Star-shaped polygons about a shifted point; the shoelace formulas about that point."""

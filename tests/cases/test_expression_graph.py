@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from cases.expression_code import ON_ARRAYS, ON_FLOATS, python_function
@@ -23,6 +23,7 @@ from cases.expression_graph import (
     symbol,
 )
 from cases.expressions import PARAMETER
+from tests.scenes.elliptic import examples
 
 S, C = PARAMETER, sp.Symbol("c0", positive=True)
 s, c = symbol("s"), symbol("c0")
@@ -43,7 +44,7 @@ FORMULAS = st.recursive(
 
 
 @given(formula=FORMULAS, at=st.floats(-2.0, 2.0), size=st.floats(0.1, 2.0))
-@settings(max_examples=150, deadline=None)
+@examples(40, 150)
 def test_values_and_derivatives_are_those_of_sympy_to_rounding(formula, at, size):
     rows, exact = [from_sympy(formula)], [formula]
     for _ in range(3):

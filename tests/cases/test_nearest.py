@@ -55,6 +55,7 @@ def test_the_contact_with_a_straight_line_is_found_from_any_distance(far):
     assert (contact.xi1, contact.gap) == pytest.approx((far, 0.2), rel=1e-14)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", [18, 34, 62, 91])
 def test_over_ripples_the_nearest_pair_is_at_most_as_far_as_that_of_the_start(seed):
     case = rippled(seed).case

@@ -41,6 +41,7 @@ def in_metres():
     return reference.simulate(thrown(TRACKS["parabola"]), rtol=1e-13)
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("unit", UNITS)
 def test_an_ellipse_thrown_into_a_parabola_moves_alike_in_every_unit_of_the_parameters(unit, in_metres):
     here = thrown(in_units_of(TRACKS["parabola"], unit), in_units_of(ELLIPSE, unit), -0.8 * unit, -1.5 * unit)
@@ -87,6 +88,7 @@ def warped(curve: Curve) -> Curve:
     return Curve(lambda s: curve.at(s + 0.9 / often * sine(often * (s - low))), curve.domain)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", TRACKS)
 @pytest.mark.parametrize("how", [lambda c: in_units_of(c, 1e6), lambda c: in_units_of(c, 1e-6), warped])
 def test_the_nearest_pair_is_the_same_in_every_parametrisation(name, how):

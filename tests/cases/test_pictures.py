@@ -99,6 +99,7 @@ def test_a_film_shows_the_plate_where_it_is(tmp_path, monkeypatch):
         assert pictures.n_frames == int(film.seconds * 2)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("name", "before"), [("film.gif", None), ("motion.csv", "old"), ("motion.png", "old"), ("motion.svg", None)]
 )

@@ -96,6 +96,7 @@ def closest(track: Curve, outline: Curve, start: Start) -> float:
     return float(heights.min())
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", range(3))
 def test_random_starts_over_ripples_are_rejected_if_and_only_if_they_overlap(seed):
     random = np.random.default_rng(seed)

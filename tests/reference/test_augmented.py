@@ -293,6 +293,7 @@ def _off(one, other) -> float:
     return max((abs(a.time - b.time) / max(1.0, a.time) for a, b in pairs), default=0.0)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("label", SAMPLE)
 def test_the_papers_matrix_makes_the_same_motion(label):
     case = cases.load(label)
@@ -320,7 +321,8 @@ def test_the_papers_matrix_makes_the_same_motion_in_the_whole_catalogue(label):
 
 
 def test_a_matrix_that_is_nearly_singular_is_reported_and_others_are_not():
-    tight = reference.simulate(cases.load("nearly_conforming[gap=1e-08]"), method="augmented")
+    case = cases.load("nearly_conforming[gap=1e-08]")
+    tight = reference.simulate(replace(case, duration=0.1 * case.duration), method="augmented")
     assert tight.status == "completed"
     assert "nearly singular: its condition reached" in tight.reason
     assert reference.simulate(cases.load("disc_in_circle"), method="augmented").reason == Trajectory.reason

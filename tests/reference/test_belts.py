@@ -72,6 +72,7 @@ def test_belt_of_constant_speed_changes_nothing_for_a_rolling_pendulum(method):
     assert motion(quarter).xi1 == pytest.approx(-pi / 2, abs=10 * EXACT)
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("speed", [0.8, -2.0])
 def test_uniform_belt_on_a_line_is_the_scene_without_it_in_a_moving_frame(speed):
     """Galilei: subtract the belt's speed from all velocities."""

@@ -59,6 +59,7 @@ def disc_at_wall(speed, mirrored: bool = False, duration: float = 2.0) -> Case:
     return Case(line(), disc(R, 1.0), effects, StartPose(side * R, R), duration, supports=(wall,))
 
 
+@pytest.mark.sampled(3)
 @METHODS
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_a_belt_spins_a_disc_up_against_two_slipping_contacts(method, mirrored):
@@ -82,6 +83,7 @@ def test_a_belt_spins_a_disc_up_against_two_slipping_contacts(method, mirrored):
         assert (end.x, end.y, R * end.omega) == pytest.approx((side * R, R, -side * speed), abs=1e-12)
 
 
+@pytest.mark.sampled(3)
 @METHODS
 @pytest.mark.parametrize("towards", [True, False])
 def test_a_disc_at_a_wall_slips_where_the_belt_accelerates_too_much(method, towards):
@@ -96,6 +98,7 @@ def test_a_disc_at_a_wall_slips_where_the_belt_accelerates_too_much(method, towa
     assert change.time == pytest.approx((most * (1.0 - sign * MU_WALL) - MU_WALL * PRESS) / c, abs=1e-12)
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_a_v_of_two_belts_spins_a_disc_up_until_it_rolls_on_both(method):
     """Both slip: the sum S of the normal forces has S (1 + μ²) cos α = m g, and m r ω̇/2 = μ S (`disc_spinning_in_v`).
@@ -167,6 +170,7 @@ def test_a_block_on_a_belt_that_accelerates_slips_at_mu_g(method):
         assert np.isnan(now[0].friction_force[0]) and len(at[0].slip) == len(motion.t)
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_a_block_tips_on_a_belt_that_accelerates_where_its_moment_does(method):
     """A block of width w and height h tips about its rear corner at v̇ = g w/h."""
@@ -176,6 +180,7 @@ def test_a_block_tips_on_a_belt_that_accelerates_where_its_moment_does(method):
     assert first.time == pytest.approx(G * 1.5 / 16.0, abs=1e-10)
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_a_belt_carries_a_block_to_a_stop_and_slips_below_it(method):
     """It slips for b/(μ g) over b²/(2 μ g), is carried on, and stops (e = 0); the belt then pushes with μ m g."""
@@ -203,6 +208,7 @@ def test_a_belt_carries_a_block_to_a_stop_and_slips_below_it(method):
 # --- impacts ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(3)
 @METHODS
 @pytest.mark.parametrize("mu", [0.2, None])
 def test_an_impact_slips_against_the_belt_of_a_support(method, mu):
@@ -266,7 +272,7 @@ def random_belts(seed: int) -> Case:
     return Case(case.track, case.plate, effects, start, 1.2, supports=(replace(wall, effects=own),))
 
 
-@pytest.mark.parametrize("seed", [2, 11, 18, 23, *slow(*range(2), *range(3, 11), 12, 13)])
+@pytest.mark.parametrize("seed", [11, 23, *slow(*range(11), 12, 13, 18)])
 def test_both_formulations_have_the_same_random_sequences_with_belts(seed):
     # 18: the two corners of a rod's end land within 3e-13 s, at 5e-12 m from each other's contact.
     agree(random_belts(seed), 1e-10)
@@ -276,7 +282,7 @@ def test_a_narrow_valley_that_is_a_belt_holds_a_disc_in_two_places():
     # The disc rolls down a valley whose surface runs, meets it in a second place, and is spun in both.
     valley = Curve(lambda s: (1.0 * s, 2.0 * s * s))
     effects = (*INELASTIC, CoulombFriction(0.3), Belt(0.8))
-    case = Case(valley, disc(0.4, 1.0), effects, Start(-0.9), 2.0)
+    case = Case(valley, disc(0.4, 1.0), effects, Start(-0.9), 1.0)
     assert agree(case, 1e-10) >= 3
     motion = simulated(case)
     assert motion.status == "completed" and "plate/track 2" in motion.contact_names

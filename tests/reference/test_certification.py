@@ -195,7 +195,7 @@ def test_a_second_contact_is_seen_by_both_formulations():
         "nearly_conforming[gap=1e-06]",
         "nearly_conforming[gap=1e-08]",
         pytest.param("tightest_fit[gap=1e-06]", marks=pytest.mark.slow),
-        "superellipse_on_hill",
+        pytest.param("superellipse_on_hill", marks=pytest.mark.slow),
     ],
 )
 def test_a_plate_that_fits_meets_its_track_nowhere_else(label):

@@ -30,7 +30,7 @@ def test_quadrature_reproduces_the_published_digits(mu):
 @lru_cache
 def quadrature(mu: float) -> closed_form.FirstZero:
     """Of a disc of 0.25 m in a circle of 1.5 m; once for all methods, as it takes seconds."""
-    return closed_form.sliding_disc_in_circle(1.5, 0.25, mu, 9.81)
+    return closed_form.sliding_disc_in_circle(1.5, 0.25, mu, 9.81, digits=16)
 
 
 @pytest.mark.parametrize("method", reference.METHODS)

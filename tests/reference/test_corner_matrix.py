@@ -39,6 +39,7 @@ def on(track, plate, *effects, **start):
     return Case(track, plate, (Gravity(9.81), *effects, Unilateral()), Start(**start), 1.0)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "case",
     [

@@ -48,6 +48,7 @@ def test_disc_on_a_plate_has_a_third_of_its_acceleration_where_it_rolls(method):
     assert motion(2.5).friction_force == pytest.approx(0.2 * M * G, abs=EXACT)
 
 
+@pytest.mark.sampled(3)
 @METHODS
 def test_shaken_table_lets_go_where_a_third_of_its_acceleration_exceeds_friction(method):
     motion = reference.simulate(cases.load("disc_on_shaken_table"), rtol=1e-13, method=method)
@@ -83,6 +84,7 @@ def test_resistance_keeps_a_sliding_disc_from_turning_on_a_table_that_swings(met
     assert motion(0.4).omega == pytest.approx(a * w * np.cos(w * 0.4), abs=1e-10)
 
 
+@pytest.mark.sampled(3)
 @METHODS
 def test_rotation_that_reverses_where_nothing_moves_makes_no_slip(method):
     """Random scene 76 of driven tracks, seed 1: relative to the track the plate stands still for an instant. Rounding

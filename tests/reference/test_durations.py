@@ -53,6 +53,7 @@ def pairs(motion, until: float = np.inf):
 # --- the beginning of a motion ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(2)
 @METHODS
 @pytest.mark.parametrize("duration", [200.0, pytest.param(1000.0, marks=pytest.mark.slow)])
 def test_the_papers_disc_first_rolls_at_its_time_whatever_the_duration(method, duration):
@@ -64,6 +65,7 @@ def test_the_papers_disc_first_rolls_at_its_time_whatever_the_duration(method, d
         assert len(motion.transitions) == 1685
 
 
+@pytest.mark.sampled(3)
 @METHODS
 @pytest.mark.parametrize("duration", [3.0, 200.0])
 @pytest.mark.parametrize("start", [0.0, -0.4])
@@ -111,6 +113,7 @@ def begins_alike(case: Case, method: str, most: float = 1e6):
         assert getattr(long(end), name) == pytest.approx(getattr(short(end), name), rel=1e-10, abs=1e-9 * loose)
 
 
+@pytest.mark.sampled(5)
 @METHODS
 @pytest.mark.parametrize("label", FEW)
 def test_the_beginning_of_a_motion_is_the_same_for_longer_durations(method, label):
@@ -142,6 +145,7 @@ def test_bouncing_rests_at_its_limit_whatever_the_duration(method, duration):
     assert motion.transitions[-1].time == pytest.approx(rest(0.9, 0.5), abs=1e-12 / (1 - 0.9))
 
 
+@pytest.mark.sampled(2)
 @METHODS
 @pytest.mark.parametrize(
     "e, known", [(0.99, 20.0917873384), pytest.param(0.999, 201.826547183, marks=pytest.mark.slow)]
@@ -255,6 +259,7 @@ def test_a_little_more_speed_than_that_is_a_departure(method, slip):
 # --- too many, too large, none ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_many_phases_are_no_accumulation(monkeypatch, method):
     monkeypatch.setattr(hybrid, "MOST_PHASES", 50)
@@ -324,6 +329,7 @@ def test_what_is_too_large_or_too_small_ends_in_a_sentence(make, method):
     assert all(np.isfinite(getattr(motion, name)).all() for name in ("x", "y", "theta", "vx", "vy", "omega"))
 
 
+@pytest.mark.sampled(5)
 @METHODS
 @pytest.mark.parametrize("force", ["1/(0.5-t)", "log(0.5-t)", "sqrt(0.5-t)"])
 @pytest.mark.parametrize("scene", ["slides", "flies", "rests"])

@@ -54,6 +54,7 @@ def test_every_case_of_the_catalogue_begins_alike_whatever_its_duration(name):
         check_the_beginning(case, (7.0, 1e3, 1e6))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("factor", [10.0, 40.0])
 def test_the_papers_first_transition_does_not_depend_on_how_long_the_motion_goes_on(factor):
     # Without `until`: the motion is followed to its end.
@@ -93,6 +94,7 @@ def in_a_ring(*effects, size=1.0, duration=2.0, **start) -> Case:
     return Case(circle(size), plate, (*GRIP, *effects), Start(-0.5, 0.3, **start), duration)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("start", [dict(omega=2.0), dict(slip=1.0)])
 def test_the_strongest_friction_is_as_good_as_a_tenth_of_it(start):
     # Up there the motion changes by the inverse of the coefficient only; 1e4 is the largest that a case may have.
@@ -115,6 +117,7 @@ def test_a_plate_of_any_size_bounces_like_one_of_a_metre(size):
     assert [t.time / sqrt(size) for t in other.transitions] == pytest.approx([t.time for t in one.transitions])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "make",
     [

@@ -101,6 +101,7 @@ def test_over_a_step_it_slips_and_rolls_again():
             assert [t.after for t in found] == [t.after for t in second.transitions]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("width", [0.1, 1e-2, 1e-3, 1e-5])
 def test_a_pulse_of_a_load_is_felt(width):
     """A force F exp(-((t - 1.3)/w)²) along a level line without friction leaves F w √π / m behind."""
@@ -116,6 +117,7 @@ def test_a_pulse_of_a_load_is_felt(width):
     assert float(second.motions[3, -1]) == pytest.approx(0.5 * sqrt(pi), abs=1e-11 + known)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_pulse_is_felt_whatever_the_duration(method):
     """Features in time are resolved in absolute time: a thousand times the duration begins with the same motion."""
@@ -157,6 +159,7 @@ def test_a_landing_on_a_narrow_bump_is_seen(height, width, slip):
     assert (second.status, second.end) == ("landing", pytest.approx(exact, abs=1e-12))
 
 
+@pytest.mark.sampled(3, first=2)
 @pytest.mark.parametrize("height, width", [(0.18, 0.05), (0.02, 0.002), (0.01, 1e-4)])
 def test_a_second_contact_with_a_bump_narrower_than_the_plate_is_seen(height, width):
     """A disc of 0.3 m slides at 1 m/s towards a bump; where its side meets the bump is solved for in 30 digits."""
@@ -336,6 +339,7 @@ def check_random(seed: int) -> None:
 
 # Bumps and pulses, whose equations the tests above derive; 5 is a pulse of 4 ms a second ahead, in 414 a pulse of 25 ms
 # makes a slip of 4 ms.
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("seed", [5, 414, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (4, 8, 10, 11))])
 def test_random_narrow_features_a_few(seed):
     check_random(seed)

@@ -322,6 +322,7 @@ def test_energy_does_not_grow_in_what_was_found(name):
 LONGEST = ("bouncing in a growing pull", "two spells of bouncing")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name in LONGEST else name for name in SCENES]
 )
@@ -353,6 +354,7 @@ def test_a_slip_that_vanishes_by_a_factor_of_its_own_when_bouncing_ends():
     assert motion.transitions[-1].time == rest and second.transitions[-1].time == rest
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("integrator", [taylor, dop853])
 def test_one_of_three_contacts_opens_more_slowly_than_its_rate_is_rounded(integrator):
     """Flight 651 over ripples: the force of the third contact has vanished, and its gap's rate grows to 2e-13 m/s in

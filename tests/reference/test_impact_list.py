@@ -33,6 +33,7 @@ def hoop() -> Case:
     return cases.load("hopping_hoop", share=0.7, mu=0.4, push=2.0, angle=0.5, duration=1.4)
 
 
+@pytest.mark.sampled(2)
 @FORMULATIONS
 def test_an_impact_without_a_rebound_is_listed_where_the_plate_leaves_at_once(solve):
     motion = solve(hoop())

@@ -109,6 +109,7 @@ def seeds(whole, quick) -> list:
 FALLING = "1 um by 2.5 mm, under gravity"
 
 
+@pytest.mark.sampled(3)
 @FORMULATIONS
 @pytest.mark.parametrize("name", seeds(RIPPLES, [FALLING, "10 um by 7 mm, from higher"]))
 def test_a_landing_on_fine_ripples_is_the_first_crossing_of_their_parallel_curve(solve, name, accuracy):
@@ -315,6 +316,7 @@ def _clear(case: Case, at: float, seed: int) -> None:
     assert above.min(initial=1.0) > -1e-14, seed
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("seed", seeds(range(12), range(5)))
 def test_a_flight_over_ripples_ends_where_it_first_touches(seed):
     check(seed)
@@ -323,7 +325,7 @@ def test_a_flight_over_ripples_ends_where_it_first_touches(seed):
 # 6 and 87: bounds on the curvature of ripples came from samples farther apart than a wavelength. A search of the second
 # formulation never ended, and a landing came 0.4 µs late. 555 and 608: see the limit of bouncing below, and
 # `tests.scenes.event_times`.
-@pytest.mark.parametrize("seed", seeds([6, 87, *range(12, 24), 555, 608], [87, 13, 14, 17, 608]))
+@pytest.mark.parametrize("seed", seeds([6, 87, *range(12, 24), 555, 608], [13, 14, 17]))
 def test_both_formulations_find_the_same_landings_over_ripples(seed):
     agree(seed)
 
@@ -346,6 +348,7 @@ def agree(seed: int) -> None:
     assert agree_as_known(case, one, ours, theirs), seed
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("method, rtol", [("taylor", 1e-10), ("dop853", 1e-8)])
 def test_a_contact_that_opens_more_slowly_than_its_gap_is_known_flies_off(method, rtol):
     """Flight 1947: an ellipse slides off a ripple. The gap after the first short step was a rounding of zero, or less

@@ -91,6 +91,7 @@ def test_a_small_plate_with_high_speeds_is_within_the_tolerance():
     assert worse(small_ellipse_in_circle(), (1e-3, 1e-5, 1e-8)) == []
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", ["disc_off_ramp", "slider_on_belt_falling_law"])
 def test_cases_of_the_catalogue_at_a_loose_tolerance(name):
     assert worse(cases.load(name), (1e-6,)) == []

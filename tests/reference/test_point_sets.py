@@ -38,6 +38,7 @@ def test_there_are_48_sets():
     assert len(SETS) == 48 and len({data.name for data in SETS}) == 48
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     "data",
     [data if i % 3 == 0 else pytest.param(data, marks=pytest.mark.slow) for i, data in enumerate(SETS)],
@@ -56,6 +57,7 @@ def test_every_set_becomes_a_curve_with_its_deviation_and_a_picture(data):
     assert len(curve.plot(data.points)._repr_png_()) > 5000
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     "data",
     [data if i % 6 == 0 else pytest.param(data, marks=pytest.mark.slow) for i, data in enumerate(SETS)],
@@ -69,6 +71,7 @@ def test_a_plate_moves_on_every_set(data):
     assert motion.t[-1] > 0.0
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("data", SETS[::7], ids=lambda data: data.name)
 def test_both_formulations_agree_on_such_data(data):
     case = scene(data)

@@ -29,6 +29,7 @@ def record_of(label: str, digits: int = 10, transitions: int | None = None) -> d
     return json.loads(prove(cases.load(label), digits, transitions).as_json())
 
 
+@pytest.mark.sampled(3, first=2)
 @pytest.mark.parametrize(
     "label",
     [
@@ -75,6 +76,7 @@ NOT_CONFIRMED = {
 OTHERS = [name for name in RECORDS if name not in {*STORED, *NOT_CONFIRMED}]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("label", [*STORED, *(pytest.param(name, marks=pytest.mark.slow) for name in OTHERS)])
 def test_stored_record_is_confirmed(label):
     record = RECORDS[label]

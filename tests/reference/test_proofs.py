@@ -55,6 +55,7 @@ QUICK = [
 ]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("label", [*QUICK, *(pytest.param(label, marks=pytest.mark.slow) for label in SLOW)])
 def test_whole_sequence_is_proved_inside_the_witnessed_bars(label):
     proof, truth = prove(cases.load(label)), read()[label]
@@ -66,6 +67,7 @@ def test_whole_sequence_is_proved_inside_the_witnessed_bars(label):
         assert proved.xi1.inside(*place)
 
 
+@pytest.mark.sampled(3, first=2)
 @pytest.mark.parametrize("mu", PAPER)
 def test_papers_transition_to_fifty_digits(mu):
     (first,) = prove(cases.load("disc_in_circle", mu=mu), digits=50, transitions=1).transitions

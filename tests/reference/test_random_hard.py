@@ -44,7 +44,7 @@ def check_many(count: int, seed: int) -> Counter:
 
 
 def test_both_formulations_agree_on_a_few_hard_random_scenes():
-    assert sum(check_many(12, seed=1).values()) <= 1
+    assert sum(check_many(5, seed=1).values()) == 0
 
 
 @pytest.mark.slow

@@ -152,6 +152,7 @@ SAMPLE = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", SAMPLE)
 def test_motions_are_the_same_in_other_units(name):
     case, units = SAMPLE[name]

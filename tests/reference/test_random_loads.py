@@ -79,6 +79,7 @@ def test_second_formulation_follows_a_flight_to_five_thousand_kilometres():
     check(550, second=True)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("seed", [333, 422, 831, 1139, 1323, 1374])
 def test_plates_that_a_load_spins_up_to_1e8_rad_per_s_and_more(seed):
     """The speed of the centre is a difference of speeds up to 1e14 m/s, and the angle has its own rounding: neither is
@@ -96,6 +97,7 @@ def test_plate_spun_by_1e12_rad_keeps_its_place(method):
     assert (end.x, end.y) == pytest.approx((2.0, 0.1), abs=1e-12)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", [1610, 2032])
 def test_narrow_loads_keep_their_digits_in_the_equations(seed):
     """((x - c)/w)² + 1 multiplied out loses the digits of (c/w)²: 1e8 and more in these."""
@@ -107,6 +109,7 @@ def test_fast_fall_does_not_hide_a_narrow_moment():
     check(2038)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(12))
 def test_motions_under_random_loads(seed):
     check(seed)

@@ -297,6 +297,7 @@ def rest_of(answer) -> float:
     return next(t.time for t in answer.transitions if t.after is not Mode.FLIGHT)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("duration", [10.0, pytest.param(300.0, marks=pytest.mark.slow), 3600.0])
 def test_bouncing_comes_to_rest_at_the_same_instant_whatever_the_duration(duration):
     # √(2h/g) (1 + e)/(1 − e) for e = 0.9 from half a metre.
@@ -363,6 +364,7 @@ def wynn(sequence) -> float:
     return now[-1]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("e, every, shortest", [(0.3, 1, 1e-6), (0.7, 3, 1e-6)])
 def test_an_extrapolated_limit_is_the_one_that_stepping_through_approaches(e, every, shortest, monkeypatch, accuracy):
     case = in_a_bowl(e)

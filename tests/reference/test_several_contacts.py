@@ -65,6 +65,7 @@ def held(track: Curve, radius: float, low: float = 0.2) -> tuple[float, float]:
     return -s, float(track.tangent_angle(s))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_a_disc_that_spins_in_a_valley_stops_when_both_contacts_have_used_its_momentum(method):
     # Friction μN at both contacts; the sum S of the normal forces balances the weight: S (1 + μ²) cos α = m g. Then
@@ -90,6 +91,7 @@ def test_a_disc_that_spins_in_a_valley_stops_when_both_contacts_have_used_its_mo
     assert np.isnan(left.normal_force[-1]) and left.normal_range[0, -1] < left.normal_range[1, -1]
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("mu", [0.2, 0.5])
 def test_a_disc_held_in_a_valley_begins_to_turn_under_a_growing_moment(mu):
     # Both contacts reach their cone at the moment μ r S.
@@ -141,6 +143,7 @@ def test_without_friction_the_speed_along_the_next_flank_is_kept():
     assert speeds[jumps + 1] / speeds[jumps] == pytest.approx([cos(2 * alpha)] * 6, rel=1e-10)
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize(("name", "digits"), [("ladder_at_wall", 4), ("round_ladder_at_wall", 3.75)])
 def test_a_closed_contact_is_not_struck_where_another_one_opens(name, digits):
     """At a coarse tolerance a closed contact has a velocity along its normal, which was taken as an impact's."""
@@ -244,8 +247,8 @@ def _compare_decisions(seeds) -> dict[str, int]:
 
 
 def test_decisions_are_those_of_lemkes_method_and_of_projected_gauss_seidel():
-    counts = _compare_decisions(range(64))  # 60 has several motions; the slow test has 5000
-    assert counts["one"] > 45 and counts["projected"] > 42 and counts["several"] > 0
+    counts = _compare_decisions((*range(20), 60))  # 60 has several motions; the slow test has 5000
+    assert counts["one"] > 14 and counts["projected"] > 13 and counts["several"] > 0
 
 
 @pytest.mark.slow
@@ -317,6 +320,7 @@ def test_both_formulations_have_the_same_sequence_and_a_certificate_of_it():
     assert all(time.bar < 1e-11 for _, _, time, _ in certificate.transitions)
 
 
+@pytest.mark.slow
 def test_an_ellipse_crosses_a_valley_alike_in_both_formulations():
     outline = Curve(lambda s: (0.5 * c.cos(s), 0.35 * c.sin(s)))
     effects = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.4)

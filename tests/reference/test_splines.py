@@ -71,6 +71,7 @@ def test_a_long_spline_is_compiled_once():
     assert assembly._in_contact.cache_info().misses == before
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("place", ["knot", "rest"])
 def test_a_motion_may_begin_or_rest_at_a_knot(place):
     x = np.linspace(-2.0, 2.0, 41)
@@ -103,13 +104,19 @@ def test_a_closed_spline_as_an_outline_rolls_through_many_turns():
     assert (ends[1].theta - ends[0].theta) % (2 * np.pi) == pytest.approx(2 * np.pi, abs=1e-6)
 
 
+X = np.linspace(-3.0, 3.0, 60)
+WAVY = Curve.spline(np.column_stack([X, 0.3 * X**2 + 0.15 * np.sin(5 * X)]))
+BOUNCING = (Gravity(9.81), CoulombFriction(0.15), Unilateral(), Flight(), Impact(0.5))
+
+
+@pytest.mark.slow
 def test_a_plate_flies_from_a_spline_and_lands_on_it():
-    x = np.linspace(-3.0, 3.0, 60)
-    track = Curve.spline(np.column_stack([x, 0.3 * x**2 + 0.15 * np.sin(5 * x)]))
-    effects = (Gravity(9.81), CoulombFriction(0.15), Unilateral(), Flight(), Impact(0.5))
-    motion = agree(released(track, -1.8, effects, disc(0.05, 1.0), 1.5), 1e-9)
+    motion = agree(released(WAVY, -1.8, BOUNCING, disc(0.05, 1.0), 1.5), 1e-9)
     assert any(t.cause == "impact" for t in motion.transitions)
-    dropped = Case(track, disc(0.05, 1.0), effects, Start(xi1=0.8 * track.domain[1], gap=0.4), 1.0)
+
+
+def test_a_plate_that_is_dropped_lands_on_a_spline():
+    dropped = Case(WAVY, disc(0.05, 1.0), BOUNCING, Start(xi1=0.8 * WAVY.domain[1], gap=0.4), 1.0)
     assert agree(dropped, 1e-9).transitions
 
 

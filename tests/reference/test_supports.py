@@ -103,6 +103,7 @@ def ladder_times(angle: float, half: float = 1.0) -> tuple[float, float]:
         return float(leave), float(leave + mp.quad(rest, mp.linspace(0, end, 4)))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("method", reference.METHODS)
 @pytest.mark.parametrize("name", ["ladder_at_wall", "round_ladder_at_wall"])
 def test_a_ladder_without_friction_leaves_the_wall_at_two_thirds_of_its_height(name, method):
@@ -297,7 +298,7 @@ def with_restitution(case: Case, e: float, law: str = "moreau") -> Case:
     return replace(case, effects=tuple(effects))
 
 
-@pytest.mark.parametrize("seed", [1, 4, 6, 523, *slow(0, 2, 3, 5, 7, 15, 16)])
+@pytest.mark.parametrize("seed", [6, 523, *slow(0, 1, 2, 3, 4, 5, 7, 15, 16)])
 def test_both_formulations_have_the_same_random_sequences(seed):
     # 4 and 15: a rod that lies on the plane meets the wall; the impulses of three contacts are not unique, and some of
     # them turn the rod, but only one velocity agrees with the law. 6: two velocities do, and both report it. 523: a
@@ -323,13 +324,13 @@ def test_both_formulations_have_the_same_sequences_of_many_scenes(seed):
     agree(random_case(seed), 5e-6)  # two corners that hit alternately end within that (205, 258)
 
 
-@pytest.mark.parametrize("seed", [1, *slow(8, 9)])
+@pytest.mark.parametrize("seed", [9, *slow(1, 8)])
 def test_both_formulations_end_bouncing_at_the_same_time(seed):
     # The end of a series of impacts is extrapolated: to 1e-10 s, as the last hops are 1e-9 of the plate's size high.
     agree(with_restitution(random_case(seed), 0.4), 1e-9)
 
 
-@pytest.mark.parametrize("seed", [13, *slow(5, 7)])
+@pytest.mark.parametrize("seed", [5, *slow(7, 13)])
 def test_two_corners_that_bounce_alternately_come_to_rest_in_both_formulations(seed):
     # Their speeds have no fixed ratio, so the end is known to the time of the last hops, 1e-12 of the plate high:
     # sqrt(8 · 2.7e-12 m / 9.81 m/s²), some microseconds with those that follow.
@@ -346,6 +347,7 @@ def test_a_corner_comes_to_rest_while_another_one_bounces_on(seed, e):
     agree(with_restitution(random_case(seed), e), 5e-6)  # as of the test before
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("seed", "e"), [(192, 0.2), (304, 0.2)])
 def test_a_plate_in_flight_next_to_a_support_is_no_paradox(seed, e):
     # A corner leaves while another one closes a gap of 2e-12 m.
@@ -357,6 +359,7 @@ def test_a_plate_that_rolls_towards_a_support_close_by_is_no_paradox():
     assert agree(with_restitution(random_case(252), 0.2), 1e-7) == 14
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 def test_bouncing_ends_on_each_support_at_the_limit_of_its_own_series(method):
     """A disc falls on a floor (e = 0.2), and a load pulls it to a wall (e = 0.8): without friction neither bouncing
@@ -405,6 +408,7 @@ def test_a_gap_that_closes_for_microseconds_is_an_impact(lowest, after, method):
     assert transitions[0].time == pytest.approx(exact, abs=1e-10)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 @pytest.mark.parametrize("e", [0.3, 0.8])
 def test_bouncing_on_one_support_ends_at_the_limit_of_its_series(e, method):

@@ -87,6 +87,7 @@ def errors(exact: Trajectory, moved: Trajectory, mu: float) -> np.ndarray:
     return np.array([row.error for row in rows])
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("rung", (0, pytest.param(1, marks=pytest.mark.slow)), ids=("middle", "fine"))
 @pytest.mark.parametrize("label", SCENES)
 @pytest.mark.parametrize(("name", "route"), RUNGS)

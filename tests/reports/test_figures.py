@@ -99,6 +99,7 @@ def test_a_legend_shows_the_markers_of_its_points():
     assert handle.get_marker() == looks_of(shown).marker("one", "native")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("case", "track", "force"),
     [("disc_in_circle", "rad", "N/m"), ("disc_on_line", "m", "N"), ("disc_in_ellipse", "", "N/m")],

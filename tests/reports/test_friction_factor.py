@@ -13,6 +13,7 @@ from tests.scenes.motions import sampled
 PAPER = cases.load("disc_in_circle", mu=0.2)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "name",
     # A circle, a load that depends on time, a spring, no disc, a guide without lift-off, rolling resistance.

@@ -59,6 +59,7 @@ def judged(case: Case, table: pd.DataFrame, length: float, time: float):
     return [(t.before, t.after) for t in read], [t.time / time for t in read], numbers, len(output)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("how", OTHERWISE)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_motion_is_judged_alike_in_other_units_and_by_other_parameters(name, how):

@@ -23,6 +23,7 @@ def row(case: cases.Case, method: str) -> Trajectory:
     return reference_adapter.read(model)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("method", reference.METHODS)
 @pytest.mark.parametrize("name", EVERY_KIND)
 def test_a_row_of_the_reference_is_its_motion(name, method):

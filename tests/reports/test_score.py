@@ -42,6 +42,7 @@ REGULAR = (0.005, 0.025)
 ROUNDING = 1e-9
 
 
+@pytest.mark.sampled(3)
 @each_case
 def test_null_motions_are_as_wrong_as_ignoring_friction(case):
     truth = planted.judged(case)
@@ -54,6 +55,7 @@ def test_null_motions_are_as_wrong_as_ignoring_friction(case):
         assert name != truth.scale.null_motion or score.pose == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.sampled(2)
 @each_case
 def test_exact_motions_are_within_their_doubt(case):
     truth = planted.judged(case)
@@ -63,6 +65,7 @@ def test_exact_motions_are_within_their_doubt(case):
             assert score.off <= score.doubt + ROUNDING, (samples, noise, score)
 
 
+@pytest.mark.sampled(3)
 @each_case
 def test_engines_with_a_planted_error_get_what_a_physicist_would_say(case):
     truth = planted.judged(case)
@@ -235,6 +238,7 @@ def test_score_has_no_unit():
 # --- convergence ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("case", [PAPER, cases.load("disc_on_line", mu=0.1)], ids=lambda case: case.label)
 def test_semi_implicit_euler_gets_better_with_every_smaller_step(case):
     truth = planted.judged(case)

@@ -103,6 +103,7 @@ def check_interrupt(folder: Path, command: str, after: float, **begun) -> None:
         )
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="the system does not report what a process has loaded")
 @pytest.mark.parametrize(("command", "after"), [("cases", 0.0), ("build", 0.1), ("console", 0.2), ("truth", 0.3)])
 def test_an_interrupt_is_one_sentence_already_while_modules_are_imported(command, after, folder):

@@ -167,6 +167,7 @@ def said(frame, tmp_path, capsys) -> str:
 QUICK = [*MISTAKES][::3]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "mistake", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in MISTAKES]
 )
@@ -175,6 +176,7 @@ def test_a_typical_mistake_is_named(mistake, truth, tmp_path, capsys):
     assert words in said(spoil(truth), tmp_path, capsys)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("columns", [("t", *POSES), ("t", *POSES, *RATES), ("t", *POSES, *RATES, "slip")])
 def test_a_true_motion_is_accused_of_no_mistake(columns, truth, tmp_path, capsys):
     text = said(table(truth)[list(columns)], tmp_path, capsys)
@@ -182,7 +184,7 @@ def test_a_true_motion_is_accused_of_no_mistake(columns, truth, tmp_path, capsys
 
 
 def test_a_constant_offset_is_not_called_another_unit(truth, tmp_path, capsys):
-    for offset in (0.5, 1.0, -2.0):
+    for offset in (1.0, -2.0):
         text = said(plus(offset, "theta")(truth), tmp_path, capsys)
         assert "radians" not in text and "degrees" not in text and f"offset {offset:g} rad" in text
 
