@@ -18,6 +18,8 @@ SMALL_IMPACT = 7e-4
 POINTS, SLOWER = 4, 2.0
 # Two contacts take turns within so many impacts.
 TURNS = 8
+# Three impacts are enough if each is at most this part as fast as the one before.
+SHORT = 1e-2
 # Its end is accepted if it differs from that of the cubic before by less than this part of the time that remains: where
 # successive impacts have no fixed ratio, they differ by more.
 AGREES = 1e-2
@@ -71,16 +73,20 @@ class SmallImpacts:
         then touch, if those that bounce move by less than `size` (m) until then; None otherwise."""
         is_now = self.small and self.strikes and self.strikes[-1].time == t
         some, names = self.points() if is_now else ([], frozenset())
+        # Three impacts do if hops after them are rounding; then the line through the first two is compared.
+        is_short = len(some) == 3 and some[2].closing <= SHORT * some[1].closing <= SHORT**2 * some[0].closing
         points = min(POINTS, len(some) - 1)
-        if points < POINTS - 1:
+        if points < POINTS - 1 and not is_short:
             return None
         speeds = np.array([one.closing for one in some]) / some[-1].closing
         values = np.array([[one.time - t, *(one.after - some[-1].after)] for one in some])
         before, now = (
-            np.linalg.solve(np.vander(speeds[those]), values[those])[-1] for those in (slice(points), slice(1, None))
+            np.linalg.solve(np.vander(speeds[those]), values[those])[-1]
+            for those in (slice(points), slice(0 if is_short else 1, None))
         )
         wait = float(now[0])
-        if not 0.0 <= wait * some[-1].closing <= size or abs(wait - before[0]) > max(AGREES * wait, np.spacing(t)):
+        remained = t + wait - some[-2].time if is_short else wait
+        if not 0.0 <= wait * some[-1].closing <= size or abs(wait - before[0]) > max(AGREES * remained, np.spacing(t)):
             return None
         return t + wait, some[-1].after + now[1:], names
 

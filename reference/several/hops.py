@@ -28,6 +28,9 @@ LONGEST = 1000
 # An end is accepted if the last impact changes it by less than this part of the time that remains. Impacts on two
 # corners alternately need not have speeds in a fixed ratio, and then have no such end.
 AGREES = 1e-2
+# Impacts that are each slower than this part of the one before are rounding after three: their end is accepted if the
+# line through the first two predicted it to AGREES of the time that remained then.
+FAST, FEW = 1e-2, 3
 # Velocities at the end of a series below this part of the last closing speed are the extrapolation's error.
 STILL = 1e-3
 # Two corners take turns within this many impacts.
@@ -97,12 +100,14 @@ class ImpactSeries:
         """The end of small impacts, the last of them at t, if the contacts that bounce move by less than `size` (m)
         until then; None otherwise."""
         some, contacts = self._series() if self.recent(t) else ([], frozenset())
-        if len(some) < 4:
-            return None
         speeds, times = [one.closing for one in some], [one.time for one in some]
+        are_few = len(some) == FEW and speeds[2] <= FAST * speeds[1] <= FAST**2 * speeds[0]
+        if len(some) <= FEW and not are_few:
+            return None
         (time, _), (before, _) = extrapolate(speeds, times), extrapolate(speeds[:-1], times[:-1])
         remaining = time - t
-        if not 0.0 <= remaining * speeds[-1] <= size or abs(time - before) > max(AGREES * remaining, np.spacing(t)):
+        waits = time - times[-2] if are_few else remaining
+        if not 0.0 <= remaining * speeds[-1] <= size or abs(time - before) > max(AGREES * waits, np.spacing(t)):
             return None
         body = [extrapolate(speeds, column)[0] for column in zip(*(one.body for one in some), strict=True)]
         return SeriesEnd(time, body, contacts, STILL * speeds[-1])
