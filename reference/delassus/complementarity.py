@@ -144,7 +144,7 @@ def gauss_seidel(
     precision: float = CONVERGED,
 ) -> np.ndarray | None:
     """Contact forces (2K,) by projection, contact after contact, from `start`; None if it does not converge: if rates
-    still change by more than the part `precision` of those without forces."""
+    still change by more than the part `precision` of those without forces, or forces grow that cancel each other."""
     force, count = start.copy(), len(slips)
     size = np.abs(free).max() or 1.0
     for _ in range(sweeps):
@@ -157,8 +157,10 @@ def gauss_seidel(
                 continue
             bound = stick[k] * force[k]
             force[t] = min(bound, max(-bound, force[t] - (delassus[t] @ force + free[t]) / delassus[t, t]))
-        if np.abs(delassus @ (force - before)).max() <= precision * size:
-            return force
+        change = force - before
+        if np.abs(delassus @ change).max() <= precision * size:
+            grows = np.abs(delassus.diagonal() * change).max() > SOLVED * size
+            return None if grows else force
         if not np.isfinite(force).all():
             return None
     return None

@@ -85,8 +85,8 @@ class SmallImpacts:
             for those in (slice(points), slice(0 if is_short else 1, None))
         )
         wait = float(now[0])
-        remained = t + wait - some[-2].time if is_short else wait
-        if not 0.0 <= wait * some[-1].closing <= size or abs(wait - before[0]) > max(AGREES * remained, np.spacing(t)):
+        wait_then = t + wait - some[-2].time if is_short else wait
+        if not 0.0 <= wait * some[-1].closing <= size or abs(wait - before[0]) > max(AGREES * wait_then, np.spacing(t)):
             return None
         return t + wait, some[-1].after + now[1:], names
 

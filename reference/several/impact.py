@@ -176,23 +176,23 @@ def _in_modes(
             goals.append(-slip[k])
             columns.append(at.slip_row)
             which.append((k, False))
-    solved = _solve(rows, columns, goals, change, compliance, speed)
-    if solved is None:
+    solution = _solve(rows, columns, goals, change, compliance, speed)
+    if solution is None:
         return []
-    turning = compliance[:, None] * (np.array(columns).T @ solved[2]) if rows else np.zeros((len(before), 0))
-    members = [solved]
+    turning = compliance[:, None] * (np.array(columns).T @ solution[2]) if rows else np.zeros((len(before), 0))
+    members = [solution]
     if turning.size and np.abs(turning).max() > TURNS * np.abs(compliance).max():
-        members = _extremes(modes, before, places_hit, law, speed, solved, which, turning)
+        members = _extremes(modes, before, places_hit, law, speed, solution, which, turning)
     outcomes = [_check(modes, before, places_hit, law, speed, one, which) for one in members]
     return [one for one in outcomes if one is not None]
 
 
-def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solved, which, turning) -> list:
+def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solution, which, turning) -> list:
     """The extreme solutions along each change of the plate's velocity by impulses that the closed contacts do not
     notice: two corners of one side and a wall, for example, let the plate turn about the wall's corner."""
     from scipy.optimize import linprog
 
-    change, impulses, free = solved
+    change, impulses, free = solution
     after, small, rows, bounds = before + change, ROUNDING * speed, list[np.ndarray](), list[float]()
     for i, (k, is_normal) in enumerate(which):
         if is_normal:
@@ -273,12 +273,12 @@ def _solve(rows, columns, goals, change, compliance, speed) -> tuple[np.ndarray,
 
 
 def _check(
-    modes, before, places_hit, law: _ImpactLaw, speed, solved, which, senses=None
+    modes, before, places_hit, law: _ImpactLaw, speed, solution, which, senses=None
 ) -> tuple[ImpactVelocities, np.ndarray] | None:
     """The outcome of a solution if its impulses and velocities agree with the law."""
-    if solved is None:
+    if solution is None:
         return None
-    change, impulses, free = solved
+    change, impulses, free = solution
     after = before + change
     lift, slip = (
         np.array([row @ after for row in rows])

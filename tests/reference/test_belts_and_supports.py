@@ -272,9 +272,11 @@ def random_belts(seed: int) -> Case:
     return Case(case.track, case.plate, effects, start, 1.2, supports=(replace(wall, effects=own),))
 
 
-@pytest.mark.parametrize("seed", [11, 23, *slow(*range(11), 12, 13, 18)])
+@pytest.mark.parametrize("seed", [11, 23, 187, *slow(*range(11), 12, 13, 18)])
 def test_both_formulations_have_the_same_random_sequences_with_belts(seed):
     # 18: the two corners of a rod's end land within 3e-13 s, at 5e-12 m from each other's contact.
+    # 187: a block leaves the wall as its slip vanishes; the projected Gauss-Seidel method of the second formulation
+    # stopped where forces grew that cancel each other, and took them for a second motion.
     agree(random_belts(seed), 1e-10)
 
 
