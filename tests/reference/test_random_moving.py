@@ -43,6 +43,7 @@ def test_work_of_friction_belt_and_drive_is_the_energy_gained(family, number):
     assert len(chosen) == number
 
 
+@pytest.mark.sampled(2)
 @SINGLE_EFFECTS
 def test_mirror_image_rotation_and_units_change_no_transition(family):
     assert sum(check_invariance(case) for case in random_scenes(family, seed=7, number=1)) > 0
