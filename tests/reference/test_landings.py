@@ -30,7 +30,8 @@ from cases import (
 from cases.contact import find, start_motion
 from cases.library import line
 from reference import contact_frame
-from reference.contact_frame import pairs
+from reference.contact_frame import pairs, surroundings
+from reference.contact_frame.advancement import Search
 from reference.contact_frame.equations import ContactScene
 from reference.contact_frame.second_contacts import Overlaps
 from reference.contact_frame.steps import MOST_STEPS, StepFailure
@@ -402,6 +403,28 @@ def test_no_second_contact_is_searched_where_the_plate_fits_its_whole_track(monk
         case = Case(track, disc(SIZE, 1.0), (Gravity(G), Unilateral()), Start(0.0, slip=0.1), 1e-4)
         contact_frame.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
         assert bool(looks) == (height == 1e-8)
+
+
+def test_a_search_of_few_stretches_takes_few_rounds(monkeypatch):
+    """Flight 1509, whose ripples bend more than the disc here and there: each step was searched by halving five
+    stretches in 8 rounds, with Newton's method in half of them."""
+    searches, rounds, tries = [], [], []
+    first = Search.first
+
+    def counted(self: Search, *args) -> pairs.Touch | None:
+        before = self.rounds
+        touch = first(self, *args)
+        searches.append(1)
+        rounds.append(self.rounds - before)
+        return touch
+
+    monkeypatch.setattr(Search, "first", counted)
+    monkeypatch.setattr(surroundings, "meeting", lambda *args: tries.append(1) or pairs.meeting(*args))
+    motion = contact_frame.solve(
+        replace(rippled(1509).case, duration=0.0215), rtol=1e-13, steps_per_turn=300, overlaps=True
+    )
+    assert len(motion.transitions) == 10
+    assert len(searches) > 50 and sum(rounds) < 5 * len(searches) and len(tries) < 0.5 * len(searches)
 
 
 def test_bouncing_over_ripples_rests_at_the_limit_of_its_impacts():
