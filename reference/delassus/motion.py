@@ -435,6 +435,7 @@ class Simulation(PhaseIntegration):
         self.stretches.append(DenseStep(self.t, high, lambda t: still, phase))
         self.t, self.touching = high, {c.name for c in self.contacts if c.is_closed}
         self.stuck = set(self.touching)
+        self.start(phase)
 
 
 def _slips(delassus: np.ndarray, free: np.ndarray, force: np.ndarray, rough: np.ndarray) -> bool:

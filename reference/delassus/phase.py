@@ -168,4 +168,4 @@ class SeveralContactPhase:
     def starts_after(self, step: float, t: float, y: np.ndarray) -> dict[str, float]:
         """`starts` a short time (s) later, when rates that begin at zero are more than rounding; empty if the plate
         goes on."""
-        return self.starts(t + step, y + step * self.rates(t, y)) or {}
+        return self.starts(t + step, y if self.rests else y + step * self.rates(t, y)) or {}
