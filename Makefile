@@ -22,12 +22,11 @@ report: $(VENV)/installed $(WANTED)
 quick: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build --quick
 
-# Two processes on two cores: hardly a test waits, and each process imports and collects all tests, 9 s of CPU.
+# Three processes on two cores: many tests wait for a disk, a time limit or another process.
 test: $(VENV)/installed
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	$(BIN)/python -m pytest -n 3 --dist loadfile
 
 # Tests of commands, stored files and whole reports: killed, resumed, given engines that fail; the page in a browser.
-# Three processes on two cores: many of them wait for a disk, a time limit or another process.
 test-builds: $(VENV)/installed
 	$(BIN)/python -m pytest -n 3 --dist loadfile -m "builds and not slow and not timed"
 

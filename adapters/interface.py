@@ -61,6 +61,8 @@ Optional:
     SUPPORTS: tuple[str, ...]                       the routes that support further fixed curves (`Case.supports`);
                                                     without a declaration, `refusal` rejects such a case
     BELTS_AND_SUPPORTS: tuple[str, ...]             those of them that support belts as well
+    DRIVEN_CONTACTS: tuple[str, ...]                the routes that support a driven track (`Drive`) with corners, or
+                                                    one that the plate touches in several places
     OWN_EFFECTS: tuple[type, ...]                   the effects of other packages that it supports (classes derived from
                                                     `cases.ContactEffect`); `refusal` rejects all others
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
@@ -117,7 +119,7 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     """Why a route does not support a case, in one sentence, or None: by what the adapter has to declare, then by its
     own `refuses`."""
     # These import SymPy, which a command's help does not need.
-    from cases import CoulombFriction
+    from cases import CoulombFriction, Drive
     from cases.own_effects import own_effects
     from cases.piece_case import has_pieces
     from cases.supports import has_belt
@@ -136,14 +138,20 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route does not support belts together with several fixed curves (supports)."
     if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):
         return f"The {route} route does not support curves with corners."
+    if has_pieces(case) and case.effect(Drive) is not None and route not in getattr(adapter, "DRIVEN_CONTACTS", ()):
+        return f"The {route} route does not support a driven track together with corners."
     return adapter.refuses(case, route)
 
 
 def refusal_of_several_contacts(adapter: Any, case: Case, route: str) -> str:
     """Why a route does not report the contacts of a plate that touches its track in several places, in one sentence, or
     "": by `SEVERAL_CONTACTS`, then by the adapter's own `refuses_several_contacts`."""
+    from cases import Drive
+
     if route not in getattr(adapter, "SEVERAL_CONTACTS", ()):
         return f"The plate touches its track in several places, which the {route} route does not support."
+    if case.effect(Drive) is not None and route not in getattr(adapter, "DRIVEN_CONTACTS", ()):
+        return f"The plate touches its driven track in several places, which the {route} route does not support."
     refuses = getattr(adapter, "refuses_several_contacts", None)
     return (refuses(case, route) or "") if refuses else ""
 

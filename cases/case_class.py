@@ -81,7 +81,6 @@ class Case:
         with np.errstate(all="ignore"):  # what is not finite does not fit
             check_supports(self)
             check_others(self)
-            _check_corners(self)
             _check_rotation(self)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             for support in self.supports:
@@ -173,15 +172,6 @@ class Case:
 
 
 _FIELDS = tuple(f.name for f in fields(Case))
-
-
-def _check_corners(case: Case) -> None:
-    """Raise BadValue for an effect that curves with corners do not have yet."""
-    track, outline = case.track, case.plate.outline
-    if not (isinstance(track, Chain) or isinstance(outline, Chain)):
-        return
-    if case.effect(effects.Drive):
-        raise BadValue("a Drive of a track with corners is not supported; leave Drive out, or give smooth curves")
 
 
 def _check_start_at_supports(case: Case) -> None:

@@ -142,9 +142,10 @@ def why_not_by_features(track: Curve, outline: Curve) -> str:
 def exclusion(case: Any) -> str:
     """What of a case excludes several contacts, and what to give instead, as a sentence without its capital and period;
     "" if nothing does. Shapes are not looked at."""
-    for kind in (all_effects.Drive, all_effects.RollingResistance):
-        if case.effect(kind) is not None:
-            return f"{kind.__name__} with several contacts is not supported; leave {kind.__name__} out"
+    if case.effect(all_effects.RollingResistance) is not None:
+        return "RollingResistance with several contacts is not supported; leave RollingResistance out"
+    if case.effect(all_effects.Drive) is not None and (case.supports or case.others):
+        return "Drive with supports or further plates is not supported; leave Drive out"
     if own := own_effects(case.effects):
         return f"{type(own[0]).__name__} with several contacts is not supported; leave it out"
     if case.effect(all_effects.Unilateral) is None:

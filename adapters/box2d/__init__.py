@@ -3,6 +3,7 @@
 from .adapter import (
     BELTS_AND_SUPPORTS,
     CORNERS,
+    DRIVEN_CONTACTS,
     NAME,
     ROUNDING,
     SEVERAL_CONTACTS,
@@ -22,7 +23,7 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
-    "BELTS_AND_SUPPORTS", "CORNERS", "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SUPPORTS",
-    "build", "default_grid", "grid", "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run",
-    "version",
+    "BELTS_AND_SUPPORTS", "CORNERS", "DRIVEN_CONTACTS", "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS",
+    "SEVERAL_PLATES", "SUPPORTS", "build", "default_grid", "grid", "ladder", "read", "refuses",
+    "refuses_several_contacts", "routes", "run", "version",
 ]  # fmt: skip

@@ -68,6 +68,8 @@ SEVERAL_CONTACTS = ("native",)
 # Routes that have further fixed curves, and several plates.
 SUPPORTS = ("native",)
 BELTS_AND_SUPPORTS = ("native",)
+# Routes that have driven tracks with corners, or with several contacts.
+DRIVEN_CONTACTS = ("native",)
 SEVERAL_PLATES = ("native",)
 
 # The engine's numbers are of single precision.

@@ -61,6 +61,7 @@ class Engine:
     SEVERAL_CONTACTS = routes
     SUPPORTS = routes
     BELTS_AND_SUPPORTS = routes
+    DRIVEN_CONTACTS = routes
     SEVERAL_PLATES = routes
     CORNERS: tuple[str, ...] = routes
 

@@ -6,6 +6,7 @@ in the frame of the track, where the case is `cases.moving_frame.relative_case`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -35,6 +36,16 @@ def to_fixed_frame(case: Case, motion: Trajectory) -> Trajectory:
     fixed = in_fixed_frame(case, motion)
     columns: dict[str, Any] = {name: np.asarray(getattr(fixed, name)) for name in State._fields}
     return replace(motion, **columns)
+
+
+def by_track(case: Case, motion: Trajectory, complete: Callable[[Case, Trajectory], Trajectory]) -> Trajectory:
+    """`complete(case, motion)`; on a driven track in its frame, so that the contacts and slips are relative to it."""
+    if case.effect(Drive) is None:
+        return complete(case, motion)
+    place = track_place(case, motion.t)
+    x, y, vx, vy, omega = place.seen_from_track(motion.x, motion.y, motion.vx, motion.vy, motion.omega)
+    seen = replace(motion, x=x, y=y, theta=motion.theta - place.angle, vx=vx, vy=vy, omega=omega)
+    return to_fixed_frame(case, complete(relative_case(case), seen))
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from math import inf, isfinite, pi
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +32,7 @@ from cases.mechanics import gravity
 from cases.nearest import nearest
 
 from . import momentum, plate_contacts, several_contacts, support_contacts
+from .driven_tracks import by_track
 from .flights import flights
 from .motion_table import CREEP, LEAST_SAMPLES, LEVER, OPTIONAL_COLUMNS, REQUIRED_COLUMNS, columns_of, of_plate
 
@@ -165,7 +167,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     if not touches_twice:
         return motion
     clear = _clear(case, t)
-    return several_contacts.with_contacts(case, motion, lambda xi1: np.full(len(xi1), clear))
+    return by_track(case, motion, partial(several_contacts.with_contacts, clear=lambda xi1: np.full(len(xi1), clear)))
 
 
 def _complete_rates(columns: dict[str, np.ndarray], t: np.ndarray, plate: str, slow: float, reach: float) -> None:
@@ -214,7 +216,8 @@ def _on_supports(case: Case, columns: dict[str, np.ndarray], creep: float) -> Tr
     poses = {name: columns.get(name, nothing) for name in ("x", "y", "theta", "vx", "vy", "omega")}
     whole: dict[str, Any] = {**dict.fromkeys(State._fields, nothing), **poses}
     motion = Trajectory(t=t, **whole, slip_resolution=_creep(columns, creep))
-    return support_contacts.with_supports(case, motion, _clear(case, t), slip_lever=_lever(columns))
+    complete = partial(support_contacts.with_supports, clear=_clear(case, t), slip_lever=_lever(columns))
+    return by_track(case, motion, complete)
 
 
 def slowest(case: Case, seconds: float) -> float:

@@ -3,6 +3,7 @@
 from .adapter import (
     BELTS_AND_SUPPORTS,
     CORNERS,
+    DRIVEN_CONTACTS,
     NAME,
     SEVERAL_CONTACTS,
     SEVERAL_PLATES,
@@ -25,7 +26,8 @@ from .meanings import MEANINGS
 
 __all__ = [
     "BELTS_AND_SUPPORTS",
-    "CORNERS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SLIP_LAWS", "SUPPORTS", "build",
+    "CORNERS", "DRIVEN_CONTACTS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SLIP_LAWS",
+    "SUPPORTS", "build",
     "default_grid", "grid", "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run", "bare_run",
     "version", "wide_grid",
 ]  # fmt: skip

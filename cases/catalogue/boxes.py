@@ -2,10 +2,12 @@
 
 from math import cos, pi, sin
 
-from cases import Case, CoulombFriction, Gravity, Plate, Start, StartPose, Unilateral, case
+from cases import Case, CoulombFriction, Drive, Gravity, Plate, Start, StartPose, Unilateral, case
 from cases.catalogue.contact_effects import contact_with_impacts
+from cases.curves import sin as sin_of
 from cases.errors import positive
 from cases.library import line
+from cases.moving_surface import TIME
 
 
 @case(variants=[dict(), dict(mu=0.4, slope=0.2), dict(mu=0.9, width=0.2, height=0.4, v=1.5)])
@@ -41,6 +43,24 @@ def dropped_box(tilt=0.3, drop=0.2, slope=0.0, mu=0.9, width=0.4, height=0.2, m=
         plate=Plate.rectangle(positive("width of dropped_box", width), positive("height of dropped_box", height), m),
         effects=contact_with_impacts(mu, g),
         start=StartPose(0.0, positive("drop of dropped_box", drop), tilt),
+        duration=duration,
+    )
+
+
+@case(variants=[dict(), dict(mu=0.8, width=0.075)])
+def box_on_shaken_table(amplitude=0.05, rate=9.0, mu=0.2, width=0.4, height=0.2, m=1.0, g=9.81, duration=1.5):
+    """A box stands on a table shaken to and fro, x = amplitude sin(rate t): it slides, a slender one rocks.
+
+    Why: the table's acceleration grows until friction, or the width of the base, no longer holds the box.
+    Source: a textbook problem of dynamics (known to us, not looked up); derived. The last variant rocks and overturns.
+    Known exactly: with a = amplitude rate² it rests until a sin(rate t) = min(μ, width/height) g.
+    """
+    high = 0.5 * positive("height of box_on_shaken_table", height)
+    return Case(
+        track=line(),
+        plate=Plate.rectangle(positive("width of box_on_shaken_table", width), 2 * high, m),
+        effects=(*contact_with_impacts(mu, g), Drive(x=amplitude * sin_of(rate * TIME))),
+        start=StartPose(0.0, high, 0.0, amplitude * rate),
         duration=duration,
     )
 

@@ -259,10 +259,11 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
     def integrate_perturbation(now: Phase, t: float, y, end: float, tolerance: float):
         return integrate(now, t, _shift(now, y, component, roundings), end, tolerance)
 
-    if case.others or touches_by_features(case):
-        motion = solve.as_trajectory(case, *solve.solve_supports(case, rtol, integrate_perturbation))
-        return _witness(f"component {component} moved by {roundings:g} roundings", motion)
     relative = relative_case(case)
+    if case.others or touches_by_features(case):
+        motion = solve.as_trajectory(relative, *solve.solve_supports(relative, rtol, integrate_perturbation))
+        motion = motion if relative is case else in_fixed_frame(case, motion)
+        return _witness(f"component {component} moved by {roundings:g} roundings", motion)
     start = start_state(relative)
     regime = solve.first_regime(relative, start)
     # The search for second contacts takes longer than most motions.

@@ -36,6 +36,13 @@ def in_fixed_frame(place: TrackPlace, body) -> list:
     return [place.x + rx, place.y + ry, theta + place.angle, place.vx + ux, place.vy + uy, omega + place.spin]
 
 
+def in_track_frame(place: TrackPlace, body) -> list:
+    """The same from the fixed frame to the track's."""
+    x, y, theta, vx, vy, omega = body
+    x, y, vx, vy, omega = place.seen_from_track(x, y, vx, vy, omega)
+    return [x, y, theta - place.angle, vx, vy, omega]
+
+
 class DriveLoad:
     """Force and moment on the plate of a driven case in the track's frame."""
 

@@ -13,6 +13,8 @@ from cases import Belt, Case, CoulombFriction, DoesNotFit, Gravity, Load, Perfec
 from cases.contact import find
 from cases.contact_pairs import PairCase
 
+from ..contact_frame.drive import DriveLoad
+
 # Pairs of nearest points with a gap below this part of the plate's reach are looked for among samples of the track.
 NEAR, SAMPLES = 0.3, 240
 # Two pairs are the same one if their track points are closer than this part of the reach.
@@ -154,7 +156,7 @@ def frictions(contacts: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
 class PlateDynamics:
     """Mass and applied forces of a case."""
 
-    def __init__(self, case: Case):
+    def __init__(self, case: Case, drive_load: DriveLoad | None = None):
         self.case = case
         self.inverse = 1.0 / np.array([case.plate.mass, case.plate.mass, case.plate.inertia])
         self.units = np.array([1.0, 1.0, case.plate.gyration])
@@ -162,7 +164,7 @@ class PlateDynamics:
         self.weight = np.zeros(3)
         if gravity is not None:
             self.weight[:2] = case.plate.mass * np.array(gravity.vector)
-        self.load = case.effect(Load)
+        self.load = drive_load or case.effect(Load)
 
     def torsor(self, t: float, body: Sequence[float] | np.ndarray) -> np.ndarray:
         """The applied force and moment (N, N, N m)."""

@@ -13,6 +13,7 @@ from cases.contact_limits import has_features
 from cases.contact_pairs import WatchedPair, pairs, pairs_in_pose
 from cases.trajectory import CONTACT
 
+from ..contact_frame.drive import in_fixed_frame
 from .contacts import all_pairs, friction_of, on_surface, pair_at
 from .motion import Simulation
 from .phase import WatchedContact
@@ -36,7 +37,7 @@ def touches_at_start(case: Case) -> bool:
     """Whether the plate touches its track in several places in its start, to rounding."""
     if not case.start.in_contact:
         return False
-    begin = start_motion(case)
+    begin = case.start.motion(case.track, case.plate.outline)
     body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
     size = abs(begin.x) + abs(begin.y) + case.plate.reach
     track = pairs(case)[0]
@@ -60,6 +61,7 @@ def continue_motion(
     """Continue a motion whose plate (x, y, θ, vx, vy, ω) has a contact at the pair `own` in that mode, and touches its
     track in further places at time t (s)."""
     motion = Simulation(case, t, body, rtol)
+    body = motion.body  # as the track sees it
     if has_features(case):
         _watch_features(motion)
         _close_own(motion, own, mode)
@@ -147,4 +149,6 @@ def _sample(motion: Simulation, times: np.ndarray) -> np.ndarray:
                 now = on_surface(pair_at(contact.case, motions[:6, i], near), t)
                 motions[6, i] = 0.0 if stretch.phase.rests else now.slip
                 break
+    if motion.drive:
+        motions[:6] = in_fixed_frame(motion.drive.at_times(times), motions[:6])
     return motions

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cases import Case, Mode
+from cases import Case, Drive, Mode
 from cases.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
 
+from ..contact_frame.drive import case_at_rest, in_track_frame, load_of_drive
 from .contacts import PairState, PlateDynamics, on_surface, pair_at
 from .phase import WatchedContact
 
@@ -24,10 +25,15 @@ class SimulationEnd(Exception):
 
 
 class PlateState:
-    """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip."""
+    """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip.
+
+    On a driven track all are seen from it, but the `body` that it is made of is in the fixed frame."""
 
     def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray):
-        self.case, self.dynamics = case, PlateDynamics(case)
+        self.drive, drive_load = case.effect(Drive), load_of_drive(case)
+        if self.drive:
+            case, body = case_at_rest(case, self.drive), in_track_frame(self.drive.at(t), body)
+        self.case, self.dynamics = case, PlateDynamics(case, drive_load)
         self.t, self.body = t, np.array(body, dtype=float)
         self.half = len(self.body) // 2  # velocities follow the positions
         self.contacts: list[WatchedContact] = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import cos, pi, sin
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -257,3 +258,19 @@ def test_two_contacts_with_a_wall_push_although_either_of_them_would_do():
     for name in ("plate/wall", "plate/wall 2"):
         closed = np.isfinite(motion.contacts[name].slip)
         assert closed[motion.t > impact + 0.1].all() and not closed[motion.t < impact - 0.1].any()
+
+
+@pytest.mark.parametrize(("name", "least"), [("pymunk", 1.3e-4), ("box2d", 2.2e-4)])
+def test_a_box_slides_on_a_shaken_table(name, least):
+    """`least`: distance (m) allowed at the fourth rung, twice what was measured."""
+    case = cases.load("box_on_shaken_table")
+    coarse, fine = (np.hypot(*off(case, play(name, "native", case, rung))) for rung in (2, 4))
+    assert fine < least and fine < 0.4 * coarse
+
+
+def test_other_routes_reject_a_box_on_a_shaken_table_in_one_sentence():
+    pymunk, case = engine("pymunk"), cases.load("box_on_shaken_table")
+    assert refusal(pymunk, case, "assisted") == "The assisted route does not support curves with corners."
+    without = SimpleNamespace(**{name: getattr(pymunk, name) for name in ("CORNERS", "refuses")})
+    why = "The native route does not support a driven track together with corners."
+    assert refusal(without, case, "native") == why

@@ -7,12 +7,10 @@ import pytest
 
 import reference
 from cases import (
-    BadValue,
     Belt,
     Case,
     Chain,
     CoulombFriction,
-    Drive,
     Flight,
     Gravity,
     Impact,
@@ -63,7 +61,6 @@ def test_fast_disc_leaves_the_table_and_bounces_on_the_floor(e, method):
     assert motion(1.5).vx == pytest.approx(v, rel=EXACT) and motion(1.5).omega == pytest.approx(-v / R, rel=EXACT)
 
 
-@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("v", "mu"), [(0.2, 0.5), (0.4, 0.2)])
 def test_slow_disc_turns_about_the_edge_and_lands_after_its_throw(v, mu):
     """It leaves the edge at the angle φ with speed √(g r cos φ), and falls by h + r cos φ − r on a parabola."""
@@ -128,7 +125,6 @@ def test_disc_lands_on_the_edge_of_a_table():
     assert after.vy == pytest.approx(-up + push * ny - G * 1e-3, rel=1e-11)
 
 
-@pytest.mark.sampled(2)
 @pytest.mark.parametrize("belt", [0.5, -0.7])
 def test_belt_over_an_edge_changes_only_the_spin(belt):
     """Rolling on a belt of constant speed, the disc's acceleration does not depend on it, and neither does friction:
@@ -173,11 +169,6 @@ def test_landings_that_have_no_impact_end_the_motion_with_a_sentence(case, statu
     motion, second = reference.simulate(case), contact_frame.solve(case)
     assert motion.status == status == second.status and words in motion.reason
     assert motion.t[-1] == pytest.approx(second.end, abs=1e-9)
-
-
-def test_motion_of_a_track_with_corners_is_rejected():
-    with pytest.raises(BadValue, match="a Drive of a track with corners is not supported"):
-        on(TABLE, disc(R, 1.0), Drive(x="0.1*sin(t)"), xi1=0.5)
 
 
 # Shortly before a plate lies flat after impacts on two corners in turn, these follow each other faster and faster, and

@@ -23,6 +23,7 @@ QUICK = (
     "bouncing_disc[e=0.8]",  # hops that are lower than a hundredth of the disc
     "disc_off_ramp",  # its normal force fades for 30 ms
     "hopping_rod",
+    "box_on_shaken_table",
     "ladder_at_wall[mu=0.1,mu_wall=0.2]",
 )
 # A disc that turns by 125 rad between two of so many samples: the file is rejected as too coarse.
