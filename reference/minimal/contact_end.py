@@ -59,12 +59,13 @@ from .phase_end import (
 )
 
 
-def after_contact(case: Case, segment: Segment, error: float) -> Step:
-    """The step after a guard's zero, in a motion with the relative `error`."""
+def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: float) -> Step:
+    """The step after a guard's zero, in a motion with the relative `error`; `begin`: the state where the segment
+    begins."""
     now, guard, t = segment.phase, segment.event.guard, segment.event.time
     if guard is None:
         return Step((segment,), t)
-    if guard == "normal_force" or guard in BEGINS and _force_vanished(case, segment):
+    if guard == "normal_force" or guard in BEGINS and _force_vanished(case, segment, begin):
         across = over_touch(segment, guard, error, case.duration)
         guard = "normal_force"
         if across:
@@ -178,17 +179,16 @@ def _following(
     return following
 
 
-def _force_vanished(case: Case, segment: Segment) -> bool:
+def _force_vanished(case: Case, segment: Segment, begin: Sequence[float]) -> bool:
     """Whether the normal force of a one-sided contact has vanished since a segment's start. Its bounds on friction and
     couple have vanished with it then, and no motion begins against these."""
     if case.effect(Unilateral) is None:
         return False
-    now, ends = segment.phase, (segment.times[0], segment.times[-1])
+    now, event = segment.phase, segment.event
     now = phase(now.case, now.regime, now.parts)  # whose system has outputs, whatever equations integrated the segment
-    states = segment.states(np.array(ends)).T.tolist()
     first, last = (
-        abs(Elimination(*now.system.outputs_of_numbers(float(t), state, now.parameters)).normal)
-        for t, state in zip(ends, states, strict=True)
+        abs(Elimination(*now.system.outputs_of_numbers(t, state, now.parameters)).normal)
+        for t, state in ((segment.start, begin), (event.time, event.state))
     )
     return last <= ROUGH * first and first > 0.0  # one without weight has no normal force from the start
 

@@ -68,7 +68,8 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
                 fly = simulate_flight if segments or not closes(whole) else start_flight
                 step = after_flight(whole, *fly(case, now, t, y, place, rtol, integrate, landings), bounces)
             else:
-                step = after_contact(case, integrate(now, t, y, case.duration, rtol), max(rtol, LOCATION_ERROR))
+                segment = integrate(now, t, y, case.duration, rtol)
+                step = after_contact(case, segment, y, max(rtol, LOCATION_ERROR))
             idle = idle + 1 if step.time == t else 0
             if idle > IDLE and step.regime not in (None, FLIGHT):
                 step = _advance(case, regime, step)

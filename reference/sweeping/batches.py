@@ -328,7 +328,7 @@ class _Wave:
         try:
             own = state_in(now, tuple(self.y[:, i].tolist()))
             segment = integrate(now, float(self.t[i]), own, case.duration, self.rtol)
-            step = contact_end.after_contact(case, segment, max(self.rtol, phase_end.LOCATION_ERROR))
+            step = contact_end.after_contact(case, segment, own, max(self.rtol, phase_end.LOCATION_ERROR))
         except Undecidable:
             self.now[i] = _ALONE
             return
