@@ -30,6 +30,8 @@ LABELS = {
 }
 # Values of a curve's parameter at which its unit is determined, and the relative rounding of the comparison.
 _SAMPLES, _ROUNDING = 33, 1e-9
+# Roundings of a motion are those of quantities at least this large, in SI units: its positions, speeds and forces.
+_LARGE = 1e-3
 MODE_WORDS = {
     "slide": "slides",
     "slip_forward": "slip v > 0",
@@ -90,13 +92,24 @@ def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colou
             _scene(left.subplots(), scene, motion, times, state)
         axes = right.subplots(max(len(names), 1), 1, sharex=True, squeeze=False)[:, 0]
         for i, (ax, name) in enumerate(zip(axes, names, strict=False)):
-            ax.plot(times, getattr(state, name), color=colour)
+            values = np.asarray(getattr(state, name))
+            ax.plot(times, values, color=colour)
+            _keep_level(ax, values)
             ax.set_ylabel(labels[name])
             ax.margins(x=0)
             mark_transitions(ax, motion.transitions, motion.first_mode, times[[0, -1]], _PANEL if i == 0 else 0.0)
         axes[-1].set_xlabel("time / s")
         right.align_ylabels()
     return figure
+
+
+def _keep_level(ax: Any, values: np.ndarray) -> None:
+    """Give a constant an axis of its own size: its roundings would fill a narrower one."""
+    shown = values[np.isfinite(values)]
+    largest = float(np.abs(shown).max(initial=0.0))
+    if shown.size and float(np.ptp(shown)) <= _ROUNDING * max(largest, _LARGE):
+        middle, room = float(np.median(shown)), 0.1 * (largest if largest > _ROUNDING * _LARGE else 1.0)
+        ax.set_ylim(middle - room, middle + room)
 
 
 def _scene(ax: Any, scene: DrawnScene, motion: Any, times: np.ndarray, state: Any) -> None:

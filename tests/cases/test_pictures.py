@@ -83,6 +83,11 @@ def test_a_picture_has_the_quantities_that_were_asked_for_and_a_line_at_each_tra
         MOTION.plot("normal_froce")
 
 
+def test_the_roundings_of_a_constant_do_not_fill_its_axis():
+    height, spin = plots.plot(reference.simulate(cases.load("box_on_shaken_table")), None, ["y", "omega"]).axes
+    assert height.get_ylim() == pytest.approx((0.09, 0.11)) and np.ptp(spin.get_ylim()) > 0.1
+
+
 def test_a_film_shows_the_plate_where_it_is(tmp_path, monkeypatch):
     film = MOTION.animate()
     figure, show = film._frames()
