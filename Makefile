@@ -22,11 +22,12 @@ report: $(VENV)/installed $(WANTED)
 quick: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build --quick
 
-# Three processes on two cores: many tests wait for a disk, a time limit or another process.
+# Two processes on two cores: hardly a test waits, and each process imports and collects all tests, 9 s of CPU.
 test: $(VENV)/installed
-	$(BIN)/python -m pytest -n 3 --dist loadfile
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 # Tests of commands, stored files and whole reports: killed, resumed, given engines that fail; the page in a browser.
+# Three processes on two cores: many of them wait for a disk, a time limit or another process.
 test-builds: $(VENV)/installed
 	$(BIN)/python -m pytest -n 3 --dist loadfile -m "builds and not slow and not timed"
 

@@ -28,8 +28,8 @@ MODEST, MOST_FACETS = 64, 8000
 # Engines that take the curve itself.
 WITHOUT_FACETS = {"siconos"}
 MOST_BOXES = {"cannon": 200, "dartpy": 800, "drake": 800, "matter": 800, "mujoco": 800, "newton": 3200}
-# Engines that run outlines with corners. (Polygons of planck.js and Rapier roll, but a block that rocks on a hill is
-# 7 and 5 cm off with any step.)
+# Engines that run outlines with corners. (The programs of planck.js and Rapier do so alone, with errors of first order;
+# no report has compared them yet.)
 WITH_CORNERS = {"mujoco"}
 # The knobs of an engine besides the step and the facets, for the study of settings; the first values are the ladder's.
 KNOBS: dict[str, dict[str, tuple[float | str, ...]]] = {

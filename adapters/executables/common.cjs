@@ -84,13 +84,42 @@ function ends({ points: { track: { x, y } } }) {
   return [{ x: x[0] - dx, y: y[0] - dy }, { x: x[last] + dx, y: y[last] + dy }];
 }
 
-/** A convex outline as polygons around the centre of mass, `rim` edges of its `count` to each; else refused. */
+/** The smooth pieces of an outline between its corners, where samples lie on each other with normals of their own. */
+function pieces(curve) {
+  const found = [], names = Object.keys(curve), last = curve.x.length - 1;
+  const moves = (i) => Math.hypot(curve.x[i + 1] - curve.x[i], curve.y[i + 1] - curve.y[i]) > 1e-12;
+  for (let first = 0, i = 0; i < last; i++) {
+    if (!moves(i)) continue;
+    if (i === 0 || !moves(i - 1)) first = i;
+    if (i === last - 1 || !moves(i + 1)) {
+      found.push(Object.fromEntries(names.map((name) => [name, curve[name].slice(first, i + 2)])));
+    }
+  }
+  return found;
+}
+
+/** The corners of an outline and about `count` in all on its curved pieces; the first one once more at the end. */
+function around(outline, count) {
+  const parts = pieces(outline);
+  if (parts.length < 2) return corners(outline, count);
+  const places = parts.flatMap((part) => {
+    const bends = part.curvature.slice(1, -1).some((curvature) => curvature);
+    return corners(part, bends ? Math.ceil(count / parts.length) : 1).slice(0, -1);
+  });
+  return [...places, places[0]];
+}
+
+/** A convex outline as one polygon, or as several around the centre of mass, `rim` edges of about `count` to each; else
+ * refused. */
 function fan(engine, { points: { outline }, closed }, count, rim) {
   if (!closed.outline || Math.min(...outline.curvature) < 0) {
     refuse(`${engine} is given circles and convex polygons, and this outline is none.`);
   }
-  const around = corners(outline, count), parts = [];
-  for (let first = 0; first < count; first += rim) parts.push([{ x: 0, y: 0 }, ...around.slice(first, first + rim + 1)]);
+  const places = around(outline, count), parts = [];
+  if (places.length - 1 <= rim) return [places.slice(0, -1)];
+  for (let first = 0; first < places.length - 1; first += rim) {
+    parts.push([{ x: 0, y: 0 }, ...places.slice(first, first + rim + 1)]);
+  }
   return parts;
 }
 

@@ -2,7 +2,8 @@
 
 Each stretch has a time before which the plate certainly does not begin to touch it: its distance, divided by a bound on
 the rate at which that decreases, is a time without a touch. The earliest stretches advance; a stretch whose length
-makes the bounds much wider is halved. Time itself is never divided, and the outline enters only by its signed distance.
+makes the bounds much wider is divided. Time itself is never divided, and the outline enters only by its signed
+distance.
 
 With the distance φ of the point s of a stretch of half length h, φ' along the track and φ̇ by time at its middle,
 
@@ -23,20 +24,22 @@ from .curve_bounds import CurveBounds
 from .distance import PointDistances, TrackDistance
 from .pairs import Touch
 from .plate_motion import Limits, Motion, limits
-from .stretches import Stretches, halves
+from .stretches import Stretches, parts
 
 # Number of stretches (the earliest) that advance at once; rounds per motion, each about a millisecond.
 TOGETHER, MOST_ROUNDS = 128, 100_000
-# A stretch is halved if its length reduces the time to less than this part of the time of its middle point alone.
-WORTH = 0.5
+# A stretch is divided if its length reduces the time to less than this part of the time of its middle point alone: into
+# two parts, or into MORE where those of all advance together, which takes no longer than one.
+WORTH, MORE = 0.5, 16
 # Bounds for points that slide past hold until the gradient has turned by this angle, rad.
 STRAIGHT = 0.25
 # Inside the outline, up to this part of its smallest radius, the gradient turns less than 1.5 times as fast.
 INSIDE = 0.3
 # A stretch this short (in plate's sizes) at a distance of a rounding touches.
 SHORTEST = 1e-9
-# A touch is searched for if the distance is below NEAR times the size and the tangents' angle below LEVEL (rad).
-NEAR, LEVEL = 0.1, 0.5
+# A touch is searched for if the distance is below NEAR times the size and the tangents' angle below LEVEL (rad), and it
+# would vanish at its present rate in SOON times the rest of the motion.
+NEAR, LEVEL, SOON = 0.1, 0.5, 4.0
 
 Locate = Callable[[Motion, float, float, float], Touch | None]
 Counts = Callable[[Motion, Touch], bool]
@@ -84,7 +87,9 @@ class Search:
             before = t[live]
             t[live] += clear
             going = t[live] < until
-            new = self._touch(motion, before, now, points, going & ~attempts[live], attempts, live)
+            arrival = before + np.maximum(points.phi, 0.0) / np.maximum(-points.rate, 1e-300)
+            may = going & ~attempts[live] & (arrival - before <= SOON * rest)
+            new = self._touch(motion, before, now, points, may, arrival, attempts, live)
             short = going & (now.half <= SHORTEST * self.distance.size)
             touching = np.flatnonzero(short & (np.abs(points.phi) <= points.fuzz) & (points.rate <= 0.0))
             if new is None and touching.size:
@@ -103,15 +108,15 @@ class Search:
             split = live[going & ~short & ((clear < WORTH * best) | stuck)]
             if split.size:
                 others = np.setdiff1d(np.arange(len(t)), split)
-                parts = halves(self.track, some.some(split))
-                some = some.some(others).join(parts)
-                t = np.concatenate([t[others], t[split], t[split]])
-                attempts = np.append(attempts[others], np.zeros(2 * split.size, dtype=bool))
+                count = MORE if MORE * split.size <= TOGETHER else 2
+                some = some.some(others).join(parts(self.track, some.some(split), count))
+                t = np.append(t[others], np.tile(t[split], count))
+                attempts = np.append(attempts[others], np.zeros(count * split.size, dtype=bool))
         return earliest
 
     def _touch(
         self, motion: Motion, times: np.ndarray, now: Stretches, points: PointDistances, may: np.ndarray,
-        attempts: np.ndarray, live: np.ndarray,
+        arrival: np.ndarray, attempts: np.ndarray, live: np.ndarray,
     ) -> Touch | None:  # fmt: skip
         """A touch by Newton's method from the stretch that may touch first; each stretch is tried once."""
         may = may & (points.phi < NEAR * self.distance.size) & (points.rate < 0.0) & (points.angle < LEVEL)
@@ -119,8 +124,7 @@ class Search:
         candidates = np.flatnonzero(may)
         if not candidates.size:
             return None
-        arrival = times[candidates] + np.maximum(points.phi[candidates], 0.0) / -points.rate[candidates]
-        k = int(candidates[np.argmin(arrival)])
+        k = int(candidates[np.argmin(arrival[candidates])])
         attempts[live[k]] = True
         time = float(times[k])
         foot = self.distance.foot(motion.bodies(np.array([time]))[:, 0], float(now.x[k]), float(now.y[k]))

@@ -55,10 +55,10 @@ class CurveBounds:
             np.where(short, bounds.speed, speed),
         )  # fmt: skip
 
-    def over(self, low: float, high: float) -> tuple[float, float, float]:
-        """The largest and the smallest curvature between two parameters, 1/m, and the tangent's turn at most, rad."""
-        most, least, speed = (float(column[0]) for column in self.extremes(np.array([low]), np.array([high])))
-        return most, least, max(most, -least) * speed * (high - low)
+    def over(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The largest and the smallest curvature on n ranges, 1/m, and the tangent's turn at most, rad."""
+        most, least, speed = self.extremes(low, high)
+        return most, least, np.maximum(most, -least) * speed * (high - low)
 
     def _of_pieces(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
         """The largest values of the table over all pieces that the ranges meet, shape (4, n)."""

@@ -48,9 +48,10 @@ def between(track: CurveBounds, low: np.ndarray, high: np.ndarray) -> Stretches:
     )  # fmt: skip
 
 
-def halves(track: CurveBounds, some: Stretches) -> Stretches:
-    """Both halves of each stretch: the first ones, then the second ones."""
-    return between(track, np.concatenate([some.low, some.middle]), np.concatenate([some.middle, some.high]))
+def parts(track: CurveBounds, some: Stretches, count: int) -> Stretches:
+    """Each stretch in so many equal parts: the first ones, then the second ones, and so on."""
+    edges = np.linspace(some.low, some.high, count + 1)
+    return between(track, edges[:-1].ravel(), edges[1:].ravel())
 
 
 def cut(track: CurveBounds, some: Stretches, ends: tuple[float, float]) -> Stretches:

@@ -132,22 +132,24 @@ class Surroundings:
         """The range of the track's parameter around a contact, whose parameters stay in the given ranges, in which the
         plate touches nowhere else: the outline bends more than the track there, and both turn little. None if no such
         range is found."""
-        length = 0.5 * self.reach
-        for _ in range(MOST_TRIES):
-            first, second = _widen(self.scene.track, xi1, length), _widen(self.scene.outline, xi2, length)
-            (highest, _, turning), (_, least, more) = self.track.over(*first), self.outline.over(*second)
-            if least > max(highest, 0.0) and turning + more < STRAIGHT:
-                return first
-            length *= 0.5
-        return None
+        lengths = self.reach * 0.5 ** np.arange(1, MOST_TRIES + 1)
+        first, second = _widen(self.scene.track, xi1, lengths), _widen(self.scene.outline, xi2, lengths)
+        (highest, _, turning), (_, least, more) = self.track.over(*first), self.outline.over(*second)
+        alone = (least > np.maximum(highest, 0.0)) & (turning + more < STRAIGHT)
+        if not alone.any():
+            return None
+        longest = int(np.argmax(alone))
+        return float(first[0][longest]), float(first[1][longest])
 
     def at(self, low: float, high: float) -> tuple[float, float]:
         """The parameter range that counts as the contact itself if `own` finds none."""
-        return _widen(self.scene.track, (low, high), SAME * self.size)
+        first, last = _widen(self.scene.track, (low, high), np.array(SAME * self.size))
+        return float(first), float(last)
 
 
-def _widen(curve: Curve, ends: Sequence[float], length: float) -> tuple[float, float]:
-    low, high = ends[0] - length / float(curve.speed(ends[0])), ends[1] + length / float(curve.speed(ends[1]))
+def _widen(curve: Curve, ends: Sequence[float], lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A range of a curve's parameter, widened on both sides by each of some lengths (m)."""
+    low, high = ends[0] - lengths / float(curve.speed(ends[0])), ends[1] + lengths / float(curve.speed(ends[1]))
     if curve.domain is not None and not curve.period:
-        low, high = max(low, curve.domain[0]), min(high, curve.domain[1])
+        low, high = np.maximum(low, curve.domain[0]), np.minimum(high, curve.domain[1])
     return low, high

@@ -1,10 +1,16 @@
 """Engines on curves with corners: corners as corners, convergence to the true motion, and routes that reject them."""
 
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import adapters
 import reference
+from adapters.by_process.scene_file import as_json, scene
 from adapters.interface import refusal
 from cases import Case, Chain, CoulombFriction, Gravity, Plate, Start, Unilateral, disc, library
 from cases.contact import find, follow, pose
@@ -29,6 +35,19 @@ def test_contact_of_a_pose_is_found_on_every_piece(case):
         nx, ny = case.track.normal(xi1[i])
         contact = find(case, s.x[i] + 1e-3 * nx, s.y[i] + 1e-3 * ny, s.theta[i], (xi1[i], xi2[i]))
         assert contact.gap == pytest.approx(1e-3, rel=1e-9) and contact.xi1 == pytest.approx(xi1[i], abs=1e-9)
+
+
+@pytest.mark.skipif(not shutil.which("node"), reason="needs node")
+def test_a_block_is_one_polygon_of_engines_in_javascript():
+    """It was twelve around its centre, with seams along its sides."""
+    common = Path(adapters.__file__).parent / "executables" / "common.cjs"
+    ask = f"const s = JSON.parse(require('fs').readFileSync(0)); const c = require({json.dumps(str(common))});"
+    ask += "console.log(JSON.stringify(c.fan('it', s, 96, 8)))"
+    answer = subprocess.run(
+        ["node", "-e", ask], input=as_json(scene(ROCKS)), capture_output=True, text=True, check=True
+    )
+    (polygon,) = json.loads(answer.stdout)
+    assert {(round(abs(p["x"]), 12), round(abs(p["y"]), 12)) for p in polygon} == {(0.15, 0.05)} and len(polygon) == 4
 
 
 def test_contact_moves_on_to_the_next_pieces():

@@ -45,6 +45,8 @@ def test_disc_in_a_bowl_that_swings_and_shakes_converges_to_the_reference(name, 
     assert off(case, reference.simulate(still))[0] > 2 * ROUTES[name, route]
 
 
+# In the quick tests it is held to it in another scene, as to every law (`test_laws`).
+@pytest.mark.slow
 @EACH
 def test_every_route_keeps_the_law_of_driven_tracks(name, route):
     pytest.importorskip(f"adapters.{name}")

@@ -148,6 +148,7 @@ def test_load_of_time_and_velocity_moves_the_plate_as_it_moves_the_reference(nam
     assert off(case, play(name, route, without, 4))[0] > 10 * tolerance
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "route"), ROUTES)
 def test_load_that_grows_lifts_a_rough_disc_off_when_it_carries_the_weight(name, route):
     case = Case(line(0.0), DISC, (G, PerfectlyRough(), PUSH, Load(fy="30*t")), Start(0.0, omega=-3.0), 1.0)
@@ -182,6 +183,7 @@ def test_plate_that_no_impact_is_asked_of_ends_where_it_lands(name, route):
     assert moved.vx == pytest.approx(np.full(len(moved.t), 1.0 - 0.3), abs=1e-9)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "route"), ROUTES)
 def test_disc_that_flies_off_a_hill_falls_free(name, route):
     case = Case(hill(1.0), disc(0.1, 1.0), (G, *FLIES), Start(0.3), 1.2)
@@ -196,6 +198,7 @@ def test_disc_that_flies_off_a_hill_falls_free(name, route):
     assert np.diff(moved.vy[flies])[5:] == pytest.approx(-9.81 * np.diff(moved.t[flies])[5:], abs=1e-9)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.8])
 @pytest.mark.parametrize(("name", "route"), ROUTES)
 def test_dropped_disc_bounces_with_its_restitution(name, route, e):

@@ -95,6 +95,7 @@ def test_disc_about_another_point_than_its_centre_is_the_engine_s_own(accuracy):
     accuracy(case=case.label, solver="exudyn", route="native", quantity="centre / m", error=off, tolerance=3e-5)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "label", ["driven_disc", "rolling_loop[ratio=3.5]", "disc_rolling_off_hill", "ellipse_on_hill"]
 )
@@ -165,6 +166,7 @@ def test_slip_that_reverses_leaves_less_error_if_steps_are_cut_there(route):
     assert off[1] < 0.3 * off[0]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("route", exudyn.routes)
 @pytest.mark.parametrize(("v0", "mu"), [(1.0, 0.1), (2.0, 0.3)])
 def test_bowling_disc_rolls_after_v0_over_three_mu_g(route, v0, mu, accuracy):
@@ -176,6 +178,7 @@ def test_bowling_disc_rolls_after_v0_over_three_mu_g(route, v0, mu, accuracy):
     assert motion.vx[-1] == pytest.approx(2 * v0 / 3, rel=1e-6)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("route", exudyn.routes)
 def test_rounding_of_the_penetration_ends_no_rung(route):
     """Asked for 1e-10 N, less than what the stiffest springs round by, Newton's method gave up on three rungs."""
@@ -196,6 +199,7 @@ def test_disc_rolls_down_an_incline_up_to_tan_equal_three_mu_and_slips_beyond(ro
     assert np.hypot(motion.vx[-1], motion.vy[-1]) == pytest.approx(acceleration * motion.t[-1], abs=1e-5)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("route", exudyn.routes)
 def test_frictionless_disc_leaves_a_hill_at_two_thirds_of_its_starting_height(route):
     motion = solve(hill(start=0.2), route)
@@ -223,6 +227,7 @@ def test_friction_force_stays_inside_cone_and_opposes_slip(route, mu):
     assert ratio[slipping & pressed] == pytest.approx(mu, rel=1e-6)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("route", exudyn.routes)
 def test_motion_does_not_depend_on_where_and_how_the_scene_lies(route):
     turn, X, Y = 2.1, 3.0, -4.0
@@ -424,6 +429,7 @@ def test_run_leaves_no_files_and_prints_nothing(tmp_path, monkeypatch, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("route", exudyn.routes)
 def test_same_case_gives_the_same_numbers_again(route):
     case = cases.load("disc_in_circle", mu=0.2)

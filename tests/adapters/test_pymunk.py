@@ -222,6 +222,7 @@ def test_native_converges_with_order_one():
     assert orders(errors, steps) == pytest.approx(1.0, abs=0.3)
 
 
+@pytest.mark.sampled(3, first=2)
 @pytest.mark.parametrize("mu", FIRST_TRANSITION)
 def test_assisted_meets_the_first_transition_with_order_two(mu, accuracy):
     case, steps = cases.load("disc_in_circle", mu=mu, duration=1.2), (4e-3, 2e-3, 1e-3, 5e-4)
@@ -296,6 +297,7 @@ def test_force_read_from_the_momentum_is_the_engines_own_impulse():
 # --- other curves and plates -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "case", [ellipse_in_circle(), ellipse_in_circle(mu=0.0), disc_on_parabola(), ellipse_on_line()]
 )

@@ -63,6 +63,7 @@ FAR = {
 EACH_TRACK = [pytest.param(*key, marks=[pytest.mark.slow] if key[0] == "exudyn" else []) for key in FAR]
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "route", "track"), EACH_TRACK)
 def test_belts_of_varying_speed_along_curves_converge_to_the_reference(name, route, track):
     pytest.importorskip(f"adapters.{name}")

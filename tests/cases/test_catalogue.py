@@ -101,6 +101,7 @@ def test_the_start_is_an_admissible_contact(any_case):
     assert start.slip == any_case.start.slip
 
 
+@pytest.mark.sampled(2)
 def test_the_reference_runs_and_says_how_it_ended(any_case):
     motion = motion_of(any_case)
     assert motion.reason.endswith(".")
@@ -155,6 +156,7 @@ def check_agreement(case: Case, accuracy, looks: int) -> None:
         accuracy(**common, quantity=f"largest difference of xi{i + 1}", error=worst)
 
 
+@pytest.mark.sampled(2)
 def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
     motion = motion_of(any_case)
     if any_case.effect(Flight) and any_case.effect(Drive):

@@ -264,6 +264,7 @@ def paradox_angle(mu: float) -> float:
     return brentq(lambda f: 1 + 3 * cos(f) ** 2 - 3 * mu * cos(f) * (sin(f) + 2e-3), 0.0, atan(2.0), xtol=1e-15)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("method", reference.METHODS)
 @pytest.mark.parametrize("mu", [2.0, 5.0, 10.0])
 def test_a_rod_runs_into_the_paradox_at_the_angle_of_the_formula(mu, method):
@@ -311,6 +312,7 @@ def test_a_track_of_fifth_power_can_be_started_at_its_inflection():
 TURNED = {"taylor": 1e-13, "dop853": 5.5e-13}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("mu", [0.0, 1.0])
 def test_swings_end_where_they_began(mu):
     case = cases.load("many_swings", mu=mu, periods=10.0)

@@ -29,6 +29,7 @@ from tests.scenes.agreement import check_same_sequence
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
 
 
+@pytest.mark.sampled(5)
 @METHODS
 @pytest.mark.parametrize("speed", [0.7, -1.3])
 def test_disc_set_down_on_a_conveyor_rolls_after_its_speed_over_3_mu_g(method, speed):
@@ -56,6 +57,7 @@ def test_disc_on_a_belt_that_accelerates_more_and_more_rolls_until_three_mu_g(me
     assert at.vx == pytest.approx(jerk / 6, abs=EXACT)
 
 
+@pytest.mark.sampled(3)
 @METHODS
 def test_belt_of_constant_speed_changes_nothing_for_a_rolling_pendulum(method):
     """In v = b the belt's acceleration does not occur: (3/2) (R − r) φ̈ = −g sin φ, with the period of its swing."""

@@ -138,6 +138,7 @@ def block_on_belt(
     return Case(line(-turn), plate, effects, StartPose(-s * high, c * high, turn), end * time, supports=supports)
 
 
+@pytest.mark.sampled(2)
 @METHODS
 @pytest.mark.parametrize("form", [{}, *slow({"mirrored": True}, {"turn": 0.7}, {"length": 100.0, "time": 10.0})])
 def test_stick_slip_of_a_block_with_two_contacts_on_a_belt(method, form):
@@ -156,6 +157,7 @@ def test_stick_slip_of_a_block_with_two_contacts_on_a_belt(method, form):
     assert [t.after for t in motion.transitions[::2]][:2] == [Mode.ROLL, motion.transitions[0].before]
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_a_block_on_a_belt_that_accelerates_slips_at_mu_g(method):
     case = block_on_belt("2*t*t", mu=0.3)
@@ -290,6 +292,7 @@ def test_a_narrow_valley_that_is_a_belt_holds_a_disc_in_two_places():
     assert motion.status == "completed" and "plate/track 2" in motion.contact_names
 
 
+@pytest.mark.slow
 def test_the_papers_matrix_with_belts_gives_the_same_accelerations_and_forces():
     compared = compare_with_matrix((*map(random_belts, (2, 11)), disc_at_wall(-2.0)))
     rows = [len(modes) + modes.count(Mode.ROLL) for modes in compared]

@@ -36,6 +36,7 @@ def test_energy_without_friction_drifts_less_than_1e_11_over_a_thousand_periods(
     assert np.ptp(energy) <= 1e-11 * np.abs(energy).max()
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("method", reference.METHODS)
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_gap_and_tangency_stay_at_rounding(mu, method):

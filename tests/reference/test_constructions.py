@@ -94,9 +94,18 @@ def test_a_track_that_crosses_itself_is_a_second_contact_where_the_plate_meets_i
     assert agree(inside, 1e-9).status == "completed"  # it rocks in the loop, away from the crossing
 
 
+def on_a_clothoid() -> Case:
+    return Case(natural(lambda s: 0.8 * s, length=3.0, angle=-0.9), disc(0.1, 1.0), AIR, Start(xi1=0.1), 2.0)
+
+
+@pytest.mark.slow
+def test_both_formulations_agree_on_a_clothoid():
+    assert agree(on_a_clothoid()).transitions
+
+
 def test_a_disc_on_a_clothoid_moves_as_on_its_spline():
-    clothoid = natural(lambda s: 0.8 * s, length=3.0, angle=-0.9)
-    motion = agree(Case(clothoid, disc(0.1, 1.0), AIR, Start(xi1=0.1), 2.0))
+    case = on_a_clothoid()
+    clothoid, motion = case.track, reference.simulate(case, rtol=1e-12)
     assert len(motion.transitions) == 2
     s = np.linspace(0.0, 3.0, 200)
     spline = Curve.spline(clothoid.point(s).T)

@@ -61,6 +61,7 @@ def test_fast_disc_leaves_the_table_and_bounces_on_the_floor(e, method):
     assert motion(1.5).vx == pytest.approx(v, rel=EXACT) and motion(1.5).omega == pytest.approx(-v / R, rel=EXACT)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("v", "mu"), [(0.2, 0.5), (0.4, 0.2)])
 def test_slow_disc_turns_about_the_edge_and_lands_after_its_throw(v, mu):
     """It leaves the edge at the angle φ with speed √(g r cos φ), and falls by h + r cos φ − r on a parabola."""
@@ -125,6 +126,7 @@ def test_disc_lands_on_the_edge_of_a_table():
     assert after.vy == pytest.approx(-up + push * ny - G * 1e-3, rel=1e-11)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("belt", [0.5, -0.7])
 def test_belt_over_an_edge_changes_only_the_spin(belt):
     """Rolling on a belt of constant speed, the disc's acceleration does not depend on it, and neither does friction:

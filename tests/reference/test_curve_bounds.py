@@ -7,21 +7,22 @@ from cases import Curve
 from cases.library import circle, line
 from reference.contact_frame.curve_bounds import CurveBounds
 
+# Functions, since making them takes half a second in each process that collects tests.
 CURVES = {
-    "line": line(),
-    "circle": circle(0.3),
-    "even ripples": Curve(("s", "1.15e-7*sin(28693.8*s+4.433)"), (-1.0, 1.0)),
-    "endless ripples": Curve(("s", "1.8e-6*sin(442.1*s+2.35)")),
-    "lobes": Curve(("0.1*(1+1.3e-4*cos(102*s))*cos(s)", "0.1*(1+1.3e-4*cos(102*s))*sin(s)")),
-    "bump": Curve(("s", "1e-6*exp(-((s-0.3)/1e-4)**2)"), (-1.0, 1.0)),
-    "uneven parameter": Curve(("s + 0.3*sin(s)", "0.01*cos(7*s)")),
+    "line": lambda: line(),
+    "circle": lambda: circle(0.3),
+    "even ripples": lambda: Curve(("s", "1.15e-7*sin(28693.8*s+4.433)"), (-1.0, 1.0)),
+    "endless ripples": lambda: Curve(("s", "1.8e-6*sin(442.1*s+2.35)")),
+    "lobes": lambda: Curve(("0.1*(1+1.3e-4*cos(102*s))*cos(s)", "0.1*(1+1.3e-4*cos(102*s))*sin(s)")),
+    "bump": lambda: Curve(("s", "1e-6*exp(-((s-0.3)/1e-4)**2)"), (-1.0, 1.0)),
+    "uneven parameter": lambda: Curve(("s + 0.3*sin(s)", "0.01*cos(7*s)")),
 }
 
 
 @pytest.mark.parametrize("name", CURVES)
 def test_no_curvature_or_speed_is_beyond_its_bounds(name):
     """Ranges of every length: a bound from five samples of a range with many ripples was 60 times too small."""
-    curve, random = CURVES[name], np.random.default_rng(1)
+    curve, random = CURVES[name](), np.random.default_rng(1)
     bounds, (low, high) = CurveBounds(curve), curve.span
     length = (high - low) * 10.0 ** random.uniform(-6, 0, 60)
     start = low + (high - low - length) * random.uniform(0, 1, 60)
@@ -37,7 +38,7 @@ def test_no_curvature_or_speed_is_beyond_its_bounds(name):
 
 
 def test_short_ranges_have_narrow_bounds():
-    curve = CURVES["even ripples"]
+    curve = CURVES["even ripples"]()
     most, least, _ = CurveBounds(curve).extremes(np.array([0.1]), np.array([0.1 + 1e-7]))
     assert most[0] - least[0] < 1.0  # of 95 1/m
 
@@ -46,7 +47,7 @@ def test_short_ranges_have_narrow_bounds():
 def test_bounds_over_ripples_are_a_tenth_wide(name):
     """They were half as wide again: a disc that fits its ripples everywhere was searched for second contacts in each
     step (flight 1439: 35 s of CPU time, now 3 s)."""
-    curve = CURVES[name]
+    curve = CURVES[name]()
     low, high = curve.span
     bend = np.asarray(curve.curvature(np.linspace(low, high, 400_001)))
     most, least, _ = CurveBounds(curve).extremes(np.array([low]), np.array([high]))

@@ -35,6 +35,7 @@ from reports.studies.published.oscillating import BALL, BALL_STEP, ball
 from tests.scenes.moving import EXACT, METHODS, G, M, R, on_line
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_disc_on_a_plate_has_a_third_of_its_acceleration_where_it_rolls(method):
     """m v̇ = T, J ω̇ = T r and v̇ + r ω̇ = a with J = m r²/2: v̇ = a/3, T = m a/3 ≤ μ m g."""
@@ -55,6 +56,7 @@ def test_shaken_table_lets_go_where_a_third_of_its_acceleration_exceeds_friction
     assert motion.transitions[0].time == pytest.approx(asin(3 * 0.2 * G / (0.05 * 144)) / 12, abs=EXACT)
 
 
+@pytest.mark.sampled(3)
 @METHODS
 def test_plate_lifts_off_a_table_that_falls_faster_than_it(method):
     """N = m (g + ÿ) vanishes where amplitude rate² sin(rate t) = g."""

@@ -77,6 +77,7 @@ def test_frictionless_disc_is_the_pendulum_of_elliptic_functions(method, start, 
         assert motion(t).x == pytest.approx(length * sin(2 * asin(k * sn)), abs=1e-9)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.skipif("taylor" not in reference.METHODS, reason="heyoka is not installed")
 @pytest.mark.parametrize("rtol", [1e-7, 1e-10, 1e-13])
 def test_a_release_from_a_symmetric_place_keeps_its_energy_from_the_first_step_on(rtol):
@@ -135,6 +136,7 @@ def rest(e: float, height: float) -> float:
     return sqrt(2 * height / G) * (1 + e) / (1 - e)
 
 
+@pytest.mark.sampled(5)
 @METHODS
 @pytest.mark.parametrize("duration", [10.0, 300.0, 3600.0])
 def test_bouncing_rests_at_its_limit_whatever_the_duration(method, duration):
@@ -206,6 +208,7 @@ def test_a_polynomial_is_extrapolated_exactly(coefficients, ratio):
 # --- starts and landings that hit -------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(5)
 @METHODS
 @pytest.mark.parametrize("law", ["poisson", "newton", "moreau"])
 @pytest.mark.parametrize("e", [0.5, 0.9, 1.0])
@@ -237,6 +240,7 @@ def test_a_rebound_lower_than_positions_are_known_is_none(method):
 # --- a touch that is no departure -------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(3)
 @METHODS
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10, 1e-14])
 def test_frictionless_disc_that_comes_back_to_its_height_stays_on_its_track(method, rtol):

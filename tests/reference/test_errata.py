@@ -82,6 +82,7 @@ def test_the_shape_of_the_disc_decides_besides_friction_and_start():
     assert slip_end(0.1, 0.0, 0.1).demand < 0.3
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("mu, bound", [(0.1, 0.629156), (0.01, 1.499867)])
 def test_released_further_down_the_smaller_coefficients_roll_as_well(mu, bound):
     assert rolls_beyond(mu) == pytest.approx(bound, abs=1e-6)

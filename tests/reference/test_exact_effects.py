@@ -283,6 +283,7 @@ def test_disc_that_leaves_a_hill_lands_on_the_plain_below(method):
 # --- impact -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(5)
 @METHODS
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.9])
 def test_bouncing_disc_has_a_geometric_series_of_flights_and_its_limit(method, e):

@@ -42,6 +42,7 @@ def check_the_beginning(case: Case, factors) -> None:
         assert np.array_equal(long.states, first.states, equal_nan=True)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", ["disc_in_circle", "guided_loop", "bouncing_disc", "disc_in_weightless_ring"])
 def test_the_beginning_of_a_motion_is_the_same_whatever_its_duration(name):
     check_the_beginning(cases.select(name)[0], (1e6,))
@@ -104,6 +105,7 @@ def test_the_strongest_friction_is_as_good_as_a_tenth_of_it(start):
     assert answer.end == pytest.approx(other.end, abs=1e-2)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("size", [1e-8, 1e8])
 def test_a_plate_of_any_size_bounces_like_one_of_a_metre(size):
     # Lengths times L and times √L: the same motion.

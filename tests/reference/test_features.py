@@ -148,6 +148,7 @@ def landing(height: float, width: float, slip: float) -> tuple[Case, float]:
     return case, float(t)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("height, width, slip", [(0.01, 0.005, 1.0), (0.01, 0.002, 1.0), (0.005, 0.0005, 2.0)])
 def test_a_landing_on_a_narrow_bump_is_seen(height, width, slip):
     case, exact = landing(height, width, slip)
@@ -204,6 +205,7 @@ def test_a_curve_with_one_scale_bounds_no_step(name):
     assert phase(case, candidates(case)[0]).features == ()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.skipif(len(METHODS) < 2, reason="heyoka is not installed")
 @pytest.mark.parametrize("rtol", [1e-7, 1e-9])
 def test_on_a_sliver_the_default_is_as_accurate_as_its_tolerance(rtol):

@@ -312,6 +312,7 @@ SCENES = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_energy_does_not_grow_in_what_was_found(name):
     if SCENES[name].effect(Load) is None:
@@ -330,6 +331,7 @@ def test_both_formulations_agree_on_what_was_found(name):
     assert check_agreement(SCENES[name]) is False  # the same sequence, not one excused as ill-conditioned
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_all_methods_agree_on_what_was_found(name):
     first, *others = [

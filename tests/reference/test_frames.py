@@ -36,6 +36,7 @@ EVERY = [(name, part) for name in cases.names(hard=False) for part in ("track", 
 CURVES = {f"{name}, {part}": (name, part) for name, part in EVERY if has_formula(name, part)}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name, part", CURVES.values(), ids=CURVES)
 def test_quantities_are_those_of_the_curves_derivatives(name, part):
     case = cases.load(name)

@@ -252,10 +252,3 @@ def test_a_slip_that_vanishes_next_to_a_wall_without_a_gap_is_no_paradox():
     assert motion.status == "completed" and motion.vx[-1] == motion.vy[-1] == motion.omega[-1] == 0.0
     last = {t.contact: t.after for t in motion.transitions}
     assert set(last.values()) == {Mode.ROLL} and motion.transitions[-1].time == pytest.approx(0.398556, abs=1e-6)
-
-
-@pytest.mark.slow
-def test_impacts_of_the_second_formulation_that_do_not_shrink_are_an_accumulation():
-    """In the scene above its hops of 3e-12 m do not shrink any more."""
-    second = _by_second(random_case(79), "second", 1e-12)
-    assert second.status == "accumulation" and second.end == pytest.approx(0.39856, abs=5e-5)

@@ -27,6 +27,7 @@ FUNCTIONS = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(2)
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(ends=st.lists(st.floats(0.0, 1.0), min_size=2, max_size=12))
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -76,6 +77,7 @@ def curves() -> dict[str, Curve]:
 CURVES = curves()
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", CURVES)
 @pytest.mark.parametrize("count", [7, 300])
 def test_a_curve_stays_within_the_bounds_of_its_pieces(name, count):

@@ -40,6 +40,7 @@ def times(case: Case, method: str | None = None):
     return np.array([t.time for t in motion.transitions]), [t.after for t in motion.transitions], motion
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("method", reference.METHODS)
 @pytest.mark.parametrize("length", [1e-6, 1e-3, 1e3])
 def test_units_of_length_change_no_digit(length, method):

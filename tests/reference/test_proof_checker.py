@@ -49,6 +49,7 @@ def test_whole_record_is_confirmed(label):
     assert "status completed" in check(record_of(label))
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("label", ["disc_in_circle[mu=0.2]", "disc_sliding_off_hill"])
 def test_first_transition_is_confirmed(label):
     assert "1 transitions" in check(record_of(label, 6, 1))

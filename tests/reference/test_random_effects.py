@@ -118,13 +118,13 @@ def check_physics(case: Case) -> None:
     assert np.allclose(slip[~flying], state.slip[~flying], atol=1e-9 * (1 + np.max(np.abs(state.omega))))
 
 
-@settings(max_examples=6 if QUICK else 20, **UNHURRIED)
+@settings(max_examples=4 if QUICK else 20, **UNHURRIED)
 @given(scenes)
 def test_energy_never_grows_the_track_never_pulls_and_nothing_overlaps(case):
     check_physics(case)
 
 
-@settings(max_examples=3 if QUICK else 8, **UNHURRIED)
+@settings(max_examples=2 if QUICK else 8, **UNHURRIED)
 @given(scenes)
 def test_both_formulations_agree_with_every_effect(case):
     check_agreement(case)
@@ -136,7 +136,7 @@ rough_scenes = st.builds(
 )  # fmt: skip
 
 
-@settings(max_examples=5 if QUICK else 12, **UNHURRIED)
+@settings(max_examples=3 if QUICK else 12, **UNHURRIED)
 @given(rough_scenes)
 def test_a_rough_contact_ends_in_a_paradox_exactly_where_its_friction_held_the_plate_off_the_track(case):
     # Where N vanishes, the free plate's gap has the acceleration a b T/J: (a, b) the arm from the centre of mass to the

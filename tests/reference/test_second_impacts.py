@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from cases import (
@@ -200,7 +200,7 @@ impacts = dict(
 
 
 @given(**impacts)
-@settings(max_examples=60, deadline=None)
+@examples(20, 60)
 def test_poissons_law_never_creates_energy(xi2, before, mu, e, arm):
     resistance = (RollingResistance(arm),) if arm else ()
     after = hit(PLATE, xi2, before, CoulombFriction(mu), *resistance, Impact(e))
@@ -228,6 +228,7 @@ def falling(e: float, *effects, height=0.3, slope=0.0, duration=6.0, **start) ->
     return Case(line(slope), DISC, (*FLYING, *effects, Impact(e)), Start(0.0, gap=height, **start), duration)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("e", [0.0, 0.5, pytest.param(0.9, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "rests, effects, start",
@@ -331,6 +332,7 @@ def test_perfect_restitution_lists_every_bounce_of_minutes():
     assert [t.time for t in answer.transitions] == pytest.approx(hits, abs=1e-9)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("law", ["poisson", "newton"])
 @pytest.mark.parametrize("e", [0.5, 0.9, 1.0])
 @pytest.mark.parametrize("speed", [1e-3, 1.0, 30.0])

@@ -160,6 +160,7 @@ def test_a_loop_is_left_where_its_normal_force_is_negative_by_a_billionth():
     assert from_top == pytest.approx(pi - acos(-1 - 5 * part / 3), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_both_formulations_fly_over_the_top_of_the_loop():
     case = cases.load("grazing_loop", part=-1e-6)
     case = replace(case, effects=(*case.effects, Flight(), Impact(0.0)), duration=0.8)

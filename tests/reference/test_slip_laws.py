@@ -128,6 +128,7 @@ def test_both_formulations_agree_on_two_thousand_random_scenes():
 # --- energy and invariance --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC, GAUSSIAN])
 def test_the_energy_closes_with_the_work_of_friction(mu):
     motion = reference.simulate(in_circle(mu, mu_static=0.4), 1e-13)

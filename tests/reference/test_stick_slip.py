@@ -41,6 +41,7 @@ def all_motions(case: Case, until: float = inf):
     return [*ours, contact_frame.solve(case, rtol=1e-13, until=until)]
 
 
+@pytest.mark.slow
 def test_the_friction_oscillator_of_siconos_stops_after_its_arc_and_seven_half_turns():
     """x'' + x = −sign(x') from x = 12, x' = 6, as in Siconos' FrictionOscillator (m = k = 1, friction 1; parameters
     looked up in its source): arcs of circles around ∓1 in the plane of x and x'. It first stops at
@@ -76,6 +77,7 @@ def test_rows_of_the_friction_oscillator_of_siconos():
         assert distance < 0.025
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("pulled", [0.2, 1.0])
 def test_stick_and_slip_alternate_with_the_exact_periods(pulled):
     """With d = (μ_s − μ) N/k and w = √(k/m): sticks for 2 d/V, slips for (2/w)(π − atan(d w/V)), derived here from
@@ -192,6 +194,7 @@ def at_its_bound(kind: str, slope: float, slip: float) -> Case:
     return Case(line(-slope), plate, tuple(effects), Start(0.0, slip=slip), 1.5)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("slip", [0.0, 1.0])
 @pytest.mark.parametrize("kind", ["block", "disc", "rolling resistance"])
 def test_a_force_at_its_bound_holds(kind, slip):

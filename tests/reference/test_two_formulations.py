@@ -60,7 +60,7 @@ def check_agreement(case: Case) -> bool:
 
 
 @given(elliptic_scenes)
-@examples(12, 20)
+@examples(6, 20)
 def test_both_formulations_give_the_same_sequence_of_transitions(case):
     check_agreement(case)
 

@@ -75,6 +75,7 @@ def test_known_values_of_the_boundaries():
     assert wall_mu(leaves - 1e-9, 1.5 * (start - sin(leaves))) == pytest.approx(0.0, abs=1e-8)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("mu", [0.2, 0.9, 1.6, 3.0])
 def test_a_rod_at_rest_has_one_motion_and_is_held_as_in_statics(mu):
     """Equal coefficients hold a homogeneous rod if tan θ ≥ (1 − μ²)/(2 μ)."""

@@ -278,7 +278,8 @@ def work_done(case: Case, motion: Trajectory) -> float:
     ends = [0.0, *motion.t[1:][np.diff(motion.t) == 0.0], float(motion.t[-1])]
     total = 0.0
     for low, high in zip(ends[:-1], ends[1:], strict=True):
-        edges = np.linspace(low, high, 41)
+        # Between the motion's steps, too, which are shorter where a friction law is narrow.
+        edges = np.union1d(np.linspace(low, high, 41), motion.t[(motion.t > low) & (motion.t < high)])
         half = np.diff(edges)[:, None] / 2
         times = (edges[:-1, None] + half + half * nodes).ravel()
         state = motion(times)
