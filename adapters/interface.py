@@ -61,8 +61,8 @@ Optional:
     SUPPORTS: tuple[str, ...]                       the routes that support further fixed curves (`Case.supports`);
                                                     without a declaration, `refusal` rejects such a case
     BELTS_AND_SUPPORTS: tuple[str, ...]             those of them that support belts as well
-    DRIVEN_CONTACTS: tuple[str, ...]                the routes that support a driven track (`Drive`) with corners, or
-                                                    one that the plate touches in several places
+    DRIVEN_CONTACTS: tuple[str, ...]                the routes that support a driven track (`Drive`) with corners, with
+                                                    supports that move with it, or with several contacts
     OWN_EFFECTS: tuple[type, ...]                   the effects of other packages that it supports (classes derived from
                                                     `cases.ContactEffect`); `refusal` rejects all others
     MEANINGS: tuple[Meaning, ...]                   how the engine interprets its parameters of friction, restitution
@@ -138,8 +138,9 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route does not support belts together with several fixed curves (supports)."
     if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):
         return f"The {route} route does not support curves with corners."
-    if has_pieces(case) and case.effect(Drive) is not None and route not in getattr(adapter, "DRIVEN_CONTACTS", ()):
-        return f"The {route} route does not support a driven track together with corners."
+    is_driven = case.effect(Drive) is not None
+    if is_driven and (has_pieces(case) or case.supports) and route not in getattr(adapter, "DRIVEN_CONTACTS", ()):
+        return f"The {route} route does not support a driven track together with corners or supports."
     return adapter.refuses(case, route)
 
 

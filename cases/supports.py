@@ -45,7 +45,7 @@ class Support:
     The plate lies on its left. `name` names its contacts: "plate/wall". `effects`: friction and impact of these
     contacts instead of the case's: CoulombFriction or PerfectlyRough (neither: no friction), and Impact (not given: the
     case's). With effects=None they are as on the track. A Belt there is the support's own: that of the case is the
-    track's alone. Raises BadValue.
+    track's alone. A Drive of the case moves the track with all supports. Raises BadValue.
     """
 
     curve: Curve
@@ -144,8 +144,6 @@ def exclusion(case: Any) -> str:
     "" if nothing does. Shapes are not looked at."""
     if case.effect(all_effects.RollingResistance) is not None:
         return "RollingResistance with several contacts is not supported; leave RollingResistance out"
-    if case.effect(all_effects.Drive) is not None and (case.supports or case.others):
-        return "Drive with supports or further plates is not supported; leave Drive out"
     if own := own_effects(case.effects):
         return f"{type(own[0]).__name__} with several contacts is not supported; leave it out"
     if case.effect(all_effects.Unilateral) is None:

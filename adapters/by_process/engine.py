@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from math import isfinite, nan
 from pathlib import Path
 
-from cases import BadValue, Case, CaseError, Chain, Cost, NotSupported, Trajectory
+from cases import BadValue, Case, CaseError, Chain, Cost, Drive, NotSupported, Trajectory
 
 from ..common import motion_file, motion_table, supervision, support_contacts
 from ..common.facets import is_convex
@@ -86,12 +86,14 @@ class Engine:
         return f"executable, sha256 {hashlib.sha256(self.path.read_bytes()).hexdigest()[:12]}"
 
     def refuses(self, case: Case, route: str) -> str | None:
-        """What a scene cannot describe: a track with corners, whose samples do not have them, and curved supports. An
-        executable refuses a scene when it sees it."""
+        """What a scene cannot describe: a track with corners, whose samples do not have them, and supports that are
+        curved or driven. An executable refuses a scene when it sees it."""
         if isinstance(case.track, Chain):
             return "A scene has no track with corners."
         if isinstance(case.plate.outline, Chain) and not is_convex(case.plate.outline):
             return "A scene has no outline with corners that point inwards."
+        if case.supports and case.effect(Drive) is not None:
+            return "A scene has no supports that move with a driven track."
         return support_contacts.refuses(case) if case.supports and not case.others else None
 
     def refuses_several_contacts(self, case: Case, route: str) -> str | None:

@@ -158,20 +158,21 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
     belt = case.effect(Belt)
     if belt and belt_runs_as_shapes(case):
         _run_surface(shapes, belt.constant or 0.0)
-    shapes += _support_segments(case, space, setting)
+    shapes += _support_segments(case, space, track, setting)
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(shapes)
     space.add(body, *plate, *([track] if case.effect(Drive) else []), *shapes)
     return space, body
 
 
-def _support_segments(case: Case, space: pymunk.Space, setting: Setting) -> list[pymunk.Shape]:
-    """One segment for each further support, with its friction and its restitution as a multiple of the case's."""
+def _support_segments(case: Case, space: pymunk.Space, track: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
+    """One segment for each further support on the body of the track, with its friction and its restitution as a
+    multiple of the case's."""
     segments, whole = list[pymunk.Shape](), case.effect(Impact)
     for number, support in enumerate(case.supports, start=_SUPPORT):
         line, own = as_line(support.curve), replace(case, effects=support.acting(case.effects), supports=())
         assert line is not None, "refuses() accepts straight supports only"
-        segment = line_segment(case, space, space.static_body, line, setting["thickness"], ends(case, line))
+        segment = line_segment(case, space, track, line, setting["thickness"], ends(case, line))
         impact = own.effect(Impact)
         segment.friction, segment.elasticity = friction_coefficient(own), 1.0
         if impact and whole and whole.restitution > 0.0:

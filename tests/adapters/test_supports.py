@@ -17,6 +17,7 @@ from cases import (
     Belt,
     Case,
     CoulombFriction,
+    Drive,
     Flight,
     Gravity,
     Impact,
@@ -268,9 +269,21 @@ def test_a_box_slides_on_a_shaken_table(name, least):
     assert fine < least and fine < 0.4 * coarse
 
 
+@pytest.mark.parametrize(("name", "least"), [("pymunk", 7.2e-6), ("box2d", 4.6e-5)])
+def test_supports_move_with_a_driven_track(name, least):
+    """A V that is shaken and tilted carries a disc. `least`: as above."""
+    drive = Drive(x="0.05-0.05*cos(9*t)", angle="0.05-0.05*cos(7*t)")
+    effects = Gravity(9.81), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.3), drive
+    start, right = StartPose(0.0, 0.5 / cos(pi / 6)), Support(line(-pi / 6), "right")
+    case = Case(line(pi / 6), disc(0.5, 1.0), effects, start, 1.0, supports=(right,))
+    assert not reference.simulate(case).transitions
+    coarse, fine = (np.hypot(*np.array(off(case, play(name, "native", case, rung))) * [1, 0.5]) for rung in (2, 4))
+    assert fine < least and fine < 0.5 * coarse
+
+
 def test_other_routes_reject_a_box_on_a_shaken_table_in_one_sentence():
     pymunk, case = engine("pymunk"), cases.load("box_on_shaken_table")
     assert refusal(pymunk, case, "assisted") == "The assisted route does not support curves with corners."
     without = SimpleNamespace(**{name: getattr(pymunk, name) for name in ("CORNERS", "refuses")})
-    why = "The native route does not support a driven track together with corners."
+    why = "The native route does not support a driven track together with corners or supports."
     assert refusal(without, case, "native") == why

@@ -1,7 +1,7 @@
 """A driven track with corners, or with several contacts: exact motions, inertial loads, and two formulations."""
 
 from dataclasses import replace
-from math import asin, cos
+from math import asin, cos, pi, tan
 
 import numpy as np
 import pytest
@@ -141,10 +141,37 @@ def test_a_disc_rolls_over_the_bends_of_a_driven_track(friction, omega):
         assert np.abs(energy_residual(case, motion)).max() < 1e-10
 
 
-def test_supports_do_not_move_with_a_driven_track():
-    with pytest.raises(BadValue, match="Drive with supports or further plates is not supported; leave Drive out"):
-        case = box(0.4, 0.2, 0.3, Drive(x="0.1*sin(t)"))
-        replace(case, supports=(Support(line(1.5), "wall"),))
+def in_v(*more, mu: float = 0.3, duration: float = 0.6) -> Case:
+    """A disc of 1 kg in a V of two planes of 30°, of which the right one is a support."""
+    effects, right = (*EFFECTS, *((CoulombFriction(mu),) if mu else ()), *more), Support(line(-pi / 6), "right")
+    start = StartPose(0.0, 0.5 / cos(pi / 6))
+    return Case(line(pi / 6), disc(0.5, 1.0), effects, start, duration, supports=(right,))
+
+
+@METHODS
+def test_a_disc_leaves_one_side_of_a_v_that_is_driven_too_hard(method):
+    """Without friction the disc stays in a V of angle α as long as the acceleration is below g tan α."""
+    case = in_v(Drive(x="2*t**3"), mu=0.0)
+    first = motion_by(case, method).transitions[0]
+    assert first.time == pytest.approx(G * tan(pi / 6) / 12.0, abs=END_OF_REST)
+    assert first.after.value == "flight" and first.contact == "plate/right"
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        Drive(x="0.05*sin(9*t)", y="0.02*sin(7*t)", angle="0.2*sin(5*t)"),
+        *slow(Drive(x="0.03*sin(14*t)"), Drive(angle="0.3*sin(12*t)"), Drive(y="0.04*sin(17*t)", angle="0.1*sin(8*t)")),
+    ],
+)
+def test_both_formulations_agree_where_supports_move_with_the_track(drive):
+    assert agree(in_v(drive), within=1e-9) >= 2
+
+
+def test_a_drive_with_further_plates_is_rejected():
+    case = cases.load("disc_on_free_disc")
+    with pytest.raises(BadValue, match="Drive with several plates is not supported; leave Drive out"):
+        replace(case, effects=(*case.effects, Drive(x="0.1*sin(t)")))
 
 
 @pytest.mark.parametrize(("change", "ratio"), [({}, 0.2), (dict(mu=0.8, width=0.075), 0.075 / 0.2)])

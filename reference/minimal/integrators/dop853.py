@@ -228,10 +228,11 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
     often = frequency(phase, t, y)
     friction = phase.case.effect(CoulombFriction)
     # One contact and flights have at most as many variables; the phases of several contacts have more.
-    is_on_belts = len(y) > MOST_OF_ONE and has_belt(phase.case)
-    if (friction and friction.by_speed) or is_on_belts:
-        # A belt may begin without speed and acceleration, and a slip under friction by a formula begins so at its cone:
-        # gravity gives the speed that it may reach. (Other motions keep their last bits.)
+    is_carried = len(y) > MOST_OF_ONE and (has_belt(phase.case) or often > 0.0)
+    if (friction and friction.by_speed) or is_carried:
+        # A belt may begin without speed and acceleration, and a slip under friction by a formula begins so at its cone;
+        # of a plate that several contacts carry, a frequency may be all rounding: gravity gives the speed that it may
+        # reach. (Other motions keep their last bits.)
         pull = sqrt(phase.case.weight / (phase.case.plate.mass * phase.size))
         often = pull if often < STILL * pull else often
     often = often or 1.0  # without force and motion any speed would do
