@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import reference
-from cases import Case, Flight, Gravity, Start, Unilateral, disc, library
+from cases import Case, Curve, Flight, Gravity, Plate, Start, Unilateral, disc, library
 from cases.contact import find, start_motion
-from cases.nearest import _Stretches, nearest
+from cases.curve_samples import SampleStretches
+from cases.nearest import nearest
 from tests.scenes.ripples import rippled
 
 
@@ -20,7 +21,7 @@ def test_stretches_find_the_nearest_of_all_samples(count, far):
     s = np.linspace(0.0, 6.0, count)
     samples = np.column_stack([np.cos(s), 0.7 * np.sin(3 * s)])
     there = random.normal(size=(40, 2)) * far
-    found = _Stretches.of(samples).nearest(there)
+    found = SampleStretches.of(samples).nearest(there)
     apart = np.hypot(*(there[:, None] - samples).T)
     np.testing.assert_allclose(apart[found, range(40)], apart.min(axis=0), rtol=1e-14)
     if far <= 1.0:  # from far away all are equally near, to rounding
@@ -70,3 +71,24 @@ def test_foot_on_ripples_may_be_several_ripples_from_that_of_a_sample():
     case = rippled(111).case
     start = start_motion(case)
     assert nearest(case, start.x, start.y, start.theta).gap == pytest.approx(case.start.gap, abs=1e-15)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, 0.8, 1.2])
+def test_no_ripple_is_nearer_than_that_of_the_nearest_pair(turn):
+    """Ripples of 0.16 mm under samples of an ellipse 4 mm apart, 41 nm high: halfway between two samples the ellipse is
+    farther than that from the circles that osculate it. The pair was 12 nm too far, two ripples from the nearest."""
+    wave, number = "(0.5+4.11346e-8*cos(19394*s))", 19394.0
+    track = Curve((f"{wave}*cos(s)", f"{wave}*sin(s)"))
+    effects = (Gravity(9.81), Unilateral(), Flight())
+    plate = Plate(library.ellipse(0.1, 0.0705141), 1.0, 0.004)
+    case = Case(track, plate, effects, Start(0.2, gap=0.1), 1.0)
+    pose = (0.39733757859665687, 0.06266951521787896, 0.8864264202164328 + turn)
+    pair = nearest(case, *pose)
+    # Distances of samples of both curves, which are never too small.
+    xi1 = pair.xi1 + 2.0 * np.pi / number * np.linspace(-20.0, 20.0, 601)
+    u, v = plate.outline.point(pair.xi2 + np.linspace(-0.1, 0.1, 4001))
+    (x, y, theta), (px, py) = pose, track.point(xi1)[..., None]
+    c, s = np.cos(theta), np.sin(theta)
+    apart = np.hypot(x + c * u - s * v - px, y + s * u + c * v - py)
+    assert pair.gap <= apart.min() + 1e-15
+    assert pair.gap == pytest.approx(apart.min(), abs=1e-9)
