@@ -3,7 +3,9 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from scipy.integrate import DOP853
 
 import reference
 from reports.studies.published.bouncing import thrown_stick
@@ -15,6 +17,10 @@ BY_NAME = {publication.name: publication for publication in PUBLICATIONS}
 
 # Rounding of a time of some seconds, added up over tens of impacts.
 ROUNDING = 1e-13
+
+# A step of DOP853 covers twice a hop's duration T. Its weighted sums round a height by up to S g (2 T)²/2, and with it
+# the speed g T/2 by 8 S of itself; the sums of the stages before them as much again. Some processors round less.
+SPEED_ROUNDING = 16 * float(np.abs(DOP853.B).sum()) * np.finfo(float).eps
 
 
 def test_there_are_twelve_numbers_at_least_and_six_whole_motions():
@@ -108,7 +114,11 @@ def test_speed_and_spin_of_a_sticking_sphere_follow_from_one_rebound(degrees):
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_where_a_publisher_and_we_differ_the_closed_form_sides_with_us(name, count, ball, method):
     motion = reference.simulate(BY_NAME[name].case(), rtol=1e-13, method=method)
-    assert impact_times(motion)[:count] == pytest.approx(impacts(count, *ball), abs=ROUNDING)
+    exact = np.array(impacts(count, *ball))
+    # Each hop begins with the speed that the one before ended with, so that roundings of speeds add up.
+    added = np.cumsum(np.arange(count) * np.diff(exact, prepend=0.0)) * SPEED_ROUNDING
+    rounding = ROUNDING + (added if method == "dop853" else 0.0)
+    assert np.all(np.abs(impact_times(motion)[:count] - exact) <= rounding)
 
 
 def test_the_reference_fmu_drifts_from_the_closed_form_by_a_millisecond():
