@@ -10,24 +10,29 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
-from weakref import WeakValueDictionary
+from weakref import ref
 
 import sympy as sp
 
 from .derivation import in_one_thread
 
 ARITHMETIC = ("+", "-", "*", "/", "**")
-_EXACT = int | Fraction
+_EXACT = (int, Fraction)
+_NUMBERS = (int, float, Fraction)
 HALF = Fraction(1, 2)
+# Operations without nodes as their arguments.
+_LEAVES = ("number", "symbol")
 
 
 def _operator(op: str, swap: bool = False) -> Callable[[Node, Node | float | Fraction], Node]:
     """A node's method for an operation with a node or a number; `swap`: with the other one first."""
 
     def apply(self: Node, other: Node | float | Fraction) -> Node:
-        if not isinstance(other, Node | int | float | Fraction):
-            return NotImplemented
-        return _make(op, node(other), self) if swap else _make(op, self, node(other))
+        if not isinstance(other, Node):
+            if not isinstance(other, _NUMBERS):
+                return NotImplemented
+            other = node(other)
+        return _make(op, other, self) if swap else _make(op, self, other)
 
     return apply
 
@@ -58,23 +63,50 @@ class Node:
         return self.args[0]
 
     def __repr__(self) -> str:
-        return str(self.args[0]) if self.op in ("number", "symbol") else f"{self.op}{self.args!r}"
+        return str(self.args[0]) if self.op in _LEAVES else f"{self.op}{self.args!r}"
 
 
-_nodes: WeakValueDictionary[tuple, Node] = WeakValueDictionary()
+class _Reference(ref[Node]):
+    """A reference to a node, which leaves the table with it."""
+
+    __slots__ = ("key",)
+    key: tuple
 
 
-@in_one_thread
+# A table of the kind of weakref.WeakValueDictionary, which takes three times as long.
+_nodes: dict[tuple, _Reference] = {}
+_NO_SYMBOLS: frozenset[Node] = frozenset()
+
+
+def _forget(reference: _Reference) -> None:
+    if _nodes.get(reference.key) is reference:  # a node of the same operation may have been made since
+        del _nodes[reference.key]
+
+
 def _record(op: str, *args) -> Node:
     """The node of an operation: always the same object for the same operation on the same nodes."""
     key = (op, type(args[0]), *args) if op == "number" else (op, *args)
-    result = _nodes.get(key)
+    reference = _nodes.get(key)
+    result = reference() if reference else None
+    return _new(key, op, args) if result is None else result
+
+
+@in_one_thread
+def _new(key: tuple, op: str, args: tuple) -> Node:
+    """The node of an operation that has none, unless another thread has made it meanwhile."""
+    reference = _nodes.get(key)
+    result = reference() if reference else None
     if result is None:
         result = Node()
         result.op, result.args = op, args
-        parts = args if op not in ("number", "symbol") else ()
-        result.symbols = frozenset([result]) if op == "symbol" else frozenset().union(*(a.symbols for a in parts))
-        _nodes[key] = result
+        result.symbols = frozenset([result]) if op == "symbol" else _NO_SYMBOLS
+        if op not in _LEAVES:
+            for part in args:  # sets are shared where one contains the other
+                more = part.symbols
+                result.symbols = more if more >= result.symbols else result.symbols | more
+        reference = _Reference(result, _forget)
+        reference.key = key
+        _nodes[key] = reference
     return result
 
 
@@ -281,7 +313,10 @@ def in_order(outputs: Iterable[Node], leaves: Container[Node] = ()) -> dict[Node
     todo = list(outputs)[::-1]
     while todo:
         current = todo[-1]
-        is_leaf = current in order or current.op in ("number", "symbol") or current in leaves
+        if current in order:
+            todo.pop()
+            continue
+        is_leaf = current.op in _LEAVES or current in leaves
         missing = [] if is_leaf else [part for part in current.args if part not in order]
         if missing:
             todo += missing[::-1]
@@ -300,7 +335,7 @@ def substitute(outputs: Iterable[Node], replace: Mapping[Node, Node]) -> list[No
 
 
 def _with_parts(current: Node, results: Mapping[Node, Node]) -> Node:
-    if current.op in ("number", "symbol"):
+    if current.op in _LEAVES:
         return current
     parts = [results[part] for part in current.args]
     return _make(current.op, *parts) if current.op in ARITHMETIC else call(current.op, *parts)
