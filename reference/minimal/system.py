@@ -20,9 +20,12 @@ from .elimination import Elimination, T
 # The force and the moment of a load.
 LOAD_FORCES = 3
 
-# The order of the series that decide first, and the number of operations up to which they are written as one function:
-# that takes 6 ms for a disc in a circle, 26 ms for a disc in a cosine valley, and saves nine tenths of each call.
+# The order of the series that decide first, and the number of operations up to which they are written as one function,
+# which saves nine tenths of each call.
 QUICK, SHORT = 2, 64
+# That function is written after this number of expansions, which take as long as writing it (15 ms for a disc in a
+# circle). A motion has one or two, so that a first one is not delayed.
+EXPANSIONS = 50
 
 
 class CheckLayout(NamedTuple):
@@ -97,6 +100,7 @@ class System:
         self.conditions, self.condition_rates = equations.conditions, equations.condition_rates
         self.guards, self.load_quantities = equations.guards, equations.load_quantities
         self.check_layout = equations.check_layout
+        self._expansions = 0
         self.forces = (self.outputs.normal, self.outputs.friction)
         self.forces_and_guards = (*self.forces, *self.guards.values())
         # The places among the conditions of those that have rates.
@@ -202,8 +206,10 @@ class System:
         return are_series, python_function([T, self.variables, bounds, self.parameters], map(node, numbers), ON_FLOATS)
 
     def condition_series(self, t, y, bounds, parameters, order: int) -> list[series.Series | float]:
-        """The conditions of `expand`, by a function written for this order if there is one."""
-        quick = self._quick_series if order == QUICK else None
+        """The conditions of `expand`, after some times by a function written for this order if there is one, whose
+        numbers are the same to the last bit."""
+        self._expansions += 1
+        quick = self._quick_series if order == QUICK and self._expansions > EXPANSIONS else None
         if quick is None:
             return self.expand(t, y, bounds, parameters, order)[1]
         are_series, function = quick

@@ -5,9 +5,13 @@ import math
 import mpmath
 import pytest
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
+import cases
 from reference.minimal import series
+from reference.minimal.modes import candidates, phase
 from reference.minimal.series import Series
+from reference.minimal.system import EXPANSIONS, QUICK
 from tests.scenes.elliptic import numbers
 
 FUNCTIONS = {
@@ -45,3 +49,25 @@ def test_a_motion_is_expanded_order_by_order():
 def test_leading_sign_ignores_what_is_below_its_error():
     assert Series([1e-18, -2.0], [1e-16, 1e-15]).leading() == (-1, 1)
     assert Series([0.0, 0.0], [0.0, 0.0]).leading() == (0, 2)
+
+
+@pytest.mark.parametrize("name", ["disc_in_circle", "disc_on_line", "ellipse_in_circle", "disc_in_cosine"])
+@given(values=st.lists(numbers(-1.5, 1.5), min_size=4, max_size=4), time=numbers(0.0, 3.0))
+@settings(max_examples=25, deadline=None)
+def test_the_written_function_has_the_bits_of_the_expansion(name, values, time):
+    # The first decisions of a system expand, later ones call the function: a motion must not depend on what ran before.
+    case = cases.load(name)
+    for regime in candidates(case):
+        candidate = phase(case, regime)
+        system, y = candidate.system, values[: len(candidate.system.variables)]
+        if system._quick_series is None:
+            continue
+        bounds = [1e-16 * abs(value) for value in y]
+        system._expansions = 0
+        ran = [system.condition_series(time, y, bounds, candidate.parameters, QUICK) for _ in range(EXPANSIONS + 1)]
+        assert [_bits(value) for value in ran[0]] == [_bits(value) for value in ran[-1]]
+
+
+def _bits(value) -> list[str]:
+    numbers = [*value.c, *value.e] if isinstance(value, Series) else [value]
+    return [float(number).hex() for number in numbers]
