@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from .case_class import Case
 from .chain import Chain
-from .contact_pairs import pairs_in_pose
+from .contact_pairs import pairs, pairs_in_pose
 from .curves import Curve
 from .effects import Flight
 from .outline_features import features
@@ -43,7 +43,7 @@ def _corners_touch(case: Case) -> bool:
     if case.start.gap > 0.0:
         return False
     begin = case.start.motion(case.track, case.plate.outline)
-    size = abs(begin.x) + abs(begin.y) + case.plate.reach
-    some = pairs_in_pose(case, begin.x, begin.y, begin.theta)
-    gaps = [one.pair.gap(begin.x, begin.y, begin.theta) for one in some if not one.is_away]
-    return sum(abs(gap) <= TOUCHES * size for gap in gaps) > 1
+    pose, size = (begin.x, begin.y, begin.theta), abs(begin.x) + abs(begin.y) + case.plate.reach
+    gaps = [one.pair.gap(*pose) for one in pairs_in_pose(case, *pose) if not one.is_away]
+    others = [len(pair.touching_points(*pose)) for pair in pairs(case) if not pair.has_unique_points]
+    return sum(abs(gap) <= TOUCHES * size for gap in gaps) + sum(others) > 1

@@ -7,7 +7,7 @@ and its effects are those of the support.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import cos, inf, pi, sin
 from typing import NamedTuple, cast
 
@@ -18,15 +18,19 @@ from .chain import Chain
 from .contact import find
 from .corner import Corner, turning
 from .curves import Curve
-from .errors import unknown_name
+from .errors import DoesNotFit, unknown_name
 from .line_or_circle import as_line
+from .nearest_samples import nearest_samples
 from .outline_features import ArcRange, arc_ranges, features
 from .plate import Plate
 from .start import Start
+from .start_pose import TOUCHES
 from .supports import TRACK, Support, is_convex
 
 # Newton's method for a guess on a line: quadratic, so that these are many, and how close the guess is to be.
 MOST_STEPS, NEAR = 20, 1e-6
+# Pairs of points are the same one if those on the support are closer than this part of the plate's size.
+APART = 1e-6
 
 
 class PairCase(Case):
@@ -53,12 +57,18 @@ class PairCase(Case):
         return _pair, (self.whole, self.number)
 
     def guess(self, x: float, y: float, theta: float) -> tuple[float, float]:
-        """Parameters near the nearest points of a pair that has unique ones, or of a smooth outline on the track."""
+        """Parameters near the nearest points in a pose; of several pairs of nearest points the ones with the least
+        gap."""
         line, feature = as_line(self.track), self.plate.outline
-        if line is None:
-            begin = self.start.motion(self.track, feature) if self.start.xi2 is None else self.start
-            return begin.xi1, begin.xi2 or 0.0
         c, s = cos(theta), sin(theta)
+        if line is None or self.track.domain is not None:
+            centre = self.centre
+            if isinstance(feature, Corner) or centre is None:
+                return nearest_samples(self.track, feature, x, y, theta)[0]
+            xi1, _ = nearest_samples(self.track, centre, x, y, theta)[0]
+            middle = 0.5 * sum(feature.span)
+            turn = float(self.track.tangent_angle(xi1)) - theta - float(feature.tangent_angle(middle))
+            return xi1, middle + (turn - 2.0 * pi * round(turn / (2.0 * pi))) / turning(feature, middle)
         angle = float(np.arctan2(line.direction[1], line.direction[0])) - theta
         if isinstance(feature, Corner):
             point = np.array([x + c * feature.x - s * feature.y, y + s * feature.x + c * feature.y])
@@ -122,6 +132,37 @@ class PairCase(Case):
         number = before if self.in_round(xi2, False) < 0.5 * (low + high) else after
         count = len(features(self.whole.plate.outline))
         return None if number is None else pairs(self.whole)[self.number - self.number % count + number]
+
+    @cached_property
+    def centre(self) -> Corner | None:
+        """A corner itself, or the centre of an arc, as a corner without an angle; None for a smooth outline."""
+        feature = self.plate.outline
+        if isinstance(feature, Corner) or not isinstance(self.whole.plate.outline, Chain):
+            return feature if isinstance(feature, Corner) else None
+        middle = 0.5 * sum(feature.span)
+        x, y = feature.point(middle) + feature.normal(middle) / float(feature.curvature(middle))
+        return Corner(float(x), float(y), 0.0, 0.0)
+
+    @property
+    def is_point_on_curve(self) -> bool:
+        """Whether it is a corner or an arc on a curved support: its nearest points may jump, its distance does not."""
+        return not self.has_unique_points and self.centre is not None
+
+    def touching_points(self, x: float, y: float, theta: float) -> list[tuple[float, float]]:
+        """Parameters of all pairs of nearest points without a gap in a pose, on the support and inside its ends."""
+        points = list[tuple[float, float]]()
+        for near in nearest_samples(self.track, self.plate.outline, x, y, theta):
+            try:
+                xi1, xi2, gap = find(self, x, y, theta, near)
+            except DoesNotFit:  # far away
+                continue
+            low, high = self.track.domain or (-inf, inf)
+            if abs(gap) > TOUCHES * (abs(x) + abs(y) + self.whole.plate.reach) or not low <= xi1 <= high:
+                continue
+            places = [self.track.point(one) for one, _ in points]
+            if all(np.hypot(*(place - self.track.point(xi1))) > APART * self.plate.reach for place in places):
+                points.append((xi1, xi2))
+        return points
 
     def gap(self, x: float, y: float, theta: float) -> float:
         """The distance of the nearest points in a pose, m. Raises DoesNotFit."""

@@ -155,6 +155,11 @@ def _foot(piece: Curve, point: np.ndarray, s: float) -> float:
         away = (abs(x) + abs(y) + abs(dx) + abs(dy)) / hypot(xp, yp)
         if abs(step) <= 4 * geometry.EPS * (abs(s) + piece.span[1] - piece.span[0] + away):
             return s
+    # Near the centre of curvature a rounding moves the foot by more: accept it if its residual is rounding.
+    x, y, xp, yp, *_ = piece.jet(s)
+    dx, dy, speed = point[0] - x, point[1] - y, hypot(xp, yp)
+    if abs(dx * xp + dy * yp) <= 64 * geometry.EPS * speed * (abs(x) + abs(y) + abs(dx) + abs(dy) + speed * abs(s)):
+        return s
     raise DoesNotFit(f"no foot of the point ({point[0]:.6g}, {point[1]:.6g}) is near")
 
 

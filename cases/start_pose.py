@@ -14,14 +14,13 @@ from .curves import Curve
 from .effects import Belt, Drive, Effect, one
 from .errors import BadValue, DoesNotFit, finite
 from .line_or_circle import as_line
+from .nearest_samples import nearest_samples, track_samples
 from .size_limits import check_belt, check_drive
 from .start import Start
 
 # A gap below this part of the plate's size and place is the rounding of a pose: the plate touches its track. A velocity
 # along the normal below this part of the plate's speed is none.
 TOUCHES = 1e-12
-# Samples of a track and of a smooth outline at which the search for the nearest points begins.
-TRACK_SAMPLES, OUTLINE_SAMPLES = 2_000, 721
 
 
 @dataclass(frozen=True)
@@ -123,26 +122,23 @@ def _middle_of_level_edge(direction: float, outline: Chain) -> float | None:
 
 def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[geometry.Contact]:
     """Pairs of nearest points of the track and each feature of the outline."""
-    samples = _samples(track, x, y, outline.sizes[0])
-    c, s = cos(theta), sin(theta)
     results = []
     if not isinstance(outline, Chain):
-        own = np.linspace(*outline.span, OUTLINE_SAMPLES)
-        u, v = outline.point(own)
-        points = np.array([x + c * u - s * v, y + s * u + c * v])
-        i = int(np.argmin([_nearest(track, samples, point)[1] for point in points.T]))
-        near = _nearest(track, samples, points[:, i])[0], float(own[i])
         try:
+            near = nearest_samples(track, outline, x, y, theta)[0]
             results.append(piece_contact.find(track, outline, x, y, theta, near))
         except DoesNotFit:
             pass
         return results
+    samples = track_samples(track, x, y, outline.sizes[0])
+    c, s = cos(theta), sin(theta)
     for element in outline.elements:
         piece = element.piece
         low, high = piece.span
         inner = 0.5 * (low + high)
         u, v = piece.point(inner)
-        first = _nearest(track, samples, np.array([x + c * u - s * v, y + s * u + c * v]))[0]
+        number = samples.nearest(np.array([x + c * u - s * v, y + s * u + c * v]))
+        first = float(samples.parameters[number])
         try:
             one = piece_contact.find(track, piece, x, y, theta, (first, inner))  # type: ignore[arg-type]
         except DoesNotFit:  # an edge faces the track
@@ -156,20 +152,3 @@ def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) ->
             whole = min(max(xi2 + element.shift, float(np.nextafter(first, inf))), float(np.nextafter(last, -inf)))
             results.append(geometry.Contact(one.xi1, whole, one.gap))
     return results
-
-
-def _samples(track: Curve, x: float, y: float, size: float) -> np.ndarray:
-    """Parameters of the track around a pose."""
-    if track.domain or track.period:
-        return np.linspace(*track.span, TRACK_SAMPLES)
-    middle = 0.5 * sum(track.span)
-    away = hypot(*(track.point(middle) - np.array([x, y]))) + 4.0 * size
-    wide = 2.0 * away / float(track.speed(middle))
-    return np.linspace(middle - wide, middle + wide, TRACK_SAMPLES)
-
-
-def _nearest(track: Curve, samples: np.ndarray, point: np.ndarray) -> tuple[float, float]:
-    """The sample of the track nearest to a point, and the signed distance along the track's normal."""
-    off = point[:, None] - track.point(samples)
-    i = int(np.argmin(np.hypot(*off)))
-    return float(samples[i]), float(off[:, i] @ track.normal(float(samples[i])))

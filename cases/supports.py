@@ -8,22 +8,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import cos, sin
+from math import cos, inf, pi, sin
 from typing import Any
 
 import numpy as np
 
 from . import effects as all_effects
 from .chain import Chain
-from .corner import Corner
+from .corner import Corner, Piece
 from .curves import Curve
 from .effects import CoulombFriction, Effect, Impact, PerfectlyRough
 from .errors import BadValue, DoesNotFit
 from .line_or_circle import as_line
 from .moving_surface import Belt
-from .outline_features import features, is_arc
+from .nearest_samples import nearest_samples
+from .outline_features import arc_ranges, features, is_arc
 from .overlap import first_overlap
 from .own_effects import own_effects
+from .piece_contact import find
 from .start_overlap import deepest_overlap
 
 # The name of the track among the supports.
@@ -34,6 +36,10 @@ CONVEX = 1e-6
 DEPTH = 1e-9
 # Newton's steps to the place of a line that is next to a plate; a line that is run through evenly takes one.
 FOOT_STEPS = 8
+# Samples at which the bend of a support is looked at.
+HOLLOW_SAMPLES = 2_001
+# The centre of mass as a feature of the outline.
+CENTRE = Corner(0.0, 0.0, 0.0, pi)
 # Effects that a support may have of its own.
 OWN = (CoulombFriction, PerfectlyRough, Impact, Belt)
 
@@ -130,12 +136,17 @@ def why_not_by_features(track: Curve, outline: Curve) -> str:
             # Supports are lines without ends: they cannot be the sides of an edge.
             return "A plate on a track with an edge has one contact; give a line as track if it stays on one part."
         return "A plate on a track with corners has one contact; give a line as track and its other parts as supports."
-    if track.domain is not None or as_line(track) is None:
-        return "A plate with corners has several contacts on a straight track without ends only; give such a line."
+    if not is_straight(track) and not is_hollow(track):
+        return (
+            "A plate with corners has several contacts on a straight track without ends, or one that bends to its "
+            "plate's side everywhere; give such a track."
+        )
     if not isinstance(outline, Chain) or not outline.is_closed or not features(outline):
         return "The outline is not closed, or has no corner or arc that bulges; give one that is and has."
     if not all(isinstance(piece, Corner) or is_arc(piece) for piece in features(outline)):
         return "A round piece of the outline is no arc of a circle; give one whose pieces are edges and arcs."
+    if not is_straight(track) and any(limits is not None for limits in arc_ranges(outline)):
+        return "An arc of the outline ends at a corner, or bends beyond its hull; on a curved track give corners only."
     return ""
 
 
@@ -169,12 +180,15 @@ def has_belt(case: Any) -> bool:
 
 
 def _check_features(case: Any) -> None:
-    """Raise BadValue unless a plate with pieces has straight supports, and corners and circular arcs that bulge."""
-    for curve, name in ((case.track, TRACK), *((s.curve, s.name) for s in case.supports)):
-        if curve.domain is not None or as_line(curve) is None:
+    """Raise BadValue unless a plate with pieces has straight or hollow supports, and corners and circular arcs that
+    bulge."""
+    curves = ((case.track, TRACK), *((support.curve, support.name) for support in case.supports))
+    curved = [name for curve, name in curves if not is_straight(curve)]
+    for curve, name in curves:
+        if not is_straight(curve) and not is_hollow(curve):
             raise BadValue(
-                f"a plate with corners or pieces touches straight lines without ends only, and {name!r} is none; give "
-                "a line or a smooth outline"
+                f"a plate with corners or pieces touches straight lines without ends, and curves that bend to its side "
+                f"everywhere, and {name!r} is neither; give such a curve or a smooth outline"
             )
     if not features(case.plate.outline):
         raise BadValue("the outline has no corner or arc that bulges; give one that has")
@@ -183,6 +197,24 @@ def _check_features(case: Any) -> None:
             raise BadValue(
                 "a round piece of the outline is no arc of a circle; give one whose pieces are edges and arcs"
             )
+    if curved and any(limits is not None for limits in arc_ranges(case.plate.outline)):
+        raise BadValue(
+            f"an arc of the outline ends at a corner, or bends beyond its hull, and {curved[0]!r} is curved; give "
+            "straight supports, or an outline without such arcs"
+        )
+
+
+def is_straight(curve: Curve) -> bool:
+    """Whether a support is a straight line without ends."""
+    return curve.domain is None and as_line(curve) is not None
+
+
+@lru_cache(maxsize=256)
+def is_hollow(curve: Curve) -> bool:
+    """Whether a smooth support bends to its left everywhere, where the plate is: of an outline it touches corners and
+    round pieces only. A line has no bend."""
+    bend = np.asarray(curve.curvature(np.linspace(*curve.span, HOLLOW_SAMPLES)))
+    return bool(np.all(bend > 0.0))
 
 
 def check_start(case: Any, x: float, y: float, theta: float) -> None:
@@ -199,12 +231,27 @@ def check_start(case: Any, x: float, y: float, theta: float) -> None:
             for _ in range(FOOT_STEPS):
                 near += float((np.array([x, y]) - curve.point(near)) @ line.direction) / float(curve.speed(near))
         else:
-            near = 0.5 * sum(curve.span)
+            near = nearest_samples(curve, CENTRE, x, y, theta)[0][0]
             px, py, angle, at = (np.array([value]) for value in (x, y, theta, near))
             is_deep = first_overlap(curve, outline, px, py, angle, at) is not None
+            is_deep |= isinstance(outline, Chain) and _crosses(curve, outline, x, y, theta)
         deepest = None if is_deep else deepest_overlap(curve, outline, x, y, theta, near)
         if is_deep or (deepest is not None and deepest.depth > DEPTH * case.plate.reach):
             raise DoesNotFit(f"the plate overlaps support {support.name!r} where it begins; give another start")
+
+
+def _crosses(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> bool:
+    """Whether a feature of an outline lies on the right of a curved support, and the centre of mass on its left."""
+    away, *gaps = [_gap(curve, piece, x, y, theta) for piece in (CENTRE, *features(outline))]
+    return away > 0.0 and min(gaps) < -DEPTH * outline.sizes[0]
+
+
+def _gap(curve: Curve, piece: Piece, x: float, y: float, theta: float) -> float:
+    """The distance of the nearest points of a support and a feature, m; infinite where there are none."""
+    try:
+        return find(curve, piece, x, y, theta, nearest_samples(curve, piece, x, y, theta)[0]).gap  # type: ignore[arg-type]
+    except DoesNotFit:
+        return inf
 
 
 @lru_cache(maxsize=256)

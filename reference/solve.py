@@ -158,7 +158,7 @@ def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrat
     or cut there if that does not support the case, or the `original` whose relative case it is."""
     solution, meeting = until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
     segments, transitions, (status, reason) = solution
-    lies_flat = meeting is None and status == FLAT[0] and has_features(case)
+    lies_flat = meeting is None and has_features(case) and _touches_with_features(case, status)
     if meeting is None and not lies_flat:
         return solution
     unsupported = limitation(original or case)
@@ -182,6 +182,11 @@ def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrat
         more, changes, ending = several.until_end(case, time, body, (xi1, xi2), mode, pair, rtol, integrate)
     transitions = [replace(event, contact=CONTACT) for event in transitions]
     return [*segments, *more], [*transitions, *changes], ending
+
+
+def _touches_with_features(case: Case, status: str) -> bool:
+    """Whether a motion of a plate with corners ended where a flat side or a second corner met its track."""
+    return status == FLAT[0] or (status == "second_contact" and not isinstance(case.track, Chain))
 
 
 def as_trajectory(

@@ -19,6 +19,9 @@ from ..contact_frame.drive import DriveLoad
 NEAR, SAMPLES = 0.3, 240
 # Two pairs are the same one if their track points are closer than this part of the reach.
 APART = 1e-6
+# A corner or an arc that is deeper behind a curve than this part of the reach has not closed its gap: between two looks
+# it moves by a tenth of that.
+BEHIND = 0.3
 
 
 class PairState(NamedTuple):
@@ -75,6 +78,26 @@ def pair_at(pair: Any, body: Sequence[float] | np.ndarray, near: tuple[float, fl
     return PairState(
         pair, contact.xi1, contact.xi2, contact.gap, lift, slip, lift_row, slip_row, lift_bias, slip_bias, along / speed
     )
+
+
+def is_watched_always(pair: PairCase) -> bool:
+    """Whether the gap of a pair is watched in all poses; otherwise its contacts are searched for."""
+    return pair.has_unique_points or pair.is_point_on_curve
+
+
+def open_pair_at(pair: PairCase, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
+    """The same of an open contact: that of a corner or an arc has the nearest points of the whole curve. Behind the
+    curve, or nearest to an end of it, it has its distance as a positive gap: it cannot close there."""
+    if pair.has_unique_points or not pair.is_point_on_curve:
+        return pair_at(pair, body, near)
+    x, y, theta, *_ = (float(v) for v in body)
+    state = pair_at(pair, body, pair.guess(x, y, theta))
+    low, high = pair.track.domain or (state.xi1, state.xi1)
+    if not low <= state.xi1 <= high:
+        c, s, (u, v) = cos(theta), sin(theta), pair.plate.outline.point(state.xi2)
+        place = np.array([x + c * u - s * v, y + s * u + c * v])
+        return state._replace(gap=float(np.hypot(*(place - pair.track.point(min(max(state.xi1, low), high))))))
+    return state._replace(gap=-state.gap) if state.gap < -BEHIND * pair.whole.plate.reach else state
 
 
 def on_surface(pair: PairState, t: float) -> PairState:

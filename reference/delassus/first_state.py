@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, DoesNotFit, Mode, Transition
+from cases import Case, Mode, Transition
 from cases.contact import start_motion
 from cases.contact_limits import has_features
 from cases.contact_pairs import WatchedPair, pairs, pairs_in_pose
 from cases.trajectory import CONTACT
 
 from ..contact_frame.drive import in_fixed_frame
-from .contacts import all_pairs, friction_of, on_surface, pair_at
+from .contacts import all_pairs, friction_of, is_watched_always, on_surface, pair_at
 from .motion import Simulation
 from .phase import WatchedContact
 from .plate_state import OPEN_NAME, TOUCHES
@@ -93,19 +93,17 @@ def from_start(case: Case, rtol: float = 1e-13, times: Sequence[float] | np.ndar
 
 def _watch_features(motion: Simulation) -> None:
     """Watch all pairs of a support and a feature that have unique nearest points, and others that touch."""
-    some = pairs_in_pose(motion.case, *motion.body[:3])
+    pose = motion.body[:3]
+    some = pairs_in_pose(motion.case, *pose)
     for pair in pairs(motion.case):
-        if pair.has_unique_points:
-            continue
-        near = pair.guess(*motion.body[:3])
-        try:
-            gap = pair_at(pair, motion.body, near).gap
-        except DoesNotFit:
-            continue
-        if abs(gap) <= TOUCHES * motion.size():
-            some.append(WatchedPair(pair, near, False))
+        if pair.is_point_on_curve:
+            some.append(WatchedPair(pair, pair.guess(*pose), False))
+        elif not pair.has_unique_points:
+            some += [WatchedPair(pair, near, False) for near in pair.touching_points(*pose)]
     for pair, near, is_away in sorted(some, key=lambda one: one.pair.number):
-        motion.contacts.append(WatchedContact(f"{OPEN_NAME}{pair.number}", pair, near, Mode.FLIGHT, is_away))
+        place = sum(contact.case == pair for contact in motion.contacts)  # a smooth outline may touch in several
+        name = f"{OPEN_NAME}{pair.number}" + "+" * place
+        motion.contacts.append(WatchedContact(name, pair, near, Mode.FLIGHT, is_away))
 
 
 def _close_own(motion: Simulation, own: tuple[float, float] | None, mode: Mode) -> None:
@@ -145,7 +143,7 @@ def _sample(motion: Simulation, times: np.ndarray) -> np.ndarray:
         motions[:6, i] = stretch.states(t)
         for contact in stretch.phase.contacts:
             if contact.is_closed:
-                near = contact.case.guess(*motions[:3, i]) if contact.case.has_unique_points else contact.pair
+                near = contact.case.guess(*motions[:3, i]) if is_watched_always(contact.case) else contact.pair
                 now = on_surface(pair_at(contact.case, motions[:6, i], near), t)
                 motions[6, i] = 0.0 if stretch.phase.rests else now.slip
                 break

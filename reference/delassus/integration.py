@@ -16,7 +16,7 @@ from cases.contact_pairs import PairCase, pairs
 from cases.overlap import first_overlap
 
 from ..contact_frame.dips import Dips
-from .contacts import all_pairs, pair_at
+from .contacts import all_pairs, is_watched_always, pair_at
 from .phase import SeveralContactPhase
 from .plate_state import TOUCHES, PlateState, SimulationEnd
 from .small_impacts import ImpactsOnTwoLevels
@@ -58,7 +58,7 @@ class PhaseIntegration(PlateState):
         self.impacts = ImpactsOnTwoLevels()
         self.clearances: dict[str, float] = {}
         self.beginning: set[str] = set()
-        self.searched = [pair for pair in pairs(case) if not pair.has_unique_points]
+        self.searched = [pair for pair in pairs(case) if not is_watched_always(pair)]
 
     def pace(self, phase: SeveralContactPhase) -> float:
         """How fast the plate moves or begins to, 1/s."""
@@ -164,7 +164,7 @@ class PhaseIntegration(PlateState):
         have moved farther between two looks than their rate allows."""
         earlier, now = phase.pairs(before, dense(before)), phase.pairs(look, dense(look))
         for contact, was, pair in zip(phase.contacts, earlier, now, strict=True):
-            if contact.is_closed or contact.case.has_unique_points:
+            if contact.is_closed or is_watched_always(contact.case):
                 continue
             farthest = JUMP * max(abs(was.xi1_rate), abs(pair.xi1_rate)) * (look - before) + JUMP * EPS
             jumps = abs(pair.xi1 - was.xi1) > farthest + JUMP * EPS * abs(pair.xi1)
@@ -211,7 +211,7 @@ class PhaseIntegration(PlateState):
         for case in self.searched:
             first = next((c.pair[0] for c in self.contacts if c.case is case), case.start.xi1)
             near = np.full(len(looks), first)
-            overlap = first_overlap(case.track, case.plate.outline, poses[0], poses[1], poses[2], near)
+            overlap = first_overlap(case.track, self.case.plate.outline, poses[0], poses[1], poses[2], near)
             if overlap is not None and (earliest is None or overlap[0] < earliest[0]):
                 earliest = overlap[0], case, overlap[1]
         if earliest is None:

@@ -10,7 +10,7 @@ import numpy as np
 from cases import Belt, Case, DoesNotFit, Flight, Impact, Mode, Transition
 
 from .complementarity import least_rate, solutions
-from .contacts import PairState, friction_of, frictions, is_rough
+from .contacts import PairState, friction_of, frictions, is_rough, is_watched_always
 from .impact_laws import velocities
 from .integration import EPS, FORGOTTEN, DenseStep, PhaseIntegration
 from .phase import NO_RATE, SeveralContactPhase, WatchedContact
@@ -174,7 +174,7 @@ class Simulation(PhaseIntegration):
         """Integrate until an event, and apply it."""
         self.contacts = [
             c for c, p in zip(self.contacts, self.pairs(), strict=True)
-            if c.is_closed or c.case.has_unique_points or p.clearance > FORGOTTEN * self.clearances.get(c.name, inf)
+            if c.is_closed or is_watched_always(c.case) or p.clearance > FORGOTTEN * self.clearances.get(c.name, inf)
         ]  # fmt: skip
         phase.contacts, phase.near = self.contacts, [c.pair for c in self.contacts]
         if phase.rests:
@@ -210,7 +210,7 @@ class Simulation(PhaseIntegration):
         self.stuck = {c.name for c in self.contacts if c.mode is Mode.ROLL}
         kinds = {kind for kind, _ in guards}
         if kinds == {"forget"}:
-            self.contacts = [c for c in self.contacts if c.is_closed]
+            self.contacts = [c for c in self.contacts if c.is_closed or is_watched_always(c.case)]
             self.settle()
             self.goes_on = True
             return

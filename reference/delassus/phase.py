@@ -11,7 +11,7 @@ from cases import Mode
 from cases.contact_pairs import PairCase
 
 from .complementarity import least_rate, solutions
-from .contacts import PairState, PlateDynamics, friction_of, frictions, is_rough, on_surface, pair_at
+from .contacts import PairState, PlateDynamics, friction_of, frictions, is_rough, on_surface, open_pair_at, pair_at
 
 # Singular values below this part of the largest are rows that depend on others.
 DEPENDENT = 1e-10
@@ -62,7 +62,10 @@ class SeveralContactPhase:
 
     def pairs(self, t: float, body: Sequence[float] | np.ndarray) -> list[PairState]:
         """All contacts in one state of the plate."""
-        now = [on_surface(pair_at(c.case, body, near), t) for c, near in zip(self.contacts, self.near, strict=True)]
+        now = [
+            on_surface((pair_at if c.is_closed else open_pair_at)(c.case, body, near), t)
+            for c, near in zip(self.contacts, self.near, strict=True)
+        ]
         self.near = [(pair.xi1, pair.xi2) for pair in now]
         return now
 

@@ -10,7 +10,7 @@ from cases import Case, Drive, Mode
 from cases.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
 
 from ..contact_frame.drive import case_at_rest, in_track_frame, load_of_drive
-from .contacts import PairState, PlateDynamics, on_surface, pair_at
+from .contacts import PairState, PlateDynamics, on_surface, open_pair_at, pair_at
 from .phase import WatchedContact
 
 # A contact touches if its gap is below this part of the plate's size; it closes, slips or accelerates if the speed or
@@ -43,7 +43,10 @@ class PlateState:
 
     def pairs(self) -> list[PairState]:
         """All contacts in this state; their points are updated."""
-        now = [on_surface(pair_at(contact.case, self.body, contact.pair), self.t) for contact in self.contacts]
+        now = [
+            on_surface((pair_at if c.is_closed else open_pair_at)(c.case, self.body, c.pair), self.t)
+            for c in self.contacts
+        ]
         self.contacts = [c._replace(pair=(p.xi1, p.xi2)) for c, p in zip(self.contacts, now, strict=True)]
         return now
 

@@ -16,6 +16,8 @@ SMALL_IMPACT = 7e-4
 # A cubic in the closing speed is fitted through four impacts, each at least so many times slower than the one before; a
 # parabola where there have been only four, as they are then much slower each time.
 POINTS, SLOWER = 4, 2.0
+# Impacts of one kind are a series from this number on: two may differ by anything.
+SERIES = 3
 # Two contacts take turns within so many impacts.
 TURNS = 8
 # Three impacts are enough if each is at most this part as fast as the one before.
@@ -98,9 +100,12 @@ class SmallImpacts:
 
     def low_end(self, t: float, body: np.ndarray, low: frozenset[str]) -> tuple[float, np.ndarray]:
         """Time (s) and (x, y, θ, vx, vy, ω) at the end of hops so low that nothing is known of their ratio, at contacts
-        `low`: on the straight line through the last two impacts that repeat; t and the body if there are none."""
+        `low`: on the straight line through the last two impacts that repeat; t and the body if there are no three of
+        them."""
         some, names = self.points()
-        if len(some) < 2 or not names <= low:
+        last_kind = [(one.names, one.closers) for one in self.strikes[-1:]]
+        repeats = sum((one.names, one.closers) in last_kind for one in self.strikes)
+        if repeats < SERIES or len(some) < 2 or not names <= low:
             return t, body.copy()
         before, last = some[-2:]
         part = last.closing / (before.closing - last.closing)

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from cases import Case, Curve
+from cases import Case
+from cases.corner import Corner, Piece
 
 from .boxes import STRAIGHT, Cores
 from .curve_pieces import BEND_HIGH, BEND_LOW, TURN, piece_bounds
@@ -18,6 +19,8 @@ MOST_TRIES = 20
 # If no such stretch is found, as near a place where the plate no longer fits, points closer to the pair than this part
 # of the reach count as the pair.
 SAME = 1e-6
+# A corner is a circle of the radius of a rounding, in parts of its distance from the centre of mass.
+SHARPEST = 1e16
 # Where the pair moves by less than this part of the shortest stretch, a shorter range would prove no more.
 STILL = 0.1
 
@@ -29,7 +32,9 @@ def cores(case: Case, xi1: np.ndarray, xi2: np.ndarray, gap: np.ndarray) -> tupl
     lengths = np.append(reach * 0.5 ** np.arange(1, MOST_TRIES + 1), SAME * reach)
     track, outline = (_widen(curve, ends, lengths) for curve, ends in ((case.track, xi1), (case.plate.outline, xi2)))
     t = piece_bounds(case.track, *track.reshape(2, -1))
-    if case.plate.radius is not None:
+    if isinstance(case.plate.outline, Corner):
+        turns, bend = 2.0 * t[TURN], np.full(t.shape[1], SHARPEST / reach)
+    elif case.plate.radius is not None:
         turns, bend = 2.0 * t[TURN], np.full(t.shape[1], 1.0 / case.plate.radius)
     else:
         o = piece_bounds(case.plate.outline, *outline.reshape(2, -1))
@@ -49,12 +54,14 @@ def cores(case: Case, xi1: np.ndarray, xi2: np.ndarray, gap: np.ndarray) -> tupl
     return Cores(track[:, first, which], outline[:, first, which]), moves & ~proven
 
 
-def _lengths(curve: Curve, ends: np.ndarray) -> np.ndarray:
+def _lengths(curve: Piece, ends: np.ndarray) -> np.ndarray:
     """The lengths (m) of ranges (2, n) of a parameter."""
     return np.asarray((ends[1] - ends[0]) * curve.speed(ends.mean(axis=0)))
 
 
-def _widen(curve: Curve, ends: np.ndarray, lengths: np.ndarray) -> np.ndarray:
-    """Ranges (2, n) of a parameter, widened on both sides by each of some lengths (m): (2, lengths, n)."""
-    wide = lengths[:, None] / np.asarray(curve.speed(ends.mean(axis=0)))
+def _widen(curve: Piece, ends: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Ranges (2, n) of a parameter, widened on both sides by each of some lengths (m): (2, lengths, n). A corner has no
+    length."""
+    speed = np.ones(ends.shape[1]) if isinstance(curve, Corner) else np.asarray(curve.speed(ends.mean(axis=0)))
+    wide = lengths[:, None] / speed
     return np.array([ends[0] - wide, ends[1] + wide])

@@ -80,7 +80,7 @@ class ElementSearch:
         `poses`: times (n,) ↦ (x, y, θ), (3, n). `skipped`: numbers of pairs of elements; `cores`: for a pair and edges
         of windows the surroundings of a contact, in the pair's own parameters. Raises TooMuch.
         """
-        edges = _fine(poses, edges)
+        edges = fine(poses, edges)
         earliest: ElementMeeting | None = None
 
         @cache
@@ -112,7 +112,7 @@ class ElementSearch:
             own = elements(self.case.plate.outline)[second].piece
             assert isinstance(own, Corner)
             x, y = own.x, own.y
-            return lambda times: _carried(poses(times), x, y)
+            return lambda times: carried(poses(times), x, y)
         if first is not None:
             fixed = elements(self.case.track)[first].piece
             assert isinstance(fixed, Corner)
@@ -152,7 +152,7 @@ def _geometry(case: Case, first: Element, second: Element) -> Geometry | None:
     return Geometry(Pieces(track), Pieces(outline), case.plate.radius, reach)
 
 
-def _carried(pose: np.ndarray, x: float, y: float) -> np.ndarray:
+def carried(pose: np.ndarray, x: float, y: float) -> np.ndarray:
     """The place of a point of the plate in poses (3, n), as poses that do not turn."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return np.array([pose[0] + c * x - s * y, pose[1] + s * x + c * y, np.zeros_like(pose[2])])
@@ -172,7 +172,7 @@ def _within(element: Element, angle: float) -> float:
     return min(max(on_corner(element, element.piece, angle), low + element.shift), high + element.shift)
 
 
-def _fine(poses: Poses, edges: np.ndarray) -> np.ndarray:
+def fine(poses: Poses, edges: np.ndarray) -> np.ndarray:
     """The times, and times between them, such that the plate turns by at most TURN between two."""
     turns = np.abs(np.diff(poses(edges)[2]))
     counts = np.minimum(1 + np.floor(turns / TURN), MOST_WINDOWS).astype(int)

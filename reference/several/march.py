@@ -11,10 +11,9 @@ from cases import Case, Flight, Mode, Transition
 from cases.contact_pairs import PairCase, pairs
 
 from ..minimal.bouncing import StraightStates
-from ..minimal.boxes import Geometry
 from ..minimal.curve_pieces import TooMuch
 from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
-from ..minimal.meetings import Meeting, MeetingSearch
+from ..minimal.meetings import Meeting
 from ..minimal.phase_end import (
     CAUSES,
     COMPLETION,
@@ -31,7 +30,7 @@ from ..minimal.scales import frequency
 from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time
 from .geometry import TOUCHES, places, project, without_velocity
 from .hops import SeriesEnd
-from .meetings import first_meeting
+from .meetings import first_meeting, search_of
 from .phase_loop import PhaseLoop, several_motions
 from .regimes import SeveralPhase, SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
 from .rest import RestStates, limit_of_rest, limit_on_belts
@@ -68,9 +67,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         self.idle = self.work = 0
         self.fixed: dict[str, tuple[Mode, ...]] = {}
         self.begins = self.held_out = False
-        self.searches = [
-            (pair, MeetingSearch(Geometry.of_case(pair))) for pair in pairs(case) if not pair.has_unique_points
-        ]
+        self.searches = [(pair, search_of(pair)) for pair in pairs(case) if not pair.has_unique_points]
 
     # --- one phase ----------------------------------------------------------------------------------------------------
 

@@ -9,9 +9,12 @@ import numpy as np
 from cases import Case
 from cases.contact import find
 from cases.contact_pairs import PairCase
+from cases.corner import Corner
 
-from ..minimal.boxes import Cores
+from ..minimal.boxes import Cores, Geometry
 from ..minimal.contact_cores import cores
+from ..minimal.curve_pieces import Pieces
+from ..minimal.element_meetings import carried, fine
 from ..minimal.gap import facing
 from ..minimal.integrators.segment import Segment
 from ..minimal.meetings import Meeting, MeetingSearch
@@ -23,7 +26,9 @@ from .regimes import regime_of
 def first_meeting(contact: PairCase, search: MeetingSearch, segment: Segment) -> Meeting | None:
     """The first meeting of plate and support in a segment at another place than the watched contacts of that pair; None
     if there is none. Raises TooMuch."""
-    edges = np.unique(segment.times)
+    edges = (
+        fine(partial(_poses, segment), np.unique(segment.times)) if _is_corner(contact) else np.unique(segment.times)
+    )
     for first in range(0, len(edges) - 1, TOGETHER):
         motion, around = _in_windows(contact, segment, edges[first : first + TOGETHER + 1])
         meeting = search.first(motion, around)
@@ -36,7 +41,7 @@ def _in_windows(contact: PairCase, segment: Segment, edges: np.ndarray) -> tuple
     """Steps in windows so short that every contact is the only one in its surroundings, and these."""
     watched = [k for k, number in enumerate(regime_of(segment.phase).pairs) if number == contact.number]
     for _ in range(HALVINGS):
-        motion = windows(partial(_poses, segment), edges, contact.plate.reach)
+        motion = windows(partial(_path, contact, segment), edges, contact.whole.plate.reach)
         times = motion.start[:, None] + (motion.end - motion.start)[:, None] * PLACES
         states = segment.states(times.ravel())
         around, unproven = [], np.zeros(len(motion.start), dtype=bool)
@@ -65,6 +70,23 @@ def gaps(contact: Case, states: np.ndarray, k: int) -> np.ndarray:
     (X, Y), (u, v), (nx, ny) = track.point(xi1), contact.plate.outline.point(xi2), track.normal(xi1)
     c, s = np.cos(theta), np.sin(theta)
     return np.asarray((x + c * u - s * v - X) * nx + (y + s * u + c * v - Y) * ny)
+
+
+def search_of(contact: PairCase) -> MeetingSearch:
+    """The search for meetings of a pair; a corner is a point."""
+    if _is_corner(contact):
+        return MeetingSearch(Geometry(Pieces(contact.track), None, 0.0, contact.whole.plate.reach))
+    return MeetingSearch(Geometry.of_case(contact))
+
+
+def _is_corner(contact: PairCase) -> bool:
+    return isinstance(contact.plate.outline, Corner)
+
+
+def _path(contact: PairCase, segment: Segment, times: np.ndarray) -> np.ndarray:
+    """The poses of the plate, or the places of a corner as poses that do not turn, (3, n)."""
+    poses, feature = _poses(segment, times), contact.plate.outline
+    return carried(poses, feature.x, feature.y) if isinstance(feature, Corner) else poses
 
 
 def _poses(segment: Segment, times: np.ndarray) -> np.ndarray:

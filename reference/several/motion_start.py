@@ -16,7 +16,7 @@ from ..minimal.integrators.segment import Segment
 from ..minimal.phase_end import Ending
 from .geometry import TOUCHES, places
 from .march import SeveralSimulation
-from .watched_plate import WatchState, open_watch
+from .watched_plate import WatchState, open_watches
 
 # A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
 # turn of 1e-11 (`cases.piece_case.LEVEL`).
@@ -96,15 +96,7 @@ def from_flat_side(
 
 def _all_watches(case: Case, body: Sequence[float]) -> list[WatchState]:
     """The contacts that are watched from a pose on: all pairs with unique nearest points, and others that touch."""
-    watches, size = pairs_in_pose(case, *body[:3]), abs(body[0]) + abs(body[1]) + case.plate.reach
-    for pair in pairs(case):
-        if pair.has_unique_points:
-            continue
-        points = pair.guess(*body[:3])
-        try:
-            gap = places([pair], body, [points])[0].gap
-        except DoesNotFit:
-            continue
-        if abs(gap) <= TOUCHES * size:
-            watches.append(WatchedPair(pair, points, False))
-    return [open_watch(one) for one in sorted(watches, key=lambda one: one.pair.number)]
+    watches = pairs_in_pose(case, *body[:3])
+    searched = (pair for pair in pairs(case) if not pair.has_unique_points)
+    watches += [WatchedPair(pair, points, False) for pair in searched for points in pair.touching_points(*body[:3])]
+    return open_watches(sorted(watches, key=lambda one: one.pair.number))

@@ -93,7 +93,8 @@ def _structure(piece: Piece):
 
 
 def _has_ends(piece: Piece) -> bool:
-    return piece.domain is not None and piece.period is None
+    """Whether a contact may reach an end of a curve; a corner alone has none."""
+    return not isinstance(piece, Corner) and piece.domain is not None and piece.period is None
 
 
 def _sizes(piece: Piece, prefix: str) -> dict[str, float]:

@@ -60,9 +60,19 @@ def open_watch(one: WatchedPair) -> WatchState:
     return WatchState(open_name(one.pair), one.pair, one.points, Mode.FLIGHT, 0.0, one.is_away)
 
 
+def open_watches(some: Sequence[WatchedPair]) -> list[WatchState]:
+    """Open contacts at pairs; of several places of one pair each has a name of its own."""
+    watches = [open_watch(one) for one in some]
+    for k, watch in enumerate(watches):
+        if k and watch.contact == watches[k - 1].contact:
+            watch.name = f"{watches[k - 1].name}+"
+    return watches
+
+
 @dataclass
 class WatchedPlate:
-    """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip."""
+    """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip;
+    `named`: the names of corners and arcs, by their pairs' numbers, which they keep while they are not watched."""
 
     case: Case
     t: float
@@ -73,6 +83,7 @@ class WatchedPlate:
     stuck: set[str] = field(default_factory=set)
     touching: set[str] = field(default_factory=set)
     hops: NestedSeries = field(default_factory=NestedSeries)
+    named: dict[int, str] = field(default_factory=dict)
 
     def places(self) -> list[ContactPlace]:
         """The places of all watched contacts; their pairs are updated."""
@@ -172,8 +183,13 @@ class WatchedPlate:
 
     def _free_name(self, contact: PairCase) -> str:
         """The name of a further contact of that support."""
-        used = {watch.name for watch in self.watches}
-        return next(name for i in range(1, len(used) + 2) if (name := contact_name(contact.support, i)) not in used)
+        if contact.number in self.named:
+            return self.named[contact.number]
+        used = {watch.name for watch in self.watches} | set(self.named.values())
+        name = next(name for i in range(1, len(used) + 2) if (name := contact_name(contact.support, i)) not in used)
+        if contact.is_point_on_curve:
+            self.named[contact.number] = name
+        return name
 
     def _add_touching(self) -> None:
         for watch, at in zip(self.watches, self.places(), strict=True):

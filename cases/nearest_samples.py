@@ -1,0 +1,68 @@
+"""Samples of a track and an outline that are nearest to each other in a pose: where Newton's method begins."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import cos, hypot, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from .corner import Corner, Piece
+from .curves import Curve
+
+# Samples of a track and of a smooth outline.
+TRACK_SAMPLES, OUTLINE_SAMPLES = 2_000, 721
+
+
+class TrackSamples(NamedTuple):
+    """Parameters (n,) of a track and their points (2, n)."""
+
+    parameters: np.ndarray
+    points: np.ndarray
+
+    def nearest(self, point: np.ndarray) -> int:
+        """The number of the sample that is nearest to a point."""
+        return int(np.argmin(np.hypot(*(point[:, None] - self.points))))
+
+
+def track_samples(track: Curve, x: float, y: float, size: float) -> TrackSamples:
+    """Samples of the whole track; of one without ends those that a plate of that size (m) at a place may reach."""
+    if track.domain or track.period:
+        return _of_all(track)
+    middle = 0.5 * sum(track.span)
+    away = hypot(*(track.point(middle) - np.array([x, y]))) + 4.0 * size
+    wide = 2.0 * away / float(track.speed(middle))
+    return _between(track, middle - wide, middle + wide)
+
+
+@lru_cache(maxsize=64)
+def _of_all(track: Curve) -> TrackSamples:
+    return _between(track, *track.span)
+
+
+def _between(track: Curve, low: float, high: float) -> TrackSamples:
+    parameters = np.linspace(low, high, TRACK_SAMPLES)
+    return TrackSamples(parameters, track.point(parameters))
+
+
+def nearest_samples(track: Curve, outline: Piece, x: float, y: float, theta: float) -> list[tuple[float, float]]:
+    """Parameters of samples of a track and an outline, or a corner of one, that are nearest to each other in a pose:
+    each pair with a smaller gap than its neighbours, the one with the least gap along the track's normal first."""
+    c, s = cos(theta), sin(theta)
+    if isinstance(outline, Corner):
+        point = np.array([x + c * outline.x - s * outline.y, y + s * outline.x + c * outline.y])
+        samples = track_samples(track, x, y, hypot(outline.x, outline.y))
+        return [(float(samples.parameters[samples.nearest(point)]), 0.5 * sum(outline.span))]
+    own = np.linspace(*outline.span, OUTLINE_SAMPLES)
+    u, v = outline.point(own)
+    points = np.array([x + c * u - s * v, y + s * u + c * v])
+    samples = track_samples(track, x, y, outline.sizes[0])
+    numbers = [samples.nearest(point) for point in points.T]
+    near = samples.parameters[numbers]
+    gaps = ((points - samples.points[:, numbers]) * track.normal(near)).sum(axis=0)
+    padded = np.concatenate([[np.inf], gaps, [np.inf]])
+    if outline.period:  # the last sample is the first one
+        padded[[0, -1]] = gaps[-2], gaps[1]
+    least = np.flatnonzero((gaps <= padded[:-2]) & (gaps <= padded[2:]))
+    return [(float(near[i]), float(own[i])) for i in least[np.argsort(gaps[least], kind="stable")]]
