@@ -130,7 +130,7 @@ def refuses(case: Case, route: str) -> str | None:
         return "box2d has RollingResistance for circles only, and this outline is none."
     if case.others and (problem := shapes.refuses_plates(case)):
         return problem
-    if touches_by_features(case) and not case.others and (problem := support_contacts.refuses(case)):
+    if touches_by_features(case) and not case.others and (problem := support_contacts.refuses(case, True)):
         return problem
     if any(own != whole for own, whole in shapes.restitutions(case)):
         return "box2d takes the larger restitution of both shapes, and a support here has its own."
@@ -200,7 +200,7 @@ def build(case: Case, route: str, setting: Setting) -> Box2dModel:
     belt = shapes.belt_material(case, scale)
     track = shapes.track_body(case, world, scale)
     shapes.add_track(case, track, belt, scale, knobs.get("facets", 1))
-    shapes.add_supports(case, track, scale)
+    shapes.add_supports(case, track, scale, knobs.get("facets", 1))
     begins = [(start.x, start.y, start.theta, start.vx, start.vy, start.omega)]
     begins += start_poses(case)[1:].tolist()
     plates = []

@@ -12,7 +12,7 @@ import pyb2d3
 
 from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, PerfectlyRough, Plate, RollingResistance
 from cases.corner import Edge
-from cases.line_or_circle import as_circle, as_line
+from cases.line_or_circle import Circle, as_circle, as_line
 
 from ..common import facets
 from ..common.driven_tracks import PrescribedSteps
@@ -33,10 +33,9 @@ def corners(case: Case, h: float | None) -> dict[str, int]:
     A facet is as long as a step's displacement at top speed.
     """
     counts: dict[str, int] = {}
-    if facets.track_kind(case) == "chain":
-        part = facets.stretch(case)
-        way = part.top_speed * h if h else 0.0
-        counts["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
+    if length := facets.longest_in_facets(case):
+        way = facets.stretch(case).top_speed * h if h else 0.0
+        counts["facets"] = max(MODEST, round(length / way)) if way else MODEST
     outline = case.plate.outline
     if not facets.round_plate(case) and not as_line(outline):
         # With 0.2 s over the step corners lose as much energy as the step itself; whole polygons of a fan.
@@ -110,12 +109,17 @@ def restitutions(case: Case) -> list[tuple[float, float]]:
     return [(material(own).restitution, material(case).restitution) for own in _own_cases(case)]
 
 
-def add_supports(case: Case, body: pyb2d3.Body, scale: float) -> None:
-    """Add a segment of a chain for each further support."""
+def add_supports(case: Case, body: pyb2d3.Body, scale: float, count: int) -> None:
+    """Add a segment of a chain, a circle, or a chain for each further support; the longest one has `count` segments."""
     for support, own in zip(case.supports, _own_cases(case), strict=True):
-        line = as_line(support.curve)
-        assert line is not None, "refuses() accepts straight supports only"
-        _add_line(body, facets.ends(case, line), _against_plate(case, belt_material(own, scale)), scale)
+        line, curve, surface = as_line(support.curve), support.curve, _against_plate(case, belt_material(own, scale))
+        circle = as_circle(curve)
+        if line:
+            _add_line(body, facets.ends(case, line), surface, scale)
+        elif circle and facets.is_hill(curve):
+            _add_circle(body, circle, surface, scale)
+        else:
+            _add_chain(body, facets.support_chain(case, curve, count), curve.period is not None, surface, scale)
 
 
 def _against_plate(case: Case, surface: pyb2d3.SurfaceMaterial) -> pyb2d3.SurfaceMaterial:
@@ -201,12 +205,23 @@ def add_track(case: Case, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, s
     if (case.supports or case.others) and line:
         _add_line(body, facets.ends(case, line), _against_plate(case, material), scale)
         return
+    if case.supports:
+        material = _against_plate(case, material)
     if kind == "hill" and circle:
-        shape = pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius)
-        body.create_shape(pyb2d3.shape_def(material=material), shape)
+        _add_circle(body, circle, material, scale)
         return
-    corners = facets.chain(case, count)
-    closed = kind == "chain" and facets.stretch(case).closed
+    _add_chain(body, facets.chain(case, count), kind == "chain" and facets.stretch(case).closed, material, scale)
+
+
+def _add_circle(body: pyb2d3.Body, circle: Circle, material: pyb2d3.SurfaceMaterial, scale: float) -> None:
+    shape = pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius)
+    body.create_shape(pyb2d3.shape_def(material=material), shape)
+
+
+def _add_chain(
+    body: pyb2d3.Body, corners: np.ndarray, closed: bool, material: pyb2d3.SurfaceMaterial, scale: float
+) -> None:
+    """Add segments between corners (2, n), which the engine smooths."""
     if closed:
         corners = corners[:, :-1]
     else:

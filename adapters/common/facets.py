@@ -33,8 +33,34 @@ def track_kind(case: Case) -> str:
     """The track's shape for an engine with few shapes: "line", "hill" (a whole circle, from outside) or "chain"."""
     if as_line(case.track):
         return "line"
-    circle = as_circle(case.track)
-    return "hill" if circle and not circle.left and case.track.period else "chain"
+    return "hill" if is_hill(case.track) else "chain"
+
+
+def is_hill(curve: Curve) -> bool:
+    """Whether a curve is a whole circle, from outside."""
+    circle = as_circle(curve)
+    return bool(circle and not circle.left and curve.period)
+
+
+def in_facets(case: Case) -> list[Curve]:
+    """The supports that engines with few shapes have as facets: neither lines nor whole circles from outside."""
+    return [s.curve for s in case.supports if not as_line(s.curve) and not is_hill(s.curve)]
+
+
+def longest_in_facets(case: Case) -> float:
+    """The length (m) of the longest curve in facets: the reachable part of the track, or a support; 0 without any."""
+    lengths = [curve.length(*curve.span) for curve in in_facets(case)]
+    return max([*lengths, stretch(case).length if track_kind(case) == "chain" else 0.0])
+
+
+def share_of_facets(case: Case, length: float, count: int) -> int:
+    """The number of facets of a curve of that length (m) where the longest one has `count`."""
+    return max(1, round(count * length / longest_in_facets(case)))
+
+
+def support_chain(case: Case, curve: Curve, count: int, behind: float = 0.0) -> np.ndarray:
+    """Corners, shape (2, n), of the facets of a support, where the longest curve has `count`; as of `chain`."""
+    return _facets(curve, *curve.span, share_of_facets(case, curve.length(*curve.span), count), behind)
 
 
 def round_plate(case: Case) -> Circle | None:
@@ -200,6 +226,7 @@ def chain(case: Case, count: int, behind: float = 0.0) -> np.ndarray:
     part = stretch(case)
     if isinstance(case.track, Chain):
         return chain_vertices(case.track, count)
+    count = share_of_facets(case, part.length, count) if case.supports else count
     return _facets(case.track, part.low, part.high, count, behind)
 
 
@@ -300,8 +327,10 @@ def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
         off, vertices = off + _chain_sagitta(case.plate.outline, vertices), None
     if facets:
         part = stretch(case)
-        bend = np.abs(case.track.curvature(np.linspace(part.low, part.high, 721))).max()
-        off += float(bend) * (part.length / facets) ** 2 / 8
+        bends = [case.track.curvature(np.linspace(part.low, part.high, 721))]
+        bends += [curve.curvature(np.linspace(*curve.span, 721)) for curve in in_facets(case)]
+        length = longest_in_facets(case) if case.supports else part.length
+        off += float(np.abs(bends).max()) * (length / facets) ** 2 / 8
     if vertices and is_convex(case.plate.outline):
         # A chord of length L over a turn of δ has the sagitta L δ/8.
         corners = polygon(case, vertices)

@@ -1,4 +1,4 @@
-"""Contacts of a plate on straight supports, from the poses and velocities of a motion alone.
+"""Contacts of a plate on supports, from the poses and velocities of a motion alone.
 
 Each pair of a support and a feature of the outline (a corner, an arc, a whole circle) has one gap in every pose. It is
 closed while the gap is below what the engine's step leaves, and, where other contacts of the same motion are closed
@@ -14,13 +14,15 @@ from math import pi
 import numpy as np
 from scipy.optimize import nnls
 
-from cases import Case, CoulombFriction, PerfectlyRough, Trajectory
+from cases import Belt, Case, CoulombFriction, Curve, PerfectlyRough, Trajectory
 from cases.contact import belt_speed
 from cases.contact_limits import touches_by_features
 from cases.contact_pairs import PairCase, contact_name, pairs
 from cases.corner import Corner, turning
+from cases.curve_samples import SampleStretches
 from cases.line_or_circle import as_circle, as_line
 from cases.sampled_contacts import SampledContacts
+from cases.supports import is_straight
 from cases.trajectory import ContactColumns
 
 from . import several_contacts
@@ -31,15 +33,18 @@ UNNEEDED = 1e-3
 SURE_SLIP = 0.1
 # The drift of a gap along a motion by rounding, for coordinates of size 1: hundreds of steps add some 1e-16 each.
 ROUNDING = 1e-13
+# Samples of a curved support, and Newton's steps from the nearest of them: each squares the error.
+TRACK_SAMPLES, FOOT_STEPS = 4_001, 6
 # The angle of a cone that no force leaves.
 ROUGH = 1e6
 
 
-def refuses(case: Case) -> str | None:
-    """Why the contacts of a case with supports do not follow from its poses here, in one sentence, or None."""
+def refuses(case: Case, with_curves: bool = False) -> str | None:
+    """Why the contacts of a case with supports do not follow from its poses here, in one sentence, or None.
+    `with_curves`: whether the engine has supports that are no straight lines."""
     for pair in pairs(case):
-        if as_line(pair.track) is None or pair.track.domain is not None:
-            return f"Supports are straight lines without ends here, and {pair.support!r} is none."
+        if not is_straight(pair.track) and (problem := _refuses_curve(pair, with_curves)):
+            return problem
         if not isinstance(pair.plate.outline, Corner) and as_circle(pair.plate.outline) is None:
             return "A plate on supports is round or has corners here, and this outline is another."
         if pair.arc_range is not None:
@@ -49,13 +54,30 @@ def refuses(case: Case) -> str | None:
 
 def refuses_several(case: Case) -> str | None:
     """Why the several contacts of a case, on supports or on its track, do not follow from its poses, or None."""
-    return refuses(case) if touches_by_features(case) else several_contacts.supports(case)
+    return refuses(case, True) if touches_by_features(case) else several_contacts.supports(case)
+
+
+def _refuses_curve(pair: PairCase, with_curves: bool) -> str | None:
+    """Why a pair on a support that is no straight line without ends does not follow from its poses, or None."""
+    curve, name = pair.track, pair.support
+    if not with_curves:
+        return f"Supports are straight lines without ends here, and {name!r} is none."
+    if not curve.period and curve.domain is None:
+        return f"Curved supports have ends or are closed here, and {name!r} is neither."
+    if pair.effect(Belt) is not None:
+        return f"Belts run on straight supports only here, and {name!r} is none."
+    bend = np.asarray(curve.curvature(np.linspace(*curve.span, TRACK_SAMPLES)))
+    circle = None if isinstance(pair.plate.outline, Corner) else as_circle(pair.plate.outline)
+    # A disc that fits into a hollow curve everywhere, or lies on a hill, touches it in one place (Blaschke).
+    if not np.all(bend <= 0.0) and (bend.min() < 0.0 or (circle and bend.max() * circle.radius >= 1.0)):
+        return f"A plate may touch the support {name!r} in several places, which are not distinguished here."
+    return None
 
 
 @dataclass(frozen=True)
 class _Contact:
     """One pair along a motion, arrays of n samples: gap (m), contact point relative to the centre of mass, (2, n), the
-    parameter of the support's curve, and unit tangent and normal of the support."""
+    parameter of the support's curve, and unit tangent and normal of the support, (2, n)."""
 
     pair: PairCase
     gap: np.ndarray
@@ -70,12 +92,12 @@ class _Contact:
         v = motion.vy + motion.omega * self.lever[0]
         return self.tangent[0] * u + self.tangent[1] * v - belt_speed(self.pair, motion.t)
 
-    @property
-    def cone(self) -> np.ndarray:
-        """The two edges of the friction cone, shape (2, 2)."""
+    def cone(self, sample: int) -> np.ndarray:
+        """The two edges of the friction cone at a sample, shape (2, 2)."""
         friction = self.pair.effect(CoulombFriction)
         mu = ROUGH if self.pair.effect(PerfectlyRough) else friction.at_rest if friction else 0.0
-        return np.array([self.normal + mu * self.tangent, self.normal - mu * self.tangent]) / np.hypot(1.0, mu)
+        normal, tangent = self.normal[:, sample], self.tangent[:, sample]
+        return np.array([normal + mu * tangent, normal - mu * tangent]) / np.hypot(1.0, mu)
 
 
 def with_supports(
@@ -121,21 +143,46 @@ def _with_columns(motion: Trajectory, columns: dict[str, ContactColumns], closed
 
 
 def _contact(pair: PairCase, motion: Trajectory, slip_lever: float) -> _Contact:
-    line, feature = as_line(pair.track), pair.plate.outline
-    assert line is not None, "checked by refuses()"
-    tangent = line.direction
-    normal = np.array([-tangent[1], tangent[0]])
+    feature = pair.plate.outline
     circle = None if isinstance(feature, Corner) else as_circle(feature)
     radius = circle.radius if circle else 0.0
     u, v = circle.centre if circle else (feature.x, feature.y)  # type: ignore[attr-defined]
     c, s = np.cos(motion.theta), np.sin(motion.theta)
     arm = np.array([c * u - s * v, s * u + c * v])
-    place = arm + np.array([motion.x, motion.y]) - np.asarray(line.point)[:, None]
-    gap = normal @ place - radius
-    low = float(pair.track.span[0])
-    start = np.asarray(pair.track.point(low)) - line.point
-    xi1 = low + (tangent @ (place - start[:, None])) / float(pair.track.speed(low))
-    return _Contact(pair, gap, arm - normal[:, None] * (radius + slip_lever * gap), xi1, tangent, normal)
+    place = arm + np.array([motion.x, motion.y])
+    xi1, away, tangent = (_on_line if is_straight(pair.track) else _on_curve)(pair.track, place)
+    gap, normal = away - radius, np.array([-tangent[1], tangent[0]])
+    return _Contact(pair, gap, arm - normal * (radius + slip_lever * gap), xi1, tangent, normal)
+
+
+def _on_line(track: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where points (2, n) are nearest to a straight support: its parameter, their distance (m), its tangent (2, n)."""
+    line = as_line(track)
+    assert line is not None
+    tangent, off = line.direction, place - np.asarray(line.point)[:, None]
+    low = float(track.span[0])
+    start = np.asarray(track.point(low)) - line.point
+    xi1 = low + (tangent @ (off - start[:, None])) / float(track.speed(low))
+    return xi1, np.array([-tangent[1], tangent[0]]) @ off, np.broadcast_to(tangent[:, None], off.shape)
+
+
+def _on_curve(track: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same for a curve, by Newton's method from the nearest sample; next to an end the distance is infinite."""
+    parameters = np.linspace(*track.span, TRACK_SAMPLES)
+    near = SampleStretches.of(track.point(parameters).T).nearest(place.T)
+    xi1 = start = parameters[near]
+    width = parameters[1] - parameters[0]
+    for _ in range(FOOT_STEPS):
+        x, y, xp, yp, xs, ys, *_ = track.jets(xi1)
+        dx, dy = place[0] - x, place[1] - y
+        slope = dx * xs + dy * ys - xp * xp - yp * yp
+        step = np.divide(dx * xp + dy * yp, slope, out=np.zeros_like(slope), where=slope < 0.0)
+        xi1 = np.clip(xi1 - step, start - width, start + width)
+    tangent, off = track.tangent(xi1), place - track.point(xi1)
+    away = tangent[0] * off[1] - tangent[1] * off[0]
+    if track.domain is not None and not track.period:
+        away = np.where((xi1 > track.domain[0]) & (xi1 < track.domain[1]), away, np.inf)
+    return xi1, away, tangent
 
 
 def _columns(
@@ -146,7 +193,7 @@ def _columns(
     for axis in (one.normal, one.tangent):
         force = np.where(closed, np.nan, 0.0)
         if torsor is not None:
-            force[alone] = torsor[alone, :2] @ axis
+            force[alone] = (torsor[alone, :2] * axis[:, alone].T).sum(axis=1)
         forces.append(force)
     return ContactColumns(
         gap=one.gap,
@@ -232,6 +279,6 @@ def from_first_to_last(closed: np.ndarray, pushing: np.ndarray) -> np.ndarray:
 def _edges(contact: _Contact, sample: int, size: float, way: int) -> np.ndarray:
     """The edges of a contact's friction cone as torsors, columns of shape (3, 2), or the one of a contact that slips
     forwards (`way` 1) or backwards (−1)."""
-    lever = contact.lever[:, sample]
-    cone = {0: contact.cone, 1: contact.cone[1:], -1: contact.cone[:1]}[way]
+    lever, both = contact.lever[:, sample], contact.cone(sample)
+    cone = {0: both, 1: both[1:], -1: both[:1]}[way]
     return np.array([[fx, fy, (lever[0] * fy - lever[1] * fx) / size] for fx, fy in cone]).T

@@ -106,7 +106,7 @@ def refuses_several_contacts(case: Case, route: str) -> str | None:
 def _refuses_natively(case: Case) -> str | None:
     if facets.has_hollow_corners(case.plate.outline):
         return "pymunk's polygons are convex, and this outline has corners that point inwards."
-    if touches_by_features(case) and not case.others and (problem := support_contacts.refuses(case)):
+    if touches_by_features(case) and not case.others and (problem := support_contacts.refuses(case, True)):
         return problem
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."

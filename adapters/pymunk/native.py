@@ -32,7 +32,20 @@ from cases.line_or_circle import Circle, Line, as_circle, as_line
 from cases.mechanics import gravity
 
 from ..common.driven_tracks import PrescribedSteps
-from ..common.facets import chain, ends, is_convex, polygon, rim, round_plate, stretch, track_kind
+from ..common.facets import (
+    chain,
+    ends,
+    in_facets,
+    is_convex,
+    is_hill,
+    longest_in_facets,
+    polygon,
+    rim,
+    round_plate,
+    stretch,
+    support_chain,
+    track_kind,
+)
 from ..interface import Setting
 from . import older_versions
 
@@ -67,13 +80,12 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
     A facet is as long as the plate's displacement in one step at top speed: shorter ones only cost time.
     """
     kind, knobs = track_kind(case), dict[str, float | int]()
-    if kind == "chain":
-        part = stretch(case)
-        way = part.top_speed * h if h else 0.0
-        knobs["facets"] = max(MODEST, round(part.length / way)) if way else MODEST
+    if length := longest_in_facets(case):
+        way = stretch(case).top_speed * h if h else 0.0
+        knobs["facets"] = max(MODEST, round(length / way)) if way else MODEST
         # A facet with its neighbours set does not catch the plate with its end where they meet. The default has none.
         knobs["neighbors"] = 0 if h is None else 1
-    if kind != "hill":
+    if kind != "hill" or case.supports:
         # Thick walls stop plates that sink in; thin ones reduce the engine's search for overlapping boxes.
         thickness = case.plate.inner * (1.0 if h is None else 0.05)
         knobs["thickness"] = min(thickness, 0.5 * _tightest_hill(case))
@@ -112,7 +124,7 @@ def model_grid(case: Case, steps: Sequence[float]) -> list[dict[str, float | int
 
 def scene_kind(case: Case) -> str:
     """The kind of scene, which decides its cost: the track's for a disc, else "polygon" or "polygon on chain"."""
-    kind = track_kind(case)
+    kind = "chain" if longest_in_facets(case) else track_kind(case)
     if round_plate(case):
         return kind
     return "polygon on chain" if kind == "chain" else "polygon"
@@ -124,7 +136,8 @@ def _tightest_hill(case: Case) -> float:
     if isinstance(case.track, Chain):
         return 0.0
     part = stretch(case)
-    bend = float(case.track.curvature(np.linspace(part.low, part.high, 721)).min())
+    bends = [case.track.curvature(np.linspace(part.low, part.high, 721))]
+    bend = float(np.min([*bends, *(curve.curvature(np.linspace(*curve.span, 721)) for curve in in_facets(case))]))
     return -1 / bend if bend < 0.0 else float("inf")
 
 
@@ -158,30 +171,43 @@ def build(case: Case, setting: Setting) -> tuple[pymunk.Space, pymunk.Body]:
     belt = case.effect(Belt)
     if belt and belt_runs_as_shapes(case):
         _run_surface(shapes, belt.constant or 0.0)
-    shapes += _support_segments(case, space, track, setting)
+    shapes += _supports(case, space, track, setting)
     # Sorted insertion degenerates the engine's tree into a list; any fixed shuffle keeps it shallow.
     random.Random(0).shuffle(shapes)
     space.add(body, *plate, *([track] if case.effect(Drive) else []), *shapes)
     return space, body
 
 
-def _support_segments(case: Case, space: pymunk.Space, track: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
-    """One segment for each further support on the body of the track, with its friction and its restitution as a
+def _supports(case: Case, space: pymunk.Space, track: pymunk.Body, setting: Setting) -> list[pymunk.Shape]:
+    """The shapes of the further supports on the body of the track, each with its friction and its restitution as a
     multiple of the case's."""
-    segments, whole = list[pymunk.Shape](), case.effect(Impact)
+    every, whole = list[pymunk.Shape](), case.effect(Impact)
     for number, support in enumerate(case.supports, start=_SUPPORT):
-        line, own = as_line(support.curve), replace(case, effects=support.acting(case.effects), supports=())
-        assert line is not None, "refuses() accepts straight supports only"
-        segment = line_segment(case, space, track, line, setting["thickness"], ends(case, line))
-        impact = own.effect(Impact)
-        segment.friction, segment.elasticity = friction_coefficient(own), 1.0
-        if impact and whole and whole.restitution > 0.0:
-            segment.elasticity = impact.restitution / whole.restitution
-        segment.collision_type, belt = number, own.effect(Belt)
+        own = replace(case, effects=support.acting(case.effects), supports=())
+        shapes = _support_shapes(case, space, track, support.curve, setting)
+        impact, belt = own.effect(Impact), own.effect(Belt)
+        for shape in shapes:
+            shape.friction, shape.elasticity = friction_coefficient(own), 1.0
+            if impact and whole and whole.restitution > 0.0:
+                shape.elasticity = impact.restitution / whole.restitution
+            shape.collision_type = number
         if belt and belt.constant is not None:
-            _run_surface([segment], belt.constant)
-        segments.append(segment)
-    return segments
+            _run_surface(shapes, belt.constant)
+        every += shapes
+    return every
+
+
+def _support_shapes(
+    case: Case, space: pymunk.Space, track: pymunk.Body, curve: Curve, setting: Setting
+) -> Sequence[pymunk.Shape]:
+    """A support as one segment, a circle, or a chain of segments."""
+    line, circle = as_line(curve), as_circle(curve)
+    if line:
+        return [line_segment(case, space, track, line, setting["thickness"], ends(case, line))]
+    if circle and is_hill(curve):
+        return [_track_circle(track, circle)]
+    corners = support_chain(case, curve, int(setting["facets"]), behind=setting["thickness"])
+    return _segments(track, corners, curve.period is not None, setting)
 
 
 def drive_track(case: Case, space: pymunk.Space, h: float) -> None:
@@ -313,8 +339,13 @@ def _chain(case: Case, body: pymunk.Body, setting: Setting) -> list[pymunk.Shape
             f"At this step the track needs {facets:,} facets, and a million take more than a gigabyte of memory; "
             "give a coarser setting."
         )
-    points = [(float(x), float(y)) for x, y in chain(case, facets, behind=thickness).T]
-    if stretch(case).closed:
+    return _segments(body, chain(case, facets, behind=thickness), stretch(case).closed, setting)
+
+
+def _segments(body: pymunk.Body, corners: np.ndarray, is_closed: bool, setting: Setting) -> list[pymunk.Shape]:
+    """Segments between corners (2, n)."""
+    points, thickness = [(float(x), float(y)) for x, y in corners.T], setting["thickness"]
+    if is_closed:
         points[-1] = points[0]
         before, after = points[-2], points[1]
     else:

@@ -17,6 +17,7 @@ from cases import (
     Belt,
     Case,
     CoulombFriction,
+    Curve,
     Drive,
     Flight,
     Gravity,
@@ -28,7 +29,9 @@ from cases import (
     Unilateral,
     disc,
 )
-from cases.library import circle, line
+from cases.curves import cos as cosine_of
+from cases.curves import sin as sine_of
+from cases.library import circle, cosine, line
 from reports import export
 from tests.adapters.test_engine_effects import off, play
 
@@ -44,7 +47,10 @@ def from_poses(case: Case, truth: Trajectory, count: int = 1201) -> Trajectory:
 
 
 @pytest.mark.sampled(3)
-@pytest.mark.parametrize("label", ["rocking_block", "ladder_at_wall", "round_ladder_at_wall", "disc_spinning_in_v"])
+@pytest.mark.parametrize(
+    "label",
+    ["rocking_block", "rod_in_bowl", "block_into_bowl", "ladder_at_wall", "round_ladder_at_wall", "disc_spinning_in_v"],
+)
 def test_contacts_on_supports_follow_from_the_poses(label):
     case = cases.load(label)
     truth = reference.simulate(case, rtol=1e-10)
@@ -207,14 +213,55 @@ def test_exudyn_spins_and_rocks_in_a_v():
 def test_routes_without_supports_reject_them_in_one_sentence():
     sentence = "The assisted route does not support several fixed curves (supports)."
     assert refusal(engine("pymunk"), groove(), "assisted") == sentence
+    wave = groove(supports=(Support(cosine(0.1, 9.0), "wave"),), start=StartPose(0.0, 2.0))
+    why = "A plate may touch the support 'wave' in several places, which are not distinguished here."
+    assert refusal(engine("pymunk"), wave, "native") == why
+    assert refusal_of_several_contacts(engine("pymunk"), wave, "native") == why
+    endless = groove(supports=(Support(Curve(lambda s: (s, 0.1 * s * s - 3.0)), "valley"),))
+    why = "Curved supports have ends or are closed here, and 'valley' is neither."
+    assert refusal(engine("pymunk"), endless, "native") == why
     bowl = groove(supports=(Support(circle(3.0), "bowl"),))
     why = "Supports are straight lines without ends here, and 'bowl' is none."
-    assert refusal(engine("pymunk"), bowl, "native") == why
-    assert refusal_of_several_contacts(engine("pymunk"), bowl, "native") == why
+    assert refusal(engine("exudyn"), bowl, "native") == why
+    assert refusal(engine("pymunk"), bowl, "native") is None
+    belt = groove(supports=(Support(circle(3.0), "bowl", (CoulombFriction(0.3), Belt(1.0))),))
+    why = "Belts run on straight supports only here, and 'bowl' is none."
+    assert refusal(engine("pymunk"), belt, "native") == why
     on_belt = groove(effects=(*groove().effects, Belt(1.0)))
     assert refusal(engine("pymunk"), on_belt, "native") is None
     why = "The native route does not support belts together with several fixed curves (supports)."
     assert refusal(engine("exudyn"), on_belt, "native") == why
+
+
+def in_bowl() -> Case:
+    """A disc that rolls along a plane into a bowl."""
+    effects = (Gravity(9.81), CoulombFriction(0.2), Unilateral(), Flight(), Impact(0.0, "moreau"))
+    bowl = Support(Curve(lambda s: (1.4 * cosine_of(s), 1.0 + 1.4 * sine_of(s))), "bowl")
+    return Case(line(), disc(0.3, 1.0), effects, StartPose(0.0, 0.3, vx=2.0), 1.2, supports=(bowl,))
+
+
+@pytest.mark.sampled(4)
+@pytest.mark.parametrize(
+    ("name", "make", "least"),
+    # Distance (m) allowed at the fifth rung: twice what was measured.
+    [
+        ("pymunk", lambda: cases.load("disc_between_hills"), 2.5e-6),
+        ("pymunk", lambda: cases.load("rod_in_bowl", angle=0.7, mu=0.2), 4e-3),
+        ("pymunk", lambda: cases.load("block_into_bowl"), 1.2e-2),
+        ("pymunk", in_bowl, 6.2e-4),
+        ("box2d", lambda: cases.load("disc_between_hills"), 1.1e-3),
+        ("box2d", lambda: cases.load("rod_in_bowl", angle=0.7, mu=0.2), 6e-4),
+        ("box2d", lambda: cases.load("block_into_bowl"), 1e-2),
+        ("box2d", in_bowl, 1.4e-3),
+    ],
+)
+def test_engines_have_curved_supports_as_facets_and_circles(name, make, least):
+    pytest.importorskip(f"adapters.{name}")
+    case, module = make(), engine(name)
+    assert refusal(module, case, "native") is None and not refusal_of_several_contacts(module, case, "native")
+    coarse, fine = (play(name, "native", case, rung) for rung in (0, 4))
+    assert off(case, fine)[0] < least and off(case, fine)[0] < 0.2 * off(case, coarse)[0]
+    assert fine.contact_names == reference.simulate(case).contact_names
 
 
 def belts_in_v(left: str, right: str) -> Case:
