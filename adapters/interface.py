@@ -119,16 +119,15 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     """Why a route does not support a case, in one sentence, or None: by what the adapter has to declare, then by its
     own `refuses`."""
     # These import SymPy, which a command's help does not need.
-    from cases import CoulombFriction, Drive
+    from cases import Drive
     from cases.own_effects import own_effects
     from cases.piece_case import has_pieces
-    from cases.supports import has_belt
+    from cases.supports import has_belt, has_slip_law
 
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
             return f"The {route} route does not support {type(effect).__name__}, an effect of a package of its own."
-    friction = case.effect(CoulombFriction)
-    if friction and friction.by_speed and route not in getattr(adapter, "SLIP_LAWS", ()):
+    if has_slip_law(case) and route not in getattr(adapter, "SLIP_LAWS", ()):
         return f"The {route} route does not support friction that depends on the slip velocity."
     if case.others and route not in getattr(adapter, "SEVERAL_PLATES", ()):
         return f"The {route} route does not support several plates (others)."

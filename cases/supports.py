@@ -164,9 +164,6 @@ def exclusion(case: Any) -> str:
     law = case.effect(Impact)
     if law is not None and law.law == "newton" and has_belt(case):
         return 'the impact law "newton" with a Belt and several contacts is not supported; give "poisson" or "moreau"'
-    friction = case.effect(CoulombFriction)
-    if friction is not None and friction.by_speed:
-        return "friction that depends on the slip speed with several contacts is not supported; give mu as a number"
     for curve in (case.track, case.plate.outline, *(support.curve for support in case.supports)):
         if not isinstance(curve, Chain) and curve.parts is not None:
             return "a curve in pieces with several contacts is not supported; give a smooth curve in one piece"
@@ -175,8 +172,17 @@ def exclusion(case: Any) -> str:
 
 def has_belt(case: Any) -> bool:
     """Whether the surface of the track or of a support runs."""
-    own = (case.effects, *(support.effects or () for support in case.supports))
-    return any(all_effects.one(effects, Belt) is not None for effects in own)
+    return any(isinstance(effect, Belt) for effect in _all_effects(case))
+
+
+def has_slip_law(case: Any) -> bool:
+    """Whether the friction of the track or of a support depends on the slip speed."""
+    return any(isinstance(effect, CoulombFriction) and effect.by_speed for effect in _all_effects(case))
+
+
+def _all_effects(case: Any) -> tuple[Effect, ...]:
+    """The effects of a case and of its supports."""
+    return (*case.effects, *(effect for support in case.supports for effect in support.effects or ()))
 
 
 def _check_features(case: Any) -> None:

@@ -162,17 +162,17 @@ def is_rough(contact: Case) -> bool:
     return contact.effect(PerfectlyRough) is not None
 
 
-def friction_of(contact: Case) -> tuple[float, float]:
-    """The coefficients of friction of a contact, with slip and without."""
+def friction_of(contact: Case, speed: float = 0.0) -> tuple[float, float]:
+    """The coefficients of friction of a contact, with a slip of that speed (m/s) and without slip."""
     friction = contact.effect(CoulombFriction)
     if is_rough(contact):
         return ROUGH, ROUGH
-    return (friction.at_rest, friction.stick) if friction else (0.0, 0.0)
+    return (float(friction.at(speed)) if speed else friction.at_rest, friction.stick) if friction else (0.0, 0.0)
 
 
 def frictions(contacts: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
-    """The coefficients of friction of all contacts with slip, and without."""
-    values = np.array([friction_of(one.contact) for one in contacts]).reshape(-1, 2)
+    """The coefficients of friction of all contacts with their slip, and without."""
+    values = np.array([friction_of(one.contact, abs(one.slip)) for one in contacts]).reshape(-1, 2)
     return values[:, 0], values[:, 1]
 
 

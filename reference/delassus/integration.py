@@ -8,7 +8,6 @@ from math import inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import DOP853
 from scipy.optimize import brentq
 
 from cases import Case
@@ -20,6 +19,7 @@ from .contacts import all_pairs, is_watched_always, pair_at
 from .phase import SeveralContactPhase
 from .plate_state import TOUCHES, PlateState, SimulationEnd
 from .small_impacts import ImpactsOnTwoLevels
+from .steps import ResolvingDOP853, slips_allow
 
 EPS = float(np.finfo(float).eps)
 # Guards are evaluated at this many places of each step; steps are at most this part of the plate's turn.
@@ -35,6 +35,8 @@ FORGOTTEN = 0.5
 # The guard of a slip that has just begun is ignored for this part of the motion's time scale: an instant located to
 # rounding may still lie inside the cone, where the slip would first go back by far less than the resolution.
 BLIND = 1e-6
+# A plate whose pace is below this part of that of its load is at rest.
+AT_REST = 1e-5
 # Points of an open contact that move this many times as far as their rate between two looks allows have jumped.
 JUMP = 4.0
 
@@ -61,11 +63,14 @@ class PhaseIntegration(PlateState):
         self.searched = [pair for pair in pairs(case) if not is_watched_always(pair)]
 
     def pace(self, phase: SeveralContactPhase) -> float:
-        """How fast the plate moves or begins to, 1/s."""
+        """How fast the plate moves or begins to, 1/s. From rest a slip may begin without acceleration: speed and
+        acceleration are all rounding then, and the load gives the pace that the plate may reach."""
         size = self.case.plate.gyration
         speeds = np.abs(self.body[3:]) / np.array([size, size, 1.0])
         accelerations = np.abs(phase.forces(self.t, self.body).acceleration) / np.array([size, size, 1.0])
-        return max(float(speeds.max()), sqrt(float(accelerations.max())))
+        load = self.dynamics.inverse * self.dynamics.torsor(self.t, self.body) / np.array([size, size, 1.0])
+        pace, most = max(float(speeds.max()), sqrt(float(accelerations.max()))), sqrt(float(np.abs(load).max()))
+        return most if pace < AT_REST * most else pace
 
     def integrate(self, phase: SeveralContactPhase) -> list[tuple[str, str]]:
         """Integrate to the first zero of a guard; returns the guards that vanish there, none at the end."""
@@ -76,14 +81,16 @@ class PhaseIntegration(PlateState):
         pace = self.pace(phase)
         blind = self.t + (BLIND / pace if pace else 0.0)
         tops = self.tops(phase)
-        solver = DOP853(
+        solver = ResolvingDOP853(
             phase.rates, self.t, self.body, end, rtol=self.rtol, atol=1e-2 * self.rtol,
             max_step=2.0 * pi / (STEPS_PER_TURN * pace) if pace else end, first_step=self.first_step(tops.values()),
+            allows=slips_allow(phase),
         )  # fmt: skip
         dips = Dips(blind)
         while solver.status == "running":
             solver.step()
             self.steps += 1
+            self.speed = max(self.speed, self.surface_speed(solver.t))
             if solver.status == "failed" or not np.isfinite(solver.y).all():
                 raise SimulationEnd("breakdown")
             if self.steps > MOST_STEPS:

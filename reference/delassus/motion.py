@@ -151,7 +151,8 @@ class Simulation(PhaseIntegration):
             answers += [held] if held[0] > 0.0 else []
         if not answers:
             return None
-        if len(answers) > 1 and len(closed) > 1 and not (stick > mu).any():
+        holds_better = any(friction_of(pair.contact)[1] > friction_of(pair.contact)[0] for pair in some)
+        if len(answers) > 1 and len(closed) > 1 and not holds_better:
             raise SimulationEnd("not_unique")
         force = min(answers, key=lambda f: float(np.abs((delassus @ f + free)[len(closed) :]).max()))
         rates = delassus @ force + free
@@ -265,7 +266,8 @@ class Simulation(PhaseIntegration):
         for contact, pair in zip(self.contacts, now, strict=True):
             if contact.name in self.touching:
                 self.clearances[contact.name] = pair.clearance
-        self.speed = max(self.speed, float(np.abs(self.body[self.half :] * self.dynamics.units).max()))
+        fastest = float(np.abs(self.body[self.half :] * self.dynamics.units).max())
+        self.speed = max(self.speed, fastest, self.surface_speed(self.t))
         if may_strike:
             self.strike_all(now)
             self.end_bouncing()

@@ -89,7 +89,9 @@ class SeveralContactPhase:
         for k, (contact, pair) in enumerate(zip(self.contacts, now, strict=True)):
             if pair is None or not contact.is_closed:
                 continue
-            ratio = -SIGN.get(contact.mode, 0.0) * friction_of(contact.case)[0]
+            sign = SIGN.get(contact.mode, 0.0)
+            # A stage may pass the end of the slip: the coefficient is that of the formula just below zero.
+            ratio = -sign * friction_of(contact.case, sign * pair.slip)[0]
             rows.append(pair.lift_row)
             columns.append(pair.lift_row + ratio * pair.slip_row)
             biases.append(pair.lift_bias)

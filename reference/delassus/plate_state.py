@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cases import Case, Drive, Mode
+from cases import Belt, Case, Drive, Mode
 from cases.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
 
 from ..contact_frame.drive import case_at_rest, in_track_frame, load_of_drive
@@ -53,6 +53,11 @@ class PlateState:
     def size(self) -> float:
         """The size of the poses' numbers, m."""
         return float(abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach)
+
+    def surface_speed(self, t: float) -> float:
+        """The largest speed of the closed contacts' surfaces at a time (s), m/s: slips are differences from it."""
+        belts = [c.case.effect(Belt) for c in self.contacts if c.is_closed]
+        return max((abs(belt.at(t)[0]) for belt in belts if belt is not None), default=0.0)
 
     def add(self, case: PairCase, pair: tuple[float, float]) -> None:
         """Add a contact that touches."""

@@ -132,7 +132,7 @@ def _checked(
 ) -> tuple[tuple[Node, ...], CheckLayout]:
     """What is checked along each step: arguments, then forces (the load's, after friction by a formula)."""
     by_load = tuple(substitute(law.checked_quantities, pose))
-    by_friction, of_order_one = law.friction.checked_arguments(motion) if kind.slips else ((), 0)
+    by_friction, of_order_one = law.friction.checked_arguments(SIGMA * motion.slip) if kind.slips else ((), 0)
     if not by_friction:
         return by_load, CheckLayout()
     forces = by_load[-LOAD_FORCES:] or (ZERO,) * LOAD_FORCES

@@ -139,10 +139,14 @@ class Frictionless:
         """The equations of a slip with the law in place of `ratio`, where that is no number."""
         return motion
 
-    def checked_arguments(self, motion: Elimination) -> tuple[tuple[Node, ...], int]:
-        """The arguments of the law's functions, which have to be checked along each step of a slip together with the
-        friction force, and how many of them, the first, are compared with 1 if they are smaller; empty if the law's
-        derivatives at a step's start show all that it does."""
+    def of_contact(self, number: int) -> Frictionless:
+        """The same law with names of its own, for one of several contacts."""
+        return self
+
+    def checked_arguments(self, speed: Node) -> tuple[tuple[Node, ...], int]:
+        """The arguments of the law's functions, which have to be checked along each step of a slip of that speed
+        together with the friction force, and how many of them, the first, are compared with 1 if they are smaller;
+        empty if the law's derivatives at a step's start show all that it does."""
         return (), 0
 
     def conditions(self, slips: bool, motion: Elimination, side) -> Conditions:
@@ -183,32 +187,44 @@ class Coulomb(Frictionless):
 
 @dataclass(frozen=True)
 class CoulombBySpeed(Coulomb):
-    """Coulomb friction with a coefficient that depends on the slip speed: its formula with its constants lifted."""
+    """Coulomb friction with a coefficient that depends on the slip speed: its formula with its constants lifted. Their
+    names begin with `name`."""
 
     formula: sp.Expr
     sizes: tuple[sp.Symbol, ...]
+    name: str = "mu"
 
     def with_law(self, motion: Elimination, side) -> Elimination:
-        (coefficient,) = self._nodes([self.formula], motion)
+        coefficient = self.coefficient(SIGMA * motion.slip)
         return Elimination(*substitute(motion, {RATIO: -SIGMA * side * coefficient}))
 
-    def checked_arguments(self, motion: Elimination) -> tuple[tuple[Node, ...], int]:
+    def of_contact(self, number: int) -> CoulombBySpeed:
+        return replace(self, name=f"mu{number}")
+
+    def coefficient(self, speed: Node) -> Node:
+        """The coefficient at a slip speed."""
+        return self._nodes([self.formula], speed)[0]
+
+    def checked_arguments(self, speed: Node) -> tuple[tuple[Node, ...], int]:
         # All arguments that are proportional to the slip are rounding when it ends; exp, tanh and the like change over
         # 1, only logarithms, roots and fractions near the zero of their argument.
         arguments = checked_quantities([self.formula], [SLIP_SPEED])[:-1]
         singular = set(singular_arguments(self.formula))
         ordered = sorted(arguments, key=lambda argument: argument in singular)
-        return self._nodes(ordered, motion), sum(argument not in singular for argument in ordered)
+        return self._nodes(ordered, speed), sum(argument not in singular for argument in ordered)
 
     def values(self, case: Case, mode: Mode, side: int) -> dict[str, float]:
         friction = case.effect(CoulombFriction)
         assert friction is not None
-        sizes = {f"mu_c{i}": value for i, value in enumerate(constants([friction.mu]))}
-        return {"sigma": SLIP_SIGN.get(mode, 0.0), "mu_stick": friction.stick} | sizes
+        return {"sigma": SLIP_SIGN.get(mode, 0.0), "mu_stick": friction.stick} | self.sizes_of(friction)
 
-    def _nodes(self, expressions: Sequence[sp.Expr], motion: Elimination) -> tuple[Node, ...]:
-        names: dict[sp.Basic, Node] = {size: symbol(f"mu_{size.name}") for size in self.sizes}
-        return tuple(from_sympy(e, {**names, SLIP_SPEED: SIGMA * motion.slip}) for e in expressions)
+    def sizes_of(self, friction: CoulombFriction) -> dict[str, float]:
+        """The constants of a law of this form, by name."""
+        return {f"{self.name}_c{i}": value for i, value in enumerate(constants([friction.mu]))}
+
+    def _nodes(self, expressions: Sequence[sp.Expr], speed: Node) -> tuple[Node, ...]:
+        names: dict[sp.Basic, Node] = {size: symbol(f"{self.name}_{size.name}") for size in self.sizes}
+        return tuple(from_sympy(e, {**names, SLIP_SPEED: speed}) for e in expressions)
 
 
 # --- resistance to rotation -------------------------------------------------------------------------------------------

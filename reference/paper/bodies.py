@@ -21,20 +21,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Mode
+from cases import Case, Mode
 from cases.corner import Corner
 from cases.moving_surface import TrackPlace
 
 from .augmented import (
-    SIGN,
     applied_torsor,
     constraints,
+    friction_ratio,
     mass_matrix,
     rolling_row,
     sliding_column,
     tangential_column,
 )
-from .kinematics import Kinematics, U, belt_of, kinematics_on, track_jet
+from .kinematics import Kinematics, U, belt_of, kinematics_on, slip_velocity, track_jet
 
 
 class BodyContact(NamedTuple):
@@ -84,8 +84,8 @@ def solve_bodies(
     columns: list[tuple[int, float]] = []
     parameters: list[slice] = []
     for one, k, is_rolling, size in zip(contacts, places, rolls, sizes, strict=True):
-        own, friction = slice(first, first + size), one.pair.effect(CoulombFriction)
-        ratio = SIGN.get(one.mode, 0.0) * friction.at_rest if friction else 0.0
+        own = slice(first, first + size)
+        ratio = friction_ratio(one.pair, one.mode, 1, _slip(one, k, motions))
         rows = slice(row, row + size + 1)
         B, D, C = constraints(k)
         matrix[rows, _own(one.body)], matrix[rows, own], right[rows] = (
@@ -116,6 +116,11 @@ def solve_bodies(
     ]
     accelerations = answer[: 3 * len(bodies)].reshape(-1, 3)
     return BodiesSolution(accelerations, [answer[own] for own in parameters], normal, tangential)
+
+
+def _slip(one: BodyContact, k: Kinematics, motions: Sequence[Sequence[float]]) -> float:
+    """The slip velocity (12) of a contact relative to its belt, m/s."""
+    return slip_velocity(k, belt_of(one.pair, motions[one.body][0])[0])
 
 
 def _own(body: int) -> slice:

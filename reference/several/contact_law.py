@@ -6,11 +6,17 @@ from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough
 
 
 def coefficients(contact: Case) -> tuple[float, float]:
-    """The coefficients of friction with slip and without; infinite for a perfectly rough contact."""
+    """The coefficients of friction of a slip that begins and without slip; infinite for a perfectly rough contact."""
     if contact.effect(PerfectlyRough) is not None:
         return float("inf"), float("inf")
     friction = contact.effect(CoulombFriction)
     return (friction.at_rest, friction.stick) if friction else (0.0, 0.0)
+
+
+def kinetic(contact: Case, slip):
+    """The coefficient of friction at a slip velocity (m/s), or at an array of them."""
+    friction = contact.effect(CoulombFriction)
+    return friction.at(abs(slip)) if friction and friction.by_speed else coefficients(contact)[0]
 
 
 def restitution(contact: Case) -> float:

@@ -154,7 +154,7 @@ def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
     if slips or len(closed) < len(now.touching) or np.any(np.array(now.state[-3:])):
         return False
     some = [now.places[k] for k in closed]
-    sticks = limits_of_friction(some, [modes[k] for k in closed])
+    sticks = limits_of_friction(some, [modes[k] for k in closed], now.time, now.state)
     rows = [at.lift_row for at in some] + [now.places[k].slip_row for k in closed if modes[k] is Mode.ROLL]
     if np.linalg.matrix_rank(np.array(rows), tol=1e-9 * case.plate.reach) < 3:
         return False
@@ -164,14 +164,17 @@ def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
     return forces.margin(some, load, forces.units_of(case.plate.gyration), sticks) >= BALANCED
 
 
-def limits_of_friction(some: Sequence[ContactPlace], modes: Sequence[Mode]) -> list[forces.Limit]:
-    """What limits the friction of closed contacts in those modes."""
+def limits_of_friction(
+    some: Sequence[ContactPlace], modes: Sequence[Mode], t: float, state: Sequence[float] | np.ndarray
+) -> list[forces.Limit]:
+    """What limits the friction of closed contacts in those modes, of a plate in that state."""
+    velocity = np.array(state[-3:])
     limits: list[forces.Limit] = []
     for at, mode in zip(some, modes, strict=True):
         if mode is Mode.ROLL:
             limits.append(at.stick)
         else:
-            limits.append(forces.Slipping(-SLIP_SIGN[mode] * at.mu) if mode in SLIP_SIGN else 0.0)
+            limits.append(forces.Slipping(-SLIP_SIGN[mode] * at.mu_of(velocity, t)) if mode in SLIP_SIGN else 0.0)
     return limits
 
 
@@ -237,7 +240,7 @@ def margin_on_belts(phase: SeveralPhase, t: float, state: Sequence[float], every
     if not max(abs(value) for first in firsts for value in outputs[first : first + 2]) <= SAME * size:
         return -inf
     some = [every[k] for k in regime.closed]
-    limits = limits_of_friction(some, [regime.modes[k] for k in regime.closed])
+    limits = limits_of_friction(some, [regime.modes[k] for k in regime.closed], t, state)
     return forces.margin(some, load, units, limits)
 
 

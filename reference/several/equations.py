@@ -19,10 +19,10 @@ from cases.derivation import in_one_thread
 from cases.expression_graph import ONE, ZERO, Node, symbol
 
 from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
-from ..minimal.effects import FixedSurface, Laws
+from ..minimal.effects import MASS, Coulomb, CoulombBySpeed, FixedSurface, Frictionless, Laws
 from ..minimal.elimination import GYRATION, Surface
 from ..minimal.frames import Frame, frame
-from ..minimal.system import Equations, System
+from ..minimal.system import LOAD_FORCES, CheckLayout, Equations, System
 
 _, X, Y, THETA, VX, VY, OMEGA = _MOTION
 # Columns of the outputs for each contact. Where more than three rows determine the motion, the first two are by how
@@ -72,8 +72,8 @@ class _EquationRow(NamedTuple):
 
 class ContactForm(NamedTuple):
     """What the equations of one contact depend on: the structures of its support's curve and of its feature of the
-    outline (a corner's is the sign of its turn), its rows, whether friction has a bound, whether the two curves have
-    ends, whether its nearest points are unique in every pose, and whether its arc has a range.
+    outline (a corner's is the sign of its turn), its rows, its law of friction, whether the two curves have ends,
+    whether its nearest points are unique in every pose, and whether its arc has a range.
 
     `surface`: its support's surface, which may run. `guides`: where more rows than three determine the motion, which of
     its normal and tangential row are used; no row has a force of its own then.
@@ -82,12 +82,17 @@ class ContactForm(NamedTuple):
     track: Any
     outline: Any
     kind: ContactRows
-    rubs: bool
+    friction: Frictionless
     has_ends: tuple[bool, bool]
     stays: bool
     turns: bool
     surface: FixedSurface = FixedSurface()
     guides: tuple[bool, bool] | None = None
+
+    @property
+    def rubs(self) -> bool:
+        """Whether there is friction with a bound."""
+        return isinstance(self.friction, Coulomb)
 
 
 def several_system(forms: tuple[ContactForm, ...], law: Laws) -> System:
@@ -183,8 +188,9 @@ def _solve_three(weights: list[list[Node]], right: list[Node]) -> tuple[list[Nod
 def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
     count = len(forms)
     contacts = [_contact(form, k) for k, form in enumerate(forms)]
-    ratios = [symbol(f"k_{k}") if form.rubs else ZERO for k, form in enumerate(forms)]
     surfaces = [form.surface.of_contact(k).surface for k, form in enumerate(forms)]
+    slips = [contact.slip - surface.speed for contact, surface in zip(contacts, surfaces, strict=True)]
+    ratios = [_ratio(form, k, slip) for k, (form, slip) in enumerate(zip(forms, slips, strict=True))]
     flat = [row for each in zip(contacts, forms, surfaces, ratios, strict=True) for row in _rows(*each)]
     is_guided = any(form.guides is not None for form in forms)
     if len(flat) > 3:
@@ -202,12 +208,13 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
     equalities: dict[str, Node] = {}
     columns: list[Node] = []
     rest = iter(multipliers)
+    frictions: dict[int, Node] = {}
     for k, (contact, form, ratio, surface) in enumerate(zip(contacts, forms, ratios, surfaces, strict=True)):
-        kind, rubs = form.kind, form.rubs
+        kind, rubs, slip = form.kind, form.rubs, slips[k]
         has_force = kind not in NO_ROWS and not is_guided
         normal = next(rest) if has_force else ZERO
         friction = next(rest) if has_force and kind is ContactRows.STICK else ratio * normal
-        slip = contact.slip - surface.speed
+        frictions[k] = friction
         columns += [normal, friction, slip, contact.gap, contact.lift]
         if is_guided and kind not in NO_ROWS:
             off = _contradictions(contact, kind, surface, acceleration)
@@ -248,10 +255,43 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
     variables = (*positions, VX, VY, OMEGA)
     outputs = _outputs(count)(*torsor[:2], *acceleration, *columns)
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & {*variables, _MOTION[0]}}
+    by_speed = [] if is_guided else [k for k, form in enumerate(forms) if _slips_by_speed(form)]
+    checked, layout = _checked(law, {k: (forms[k], slips[k], frictions[k]) for k in by_speed})
     return Equations(
         variables, len(positions), (*rates, *acceleration), outputs, conditions | equalities, slip_rates, guards,
-        law.checked_quantities,
+        checked, layout,
     )  # fmt: skip
+
+
+def _slips_by_speed(form: ContactForm) -> bool:
+    return form.kind is ContactRows.SLIP and isinstance(form.friction, CoulombBySpeed)
+
+
+def _ratio(form: ContactForm, k: int, slip: Node) -> Node:
+    """The friction force per normal force of a contact with that slip."""
+    friction = form.friction.of_contact(k)
+    if not isinstance(friction, CoulombBySpeed):
+        return symbol(f"k_{k}") if form.rubs else ZERO
+    sigma = symbol(f"sigma_{k}")
+    return -sigma * friction.coefficient(sigma * slip) if form.kind is ContactRows.SLIP else ZERO
+
+
+def _checked(law: Laws, slipping: dict[int, tuple[ContactForm, Node, Node]]) -> tuple[tuple[Node, ...], CheckLayout]:
+    """What is checked along each step (`minimal.assembly`): arguments of laws of friction and of the load, then the
+    friction forces of slipping contacts, given with slip and friction, and the load's."""
+    first, others, forces = list[Node](), list[Node](), list[Node]()
+    for k, (form, slip, friction) in slipping.items():
+        arguments, of_order_one = form.friction.of_contact(k).checked_arguments(symbol(f"sigma_{k}") * slip)
+        if arguments:
+            first += arguments[:of_order_one]
+            others += arguments[of_order_one:]
+            forces.append(MASS * friction)
+    by_load = law.checked_quantities
+    if not forces:
+        return by_load, CheckLayout()
+    of_load = by_load[-LOAD_FORCES:] or (ZERO,) * LOAD_FORCES
+    every = (*first, *others, *by_load[:-LOAD_FORCES], *forces, *of_load)
+    return every, CheckLayout(len(first), len(forces) + LOAD_FORCES)
 
 
 def _contradictions(

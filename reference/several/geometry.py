@@ -13,7 +13,7 @@ from cases.contact import belt_speed, find
 from cases.contact_pairs import PairCase
 from cases.corner import Corner
 
-from .contact_law import coefficients, restitution
+from .contact_law import coefficients, kinetic, restitution
 
 # A contact touches if its gap is below this part of the plate's size and place: the rounding of an event's pose.
 TOUCHES = 1e-12
@@ -42,8 +42,12 @@ class ContactPlace(NamedTuple):
 
     @property
     def mu(self) -> float:
-        """The coefficient of friction with slip."""
+        """The coefficient of friction of a slip that begins."""
         return coefficients(self.contact)[0]
+
+    def mu_of(self, velocity: np.ndarray, t: float) -> float:
+        """The coefficient of friction of a plate that slips with that velocity (vx, vy, ω)."""
+        return float(kinetic(self.contact, self.slip(velocity, t)))
 
     @property
     def stick(self) -> float:

@@ -302,7 +302,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         self.body = body_of(state)
         for watch, pair in zip(self.watches, pairs_of(state), strict=True):
             watch.pair = pair
-        self.speed = max(self.speed, self.present_speed())
+        self.speed = max(self.speed, self.present_speed(), *map(self.belt_speed, segment.times.tolist()))
 
     # --- events -------------------------------------------------------------------------------------------------------
 

@@ -9,13 +9,16 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Case, Mode, State, Transition
+from cases.contact import belt_speed
 from cases.contact_pairs import PairCase
 from cases.trajectory import CONTACT, ContactColumns
 
+from ..minimal.effects import SLIP_SIGN
 from ..minimal.integrators.segment import Segment, blocks
+from .contact_law import kinetic
 from .decision import depends_on_time, limits_of_friction, load_at, load_on_belts
 from .equations import COLUMNS, FIRST_COLUMN
-from .forces import ForceRanges, Slipping, ranges, units_of
+from .forces import ForceRanges, ranges, units_of
 from .geometry import ContactPlace, places
 from .meetings import gaps
 from .regimes import SeveralPhase, SeveralRegime, body_of, contacts_of, pairs_of, regime_of
@@ -143,7 +146,7 @@ def _rest_forces(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray
     if k not in closed:
         return 0.0 * times, 0.0 * times
     load = np.array([load_at(case, float(t), body_of(y[:, 0])) for t in times]).T
-    return _balance(case, regime_of(now), y[:, :1], load, k)
+    return _balance(case, regime_of(now), times[:1], y[:, :1], load, k)
 
 
 def _forces_on_belts(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarray, k: int):
@@ -151,18 +154,25 @@ def _forces_on_belts(case: Case, now: SeveralPhase, times: np.ndarray, y: np.nda
     if k not in regime_of(now).closed:
         return 0.0 * times, 0.0 * times
     load = np.array([load_on_belts(now, t, state) for t, state in zip(times.tolist(), y.T, strict=True)]).T
-    return _balance(case, regime_of(now), y, load, k)
+    return _balance(case, regime_of(now), times, y, load, k)
 
 
-def _balance(case: Case, regime: SeveralRegime, states: np.ndarray, load: np.ndarray, k: int):
-    """Normal and friction force of contact k that balance loads (3, n), NaN where they are not unique. `states`: as
-    many, or one state (variables, 1) for all loads."""
+def _balance(
+    case: Case, regime: SeveralRegime, times: np.ndarray, states: np.ndarray, load: np.ndarray, k: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normal and friction force of contact k that balance loads (3, n), NaN where they are not unique. `states`, at
+    `times`: as many, or one state (variables, 1) for all loads."""
     closed, at = regime.closed, _closed_places(case, regime, states[:, 0])
     modes = [regime.modes[number] for number in closed]
     held = [i for i, mode in enumerate(modes) if at[i].stick > 0.0 and mode is Mode.ROLL]
-    ratios = {i: one.ratio for i, one in enumerate(limits_of_friction(at, modes)) if isinstance(one, Slipping)}
-    each = [_rows(contacts_of(case, regime)[number], states, number) for number in closed]
-    rows = [lift + ratios.get(i, 0.0) * slip for i, (slip, lift) in enumerate(each)] + [each[i][0] for i in held]
+    contacts = [contacts_of(case, regime)[number] for number in closed]
+    each = [_rows(contact, states, number) for contact, number in zip(contacts, closed, strict=True)]
+    ratios = {
+        i: -SLIP_SIGN[mode] * kinetic(contacts[i], _slip(contacts[i], each[i][0], times, states))
+        for i, mode in enumerate(modes) if mode in SLIP_SIGN
+    }  # fmt: skip
+    shares = [np.reshape(ratios.get(i, 0.0), (-1, 1)) for i in range(len(closed))]
+    rows = [lift + share * slip for share, (slip, lift) in zip(shares, each, strict=True)] + [each[i][0] for i in held]
     units = units_of(case.plate.gyration)
     matrix = units[:, None] * np.stack(rows, axis=-1)
     values = -(np.linalg.pinv(matrix, rcond=OPEN_FORCE) @ (units[:, None] * load).T[:, :, None])[:, :, 0].T
@@ -185,6 +195,11 @@ def _rows(contact: PairCase, states: np.ndarray, k: int) -> tuple[np.ndarray, np
     c, s = np.cos(theta), np.sin(theta)
     rx, ry = c * u - s * v, s * u + c * v
     return np.stack([tx, ty, ty * rx - tx * ry], axis=-1), np.stack([-ty, tx, tx * rx + ty * ry], axis=-1)
+
+
+def _slip(contact: PairCase, slip_row: np.ndarray, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """The slip velocity (n,) of a contact with the rows (n, 3) of `_rows`, m/s."""
+    return (slip_row * states[-3:].T).sum(axis=1) - np.array([belt_speed(contact, t) for t in times.tolist()])
 
 
 def _closed_places(case: Case, regime: SeveralRegime, state: np.ndarray) -> list[ContactPlace]:
@@ -217,6 +232,6 @@ def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray
         return {name: np.array([[n, n], [f, f]]) for name, (n, f) in zip(names, pairs, strict=True)}
     at = _closed_places(case, regime, state)
     load = load_on_belts(now, t, state) if regime.guides else load_at(case, t, body_of(state))
-    friction = limits_of_friction(at, [regime.modes[k] for k in regime.closed])
+    friction = limits_of_friction(at, [regime.modes[k] for k in regime.closed], t, state)
     limits: ForceRanges = ranges(at, load, units_of(case.plate.gyration), friction)
     return {name: np.array([limits.normal[i], limits.friction[i]]) for i, name in enumerate(names)}

@@ -12,12 +12,12 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Belt, Case, Load, Mode, PerfectlyRough
+from cases import Belt, Case, CoulombFriction, Load, Mode
 from cases.contact_pairs import PairCase, pairs
 from cases.corner import Corner, Piece
 
 from ..minimal.assembly import parameter_values, sizes_of
-from ..minimal.effects import SLIP_SIGN, FixedSurface, laws
+from ..minimal.effects import SLIP_SIGN, CoulombBySpeed, FixedSurface, Frictionless, laws
 from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
 from .contact_law import coefficients
@@ -112,7 +112,7 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
     forms = tuple(
         ContactForm(
             _structure(one.track), _structure(one.plate.outline), kind,
-            rubs=coefficients(one)[1] > 0.0 and one.effect(PerfectlyRough) is None,
+            laws(one).friction if kind not in NO_ROWS else Frictionless(),
             has_ends=(_has_ends(one.track), _has_ends(one.plate.outline)), stays=one.has_unique_points,
             turns=one.arc_range is not None, surface=laws(one).belt if kind not in NO_ROWS else FixedSurface(),
             guides=regime.guides[k] if regime.guides else None,
@@ -125,6 +125,9 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
         sign, (mu, stick) = SLIP_SIGN.get(mode, 0.0), coefficients(one)
         values |= forms[k].surface.of_contact(k).values(one)
         values |= {f"k_{k}": -sign * mu if sign else 0.0, f"sigma_{k}": sign, f"stick_{k}": stick}
+        friction, law = forms[k].friction.of_contact(k), one.effect(CoulombFriction)
+        if isinstance(friction, CoulombBySpeed) and law is not None:
+            values |= friction.sizes_of(law)
         values[f"lost_{k}"] = regime.limits[k]
         values[f"turn_low_{k}"], values[f"turn_high_{k}"] = one.limits_of_turn(regime.away[k])
         values |= _sizes(one.track, f"track_{k}_") | _sizes(one.plate.outline, f"outline_{k}_")
@@ -150,7 +153,7 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
         places,
         case,
         tuple(features),
-        bool(laws(case).checked_quantities),
+        bool(system.load_quantities),
     )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cases import Case, Impact, Mode
+from cases.contact import belt_speed
 from cases.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
 from cases.supports import TRACK
 
@@ -25,6 +26,8 @@ CLOSES = 1e-10
 # Impacts at one instant that follow from each other, at contacts whose gap is below this part of the plate's size: its
 # rounding.
 MOST_IMPACTS, NO_GAP = 50, 64 * EPS
+# Velocities that follow from those of belts have a few roundings.
+SOME_ROUNDINGS = 8
 # The names of contacts that have not touched yet begin with this.
 OPEN_NAME = "open "
 
@@ -150,7 +153,7 @@ class WatchedPlate:
             watch.pair = at.xi1, at.xi2
         for k in indices:
             self.watches[k].limit = 0.0 if self.watches[k].contact.has_unique_points else LOST * now[k].clearance
-        self.speed = max(self.speed, self.present_speed())
+        self.speed = max(self.speed, self.present_speed(), self.belt_speed(self.t))
         if closing is not None:
             kept = [k for k in indices if self.watches[k].name in closed]
             held = [k for k in kept if self.watches[k].name in stuck]
@@ -159,7 +162,7 @@ class WatchedPlate:
             indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
         sticking = [k for k in indices if self.watches[k].name in stuck]
         self.body = without_velocity(self.case, self.t, self.body, now, indices, sticking)
-        if self.present_speed() <= EPS * self.speed:  # a rounding, which decisions would take for a motion
+        if self.present_speed() <= SOME_ROUNDINGS * EPS * self.speed:  # decisions would take them for a motion
             self.body[3:] = [0.0, 0.0, 0.0]
 
     def touches_more(self) -> bool:
@@ -286,6 +289,10 @@ class WatchedPlate:
         load = load_at(self.case, self.t, self.body)
         weights = 1.0 / np.array([1.0, 1.0, self.case.plate.gyration**2]) / self.case.plate.mass
         return max(-float(at.lift_row @ (weights * load)), 0.0)
+
+    def belt_speed(self, t: float) -> float:
+        """The largest speed of the closed contacts' surfaces at a time (s), m/s: slips are differences from it."""
+        return max((abs(belt_speed(w.contact, t)) for w in self.watches if w.mode is not Mode.FLIGHT), default=0.0)
 
     def present_speed(self) -> float:
         """The largest of the plate's speeds, m/s; that of the spin at the radius of gyration."""

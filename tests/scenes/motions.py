@@ -283,7 +283,7 @@ def work_done(case: Case, motion: Trajectory) -> float:
         half = np.diff(edges)[:, None] / 2
         times = (edges[:-1, None] + half + half * nodes).ravel()
         state = motion(times)
-        if case.supports:
+        if case.supports or len(motion.contact_names) > 1:
             power = sum(contact_power(contact_case(case, n), times, motion.of(n)(times)) for n in motion.contact_names)
         else:
             power = contact_power(case, times, state)

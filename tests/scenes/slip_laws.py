@@ -24,10 +24,11 @@ def sliding_disc(mu, slip=1.0, duration=4.0, mu_static=None) -> Case:
     return Case(line(), disc(RADIUS, 1.0), effects, Start(0.0, slip=slip), duration)
 
 
-def random_law(rng: np.random.Generator) -> CoulombFriction:
-    """Stribeck, hyperbolic, viscous, with a bump; with a static coefficient or without."""
+def random_law(rng: np.random.Generator, narrowest: float = -2.5) -> CoulombFriction:
+    """Stribeck, hyperbolic, viscous, with a bump, at least 10**narrowest m/s wide; with a static coefficient or
+    without."""
     low, more = rng.uniform(0.02, 0.5), rng.uniform(0.02, 0.5)
-    width, slope = 10.0 ** rng.uniform(-2.5, 0.0), rng.uniform(0.0, 0.3)
+    width, slope = 10.0 ** rng.uniform(narrowest, 0.0), rng.uniform(0.0, 0.3)
     mu = str(
         rng.choice(
             [
