@@ -61,6 +61,7 @@ Optional:
     SUPPORTS: tuple[str, ...]                       the routes that support further fixed curves (`Case.supports`);
                                                     without a declaration, `refusal` rejects such a case
     BELTS_AND_SUPPORTS: tuple[str, ...]             those of them that support belts as well
+    FIXED_ROTATION_AND_SUPPORTS: tuple[str, ...]    those of them that support plates that do not turn as well
     DRIVEN_CONTACTS: tuple[str, ...]                the routes that support a driven track (`Drive`) with corners, with
                                                     supports that move with it, or with several contacts
     OWN_EFFECTS: tuple[type, ...]                   the effects of other packages that it supports (classes derived from
@@ -133,6 +134,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route does not support several plates (others)."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."
+    if case.supports and not case.plate.turns and route not in getattr(adapter, "FIXED_ROTATION_AND_SUPPORTS", ()):
+        return f"The {route} route does not support a plate that does not turn on several fixed curves (supports)."
     if case.supports and has_belt(case) and route not in getattr(adapter, "BELTS_AND_SUPPORTS", ()):
         return f"The {route} route does not support belts together with several fixed curves (supports)."
     if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):

@@ -159,8 +159,6 @@ def exclusion(case: Any) -> str:
         return f"{type(own[0]).__name__} with several contacts is not supported; leave it out"
     if case.effect(all_effects.Unilateral) is None:
         return "a bilateral guide with several contacts is not supported; add Unilateral to the effects"
-    if not case.plate.turns:
-        return "a plate of infinite inertia with several contacts is not supported; give a finite inertia"
     law = case.effect(Impact)
     if law is not None and law.law == "newton" and has_belt(case):
         return 'the impact law "newton" with a Belt and several contacts is not supported; give "poisson" or "moreau"'

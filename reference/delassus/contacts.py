@@ -189,6 +189,11 @@ class PlateDynamics:
             self.weight[:2] = case.plate.mass * np.array(gravity.vector)
         self.load = drive_load or case.effect(Load)
 
+    @property
+    def moves(self) -> np.ndarray:
+        """Which velocities can change: a plate of infinite inertia does not turn."""
+        return self.inverse > 0.0
+
     def torsor(self, t: float, body: Sequence[float] | np.ndarray) -> np.ndarray:
         """The applied force and moment (N, N, N m)."""
         if self.load is None:

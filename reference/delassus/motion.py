@@ -72,13 +72,13 @@ class Simulation(PhaseIntegration):
                 modes = self.next_modes(now)
         rank = np.linalg.matrix_rank(
             np.array([now[k].lift_row for k in modes] + [now[k].slip_row for k, m in modes.items() if m is Mode.ROLL])
-            / self.dynamics.units,
+            / self.dynamics.units * self.dynamics.moves,
             tol=1e-9,
         ) if modes else 0  # fmt: skip
-        count = len(modes) + sum(mode is Mode.ROLL for mode in modes.values())
-        if rank < min(count, 3):  # they hold one point, about which the plate turns: the matrix is singular
+        count, most = len(modes) + sum(mode is Mode.ROLL for mode in modes.values()), int(self.dynamics.moves.sum())
+        if rank < min(count, most):  # they hold one point, about which the plate turns: the matrix is singular
             raise SimulationEnd("breakdown")
-        rests = rank == 3 and not _is_on_belt(now, modes) and not self.body[self.half :].any()
+        rests = rank == most and count > 2 and not _is_on_belt(now, modes) and not self.body[self.half :].any()
         changes = []
         for k, contact in enumerate(self.contacts):
             mode = modes.get(k, Mode.FLIGHT)
@@ -105,8 +105,9 @@ class Simulation(PhaseIntegration):
         return self.modes(now, closed, [k for k, c in enumerate(self.contacts) if c.name in self.touching])[0]
 
     def is_carried(self, now: Sequence[PairState], modes: dict[int, Mode]) -> bool:
-        """Whether contacts in these modes, some of them on belts, have more than three rows."""
-        return _is_on_belt(now, modes) and len(modes) + sum(mode is Mode.ROLL for mode in modes.values()) > 3
+        """Whether contacts in these modes, some of them on belts, have more rows than the plate velocities."""
+        count = len(modes) + sum(mode is Mode.ROLL for mode in modes.values())
+        return _is_on_belt(now, modes) and count > int(self.dynamics.moves.sum())
 
     def modes(
         self, now: Sequence[PairState], closed: list[int], every: list[int]

@@ -113,7 +113,7 @@ class PlateState:
             now = self.pairs()
             some = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.touching]
             if some:
-                rows = np.array([p.lift_row for p in some]) / self.dynamics.units
+                rows = np.array([p.lift_row for p in some]) / self.dynamics.units * self.dynamics.moves
                 step = np.linalg.lstsq(rows, np.array([p.gap for p in some]), rcond=1e-10)[0]
                 self.body[: self.half] -= step / self.dynamics.units
 
@@ -125,7 +125,10 @@ class PlateState:
         rows = np.array([p.lift_row for p in touching] + [p.slip_row for p in sticking])
         if not rows.size:
             return
-        rows, goals = rows / self.dynamics.units, np.array([0.0] * len(touching) + [p.surface for p in sticking])
+        rows, goals = (
+            rows / self.dynamics.units * self.dynamics.moves,
+            np.array([0.0] * len(touching) + [p.surface for p in sticking]),
+        )
         is_held = np.linalg.matrix_rank(rows, tol=1e-9) == np.count_nonzero(self.dynamics.inverse)
         if is_held and not goals.any():
             self.body[self.half :] = 0.0

@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
-from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough
+import numpy as np
+
+from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, Plate
+
+
+def compliance(plate: Plate) -> np.ndarray:
+    """The inverse masses of (vx, vy, ω) in units of the plate's: 0 for the rotation of a plate that does not turn."""
+    return np.array([1.0, 1.0, 1.0 / plate.gyration**2 if plate.turns else 0.0])
+
+
+def freedoms(plate: Plate) -> int:
+    """How many velocities a plate has."""
+    return 3 if plate.turns else 2
 
 
 def coefficients(contact: Case) -> tuple[float, float]:

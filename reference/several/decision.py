@@ -21,7 +21,7 @@ from ..minimal.decision import Undecidable, _by_series, follows
 from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.elimination import T
 from . import forces
-from .contact_law import slip_modes
+from .contact_law import freedoms, slip_modes
 from .equations import COLUMNS, FIRST_COLUMN
 from .geometry import TOUCHES, ContactPlace
 from .regimes import SeveralPhase, SeveralRegime, body_of, regime_of, several_phase
@@ -100,6 +100,7 @@ def consistent_motions(
     """All motions that rigid Coulomb contact allows, each with every regime that gives its accelerations. Arguments as
     of `decide`. Raises Undecidable."""
     motions: list[tuple[SeveralRegime, np.ndarray]] = []
+    most = freedoms(case.plate)
     for modes in product(*_options(now, fixed or {})):
         regime = SeveralRegime(modes, now.names, now.limits, now.pairs, now.away)
         rows = sum(2 if mode is Mode.ROLL else mode is not Mode.FLIGHT for mode in modes)
@@ -110,9 +111,9 @@ def consistent_motions(
             continue
         if rows > 2:
             guides = _guides(case, now, modes)
-            if guides is None or (rows > 3 and modes == last_modes):
+            if guides is None or (rows > most and modes == last_modes):
                 continue
-            regime = regime._replace(guides=guides if rows > 3 else ())
+            regime = regime._replace(guides=guides if rows > most else ())
         phase = several_phase(case, regime)
         if _is_consistent(case, now, phase, error) and _has_forces(phase, now):
             rates = phase.system.rates_of_numbers(now.time, now.state, phase.parameters)
@@ -156,12 +157,13 @@ def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
     some = [now.places[k] for k in closed]
     sticks = limits_of_friction(some, [modes[k] for k in closed], now.time, now.state)
     rows = [at.lift_row for at in some] + [now.places[k].slip_row for k in closed if modes[k] is Mode.ROLL]
-    if np.linalg.matrix_rank(np.array(rows), tol=1e-9 * case.plate.reach) < 3:
+    moving = np.array(rows)[:, : freedoms(case.plate)]
+    if np.linalg.matrix_rank(moving, tol=1e-9 * case.plate.reach) < freedoms(case.plate):
         return False
     load = load_at(case, now.time, body_of(now.state))
     if not np.isfinite(load).all():
         raise Undecidable
-    return forces.margin(some, load, forces.units_of(case.plate.gyration), sticks) >= BALANCED
+    return forces.margin(some, load, forces.units_of(case.plate), sticks) >= BALANCED
 
 
 def limits_of_friction(
@@ -187,18 +189,18 @@ def _is_on_belt(now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
 
 
 def _guides(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> tuple[tuple[bool, bool], ...] | None:
-    """Normal and tangential rows of each contact in those modes that determine the motion: the first three that are
-    independent; None if there are no three."""
+    """Normal and tangential rows of each contact in those modes that determine the motion: the first that are
+    independent, as many as the plate's velocities; None if there are fewer."""
     picks, rows = [[False, False] for _ in modes], list[np.ndarray]()
     normals = [(k, 0) for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
     tangents = [(k, 1) for k, mode in enumerate(modes) if mode is Mode.ROLL]
-    units = forces.units_of(case.plate.gyration)
+    units = forces.units_of(case.plate)
     for k, which in (*normals, *tangents):
         at = now.places[k]
         more = [*rows, (at.slip_row if which else at.lift_row) * units]
         if np.linalg.matrix_rank(np.array(more), tol=INDEPENDENT) == len(more):
             rows, picks[k][which] = more, True
-        if len(rows) == 3:
+        if len(rows) == freedoms(case.plate):
             return tuple((normal, tangent) for normal, tangent in picks)
     return None
 
@@ -233,7 +235,7 @@ def margin_on_belts(phase: SeveralPhase, t: float, state: Sequence[float], every
     """`forces.margin` of contacts with more than three rows at the places `every`; −inf if the rows contradict each
     other, as do those of a plate on two belts of different acceleration."""
     case, regime = phase.case, regime_of(phase)
-    load, units = load_on_belts(phase, t, state), forces.units_of(case.plate.gyration)
+    load, units = load_on_belts(phase, t, state), forces.units_of(case.plate)
     outputs = phase.system.outputs_of_numbers(t, tuple(state), phase.parameters)
     size = float(np.abs(load * units).max()) / case.plate.mass
     firsts = [FIRST_COLUMN + len(COLUMNS) * k for k in regime.closed]

@@ -123,12 +123,14 @@ def _contact(form: ContactForm, k: int) -> _ContactTerms:
     return _ContactTerms(f, h, slip, lift, gap, along_track, along_track * shrink - slip, clearance)
 
 
-def _rows(contact: _ContactTerms, form: ContactForm, surface: Surface, ratio: Node) -> list[_EquationRow]:
-    """The rows of one contact, the normal one first."""
+def _rows(contact: _ContactTerms, form: ContactForm, surface: Surface, ratio: Node, law: Laws) -> list[_EquationRow]:
+    """The rows of one contact, the normal one first; without moments if the plate does not turn."""
     if form.guides is None:
-        return _rows_of_kind(contact, form.kind, surface, ratio)
-    both = _rows_of_kind(contact, ContactRows.STICK, surface, ZERO)
-    return [row for row, is_used in zip(both, form.guides, strict=True) if is_used]
+        rows = _rows_of_kind(contact, form.kind, surface, ratio)
+    else:
+        both = _rows_of_kind(contact, ContactRows.STICK, surface, ZERO)
+        rows = [row for row, is_used in zip(both, form.guides, strict=True) if is_used]
+    return [row._replace(lever=ZERO, moment=ZERO) for row in rows] if law.rotation_fixed else rows
 
 
 def _rows_of_kind(contact: _ContactTerms, kind: ContactRows, surface: Surface, ratio: Node) -> list[_EquationRow]:
@@ -191,11 +193,11 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
     surfaces = [form.surface.of_contact(k).surface for k, form in enumerate(forms)]
     slips = [contact.slip - surface.speed for contact, surface in zip(contacts, surfaces, strict=True)]
     ratios = [_ratio(form, k, slip) for k, (form, slip) in enumerate(zip(forms, slips, strict=True))]
-    flat = [row for each in zip(contacts, forms, surfaces, ratios, strict=True) for row in _rows(*each)]
+    flat = [row for each in zip(contacts, forms, surfaces, ratios, strict=True) for row in _rows(*each, law)]
     is_guided = any(form.guides is not None for form in forms)
     if len(flat) > 3:
         raise ValueError("a plate has at most three rows of contact with forces of their own")
-    torsor = law.torsor
+    torsor = (*law.torsor[:2], ZERO) if law.rotation_fixed else law.torsor
     multipliers, determinant = _multipliers(flat, torsor)
     acceleration = list(torsor[:2]) + [torsor[2] / GYRATION]
     for row, value in zip(flat, multipliers, strict=True):
@@ -244,8 +246,9 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
             limits[f"fit:{k}"] = contact.clearance
             limits |= _ends(form.has_ends, k, "")
     if flat and not is_guided and any(form.rubs and form.kind is ContactRows.SLIP for form in forms):
-        # Three rows determine the motion whatever the sign of their determinant.
-        size, least = (determinant, PAINLEVE_LEAST) if len(flat) < 3 else (determinant**2, PAINLEVE_LEAST**2)
+        # As many rows as velocities determine the motion whatever the sign of their determinant.
+        most = 2 if law.rotation_fixed else 3
+        size, least = (determinant, PAINLEVE_LEAST) if len(flat) < most else (determinant**2, PAINLEVE_LEAST**2)
         limits["painleve"] = size - least
     positions = [X, Y, THETA]
     rates = [VX, VY, OMEGA]

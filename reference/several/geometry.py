@@ -13,7 +13,7 @@ from cases.contact import belt_speed, find
 from cases.contact_pairs import PairCase
 from cases.corner import Corner
 
-from .contact_law import coefficients, kinetic, restitution
+from .contact_law import coefficients, compliance, freedoms, kinetic, restitution
 
 # A contact touches if its gap is below this part of the plate's size and place: the rounding of an event's pose.
 TOUCHES = 1e-12
@@ -95,14 +95,14 @@ def project(
 ) -> tuple[list[float], list[ContactPlace]]:
     """The plate moved by rounding so that the closed contacts have no gap, with all pairs in that pose."""
     body = list(body)
-    compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
+    inverse = compliance(case.plate)
     for _ in range(STEPS):
         now = places(contacts, body, pairs)
         gaps = np.array([now[k].gap for k in closed])
         if not len(closed) or np.abs(gaps).max() <= 2e-16 * (abs(body[0]) + abs(body[1]) + case.plate.reach):
             break
         rows = np.array([now[k].lift_row for k in closed])
-        step = compliance * (rows.T @ np.linalg.lstsq(rows * compliance @ rows.T, gaps, rcond=1e-10)[0])
+        step = inverse * (rows.T @ np.linalg.lstsq(rows * inverse @ rows.T, gaps, rcond=1e-10)[0])
         body[:3] = [value - change for value, change in zip(body[:3], step.tolist(), strict=True)]
         pairs = [(one.xi1, one.xi2) for one in now]
     return body, places(contacts, body, pairs)
@@ -121,13 +121,13 @@ def without_velocity(
     rows = [now[k].lift_row for k in closed] + [now[k].slip_row for k in stuck]
     velocity = np.array(body[3:], dtype=float)
     if rows:
-        compliance = 1.0 / np.array([1.0, 1.0, case.plate.gyration**2])
+        inverse = compliance(case.plate)
         matrix = np.array(rows)
         goals = np.array([0.0] * len(closed) + [belt_speed(now[k].contact, t) for k in stuck])
-        is_held = np.linalg.matrix_rank(matrix * np.array([1.0, 1.0, 1.0 / case.plate.gyration]), tol=1e-9) == 3
+        is_held = np.linalg.matrix_rank(matrix * np.sqrt(inverse), tol=1e-9) == freedoms(case.plate)
         if is_held and not goals.any():
             return [*body[:3], 0.0, 0.0, 0.0]
         for _ in range(2):  # the second step removes the rounding of the first
-            off = np.linalg.lstsq(matrix * compliance @ matrix.T, matrix @ velocity - goals, rcond=1e-10)[0]
-            velocity = velocity - compliance * (matrix.T @ off)
+            off = np.linalg.lstsq(matrix * inverse @ matrix.T, matrix @ velocity - goals, rcond=1e-10)[0]
+            velocity = velocity - inverse * (matrix.T @ off)
     return [*body[:3], *velocity.tolist()]

@@ -19,6 +19,7 @@ from cases import Case, Impact
 from cases.contact import belt_speed
 
 from ..minimal.impact import ContactVelocity, collide, law_of
+from .contact_law import compliance
 from .geometry import ContactPlace
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
@@ -83,8 +84,7 @@ def impact(
     before = np.array(velocity, dtype=float)
     if len(places_hit) == 1:
         return _one_contact(before, places_hit[0], belt_speed(places_hit[0].contact, t))
-    gyration = case.plate.gyration
-    plate = Inertia(1.0 / np.array([1.0, 1.0, gyration**2]), np.array([1.0, 1.0, gyration]))
+    plate = Inertia(compliance(case.plate), np.array([1.0, 1.0, case.plate.gyration]))
     belts = np.array([belt_speed(at.contact, t) for at in places_hit])
     return impact_of_all(law.law, plate, before, places_hit, speed, belts)
 

@@ -27,6 +27,7 @@ from ..minimal.phase_end import (
     work_limit_ending,
 )
 from ..minimal.scales import frequency
+from .contact_law import freedoms
 from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time
 from .geometry import TOUCHES, places, project, without_velocity
 from .hops import SeriesEnd
@@ -207,7 +208,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             return several_motions(self.t, now.names, decision.motions)
         touching = [now.places[k] for k in now.touching]
         rows = np.array([at.lift_row for at in touching] + [at.slip_row for at in touching if at.stick > 0.0])
-        if len(touching) > 1 and np.linalg.matrix_rank(rows, tol=1e-9 * self.case.plate.reach) < min(len(rows), 3):
+        rows, most = rows[:, : freedoms(self.case.plate)], freedoms(self.case.plate)
+        if len(touching) > 1 and np.linalg.matrix_rank(rows, tol=1e-9 * self.case.plate.reach) < min(len(rows), most):
             return self._held_point(now)
         return NO_SLIP if any(now.places[k].stick == inf for k in now.touching) else NO_MODE
 

@@ -173,7 +173,7 @@ def _balance(
     }  # fmt: skip
     shares = [np.reshape(ratios.get(i, 0.0), (-1, 1)) for i in range(len(closed))]
     rows = [lift + share * slip for share, (slip, lift) in zip(shares, each, strict=True)] + [each[i][0] for i in held]
-    units = units_of(case.plate.gyration)
+    units = units_of(case.plate)
     matrix = units[:, None] * np.stack(rows, axis=-1)
     values = -(np.linalg.pinv(matrix, rcond=OPEN_FORCE) @ (units[:, None] * load).T[:, :, None])[:, :, 0].T
     # Forces that balance nothing may be added: the normal forces on one line are unique, their frictions' sum is.
@@ -233,5 +233,5 @@ def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray
     at = _closed_places(case, regime, state)
     load = load_on_belts(now, t, state) if regime.guides else load_at(case, t, body_of(state))
     friction = limits_of_friction(at, [regime.modes[k] for k in regime.closed], t, state)
-    limits: ForceRanges = ranges(at, load, units_of(case.plate.gyration), friction)
+    limits: ForceRanges = ranges(at, load, units_of(case.plate), friction)
     return {name: np.array([limits.normal[i], limits.friction[i]]) for i, name in enumerate(names)}

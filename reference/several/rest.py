@@ -37,7 +37,7 @@ def limit_of_rest(case: Case, closed: Sequence[ContactPlace], start: float, y: S
     """When the closed contacts cannot balance the load any more, s; None if they can until the motion's end."""
     from scipy.optimize import brentq
 
-    sticks, units = [one.stick for one in closed], forces.units_of(case.plate.gyration)
+    sticks, units = [one.stick for one in closed], forces.units_of(case.plate)
 
     def margin(t: float) -> float:
         return forces.margin(closed, load_at(case, t, body_of(y)), units, sticks)

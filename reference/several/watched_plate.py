@@ -15,6 +15,7 @@ from cases.supports import TRACK
 from ..minimal.flight_end import REBOUND_ROUNDINGS
 from ..minimal.phase_end import CAUSES, ENERGY, Ending
 from ..minimal.series import EPS
+from .contact_law import compliance
 from .decision import DecisionInstant, load_at
 from .geometry import TOUCHES, ContactPlace, places, project, without_velocity
 from .hops import NestedSeries, Strike
@@ -287,7 +288,7 @@ class WatchedPlate:
     def pull(self, at: ContactPlace) -> float:
         """The acceleration of the load towards a contact's support, m/s²."""
         load = load_at(self.case, self.t, self.body)
-        weights = 1.0 / np.array([1.0, 1.0, self.case.plate.gyration**2]) / self.case.plate.mass
+        weights = compliance(self.case.plate) / self.case.plate.mass
         return max(-float(at.lift_row @ (weights * load)), 0.0)
 
     def belt_speed(self, t: float) -> float:
