@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+import cases
 from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, Plate, Start, StartPose, Support, Unilateral, disc
 from cases.library import line
 from cases.mechanics import energy
@@ -104,6 +105,15 @@ def test_a_block_held_by_a_spring_on_a_belt_sticks_and_slips_as_a_particle(metho
     assert track_times(motion) == pytest.approx([t.time for t in alone.transitions], abs=within)
     both = [t.contact for t in motion.transitions]
     assert both[::2] == ["plate/track"] * len(alone.transitions) and len(both) == 2 * len(alone.transitions)
+
+
+def test_the_block_of_the_catalogue_rides_slips_and_overtakes_the_belt_as_a_particle():
+    case = cases.load("block_on_stribeck_belt")
+    law, belt, load = (case.effect(kind) for kind in (CoulombFriction, Belt, Load))
+    alone = simulated(point(law.mu, belt, load, end=case.duration))
+    motion = simulated(case)
+    assert track_times(motion) == pytest.approx([t.time for t in alone.transitions], abs=1e-12)
+    assert len(alone.transitions) == 10 and alone.transitions[0].time == pytest.approx(0.4 * G / 200.0, abs=1e-13)
 
 
 def test_a_law_that_is_a_number_is_the_same_motion():
