@@ -166,6 +166,25 @@ def gauss_seidel(
     return None
 
 
+def polished(delassus: np.ndarray, free: np.ndarray, force: np.ndarray, mu: np.ndarray) -> np.ndarray:
+    """A solution with perfectly rough contacts, whose coefficient multiplies its roundings, again from the equations
+    that hold in it: no lift where a contact presses, and no slip inside its cone. The same if these are dependent."""
+    count = len(mu)
+    normal, friction = force[:count], force[count:]
+    presses = normal > SOLVED * np.abs(normal).max(initial=0.0)
+    sticks = presses & (mu > 0.0) & (np.abs(friction) < (1.0 - SOLVED) * mu * normal)
+    columns = np.zeros((2 * count, 2 * count))
+    columns[:count, :count] = np.eye(count)
+    columns[count:, :count] = np.diag(np.where(sticks, 0.0, np.sign(friction) * mu))
+    columns[count:, count:] = np.eye(count)
+    held = np.flatnonzero(np.concatenate([presses, sticks]))
+    try:
+        values = np.linalg.solve((delassus @ columns)[np.ix_(held, held)], -free[held])
+    except np.linalg.LinAlgError:
+        return force
+    return columns[:, held] @ values
+
+
 def least_rate(
     delassus: np.ndarray,
     free: np.ndarray,

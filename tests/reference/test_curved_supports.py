@@ -152,6 +152,17 @@ def test_a_disc_that_rolls_in_a_bowl_meets_a_straight_wall_in_time(lean):
     assert agree(case, 1e-10) >= 2
 
 
+def test_a_rough_disc_that_falls_between_a_bowl_and_a_smooth_wall_comes_to_rest():
+    # The coefficient of a perfectly rough contact, 1e9 in the second formulation, left a slip of 3e-8 m/s after the
+    # impact at both contacts, which ended its motion as "paradox".
+    lean, far, start = 0.3, 1.7, 1.1
+    wall = Curve(lambda s: (-0.5 * cos(lean) + s * sin(lean), -0.5 * sin(lean) - s * cos(lean)))
+    pose, support = StartPose(far * sin(start), -far * cos(start)), (Support(wall, "wall", ()),)
+    case = Case(circle(2.0), disc(0.3, 1.0), (*INELASTIC, PerfectlyRough()), pose, 1.0, supports=support)
+    assert agree(case, 1e-10) == 3
+    assert reference.simulate(case)(1.0).omega == 0.0
+
+
 # --- rods and blocks in bowls -----------------------------------------------------------------------------------------
 
 RADIUS, HALF, LOW = 2.0, 1.0, 0.02
