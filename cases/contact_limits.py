@@ -12,7 +12,7 @@ from .effects import Flight
 from .outline_features import features
 from .piece_case import has_pieces
 from .start_pose import TOUCHES
-from .supports import exclusion, why_not_by_features
+from .supports import exclusion, is_hill, why_not_by_features
 
 
 def limitation(case: Case) -> str:
@@ -36,7 +36,7 @@ def touches_by_features(case: Case) -> bool:
 @lru_cache(maxsize=256)
 def _corners_touch(case: Case) -> bool:
     """The same for a plate with corners on a track alone."""
-    if limitation(case):
+    if limitation(case) or is_hill(case.track):  # a convex plate touches a hill in one place
         return False
     if case.effect(Flight) is not None and not any(isinstance(piece, Curve) for piece in features(case.plate.outline)):
         return True

@@ -16,33 +16,39 @@ import numpy as np
 from .case_class import Case
 from .chain import Chain
 from .contact import find
-from .corner import Corner, turning
+from .corner import Corner, Edge, turning
 from .curves import Curve
 from .errors import DoesNotFit, unknown_name
 from .line_or_circle import as_line
-from .nearest_samples import nearest_samples
-from .outline_features import ArcRange, arc_ranges, features
+from .nearest_samples import nearest_samples, track_samples
+from .outline_features import ArcRange, arc_ranges, features, side_ranges, sides
 from .plate import Plate
 from .start import Start
 from .start_pose import TOUCHES
-from .supports import TRACK, Support, is_convex
+from .supports import TRACK, Support, is_convex, is_hill, is_straight
 
 # Newton's method for a guess on a line: quadratic, so that these are many, and how close the guess is to be.
 MOST_STEPS, NEAR = 20, 1e-6
 # Pairs of points are the same one if those on the support are closer than this part of the plate's size.
 APART = 1e-6
+# An edge whose gap is below minus this part of the plate's reach has a hill behind it: it does not overlap that much.
+BEHIND = 1e-3
+# Parameters so many lengths of an edge away are not reached.
+FAR = 1e6
 
 
 class PairCase(Case):
     """A case whose track is one support and whose outline is one feature of that of `whole`.
 
-    `number`: which of `pairs(whole)` it is; `support`: the support's name; `has_unique_points`: whether the nearest
-    points are the only ones in every pose, so that the pair can be watched all the time; `arc_range`: where an arc is
-    compared with the support, None if everywhere. It is made by `pairs`.
+    `number`: which of `pairs(whole)` it is; `first`: which is the first of the same support, of that name;
+    `has_unique_points`: whether the nearest points are the only ones in every pose, so that the pair can be watched all
+    the time; `arc_range`: where an arc, or an edge on a hill, is compared with the support, None if everywhere. It is
+    made by `pairs`.
     """
 
     whole: Case
     number: int
+    first: int
     support: str
     has_unique_points: bool
     arc_range: ArcRange | None
@@ -61,6 +67,8 @@ class PairCase(Case):
         gap."""
         line, feature = as_line(self.track), self.plate.outline
         c, s = cos(theta), sin(theta)
+        if isinstance(feature, Edge):
+            return self._beside_edge(feature, x, y, theta)
         if line is None or self.track.domain is not None:
             centre = self.centre
             if isinstance(feature, Corner) or centre is None:
@@ -93,6 +101,17 @@ class PairCase(Case):
                 break
         return xi1, xi2
 
+    def _beside_edge(self, edge: Edge, x: float, y: float, theta: float) -> tuple[float, float]:
+        """Parameters of a hill's sample with the direction of an edge, and of that point's foot on the edge's line."""
+        parameters = track_samples(self.track, x, y, 0.0).parameters
+        off = self.track.tangent_angle(parameters) - theta - float(edge.tangent_angle(0.0))
+        number = int(np.argmin(np.abs(off - 2.0 * pi * np.round(off / (2.0 * pi)))))
+        c, s = cos(theta), sin(theta)
+        px, py = self.track.point(float(parameters[number])) - np.array([x, y])
+        return float(parameters[number]), float(
+            (np.array([c * px + s * py, c * py - s * px]) - edge.point(0.0)) @ edge.tangent(0.0)
+        )
+
     def whole_xi2(self, xi2):
         """A parameter of the feature as one of the whole outline, numbers or arrays; it is counted on from round to
         round. Beyond the feature's own ends the result lies as far beyond them."""
@@ -100,6 +119,8 @@ class PairCase(Case):
         if not isinstance(outline, Chain):
             return xi2
         (element,) = [one for one in outline.elements if one.piece == feature]
+        if isinstance(feature, Edge):
+            return xi2 + element.shift
         middle = 0.5 * sum(feature.span)
         round_length = 2.0 * pi / turning(feature, middle)
         rounds = np.round((xi2 - middle) / round_length)
@@ -110,17 +131,44 @@ class PairCase(Case):
         limits = self.arc_range
         return limits is not None and not limits.low <= self.in_round(xi2, False) < limits.high
 
+    def away_in_pose(self, x: float, y: float, theta: float, points: tuple[float, float]) -> int:
+        """Whether an arc or an edge is turned away from the support in a pose: 0 if it faces it. An edge is away where
+        its nearest point lies before its start (-1) or beyond its end (1), or the support is behind it (2)."""
+        if not isinstance(self.plate.outline, Edge):
+            return int(self.is_away(points[1]))
+        _, xi2, gap = find(self, x, y, theta, points)
+        low, high = self.plate.outline.span
+        return -1 if xi2 < low else 1 if xi2 >= high else self._behind(gap)
+
+    def _behind(self, gap: float) -> int:
+        """0 if an edge with that gap (m) faces the support, 2 if the support is behind it: more than a rounding."""
+        return 0 if gap > -BEHIND * self.whole.plate.reach else 2
+
+    def after_turn(self, is_away: int, xi2: float, gap: float) -> int:
+        """What `away_in_pose` is after an arc or an edge has reached an end of its range, with that gap (m)."""
+        if not isinstance(self.plate.outline, Edge):
+            return int(not is_away)
+        if is_away in (0, 2):
+            return -1 if xi2 < 0.5 * sum(self.plate.outline.span) else 1
+        return self._behind(gap)
+
     def in_round(self, xi2: float, is_away: bool) -> float:
         """A parameter of the feature in the round in which its range is, or what follows its end if it is away."""
+        if isinstance(self.plate.outline, Edge):
+            return xi2
         low, high = (self.arc_range.low, self.arc_range.high) if self.arc_range else self.plate.outline.span
         length = 2.0 * pi / turning(self.plate.outline, 0.5 * sum(self.plate.outline.span))
         middle = 0.5 * (low + high) + 0.5 * length * is_away
         return float(xi2 - length * np.round((xi2 - middle) / length))
 
-    def limits_of_turn(self, is_away: bool) -> tuple[float, float]:
-        """The parameters between which an arc keeps facing the support, or stays turned away from it."""
+    def limits_of_turn(self, is_away: int) -> tuple[float, float]:
+        """The parameters between which an arc or an edge keeps facing the support, or stays turned away from it."""
         if self.arc_range is None:
             return -inf, inf
+        if isinstance(self.plate.outline, Edge):
+            low, high = self.plate.outline.span
+            far = FAR * (high - low)
+            return {-1: (low - far, low), 1: (high, high + far)}.get(is_away, (low, high))
         length = 2.0 * pi / turning(self.plate.outline, 0.5 * sum(self.plate.outline.span))
         low, high = self.arc_range.low, self.arc_range.high
         return (high, low + length) if is_away else (low, high)
@@ -130,8 +178,7 @@ class PairCase(Case):
         assert self.arc_range is not None
         low, high, before, after = self.arc_range
         number = before if self.in_round(xi2, False) < 0.5 * (low + high) else after
-        count = len(features(self.whole.plate.outline))
-        return None if number is None else pairs(self.whole)[self.number - self.number % count + number]
+        return None if number is None else pairs(self.whole)[self.first + number]
 
     @cached_property
     def centre(self) -> Corner | None:
@@ -187,13 +234,16 @@ def contact_case(case: Case, contact: str) -> PairCase:
 @lru_cache(maxsize=256)
 def pairs(case: Case) -> tuple[PairCase, ...]:
     """All pairs of a support, the track first, and a feature of the outline."""
-    supports = (Support(case.track, "_track"), *case.supports)
-    outline = features(case.plate.outline)
-    return tuple(
-        _make(case, support, cast(Curve, feature), number * len(outline) + index)
-        for number, support in enumerate(supports)
-        for index, feature in enumerate(outline)
-    )
+    every, outline = list[PairCase](), case.plate.outline
+    for support in (Support(case.track, "_track"), *case.supports):
+        on_hill = bool(sides(outline)) and is_hill(support.curve)
+        some = sides(outline) if on_hill else features(outline)
+        ranges = side_ranges(outline) if on_hill else arc_ranges(outline) if is_straight(support.curve) else None
+        first = len(every)
+        for index, feature in enumerate(some):
+            limits = ranges[index] if ranges else None
+            every.append(_make(case, support, cast(Curve, feature), first + index, first, on_hill, limits))
+    return tuple(every)
 
 
 class WatchedPair(NamedTuple):
@@ -202,42 +252,41 @@ class WatchedPair(NamedTuple):
 
     pair: PairCase
     points: tuple[float, float]
-    is_away: bool
+    is_away: int
 
 
 def pairs_in_pose(case: Case, x: float, y: float, theta: float) -> list[WatchedPair]:
     """The pairs with unique nearest points that are watched in a pose: all but the features next to an arc that faces
     the support, which touch after it has turned away."""
     unique = [(pair, pair.guess(x, y, theta)) for pair in pairs(case) if pair.has_unique_points]
-    return facing_pairs([WatchedPair(pair, points, pair.is_away(points[1])) for pair, points in unique])
+    return facing_pairs([WatchedPair(pair, near, pair.away_in_pose(x, y, theta, near)) for pair, near in unique])
 
 
 def facing_pairs(some: Sequence[WatchedPair]) -> list[WatchedPair]:
     """Those of some pairs that are not next to an arc of them that faces the support."""
     hidden = set[int]()
     for pair, _, is_away in some:
-        count = len(features(pair.whole.plate.outline))
         if pair.arc_range is not None and not is_away:
-            first = pair.number - pair.number % count
-            hidden |= {first + number for number in pair.arc_range.neighbours}
+            hidden |= {pair.first + number for number in pair.arc_range.neighbours}
     return [one for one in some if one.pair.number not in hidden]
 
 
-def _make(whole: Case, support: Support, feature: Curve, number: int) -> PairCase:
+def _make(
+    whole: Case, support: Support, feature: Curve, number: int, first: int, on_hill: bool, limits: ArcRange | None
+) -> PairCase:
     plate, case = object.__new__(Plate), object.__new__(PairCase)
     vars(plate).update(outline=feature, mass=whole.plate.mass, inertia=whole.plate.inertia)
     values = {name: value for name, value in vars(whole).items() if name in Case.__dataclass_fields__}
     outline = whole.plate.outline
-    is_track, is_feature = number < len(features(outline)), isinstance(outline, Chain)
+    is_track, is_feature = first == 0, isinstance(outline, Chain)
     middle = [0.5 * sum(piece.span) for piece in (support.curve, feature)]
     start = whole.start if is_track and not is_feature else Start(*middle)
     values |= {"track": support.curve, "plate": plate, "start": start, "supports": (), "others": ()}
     values["effects"] = whole.effects if is_track else support.acting(whole.effects)
-    straight = support.curve.domain is None and as_line(support.curve) is not None
-    limits = arc_ranges(outline)[number % len(features(outline))] if straight else None
+    is_unique = is_straight(support.curve) and (is_feature or (is_convex(feature) and bool(whole.supports)))
     vars(case).update(
-        values, whole=whole, number=number, support=TRACK if is_track else support.name,
-        has_unique_points=straight and (is_feature or (is_convex(feature) and bool(whole.supports))), arc_range=limits,
+        values, whole=whole, number=number, first=first, support=TRACK if is_track else support.name,
+        has_unique_points=is_unique or on_hill, arc_range=limits,
     )  # fmt: skip
     return case
 

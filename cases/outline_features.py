@@ -68,6 +68,25 @@ def arc_ranges(outline: Curve) -> tuple[ArcRange | None, ...]:
     )  # fmt: skip
 
 
+@lru_cache(maxsize=256)
+def sides(outline: Curve) -> tuple[Piece, ...]:
+    """What of a convex polygon may touch a hill: its edges and corners in their order; nothing of another outline."""
+    if not isinstance(outline, Chain) or not outline.is_closed:
+        return ()
+    every = tuple(element.piece for element in outline.elements)
+    is_convex = all(piece.turn > 0.0 if isinstance(piece, Corner) else isinstance(piece, Edge) for piece in every)
+    return every if is_convex else ()
+
+
+def side_ranges(outline: Curve) -> tuple[ArcRange | None, ...]:
+    """For each of `sides` the range of an edge, at whose ends a contact passes to a corner; None for a corner."""
+    every = sides(outline)
+    return tuple(
+        None if isinstance(piece, Corner) else ArcRange(*piece.span, (i - 1) % len(every), (i + 1) % len(every))
+        for i, piece in enumerate(every)
+    )
+
+
 def _may_touch(piece: Piece) -> bool:
     if isinstance(piece, Corner):
         return piece.turn > 0.0

@@ -15,14 +15,14 @@ import numpy as np
 
 from . import effects as all_effects
 from .chain import Chain
-from .corner import Corner, Piece
+from .corner import Corner, Edge, Piece
 from .curves import Curve
 from .effects import CoulombFriction, Effect, Impact, PerfectlyRough
 from .errors import BadValue, DoesNotFit
 from .line_or_circle import as_line
 from .moving_surface import Belt
 from .nearest_samples import nearest_samples
-from .outline_features import arc_ranges, features, is_arc
+from .outline_features import arc_ranges, features, is_arc, sides
 from .overlap import first_overlap
 from .own_effects import own_effects
 from .piece_contact import find
@@ -136,10 +136,12 @@ def why_not_by_features(track: Curve, outline: Curve) -> str:
             # Supports are lines without ends: they cannot be the sides of an edge.
             return "A plate on a track with an edge has one contact; give a line as track if it stays on one part."
         return "A plate on a track with corners has one contact; give a line as track and its other parts as supports."
+    if is_hill(track) and sides(outline):
+        return ""
     if not is_straight(track) and not is_hollow(track):
         return (
-            "A plate with corners has several contacts on a straight track without ends, or one that bends to its "
-            "plate's side everywhere; give such a track."
+            "A plate with corners has several contacts on a straight track without ends or one that bends to its "
+            "plate's side everywhere, a convex polygon also on a closed one that bends away from it; give such a track."
         )
     if not isinstance(outline, Chain) or not outline.is_closed or not features(outline):
         return "The outline is not closed, or has no corner or arc that bulges; give one that is and has."
@@ -189,10 +191,12 @@ def _check_features(case: Any) -> None:
     curves = ((case.track, TRACK), *((support.curve, support.name) for support in case.supports))
     curved = [name for curve, name in curves if not is_straight(curve)]
     for curve, name in curves:
-        if not is_straight(curve) and not is_hollow(curve):
+        if is_hill(curve) and not sides(case.plate.outline):
+            raise BadValue(f"only a convex polygon touches the closed hill {name!r}; give one or a smooth outline")
+        if not is_straight(curve) and not is_hollow(curve) and not is_hill(curve):
             raise BadValue(
-                f"a plate with corners or pieces touches straight lines without ends, and curves that bend to its side "
-                f"everywhere, and {name!r} is neither; give such a curve or a smooth outline"
+                f"a plate with corners or pieces touches straight lines without ends, curves that bend to its side "
+                f"everywhere, and closed hills, and {name!r} is none; give such a curve or a smooth outline"
             )
     if not features(case.plate.outline):
         raise BadValue("the outline has no corner or arc that bulges; give one that has")
@@ -221,6 +225,14 @@ def is_hollow(curve: Curve) -> bool:
     return bool(np.all(bend > 0.0))
 
 
+@lru_cache(maxsize=256)
+def is_hill(curve: Curve) -> bool:
+    """Whether a smooth support is closed and bends to its right everywhere, away from the plate: corners and edges of a
+    convex polygon touch it, and the nearest points are unique."""
+    bend = np.asarray(curve.curvature(np.linspace(*curve.span, HOLLOW_SAMPLES)))
+    return bool(curve.period) and bool(np.all(bend < 0.0))
+
+
 def check_start(case: Any, x: float, y: float, theta: float) -> None:
     """Raise DoesNotFit if the plate overlaps a support where the motion begins."""
     outline: Curve = case.plate.outline
@@ -247,15 +259,24 @@ def check_start(case: Any, x: float, y: float, theta: float) -> None:
 def _crosses(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> bool:
     """Whether a feature of an outline lies on the right of a curved support, and the centre of mass on its left."""
     away, *gaps = [_gap(curve, piece, x, y, theta) for piece in (CENTRE, *features(outline))]
+    if is_hill(curve):
+        gaps += [_gap(curve, piece, x, y, theta) for piece in sides(outline) if isinstance(piece, Edge)]
     return away > 0.0 and min(gaps) < -DEPTH * outline.sizes[0]
 
 
 def _gap(curve: Curve, piece: Piece, x: float, y: float, theta: float) -> float:
-    """The distance of the nearest points of a support and a feature, m; infinite where there are none."""
+    """The distance of the nearest points of a support and a feature, m; infinite where there are none, and for an edge
+    whose nearest point is beyond its ends or that has the centre of mass on the support's side."""
     try:
-        return find(curve, piece, x, y, theta, nearest_samples(curve, piece, x, y, theta)[0]).gap  # type: ignore[arg-type]
+        near = nearest_samples(curve, piece, x, y, theta)[0]
+        xi1, xi2, gap = find(curve, piece, x, y, theta, near)  # type: ignore[arg-type]
     except DoesNotFit:
         return inf
+    low, high = piece.span
+    is_side = not isinstance(piece, Edge) or (
+        low <= xi2 <= high and float((np.array([x, y]) - curve.point(xi1)) @ curve.normal(xi1)) > 0.0
+    )
+    return gap if is_side else inf
 
 
 @lru_cache(maxsize=256)

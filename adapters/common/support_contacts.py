@@ -18,7 +18,7 @@ from cases import Belt, Case, CoulombFriction, Curve, PerfectlyRough, Trajectory
 from cases.contact import belt_speed
 from cases.contact_limits import touches_by_features
 from cases.contact_pairs import PairCase, contact_name, pairs
-from cases.corner import Corner, turning
+from cases.corner import Corner, Edge, turning
 from cases.curve_samples import SampleStretches
 from cases.line_or_circle import as_circle, as_line
 from cases.sampled_contacts import SampledContacts
@@ -45,6 +45,8 @@ def refuses(case: Case, with_curves: bool = False) -> str | None:
     for pair in pairs(case):
         if not is_straight(pair.track) and (problem := _refuses_curve(pair, with_curves)):
             return problem
+        if isinstance(pair.plate.outline, Edge):
+            return f"A flat side may touch the hill {pair.support!r}, which contacts from poses do not support."
         if not isinstance(pair.plate.outline, Corner) and as_circle(pair.plate.outline) is None:
             return "A plate on supports is round or has corners here, and this outline is another."
         if pair.arc_range is not None:

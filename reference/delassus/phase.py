@@ -28,7 +28,7 @@ class WatchedContact(NamedTuple):
     case: PairCase
     pair: tuple[float, float]
     mode: Mode
-    is_away: bool = False
+    is_away: int = 0
 
     @property
     def is_closed(self) -> bool:

@@ -89,12 +89,14 @@ class PlateState:
         arc = self.contacts[place]
         number, follower = arc.case.number, arc.case.successor(arc.pair[1])
         xi2 = arc.case.in_round(arc.pair[1], not arc.is_away)
+        is_away = arc.case.after_turn(arc.is_away, xi2, pair_at(arc.case, self.body, arc.pair).gap)
         every = {contact.case.number: contact for contact in self.contacts}
-        every[number] = arc._replace(pair=(arc.pair[0], xi2), is_away=not arc.is_away)
+        every[number] = arc._replace(pair=(arc.pair[0], xi2), is_away=is_away)
+        x, y, theta = self.body[:3].tolist()
         for pair in pairs(self.case):
             if pair.number not in every:
-                near = pair.guess(*self.body[:3])
-                is_away = pair != follower and pair.is_away(near[1])
+                near = pair.guess(x, y, theta)
+                is_away = 0 if pair == follower else pair.away_in_pose(x, y, theta, near)
                 every[pair.number] = WatchedContact(f"{OPEN_NAME}{pair.number}", pair, near, Mode.FLIGHT, is_away)
         if follower is not None and follower.number in every:
             giver, heir = (arc.case, follower) if not arc.is_away else (follower, arc.case)

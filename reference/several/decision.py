@@ -49,7 +49,7 @@ class DecisionInstant(NamedTuple):
     limits: tuple[float, ...]
     touching: tuple[int, ...]
     speed: float
-    away: tuple[bool, ...]
+    away: tuple[int, ...]
 
     @property
     def pairs(self) -> tuple[int, ...]:

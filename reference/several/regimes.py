@@ -41,7 +41,7 @@ class SeveralRegime(NamedTuple):
     names: tuple[str, ...]
     limits: tuple[float, ...]
     pairs: tuple[int, ...]
-    away: tuple[bool, ...]
+    away: tuple[int, ...]
     rests: bool = False
     guides: tuple[tuple[bool, bool], ...] = ()
 

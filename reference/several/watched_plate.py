@@ -44,14 +44,15 @@ class MotionEnds(Exception):
 @dataclass
 class WatchState:
     """A watched contact: its name, its pair of a support and a feature, its pair of points and mode, the clearance
-    (1/m) at which it is lost while open, and whether it is an arc turned away from the support."""
+    (1/m) at which it is lost while open, and whether it is an arc or an edge that is
+    turned away from the support (`PairCase.away_in_pose`)."""
 
     name: str
     contact: PairCase
     pair: tuple[float, float]
     mode: Mode
     limit: float
-    is_away: bool = False
+    is_away: int = 0
 
 
 def open_name(pair: PairCase) -> str:
@@ -117,15 +118,19 @@ class WatchedPlate:
 
     def turn(self, arc: WatchState) -> None:
         """Watch other pairs where an arc turns to its support or away; a contact there passes on with name and mode."""
-        leaves = not arc.is_away
+        leaves, gap = not arc.is_away, places([arc.contact], self.body, [arc.pair])[0].gap
         successor = arc.contact.successor(arc.pair[1]) if leaves else None
-        arc.is_away, arc.pair = leaves, (arc.pair[0], arc.contact.in_round(arc.pair[1], leaves))
+        arc.is_away = arc.contact.after_turn(arc.is_away, arc.pair[1], gap)
+        arc.pair = arc.pair[0], arc.contact.in_round(arc.pair[1], leaves)
         before = {watch.contact.number: watch for watch in self.watches}
         every = list[WatchedPair]()
+        x, y, theta = self.body[:3]
         for pair in pairs(self.case):
             watch = before.get(pair.number)
-            points = watch.pair if watch else pair.guess(*self.body[:3])
-            is_away = watch.is_away if watch else pair != successor and pair.is_away(points[1])
+            points = watch.pair if watch else pair.guess(x, y, theta)
+            is_away = watch.is_away if watch else 0
+            if watch is None and pair != successor:
+                is_away = pair.away_in_pose(x, y, theta, points)
             every.append(WatchedPair(pair, points, is_away))
         self.watches = [before.get(one.pair.number) or open_watch(one) for one in facing_pairs(every)]
         left = [watch for watch in before.values() if watch not in self.watches and watch.mode is not Mode.FLIGHT]

@@ -1,12 +1,14 @@
 """Plates on curved supports: discs between circles, rods and blocks in bowls, against exact motions and two
 formulations."""
 
+from functools import cache
 from math import acos, asin, atan, cos, hypot, pi, sin, sqrt
 
 import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import reference
 from cases import (
@@ -177,7 +179,7 @@ def rod_in_bowl(angle: float, *effects, duration: float = 3.0) -> Case:
     return Case(circle(RADIUS), ROD, (*INELASTIC, *effects), pose, duration)
 
 
-@pytest.mark.sampled(4, first=1)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 @pytest.mark.parametrize("angle", [0.5, 1.2])
 def test_a_rod_without_friction_in_a_bowl_is_a_physical_pendulum(angle, method):
@@ -273,6 +275,97 @@ def test_a_rod_that_begins_on_one_end_meets_the_bowl_with_the_other_one():
     )
 
 
+# --- flat sides on hills ----------------------------------------------------------------------------------------------
+
+
+def plank_on_hill(angle: float, *effects, supports: tuple = (), flies: bool = True, duration: float = 3.0) -> Case:
+    """A plank of 2 m that touches a hill of 1 m with its lower side, rolled to an angle (rad) from level."""
+    low = 0.05
+    x = sin(angle) - angle * cos(angle) + low * sin(angle)
+    y = cos(angle) + angle * sin(angle) + low * cos(angle)
+    always = INELASTIC if flies else (Gravity(G), Unilateral())
+    plank = Plate.rectangle(2.0, 2.0 * low, 1.0)
+    return Case(hill(1.0, 0.0, 0.0), plank, (*always, *effects), StartPose(x, y, -angle), duration, supports=supports)
+
+
+# Far below the plank; with a support all contacts are pairs of a support and a feature.
+GROUND = Support(Curve(lambda s: (s, -5.0 + 0.0 * s)), "ground")
+
+
+@cache
+def period_on_hill(angle: float) -> float:
+    """The period of a plank that rolls on a hill of 1 m, by its energy: (k² + b² + φ²) φ̇² = 2 g (h(φ₀) − h(φ)) with the
+    height h = (1 + b) cos φ + φ sin φ of its centre, and b = 0.05 m, k² = (1 + b²)/3."""
+    with mp.workdps(50):
+        low, start = mp.mpf("0.05"), mp.mpf(angle)
+        square = (1 + low**2) / 3 + low**2
+
+        def height(phi):
+            return (1 + low) * mp.cos(phi) + phi * mp.sin(phi)
+
+        def slow(v):  # φ = φ₀ − v² removes the root at the start
+            if v < mp.mpf(10) ** -14:
+                return 2 * mp.sqrt((square + start**2) / (2 * G * (start * mp.cos(start) - low * mp.sin(start))))
+            phi = start - v * v
+            return 2 * v * mp.sqrt((square + phi**2) / (2 * G * (height(start) - height(phi))))
+
+        return 4.0 * float(mp.quad(slow, mp.linspace(0, mp.sqrt(start), 4)))
+
+
+@pytest.mark.sampled(3)
+@pytest.mark.parametrize("method", [*reference.METHODS, "second"])
+def test_a_plank_rocks_on_a_hill_with_the_period_of_a_quadrature(method):
+    period = period_on_hill(0.4)
+    case, times = (
+        plank_on_hill(0.4, CoulombFriction(2.0), supports=(GROUND,)),
+        np.array([0.25, 0.5, 1.0, 1.25]) * period,
+    )
+    if method == "second":
+        theta = _by_second(case, "second", 1e-13).states(times)["theta"]
+    else:
+        theta = reference.simulate(case, 1e-14, method)(times).theta
+    assert theta == pytest.approx([0.0, 0.4, -0.4, 0.0], abs=1e-11)
+
+
+def test_a_plank_on_a_hill_moves_as_with_one_contact():
+    # The formulation of one contact on pieces; its equations are others. It slips, rolls, and leaves with its corner.
+    several = plank_on_hill(0.3, CoulombFriction(0.1), supports=(GROUND,))
+    alone = plank_on_hill(0.3, CoulombFriction(0.1), flies=False)
+    assert not touches_by_features(alone)
+    one, other = reference.simulate(several, 1e-14), reference.simulate(alone, 1e-14)
+    assert [t.after for t in one.transitions[:4]] == [t.after for t in other.transitions]
+    assert [t.time for t in one.transitions[:4]] == pytest.approx([t.time for t in other.transitions], abs=1e-12)
+    assert other.status == "lift_off"
+
+
+@pytest.mark.slow
+def test_a_plank_that_rocks_on_a_hill_hits_the_ground_in_time():
+    # When its lower corner is at the ground's level, in the motion without that ground, whose period is exact.
+    free = reference.simulate(plank_on_hill(-0.5, CoulombFriction(2.0), supports=(GROUND,)), 1e-14)
+
+    def above(t: float) -> float:
+        now = free(t)
+        c, s = cos(now.theta), sin(now.theta)
+        return float(now.y + s - 0.05 * c - (0.6 + 0.15 * (now.x + c + 0.05 * s)))
+
+    first = next(t for t in np.linspace(0.01, 0.9, 90).tolist() if above(t) < 0.0)
+    exact = brentq(above, first - 0.01, first, xtol=1e-15)
+    ground = Support(Curve(lambda s: (s, 0.6 + 0.15 * s)), "ground")
+    case = plank_on_hill(-0.5, CoulombFriction(2.0), supports=(ground,), duration=1.0)
+    hit = next(t for t in reference.simulate(case, 1e-14).transitions if t.contact == "plate/ground")
+    assert hit.time == pytest.approx(exact, abs=1e-11)
+    assert agree(case, 1e-10) >= 1
+
+
+@pytest.mark.parametrize("method", ["first", "second"])
+def test_a_block_that_falls_flat_on_a_hill_goes_on(method):
+    # It ended there as second_contact. Without friction and spin the impact at its lower side takes all of the speed.
+    case = Case(hill(1.0, 0.0, 0.0), Plate.rectangle(0.6, 0.4, 1.0), INELASTIC, StartPose(0.0, 1.7), 1.0)
+    motion = reference.simulate(case, 1e-12) if method == "first" else _by_second(case, "second", 1e-13)
+    assert motion.status == "completed" and motion.transitions[0].time == pytest.approx(sqrt(1.0 / G), abs=1e-12)
+    assert motion.transitions[0].after is Mode.SLIDE
+
+
 # --- two formulations and the paper's matrix --------------------------------------------------------------------------
 
 CAPSULE = Plate.rectangle(0.6, 0.4, 1.0, radius=0.1)
@@ -311,9 +404,28 @@ def random_curved(seed: int, e: float = 0.0) -> Case:
     return Case(track, plate, effects, start, 1.5, supports=(Support(curve, "wall", frictions[1]),))
 
 
+def random_hill(seed: int, e: float = 0.0) -> Case:
+    """A block, rod, triangle or square thrown onto a hill and the ground, another hill or a bowl around both."""
+    numbers = np.random.default_rng(seed)
+    wide, high = numbers.uniform(0.2, 1.2, 2).tolist()
+    triangle = [(-0.3, -0.2), (0.4, -0.25), (0.0, 0.4)]
+    shapes = Plate.rectangle(wide, high, 1.0), Plate.rectangle(1.4, 0.05, 1.0), Plate.polygon(triangle, 1.0)
+    plate = shapes[int(numbers.integers(3))]
+    size, slope, near = numbers.uniform(0.3, 1.0), numbers.uniform(-0.3, 0.3), numbers.uniform(0.5, 1.0)
+    ground = Curve(lambda s: (s * cos(slope), -0.3 - s * sin(slope)))
+    other = (ground, hill(float(numbers.uniform(0.2, 0.6)), float(near + size), 0.0), bowl(3.0, 0.3, 1.0))
+    frictions = [(CoulombFriction(mu),) if mu > 0.15 else () for mu in numbers.uniform(0.0, 1.0, 2).tolist()]
+    vx, vy, omega = numbers.uniform(-1.5, 1.5, 3).tolist()
+    x, theta = numbers.uniform(-0.4, 0.4), numbers.uniform(-3.0, 3.0)
+    start = StartPose(float(x), float(size) + 1.1, float(theta), vx, vy, omega)
+    support = Support(other[int(numbers.integers(3))], "other", frictions[1])
+    effects = (*FREE, Impact(e, "moreau"), *frictions[0])
+    return Case(hill(float(size), 0.0, 0.0), plate, effects, start, 1.5, supports=(support,))
+
+
 # 2, 26: rounded blocks whose arcs touch again after they were far from the curve. 16: a corner passes the centre of a
 # bowl. 28: an impact closes both contacts at once, after which no series goes on.
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("seed", [1, 2, 5, 16, 19, 25, 28, 30])
 def test_both_formulations_have_the_same_sequences_on_curved_supports(seed):
     agree(random_curved(seed), 1e-9)
@@ -327,6 +439,22 @@ def test_both_formulations_have_the_same_sequences_of_many_curved_scenes(seed):
     except DoesNotFit:
         pytest.skip("the plate overlaps a support where it begins")
     agree(case, 5e-6)  # two corners that hit alternately end within that, as on straight supports
+
+
+@pytest.mark.sampled(3)
+@pytest.mark.parametrize("seed", [12, 0, 4])
+def test_both_formulations_have_the_same_sequences_on_hills(seed):
+    agree(random_hill(seed), 1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100))
+def test_both_formulations_have_the_same_sequences_of_many_scenes_on_hills(seed):
+    try:
+        case = random_hill(seed)
+    except DoesNotFit:
+        pytest.skip("the plate overlaps a support where it begins")
+    agree(case, 5e-6)
 
 
 @pytest.mark.slow
@@ -362,8 +490,9 @@ HALF_DISC = Plate.half_disc(0.4, 1.0)
 @pytest.mark.parametrize(
     ("track", "plate", "support", "message"),
     [
-        (wave(0.3, 2.0), ROD, line(pi / 2), "curves that bend to its side everywhere, and 'track' is neither"),
-        (circle(3.0), ROD, hill(0.3, -2.0, -2.0), "and 'wall' is neither; give such a curve or a smooth outline"),
+        (wave(0.3, 2.0), ROD, line(pi / 2), "and closed hills, and 'track' is none; give such a curve"),
+        (circle(3.0), CAPSULE, hill(0.3, -2.0, -2.0), "only a convex polygon touches the closed hill 'wall'"),
+        (line(), ROD, hill(1.0, 0.0, 0.0), "overlaps support 'wall'"),
         (circle(3.0), HALF_DISC, line(pi / 2 - 0.5), "an arc of the outline ends at a corner"),
         (line(), ROD, bowl(1.0, 0.5, 1.0), "overlaps support 'wall'"),
     ],
