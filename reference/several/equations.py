@@ -5,7 +5,8 @@ In the frame of contact i (t along the track, n = U t towards the plate, arm h =
 a·t − ω̇ h_n = ω² h_t + ḃ, with the speed b of the support's surface along t: a belt changes C alone. With q̈₁ from (16),
 (19), they are linear in the contacts' forces, and solved by Cramer's rule. A plate has three degrees of freedom: three
 rows or more hold it at rest, or determine its motion by the belts that it sticks to. Of more than three, whose forces
-are not unique, three are used. ξ̇ follows from the velocities by (8)′ and (9)′, for an open contact with its gap.
+are not unique, three are used. One of infinite inertia has two: moments over an infinite ρ² vanish.
+ξ̇ follows from the velocities by (8)′ and (9)′, for an open contact with its gap.
 """
 
 from __future__ import annotations
@@ -123,14 +124,12 @@ def _contact(form: ContactForm, k: int) -> _ContactTerms:
     return _ContactTerms(f, h, slip, lift, gap, along_track, along_track * shrink - slip, clearance)
 
 
-def _rows(contact: _ContactTerms, form: ContactForm, surface: Surface, ratio: Node, law: Laws) -> list[_EquationRow]:
-    """The rows of one contact, the normal one first; without moments if the plate does not turn."""
+def _rows(contact: _ContactTerms, form: ContactForm, surface: Surface, ratio: Node) -> list[_EquationRow]:
+    """The rows of one contact, the normal one first."""
     if form.guides is None:
-        rows = _rows_of_kind(contact, form.kind, surface, ratio)
-    else:
-        both = _rows_of_kind(contact, ContactRows.STICK, surface, ZERO)
-        rows = [row for row, is_used in zip(both, form.guides, strict=True) if is_used]
-    return [row._replace(lever=ZERO, moment=ZERO) for row in rows] if law.rotation_fixed else rows
+        return _rows_of_kind(contact, form.kind, surface, ratio)
+    both = _rows_of_kind(contact, ContactRows.STICK, surface, ZERO)
+    return [row for row, is_used in zip(both, form.guides, strict=True) if is_used]
 
 
 def _rows_of_kind(contact: _ContactTerms, kind: ContactRows, surface: Surface, ratio: Node) -> list[_EquationRow]:
@@ -193,11 +192,11 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
     surfaces = [form.surface.of_contact(k).surface for k, form in enumerate(forms)]
     slips = [contact.slip - surface.speed for contact, surface in zip(contacts, surfaces, strict=True)]
     ratios = [_ratio(form, k, slip) for k, (form, slip) in enumerate(zip(forms, slips, strict=True))]
-    flat = [row for each in zip(contacts, forms, surfaces, ratios, strict=True) for row in _rows(*each, law)]
+    flat = [row for each in zip(contacts, forms, surfaces, ratios, strict=True) for row in _rows(*each)]
     is_guided = any(form.guides is not None for form in forms)
     if len(flat) > 3:
         raise ValueError("a plate has at most three rows of contact with forces of their own")
-    torsor = (*law.torsor[:2], ZERO) if law.rotation_fixed else law.torsor
+    torsor = law.torsor
     multipliers, determinant = _multipliers(flat, torsor)
     acceleration = list(torsor[:2]) + [torsor[2] / GYRATION]
     for row, value in zip(flat, multipliers, strict=True):

@@ -10,7 +10,7 @@ import numpy as np
 from cases import Case, Impact, Mode
 from cases.contact import belt_speed
 from cases.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
-from cases.supports import TRACK
+from cases.supports import TRACK, has_slip_law
 
 from ..minimal.flight_end import REBOUND_ROUNDINGS
 from ..minimal.phase_end import CAUSES, ENERGY, Ending
@@ -239,11 +239,12 @@ class WatchedPlate:
             self.touching = {self.watches[k].name for k in indices if lifts[k] <= CLOSES * self.speed}
             return stuck | {self.watches[k].name for k in indices if self._is_still(now[k], velocity)}
         if self.case.effect(Impact) is None:
+            number = "give mu as a number, and " if has_slip_law(self.case) else ""
             raise MotionEnds(
                 (
                     "second_contact",
                     f"The plate meets {self._which(closing[0])}, xi1 = {now[closing[0]].xi1:.9g}, at t = "
-                    f"{self.t:.9g} s, and the case names no Impact; add Flight() and Impact(0.0) to go on.",
+                    f"{self.t:.9g} s, and the case names no Impact; {number}add Flight() and Impact(0.0) to go on.",
                 )
             )
         places_hit = [k for k in indices if lifts[k] <= CLOSES * self.speed]

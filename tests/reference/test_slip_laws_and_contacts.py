@@ -162,6 +162,15 @@ def test_the_energy_closes_with_the_work_of_belts_and_friction():
         assert total[-1] - total[0] == pytest.approx(work_done(case, motion), abs=1e-10)
 
 
+def test_a_law_by_the_slip_speed_ends_at_an_impact_and_says_what_to_give():
+    wall = Support(line(pi / 2), "wall", ())
+    effects = (Gravity(G), Unilateral(), CoulombFriction(WIDE_LAW))
+    case = Case(line(), disc(R, 1.0), effects, StartPose(2.0 * R, R, vx=-3.0), 1.0, supports=(wall,))
+    motion = simulated(case)
+    assert motion.status == "second_contact"
+    assert "give mu as a number, and add Flight() and Impact(0.0)" in motion.reason
+
+
 # --- both formulations and the paper's matrix -------------------------------------------------------------------------
 
 
