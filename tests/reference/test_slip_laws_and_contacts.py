@@ -101,7 +101,8 @@ def test_a_block_held_by_a_spring_on_a_belt_sticks_and_slips_as_a_particle(metho
     motion = motion_by(block(mu, *effects, mu_static=static, end=3.0), method)
     assert len(alone.transitions) >= 3
     # The second formulation notices a limit when accelerations exceed 1e-12 of their terms.
-    within = 1e-10 if method == "second" else 2e-12
+    # DOP853 at its finest tolerance is 3.6e-12 s off after the slip in which friction falls fastest (`test_slip_laws`).
+    within = {"second": 1e-10, "dop853": 5e-12}.get(method, 2e-12)
     assert track_times(motion) == pytest.approx([t.time for t in alone.transitions], abs=within)
     both = [t.contact for t in motion.transitions]
     assert both[::2] == ["plate/track"] * len(alone.transitions) and len(both) == 2 * len(alone.transitions)
