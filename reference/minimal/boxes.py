@@ -21,6 +21,9 @@ from .windows import EPS, Windows
 ROUNDINGS = 32
 # In a box with at most one meeting the tangents turn by less than this, rad.
 STRAIGHT = 0.5
+# A halved direction contributes about this part of what it contributed to the uncertainty of the gap: pieces of curves
+# do so with the square of their length.
+HALVED = 0.25
 
 
 class Boxes(NamedTuple):
@@ -193,9 +196,9 @@ class Geometry:
             blur[1 + i] = np.where(within, 0.0, table[REACH] ** 2 / self.reach)
         return inside, meets & ~inside, blur
 
-    def divide(self, boxes: Boxes, blur: np.ndarray) -> Boxes:
-        """The boxes, halved in the direction that contributes most to the gap's uncertainty. Raises
-        `pieces.TooMuch`."""
+    def divide(self, boxes: Boxes, blur: np.ndarray) -> tuple[Boxes, np.ndarray]:
+        """The boxes, halved in the direction that contributes most to the gap's uncertainty, and the contributions that
+        are expected of the halves. Raises `pieces.TooMuch`."""
         widest = np.argmax(blur, axis=0)
         time, track, outline = (np.flatnonzero(widest == which) for which in range(3))
         lots = []
@@ -211,7 +214,9 @@ class Geometry:
             some = boxes.some(outline)
             first = self.outline.halves(some.outline)
             lots += [some._replace(outline=first), some._replace(outline=first + 1)]
-        return Boxes(*(np.concatenate(columns) for columns in zip(*lots, strict=True)))
+        less = np.where(np.arange(3)[:, None] == widest, HALVED * blur, blur)
+        order = np.concatenate([some for some in (time, track, outline) for _ in range(2)])
+        return Boxes(*(np.concatenate(columns) for columns in zip(*lots, strict=True))), less[:, order]
 
 
 def _sine(turn: np.ndarray) -> np.ndarray:

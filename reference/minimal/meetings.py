@@ -24,6 +24,8 @@ MOST_BOXES = 10_000_000
 ONE_BY_ONE = 100
 # Boxes processed together: a hundred megabytes.
 TOGETHER = 60_000
+# Fewer boxes than these are halved once more before they are bounded: the bounds of twice as many take hardly longer.
+FEW = 200
 # Newton's method is tried in at most MOST_TRIES boxes per round, with at most STEPS steps.
 MOST_TRIES, STEPS = 4, 20
 # A meeting outside a box by less than this part of it counts as inside, because the neighbour may assign it to this
@@ -70,7 +72,10 @@ class MeetingSearch:
             complete, earliest = self._complete_boxes(motion, boxes, box_bounds, rest, earliest)
             some = np.flatnonzero(~complete)
             if some.size:
-                todo.append(self.geometry.divide(boxes.some(some), box_bounds.blur[:, rest[some]]))
+                parts, blur = self.geometry.divide(boxes.some(some), box_bounds.blur[:, rest[some]])
+                if parts.number < FEW:
+                    parts, _ = self.geometry.divide(parts, blur)
+                todo.append(parts)
         return earliest
 
     def _spend(self, boxes: int) -> None:

@@ -394,6 +394,16 @@ def test_newtons_method_ends_at_the_rounding_of_the_gap(monkeypatch):
     assert len(motion.transitions) == 11 and len(steps) < 6 * len(tries)
 
 
+def test_few_boxes_are_halved_twice_in_a_round(monkeypatch):
+    """Flight 651: a search is one of some hundred boxes in 25 rounds, whose calls took most of its time; now 15."""
+    searches, rounds = [], []
+    first, complete = MeetingSearch.first, MeetingSearch._complete_boxes
+    monkeypatch.setattr(MeetingSearch, "first", lambda *args: searches.append(1) or first(*args))
+    monkeypatch.setattr(MeetingSearch, "_complete_boxes", lambda *args: rounds.append(1) or complete(*args))
+    reference.simulate(replace(rippled(651).case, duration=0.002))
+    assert len(searches) > 10 and len(rounds) < 20 * len(searches)
+
+
 def test_no_second_contact_is_searched_where_the_plate_fits_its_whole_track(monkeypatch):
     """A disc that rolls on ripples of 0.1 mm was looked at in each of 9,500 steps: half of the time of flight 1847."""
     looks = []
