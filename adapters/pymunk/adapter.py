@@ -64,7 +64,7 @@ KNOWN = "pymunk>=6.0"
 # The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt, Drive)
 # Routes that set the coefficient in each step, by the slip velocity.
-SLIP_LAWS = ("assisted",)
+SLIP_LAWS = ("native", "assisted")
 # Routes whose shapes have a curve's corners.
 CORNERS = ("native",)
 # Routes that report each contact of a plate that touches its track in several places.
@@ -88,8 +88,6 @@ def refuses(case: Case, route: str) -> str | None:
     if missing:
         return f"pymunk does not support {' and '.join(missing)}."
     friction = case.effect(CoulombFriction)
-    if friction and friction.by_speed and route not in SLIP_LAWS:
-        return "pymunk's shapes have one friction coefficient for all slip velocities."
     if friction and friction.stick != friction.at_rest:
         return "pymunk has one friction coefficient for slip and stick."
     impact = case.effect(Impact)
@@ -237,8 +235,6 @@ def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkM
         drive = LoadInSteps(case, body, h) if with_load else None
         rough = facets.sagitta(case, setting.get("facets"), setting.get("vertices"))
         model = PymunkModel(case, engine_case, space, body, h, steps, drive, rough)
-        if belts := native.belts_in_steps(case):
-            model.note = native.BeltsInSteps(belts, space, body, h).counting(model.note)
     else:
         space, body, drive, guide = assisted.build(engine_case, setting, h)
         model = PymunkModel(case, engine_case, space, body, h, steps, drive, guide=guide)
@@ -246,6 +242,8 @@ def _model(case: Case, route: str, setting: Setting, with_load: bool) -> PymunkM
     body.position = start.x - 0.5 * h * start.vx, start.y - 0.5 * h * start.vy
     body.angle = start.theta - 0.5 * h * start.omega
     body.velocity, body.angular_velocity = (start.vx, start.vy), start.omega
+    if route == "native" and (surfaces := native.surfaces_in_steps(case)):
+        model.note = native.SurfacesInSteps(surfaces, space, body, h).counting(model.note)
     return model
 
 

@@ -13,8 +13,9 @@ MEANINGS = (
     Meaning(
         CoulombFriction,
         "friction of both shapes, multiplied; here mu and 1, with supports 1 and mu, of free plates the root of mu "
-        "each; a support's own is set in each step",
-        "Coulomb's cone for the impulses of a step, one coefficient for slip and stick; mu(v) is not supported",
+        "each; a support's own, and mu(v), are friction of the contact, set in each step",
+        "Coulomb's cone for the impulses of a step, one coefficient for slip and stick; mu(v) at the slip velocity "
+        "predicted for its middle",
         routes=("native",),
     ),
     Meaning(

@@ -19,15 +19,16 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import count, pairwise, product
 
 import numpy as np
 import pymunk
+from pymunk import Vec2d
 
 from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, NotSupported, PerfectlyRough
-from cases.effects import one
+from cases.effects import Effect, one
 from cases.line_or_circle import Circle, Line, as_circle, as_line
 from cases.mechanics import gravity
 
@@ -191,8 +192,8 @@ def _supports(case: Case, space: pymunk.Space, track: pymunk.Body, setting: Sett
             if impact and whole and whole.restitution > 0.0:
                 shape.elasticity = impact.restitution / whole.restitution
             shape.collision_type = number
-        if belt and belt.constant is not None:
-            _run_surface(shapes, belt.constant)
+        if belt and _runs_evenly(own.effects):
+            _run_surface(shapes, belt.constant or 0.0)
         every += shapes
     return every
 
@@ -231,45 +232,91 @@ def drive_track(case: Case, space: pymunk.Space, h: float) -> None:
 
 def belt_runs_as_shapes(case: Case) -> bool:
     """Whether the belt is a surface velocity of the track's shapes: a constant one, along segments that do not turn."""
-    belt, drive = case.effect(Belt), case.effect(Drive)
+    drive = case.effect(Drive)
     is_turning = drive is not None and drive.is_turning
-    return belt is not None and belt.constant is not None and track_kind(case) != "hill" and not is_turning
+    return _runs_evenly(case.effects) and track_kind(case) != "hill" and not is_turning
 
 
-def belts_in_steps(case: Case) -> dict[int, Belt]:
-    """The belts that are no surface velocity of shapes, by the collision type of the shapes of their curve."""
-    whole = case.effect(Belt)
-    belts = {_TRACK: whole} if whole and not belt_runs_as_shapes(case) else {}
+def _runs_evenly(effects: Sequence[Effect]) -> bool:
+    """Whether there is a belt of constant speed, and no friction by the slip speed, which needs the belt's speed."""
+    belt = one(effects, Belt)
+    return belt is not None and belt.constant is not None and _coefficient(effects) is None
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What of a curve is set in each step: a belt that is no surface velocity of shapes, and mu by the slip speed."""
+
+    belt: Belt | None
+    coefficient: Callable[[float], float] | None
+
+
+def surfaces_in_steps(case: Case) -> dict[int, Surface]:
+    """The curves whose belt or friction is set in each step, by the collision type of their shapes."""
+    whole = None if belt_runs_as_shapes(case) else case.effect(Belt)
+    surfaces = {_TRACK: Surface(whole, _coefficient(case.effects))}
     for number, support in enumerate(case.supports, start=_SUPPORT):
-        own = one(support.acting(case.effects), Belt)
-        if own and own.constant is None:
-            belts[number] = own
-    return belts
+        effects = support.acting(case.effects)
+        surfaces[number] = Surface(None if _runs_evenly(effects) else one(effects, Belt), _coefficient(effects))
+    return {number: each for number, each in surfaces.items() if each.belt or each.coefficient}
 
 
-class BeltsInSteps:
-    """Belts as the surface velocity of each contact, along its own tangent, with the belt's speed in each step."""
+def _coefficient(effects: Sequence[Effect]) -> Callable[[float], float] | None:
+    friction = one(effects, CoulombFriction)
+    return friction.at if friction and friction.by_speed else None
 
-    def __init__(self, belts: dict[int, Belt], space: pymunk.Space, plate: pymunk.Body, h: float):
+
+class SurfacesInSteps:
+    """Belts as the surface velocity of each contact, along its own tangent, with the belt's speed in each step; and
+    friction by the slip speed as the friction of each contact, by its slip in the middle of the step's change of
+    velocity, as predicted from the step before."""
+
+    def __init__(self, surfaces: dict[int, Surface], space: pymunk.Space, plate: pymunk.Body, h: float):
         self._h, self._step = h, 0
+        self._velocities = {body: _velocities(body) for body in space.bodies}
+        self._changes = {body: (Vec2d(0.0, 0.0), 0.0) for body in space.bodies}
         for shape in space.shapes:
             shape.collision_type = shape.collision_type or (_PLATE if shape.body is plate else _TRACK)
-        for number, belt in belts.items():
-            older_versions.on_collision(space, number, _PLATE, partial(self._pre_solve, belt))
+        for number, surface in surfaces.items():
+            older_versions.on_collision(space, number, _PLATE, partial(self._pre_solve, surface))
 
     def counting(self, note: Callable[[], None]) -> Callable[[], None]:
-        """The function that records a step, which also counts it."""
+        """The function that records a step, which also counts it and notes the changes of the velocities."""
 
         def count_and_note() -> None:
             self._step += 1
+            # The first step is a half one, so that the next changes twice as much.
+            share = 2.0 if self._step == 1 else 1.0
+            for body, (before, spin) in self._velocities.items():
+                self._velocities[body] = velocity, turn = _velocities(body)
+                self._changes[body] = share * (velocity - before), share * (turn - spin)
             note()
 
         return count_and_note
 
-    def _pre_solve(self, belt: Belt, arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
+    def _pre_solve(self, surface: Surface, arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
         # The velocities after a step are those of its middle; the normal points to the plate.
-        speed, normal = belt.at((self._step + 0.5) * self._h)[0], arbiter.contact_point_set.normal
-        arbiter.surface_velocity = pymunk.Vec2d(-speed * normal.y, speed * normal.x)
+        contacts = arbiter.contact_point_set
+        tangent = Vec2d(contacts.normal.y, -contacts.normal.x)
+        belt = surface.belt.at((self._step + 0.5) * self._h)[0] if surface.belt else 0.0
+        if surface.belt:
+            arbiter.surface_velocity = -belt * tangent
+        if surface.coefficient:
+            points = [0.5 * (point.point_a + point.point_b) for point in contacts.points]
+            track, plate = (shape.body for shape in arbiter.shapes)
+            place = sum(points, Vec2d(0.0, 0.0)) / len(points)
+            slip = (self._velocity_within(plate, place) - self._velocity_within(track, place)).dot(tangent)
+            arbiter.friction = surface.coefficient(abs(slip - belt))
+
+    def _velocity_within(self, body: pymunk.Body, place: Vec2d) -> Vec2d:
+        """The velocity of the body's point there in the middle of this step's change, as predicted."""
+        change, turn = self._changes.get(body, (Vec2d(0.0, 0.0), 0.0))
+        arm, spin = place - body.position, body.angular_velocity + 0.5 * turn
+        return body.velocity + 0.5 * change + spin * Vec2d(-arm.y, arm.x)
+
+
+def _velocities(body: pymunk.Body) -> tuple[Vec2d, float]:
+    return body.velocity, body.angular_velocity
 
 
 def _run_surface(shapes: Sequence[pymunk.Shape], speed: float) -> None:
