@@ -304,6 +304,7 @@ class SurfacesInSteps:
         if surface.coefficient:
             points = [0.5 * (point.point_a + point.point_b) for point in contacts.points]
             track, plate = (shape.body for shape in arbiter.shapes)
+            assert track and plate, "every shape here has a body"
             place = sum(points, Vec2d(0.0, 0.0)) / len(points)
             slip = (self._velocity_within(plate, place) - self._velocity_within(track, place)).dot(tangent)
             arbiter.friction = surface.coefficient(abs(slip - belt))
