@@ -132,6 +132,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route does not support friction that depends on the slip velocity."
     if case.others and route not in getattr(adapter, "SEVERAL_PLATES", ()):
         return f"The {route} route does not support several plates (others)."
+    if case.others and any(plate.radius is None for plate in (case.plate, *(one.plate for one in case.others))):
+        return f"The {route} route supports several plates if all of them are discs."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."
     if case.supports and not case.plate.turns and route not in getattr(adapter, "FIXED_ROTATION_AND_SUPPORTS", ()):

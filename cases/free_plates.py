@@ -1,7 +1,7 @@
 """Free plates: further plates of a case, each of which moves by itself and touches the others, the track and supports.
 
-All plates of such a case are discs, and its track and supports are straight lines without ends: every pair has one
-contact in every pose.
+All plates of such a case are discs and convex polygons, and its track and supports are straight lines without ends:
+each disc and each corner has one contact with each line in every pose, and each disc with every other plate.
 """
 
 from __future__ import annotations
@@ -21,6 +21,16 @@ from .errors import BadValue, DoesNotFit
 from .line_or_circle import Line, as_line
 from .moving_surface import Belt
 from .plate import Plate
+from .polygon_features import (
+    Circle,
+    circles,
+    is_polygon,
+    local_centre,
+    place_in_region,
+    region_of,
+    regions,
+    size_of_plate,
+)
 from .start_pose import TOUCHES, StartPose
 from .supports import TRACK
 
@@ -34,8 +44,8 @@ POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact
 
 @dataclass(frozen=True)
 class FreePlate:
-    """A further plate of a case: a disc, its pose and velocities at time zero, and a name for its contacts, such as
-    "upper/plate" or "upper/track". Raises BadValue."""
+    """A further plate of a case: a disc or a convex polygon, its pose and velocities at time zero, and a name for its
+    contacts, such as "upper/plate" or "upper/track". Raises BadValue."""
 
     plate: Plate
     start: StartPose
@@ -57,7 +67,8 @@ class FreePlate:
 
 class PlateContact(NamedTuple):
     """A contact that plates may have: its name, the number of its plate (0: the case's plate), that of the plate on
-    whose boundary it lies or that support's line, and the effects between them."""
+    whose boundary it lies or that support's line, the effects between them, and the circle of its plate that touches:
+    a disc or a corner."""
 
     name: str
     body: int
@@ -65,6 +76,7 @@ class PlateContact(NamedTuple):
     line: Line | None
     curve: Curve | None
     effects: tuple[Effect, ...]
+    circle: Circle
 
     def effect(self, kind: type[E]) -> E | None:
         """The effect of that kind, or None."""
@@ -83,15 +95,25 @@ def names_of(case: Any) -> tuple[str, ...]:
 
 @lru_cache(maxsize=256)
 def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
-    """All contacts that the plates of a case may have: with the track, each support, and each other."""
-    names, contacts = names_of(case), list[PlateContact]()
+    """All contacts that the plates of a case may have: with the track, each support, and each other. Those of a
+    polygon's corners with a line are numbered in the outline's order; a disc's with a polygon lies on the polygon."""
+    names, plates, contacts = names_of(case), plates_of(case), list[PlateContact]()
     supports = ((TRACK, case.track, case.effects), *((s.name, s.curve, s.acting(case.effects)) for s in case.supports))
     for body, name in enumerate(names):
         for support, curve, acting in supports:
-            contacts.append(PlateContact(f"{name}/{support}", body, None, as_line(curve), curve, acting))
-        for base in range(body):
-            contacts.append(PlateContact(f"{name}/{names[base]}", body, base, None, None, case.effects))
+            for i, circle in enumerate(circles(plates[body])):
+                contact = contact_name(name, support, i + 1)
+                contacts.append(PlateContact(contact, body, None, as_line(curve), curve, acting, circle))
+        for other in range(body):
+            own, base = (body, other) if plates[body].radius is not None else (other, body)
+            (circle,) = circles(plates[own])
+            contacts.append(PlateContact(f"{names[own]}/{names[base]}", own, base, None, None, case.effects, circle))
     return tuple(contacts)
+
+
+def contact_name(plate: str, support: str, number: int) -> str:
+    """The name of a contact of a plate with a support: that of its first corner has no number."""
+    return f"{plate}/{support}" if number == 1 else f"{plate}/{support} {number}"
 
 
 def parameter(outline: Curve, angle):
@@ -114,16 +136,22 @@ def start_poses(case: Any) -> np.ndarray:
     return np.array(own, dtype=float)
 
 
-def gap_of(contact: PlateContact, radii: tuple[float, ...], poses: np.ndarray) -> float:
-    """The distance between the curves of a contact, m; `poses` (plates, 2 or more) begin with the centres."""
-    x, y = (float(v) for v in poses[contact.body][:2])
+def gap_of(contact: PlateContact, plates: tuple[Plate, ...], poses: np.ndarray) -> float:
+    """The distance between the curves of a contact, m; `poses` (plates, 3 or more) begin with (x, y, θ)."""
+    body, radius = poses[contact.body], contact.circle.radius
+    arm = contact.circle.arm(float(body[2]))
+    x, y = float(body[0]) + arm[0], float(body[1]) + arm[1]
     if contact.base is not None:
-        u, v = (float(w) for w in poses[contact.base][:2])
-        return hypot(x - u, y - v) - radii[contact.body] - radii[contact.base]
+        base = poses[contact.base]
+        around = regions(plates[contact.base])
+        if around:
+            u, v = local_centre(base, x, y)
+            return float(place_in_region(around[int(region_of(around, u, v))], u, v, radius)[0])
+        return hypot(x - float(base[0]), y - float(base[1])) - radius - size_of_plate(plates[contact.base])
     line = contact.line
     assert line is not None
     (px, py), (tx, ty) = line.point, line.direction
-    return float((y - py) * tx - (x - px) * ty) - radii[contact.body]
+    return float((y - py) * tx - (x - px) * ty) - radius
 
 
 def check_others(case: Any) -> None:
@@ -146,7 +174,13 @@ def check_others(case: Any) -> None:
 
 
 def _check_forms(case: Any) -> None:
-    """Raise BadValue unless plates are discs, and track and supports lines."""
+    """Raise BadValue unless plates are discs or convex polygons, at most one of these, and track and supports lines."""
+    polygons = [name for name, plate in zip(names_of(case), plates_of(case), strict=True) if is_polygon(plate)]
+    if len(polygons) > 1:
+        raise BadValue(
+            f"{polygons[0]!r} and {polygons[1]!r} are polygons, whose contacts with each other are not supported; give "
+            "one polygon, and discs"
+        )
     for name, plate in zip(names_of(case), plates_of(case), strict=True):
         angles = np.linspace(0.0, 6.0, 17)
         is_disc = plate.radius is not None and np.allclose(
@@ -155,8 +189,11 @@ def _check_forms(case: Any) -> None:
             rtol=0.0,
             atol=1e-12 * plate.radius,
         )
-        if not is_disc:
-            raise BadValue(f"several plates need discs, and {name!r} is none; give disc(radius, mass)")
+        if not is_disc and not is_polygon(plate):
+            raise BadValue(
+                f"several plates are discs and convex polygons, and {name!r} is neither; give disc(radius, mass) or "
+                "Plate.polygon(points, mass)"
+            )
     for other in case.others:
         if not other.plate.turns and other.start.omega != 0.0:
             raise BadValue(
@@ -190,10 +227,10 @@ def _check_effects(case: Any) -> None:
 
 def check_places(case: Any) -> None:
     """Raise DoesNotFit if plates overlap each other or a support where the motion begins."""
-    poses, radii = start_poses(case), tuple(float(plate.radius or 0.0) for plate in plates_of(case))
+    poses, plates = start_poses(case), plates_of(case)
     for contact in plate_contacts(case):
-        gap = gap_of(contact, radii, poses)
-        if gap < -TOUCHES * size_of(poses, radii):
+        gap = gap_of(contact, plates, poses)
+        if gap < -TOUCHES * size_of(poses, tuple(map(size_of_plate, plates))):
             raise DoesNotFit(f"{contact.name} overlap by {-gap:.6g} m where they begin; give another StartPose")
 
 

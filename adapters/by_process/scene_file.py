@@ -16,7 +16,7 @@ import sympy as sp
 
 from cases import Case, Chain, CoulombFriction, Curve, Effect, NotSupported, Plate
 from cases.contact import start_motion
-from cases.free_plates import POSE, start_poses
+from cases.free_plates import POSE, plates_of, start_poses
 from cases.line_or_circle import as_line
 
 from ..common.facets import ends, visible_span
@@ -94,6 +94,8 @@ def _free_plates(case: Case) -> dict[str, Any]:
     """The further plates by their names, each with its start: an effect of its own, as of the supports."""
     if not case.others:
         return {}
+    if any(plate.radius is None for plate in plates_of(case)):
+        raise NotSupported("Programs have several plates if all of them are discs.")
     starts = [dict(zip(POSE, row, strict=True)) for row in start_poses(case)[1:].tolist()]
     plates = zip(case.others, starts, strict=True)
     return {FREE_PLATES: {other.name: _plate(other.plate) | {"start": start} for other, start in plates}}

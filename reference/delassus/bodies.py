@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case
+from cases.corner import Corner
 
 from .contacts import PlateDynamics, friction_of
 
@@ -97,8 +98,12 @@ def _frame(one: ContactOfBodies, states: Sequence[Sequence[float]]) -> tuple[np.
     velocity = np.concatenate([np.asarray(state[3:], dtype=float) for state in states])
     spin, base_spin = float(own[5]), float(other[5])
     gap_rate, slip_rate = float(lift @ velocity), float(slip @ velocity)
-    bend, own_bend = _curvature(track), _curvature(outline)
-    along = (own_bend * slip_rate - (spin - base_spin)) / (own_bend - bend)
+    bend = _curvature(track)
+    if isinstance(one.pair.plate.outline, Corner):  # a fixed point of the outline
+        along = slip_rate
+    else:
+        own_bend = _curvature(outline)
+        along = (own_bend * slip_rate - (spin - base_spin)) / (own_bend - bend)
     turning = base_spin + bend * along
     centripetal = base_spin**2 * track[0] - spin**2 * outline[0]
     lift_bias = n @ centripetal + spin * (along - slip_rate) - base_spin * along - turning * slip_rate

@@ -12,6 +12,7 @@ import numpy as np
 from cases import Case, Curve, Impact, Mode, Plate, Start, Transition
 from cases.free_plates import PlateContact, parameter, plate_contacts, plates_of, start_poses
 from cases.library import hill
+from cases.polygon_features import size_of_plate
 
 from .bodies import FIXED, ContactOfBodies, _frame
 from .contacts import PairState, PlateDynamics, pair_at
@@ -20,6 +21,7 @@ from .integration import DenseStep
 from .motion import Simulation
 from .phase import ContactSolution, SeveralContactPhase, WatchedContact
 from .plate_state import MOVES, SimulationEnd
+from .polygon_pairs import PolygonPair, polygon_pair
 
 # Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
 ACCUMULATES = 1e-7
@@ -87,7 +89,7 @@ class BodiesDynamics(PlateDynamics):
             each.append(PlateDynamics(replace(case, plate=plate, start=_anywhere(case.track), others=(), supports=())))
         self.inverse = np.concatenate([one.inverse for one in each])
         self.weight = np.concatenate([one.weight for one in each])
-        self.units = np.array([value for plate in plates for value in (1.0, 1.0, cast(float, plate.radius))])
+        self.units = np.array([value for plate in plates for value in (1.0, 1.0, size_of_plate(plate))])
         self.turns = np.array([value for plate in plates for value in (True, True, plate.turns)])
 
 
@@ -132,8 +134,10 @@ def _pair_of_bodies_at(pair: PairOfBodies, body: Sequence[float] | np.ndarray, n
 class BodiesPhase(SeveralContactPhase):
     """A phase in which the plates of some contacts rest: these have no accelerations and no guards."""
 
-    def __init__(self, dynamics: BodiesDynamics, contacts: Sequence[WatchedContact], resting: frozenset[int]):
-        super().__init__(dynamics, contacts)
+    def __init__(
+        self, dynamics: BodiesDynamics, contacts: Sequence[WatchedContact], resting: frozenset[int], is_carried: bool
+    ):
+        super().__init__(dynamics, contacts, is_carried=is_carried)
         self.resting = resting
         self.frozen = {contact.name for contact in contacts if _sides(contact) <= resting}
 
@@ -150,13 +154,23 @@ class BodiesPhase(SeveralContactPhase):
         return answer._replace(acceleration=acceleration)
 
     def guards(self, t: float, y: np.ndarray) -> dict[tuple[str, str], float]:
-        """As of any phase, without contacts of plates at rest."""
-        return {key: value for key, value in super().guards(t, y).items() if key[1] not in self.frozen}
+        """As of any phase, without contacts of plates at rest; with the ends of edges and corners that discs touch."""
+        values = super().guards(t, y)
+        for contact, (xi1, _) in zip(self.contacts, self.near, strict=True):
+            if isinstance(contact.case, PolygonPair) and contact.case.disc is not None:
+                values["turn", contact.name] = min(contact.case.inside(xi1))
+        return {key: value for key, value in values.items() if key[1] not in self.frozen}
 
 
 def _sides(contact: WatchedContact) -> set[int]:
     """The numbers of the plates at a contact."""
     return cast(PairOfBodies, contact.case).sides
+
+
+def _common_slips(pairs: Sequence[PairOfBodies]) -> int:
+    """How many of some contacts are second corners of a plate on one line: the friction of both is not unique."""
+    lines = [(pair.contact.body, id(pair.contact.curve)) for pair in pairs if pair.contact.base is None]
+    return len(lines) - len(set(lines))
 
 
 def groups(pairs: Sequence[PairOfBodies]) -> list[list[int]]:
@@ -178,6 +192,10 @@ class BodiesSimulation(Simulation):
         self.searched = []
         for contact in plate_contacts(case):
             plates = plates_of(case)
+            around = polygon_pair(contact, plates, poses)
+            if around is not None:
+                self.contacts.append(WatchedContact(contact.name, around, (0.0, 0.0), Mode.FLIGHT))  # type: ignore[arg-type]
+                continue
             base = None if contact.base is None else plates[contact.base]
             track = contact.curve if base is None else hill(cast(float, base.radius))
             assert track is not None
@@ -191,13 +209,21 @@ class BodiesSimulation(Simulation):
     def size(self) -> float:
         """The size of the poses' numbers, m."""
         centres = self.body[: self.half].reshape(-1, 3)[:, :2]
-        return float(np.abs(centres).max() + max(cast(float, plate.radius) for plate in plates_of(self.case)))
+        return float(np.abs(centres).max() + max(map(size_of_plate, plates_of(self.case))))
 
     def pace(self, phase: SeveralContactPhase) -> float:
         """How fast the plates move or begin to, 1/s."""
-        lengths = np.array([v for p in plates_of(self.case) for v in (p.radius, p.radius, 1.0)], dtype=float)
+        lengths = np.array([v for p in plates_of(self.case) for v in (size_of_plate(p), size_of_plate(p), 1.0)])
         accelerations = np.abs(phase.forces(self.t, self.body).acceleration) / lengths
         return max(float((np.abs(self.body[self.half :]) / lengths).max()), float(np.sqrt(accelerations.max())))
+
+    def turn(self, name: str) -> None:
+        """A disc passes from an edge of a polygon to a corner, or the other way."""
+        for k, contact in enumerate(self.contacts):
+            if contact.name == name:
+                pair = cast(PolygonPair, contact.case)
+                before, after = pair.inside(contact.pair[0])
+                self.contacts[k] = contact._replace(case=pair.neighbour(1 if after < before else -1))  # type: ignore[arg-type]
 
     def is_lost(self, phase: SeveralContactPhase, before: float, look: float, dense) -> bool:
         """Nearest points of discs and lines are never lost."""
@@ -229,7 +255,7 @@ class BodiesSimulation(Simulation):
 
     def decide(self) -> SeveralContactPhase:
         """The modes that follow, group by group of contacts that share plates."""
-        now, modes, resting = self.pairs(), dict[int, Mode](), set[int]()
+        now, modes, resting, is_carried = self.pairs(), dict[int, Mode](), set[int](), False
         touching = [k for k, contact in enumerate(self.contacts) if contact.name in self.touching]
         for group in groups([cast(PairOfBodies, self.contacts[k].case) for k in touching]):
             every = [touching[i] for i in group]
@@ -241,7 +267,9 @@ class BodiesSimulation(Simulation):
                 resting |= plates
                 continue
             rows = [now[k].lift_row for k in chosen] + [now[k].slip_row for k, m in chosen.items() if m is Mode.ROLL]
-            if rows and np.linalg.matrix_rank(np.array(rows) / self.dynamics.units, tol=1e-9) < len(rows):
+            shared = _common_slips([cast(PairOfBodies, now[k].contact) for k, m in chosen.items() if m is Mode.ROLL])
+            is_carried |= shared > 0
+            if rows and np.linalg.matrix_rank(np.array(rows) / self.dynamics.units, tol=1e-9) < len(rows) - shared:
                 raise SimulationEnd("breakdown")
         changes = []
         for k, contact in enumerate(self.contacts):
@@ -255,7 +283,7 @@ class BodiesSimulation(Simulation):
         self.impacts.list_changes(self.t, [] if self.is_start else changes)  # the modes of a start are no changes
         self.is_start, self.beginning = False, set(self.begins)
         self.begins, self.leaving, self.struck, self.stuck = {}, set(), set(), set()
-        return BodiesPhase(cast(BodiesDynamics, self.dynamics), self.contacts, frozenset(resting))
+        return BodiesPhase(cast(BodiesDynamics, self.dynamics), self.contacts, frozenset(resting), is_carried)
 
     def is_balanced(self, now: Sequence[PairState], closed: list[int], forces: np.ndarray, plates: set[int]) -> bool:
         """Whether these plates are still, and the forces at the contacts balance the load."""

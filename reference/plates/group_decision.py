@@ -20,7 +20,7 @@ from ..minimal.decision import ORDER, Undecidable, _by_series, _leading_signs, f
 from ..minimal.effects import SLIP_SIGN
 from ..several import forces
 from ..several.contact_law import slip_modes
-from .plate_places import PlateContactPlace, numbers_of, places
+from .plate_places import PlateContactPlace, flush, numbers_of, places, regions_of
 from .plates_phase import PlatesRegime, plates_phase
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
@@ -81,14 +81,17 @@ def decide(
     if _rests(case, state, now, plates):
         still = tuple(Mode.ROLL if at.stick > 0.0 else Mode.SLIDE for at in now)
         motions.append((still, True, np.zeros(len(state) // 2)))
+    pairs = [(group.index(one), group.index(other)) for one, other in flush(case, group).items()]
     for modes in product(*_options(state, group, now, speed, fixed)):
-        answer = _by_numbers(case, now, modes)
+        if any(modes[i] is not modes[j] and Mode.FLIGHT not in (modes[i], modes[j]) for i, j in pairs):
+            continue
+        answer = _by_numbers(case, now, modes, {i: j for i, j in pairs if modes[i] is Mode.ROLL is modes[j]})
         if answer is None:
             is_singular = True
             continue
         if not answer.is_possible:
             continue
-        phase = plates_phase(case, PlatesRegime(tuple(group), modes))
+        phase = plates_phase(case, PlatesRegime(tuple(group), modes, regions=regions_of(case, group, now)))
         near = any(mode is Mode.FLIGHT for mode in modes)
         holds = _by_series(phase, t, state, error) if near else follows(case, phase, t, state, error)
         if holds:
@@ -111,7 +114,8 @@ def _idle(
     case: Case, t: float, state: tuple[float, ...], group: Sequence[int], modes: tuple[Mode, ...], error: float
 ) -> frozenset[int]:
     """The closed contacts whose normal force vanishes along the motion, as far as its series shows."""
-    signs = _leading_signs(plates_phase(case, PlatesRegime(tuple(group), modes)), t, state, error, ORDER)
+    own = regions_of(case, group, places(case, group, state))
+    signs = _leading_signs(plates_phase(case, PlatesRegime(tuple(group), modes, regions=own)), t, state, error, ORDER)
     return frozenset(
         number
         for k, number in enumerate(group)
@@ -149,17 +153,20 @@ class _Answer(NamedTuple):
     is_possible: bool
 
 
-def _by_numbers(case: Case, now: Sequence[PlateContactPlace], modes: Sequence[Mode]) -> _Answer | None:
-    """The accelerations in these modes; None if the forces are not unique."""
+def _by_numbers(
+    case: Case, now: Sequence[PlateContactPlace], modes: Sequence[Mode], shares: Mapping[int, int]
+) -> _Answer | None:
+    """The accelerations in these modes; None if the forces are not unique. `shares`: corners that stick, with the one
+    that has the friction force of both."""
     numbers = numbers_of(case)
     rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
-    for at, mode in zip(now, modes, strict=True):
+    for i, (at, mode) in enumerate(zip(now, modes, strict=True)):
         if mode is Mode.FLIGHT:
             continue
         ratio = -SLIP_SIGN.get(mode, 0.0)
         column = at.lift_row + (ratio * at.mu * at.slip_row if ratio else 0.0)
         rows, columns, biases = [*rows, at.lift_row], [*columns, column], [*biases, at.lift_bias]
-        if mode is Mode.ROLL:
+        if mode is Mode.ROLL and i not in shares:
             rows, columns, biases = [*rows, at.slip_row], [*columns, at.slip_row], [*biases, at.slip_bias]
     acceleration, values = numbers.load, np.zeros(0)
     if rows:
@@ -173,15 +180,19 @@ def _by_numbers(case: Case, now: Sequence[PlateContactPlace], modes: Sequence[Mo
     force = VIOLATED * max(weight, float(np.abs(values).max(initial=0.0)))
     rate = VIOLATED * max(float(np.abs(numbers.load).max()), float(np.abs(acceleration * numbers.lengths).max()))
     forces_left, possible = iter(values.tolist()), True
-    for at, mode in zip(now, modes, strict=True):
+    frictions, bounds = dict[int, float](), dict[int, float]()
+    for i, (at, mode) in enumerate(zip(now, modes, strict=True)):
         if mode is Mode.FLIGHT:
             possible &= float(at.lift_row @ acceleration) + at.lift_bias >= -rate
             continue
         normal = next(forces_left)
         possible &= normal >= -force
         if mode is Mode.ROLL:
-            friction = next(forces_left)
-            possible &= not abs(friction) > at.stick * max(normal, 0.0) + force * (1.0 + min(at.stick, 1e3))
+            holder = shares.get(i, i)
+            bounds[holder] = bounds.get(holder, 0.0) + at.stick * max(normal, 0.0) + force * (1.0 + min(at.stick, 1e3))
+            if holder == i:
+                frictions[i] = next(forces_left)
+    possible &= all(not abs(friction) > bounds[i] for i, friction in frictions.items())
     return _Answer(acceleration, bool(possible))
 
 

@@ -16,7 +16,7 @@ from cases.trajectory import ContactColumns
 from ..minimal.integrators.segment import Segment, blocks
 from ..several import forces
 from .group_decision import groups, load_and_units, plates_in
-from .plate_places import coordinates, places
+from .plate_places import coordinates, flush, place, places
 from .plates_phase import PlatesPhase, moving_contacts, regime_of
 from .plates_system import COLUMNS
 
@@ -100,9 +100,31 @@ def contact_columns(case: Case, now: PlatesPhase, times: np.ndarray, y: np.ndarr
     normal, friction, slip, _ = (
         np.broadcast_to(np.asarray(row, dtype=float), times.shape) for row in columns[first : first + len(COLUMNS)]
     )
+    seconds = flush(case, [other for other, mode in moving if mode is Mode.ROLL])
+    partner = (seconds | {first: second for second, first in seconds.items()}).get(number)
+    if partner is not None:
+        return _shared(case, now, times, y, (number, partner), (xi1, xi2))
     slip = 0.0 * slip if dict(moving)[number] is Mode.ROLL else slip
     pairs = (np.array([values, values]) for values in (normal, friction))
     return ContactColumns(nothing, slip, normal, friction, xi1, xi2, *pairs)
+
+
+def _shared(
+    case: Case, now: PlatesPhase, times: np.ndarray, y: np.ndarray, both: tuple[int, int],
+    parameters: tuple[np.ndarray, np.ndarray],
+) -> ContactColumns:  # fmt: skip
+    """The first of two corners of a plate that stick to one line: of both friction forces only the sum is unique."""
+    columns, order = now.system.outputs_of_arrays(times, y, now.parameters), dict(moving_contacts(case, regime_of(now)))
+    firsts = [2 + len(y) // 2 + len(COLUMNS) * list(order).index(number) for number in both]
+    normals, frictions = (
+        [np.broadcast_to(np.asarray(columns[first + i], dtype=float), times.shape) for first in firsts] for i in (0, 1)
+    )
+    total, stick, nothing = sum(frictions), place(case, both[0], y[:, 0]).stick, np.zeros(times.shape)
+    own, other = (stick * np.maximum(normal, 0.0) for normal in normals)
+    limits = np.array([np.maximum(-own, total - other), np.minimum(own, total + other)])
+    weight = float(np.abs(load_and_units(case, frozenset(range(len(y) // 6)))[0]).max())
+    friction = forces.values(limits.T, weight)
+    return ContactColumns(nothing, nothing, normals[0], friction, *parameters, np.array([normals[0]] * 2), limits)
 
 
 def _rest_ranges(case: Case, now: PlatesPhase, state: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from math import cos, hypot, sin
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from cases import Case, Gravity
-from cases.free_plates import PlateContact, gap_of, parameter, plate_contacts, plates_of, size_of
+from cases.free_plates import PlateContact, parameter, plate_contacts, plates_of, size_of
+from cases.polygon_features import local_centre, place_in_region, region_ahead, region_of, regions, size_of_plate
 
 from ..several.contact_law import coefficients, restitution
 
@@ -18,8 +20,8 @@ STEPS = 8
 
 
 class PlatesNumbers(NamedTuple):
-    """Of all plates: radii (m), inverse masses and moments of inertia (3n,), lengths (3n,) by which velocities are
-    compared (m; 1 for translations), and the accelerations (3n,) of the load."""
+    """Of all plates: radii of discs and reaches of polygons (m), inverse masses and moments of inertia (3n,), lengths
+    (3n,) by which velocities are compared (m; 1 for translations), and the accelerations (3n,) of the load."""
 
     radii: tuple[float, ...]
     inverse: np.ndarray
@@ -31,7 +33,7 @@ class PlatesNumbers(NamedTuple):
 def numbers_of(case: Case) -> PlatesNumbers:
     """The numbers of a case's plates."""
     plates, gravity = plates_of(case), case.effect(Gravity)
-    radii = tuple(cast(float, plate.radius) for plate in plates)
+    radii = tuple(map(size_of_plate, plates))
     inverse = np.array([value for p in plates for value in (1.0 / p.mass, 1.0 / p.mass, 1.0 / p.inertia)])
     pull = (*gravity.vector, 0.0) if gravity is not None else (0.0, 0.0, 0.0)
     return PlatesNumbers(
@@ -40,8 +42,8 @@ def numbers_of(case: Case) -> PlatesNumbers:
 
 
 class PlateContactPlace(NamedTuple):
-    """One contact: its gap (m), unit normal, contact parameters, rows (3n,) of lift and slip velocity, and the parts of
-    their rates that the velocities give."""
+    """One contact: its gap (m), unit normal, contact parameters, rows (3n,) of lift and slip velocity, the parts of
+    their rates that the velocities give, and the number of the region of a polygon in which it is."""
 
     contact: PlateContact
     gap: float
@@ -52,6 +54,7 @@ class PlateContactPlace(NamedTuple):
     slip_row: np.ndarray
     lift_bias: float
     slip_bias: float
+    region: int = 0
 
     @property
     def mu(self) -> float:
@@ -71,59 +74,132 @@ class PlateContactPlace(NamedTuple):
 
 def place(case: Case, number: int, state: Sequence[float] | np.ndarray) -> PlateContactPlace:
     """A contact in a state (x, y, θ of all plates, then vx, vy, ω)."""
-    contact, numbers = plate_contacts(case)[number], numbers_of(case)
-    radii, half = numbers.radii, len(state) // 2
+    contact, plates, half = plate_contacts(case)[number], plates_of(case), len(state) // 2
     positions, velocities = (np.asarray(part, dtype=float).reshape(-1, 3) for part in (state[:half], state[half:]))
-    body, base = contact.body, contact.base
-    gap = gap_of(contact, radii, positions)
-    lift_row, slip_row = np.zeros(half), np.zeros(half)
-    lift_bias = slip_bias = 0.0
+    body, base, circle = contact.body, contact.base, contact.circle
+    theta, spin = float(positions[body, 2]), float(velocities[body, 2])
+    ax, ay = circle.arm(theta)
+    centre, radius = positions[body, :2] + (ax, ay), circle.radius
+    lift_row, slip_row, region = np.zeros(half), np.zeros(half), 0
     if base is None:
         assert contact.line is not None and contact.curve is not None
         tx, ty = (float(v) for v in contact.line.direction)
-        along = float((positions[body, :2] - contact.line.point) @ contact.line.direction)
+        along = float((centre - contact.line.point) @ contact.line.direction)
+        gap = float((centre[1] - contact.line.point[1]) * tx - (centre[0] - contact.line.point[0]) * ty) - radius
         xi1 = float(contact.curve.span[0]) + along / float(contact.curve.speed(contact.curve.span[0]))
+        lift_bias = slip_bias = 0.0
+    elif around := regions(plates[base]):
+        pose, rate = positions[base], velocities[base]
+        region = region_ahead(plates[base], pose, rate, centre, velocities[body, :2])
+        one = around[region]
+        u, v = local_centre(pose, *centre)
+        gap, *local, xi1 = map(float, place_in_region(one, u, v, radius))
+        c, s = cos(pose[2]), sin(pose[2])
+        nx, ny = c * local[0] - s * local[1], s * local[0] + c * local[1]
+        tx, ty = ny, -nx
+        # The edge turns about the polygon's centre of mass, the corner is a point of it.
+        arm = np.array([c * one.x - s * one.y, s * one.x + c * one.y])
+        offset = centre - pose[:2] - (arm if one.corner else 0.0)
+        relative = velocities[body, :2] - rate[:2] - (rate[2] * np.array([-arm[1], arm[0]]) if one.corner else 0.0)
+        along, across, w = float(relative @ (tx, ty)), float(relative @ (nx, ny)), float(rate[2])
+        if one.corner:
+            far, out, aside = float(np.hypot(*offset)), float(arm @ (nx, ny)), float(arm @ (tx, ty))
+            lift_bias, slip_bias = along**2 / far + w * w * out, -along * across / far + w * w * aside
+            turns = -aside, out
+        else:
+            out, aside = float(offset @ (nx, ny)), float(offset @ (tx, ty))
+            lift_bias, slip_bias = -2.0 * w * along - w * w * out, 2.0 * w * across - w * w * aside
+            turns = -aside, out - radius
+        lift_row[3 * base : 3 * base + 3] = ty, -tx, turns[0]
+        slip_row[3 * base : 3 * base + 3] = -tx, -ty, turns[1]
     else:
-        away = positions[body, :2] - positions[base, :2]
+        away = centre - positions[base, :2]
+        far = float(np.hypot(*away))
         nx, ny = (away / np.hypot(*away)).tolist()
         tx, ty = ny, -nx
-        xi1 = float(parameter(plates_of(case)[base].outline, np.arctan2(ny, nx) - positions[base, 2]))
+        gap = hypot(*away.tolist()) - radius - size_of_plate(plates[base])
+        xi1 = float(parameter(plates[base].outline, np.arctan2(ny, nx) - positions[base, 2]))
         relative = velocities[body, :2] - velocities[base, :2]
         along, across = float(relative @ (tx, ty)), float(relative @ (nx, ny))
-        lift_bias, slip_bias = along**2 / float(np.hypot(*away)), -along * across / float(np.hypot(*away))
+        lift_bias, slip_bias = along**2 / far, -along * across / far
         lift_row[3 * base : 3 * base + 2] = ty, -tx
-        slip_row[3 * base : 3 * base + 3] = -tx, -ty, radii[base]
+        slip_row[3 * base : 3 * base + 3] = -tx, -ty, size_of_plate(plates[base])
     lift_row[3 * body : 3 * body + 2] = -ty, tx
-    slip_row[3 * body : 3 * body + 3] = tx, ty, radii[body]
-    xi2 = float(parameter(plates_of(case)[body].outline, np.arctan2(-tx, ty) - positions[body, 2]))
-    return PlateContactPlace(contact, gap, (-ty, tx), xi1, xi2, lift_row, slip_row, lift_bias, slip_bias)
+    slip_row[3 * body : 3 * body + 3] = tx, ty, radius
+    if radius == 0.0:  # the corner turns about the centre of mass
+        lift_row[3 * body + 2], slip_row[3 * body + 2] = tx * ax + ty * ay, ty * ax - tx * ay
+        lift_bias += spin * spin * (ty * ax - tx * ay)
+        slip_bias -= spin * spin * (tx * ax + ty * ay)
+    xi2 = float(_own_parameter(case, number, np.arctan2(ty, tx), theta))
+    return PlateContactPlace(
+        contact, gap, (-ty, tx), xi1, xi2, lift_row, slip_row, float(lift_bias), float(slip_bias), region
+    )
+
+
+def _own_parameter(case: Case, number: int, direction, theta):
+    """The parameter of the outline of a contact's plate where the contact's tangent has a direction (rad); numbers or
+    arrays."""
+    contact = plate_contacts(case)[number]
+    if contact.circle.radius == 0.0:
+        return contact.circle.outline_parameter(direction - theta)
+    inward = np.arctan2(-np.cos(direction), np.sin(direction))
+    return parameter(plates_of(case)[contact.body].outline, inward - theta)
 
 
 def coordinates(case: Case, number: int, states: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Gap (m) and parameters of a contact in many states (variables, n): as of `place`, each of shape (n,)."""
-    contact, radii = plate_contacts(case)[number], numbers_of(case).radii
-    body, base = contact.body, contact.base
-    (x, y, theta), plates = states[3 * body : 3 * body + 3], plates_of(case)
+    contact, plates = plate_contacts(case)[number], plates_of(case)
+    body, base, circle = contact.body, contact.base, contact.circle
+    x, y, theta = states[3 * body : 3 * body + 3]
+    if circle.radius == 0.0:
+        c, s = np.cos(theta), np.sin(theta)
+        x, y = x + c * circle.x - s * circle.y, y + s * circle.x + c * circle.y
     if base is None:
         assert contact.line is not None and contact.curve is not None
         (px, py), (tx, ty) = contact.line.point, (float(v) for v in contact.line.direction)
-        gap = (y - py) * tx - (x - px) * ty - radii[body]
+        gap = (y - py) * tx - (x - px) * ty - circle.radius
         low = contact.curve.span[0]
         xi1 = float(low) + ((x - px) * tx + (y - py) * ty) / float(contact.curve.speed(low))
-        inward = np.full(x.shape, np.arctan2(-tx, ty))
+        return gap, xi1, _own_parameter(case, number, np.arctan2(ty, tx), theta)
+    pose = states[3 * base : 3 * base + 3]
+    if around := regions(plates[base]):
+        u, v = local_centre(pose, x, y)
+        which, results = region_of(around, u, v), np.empty((4, len(x)))
+        for i in np.unique(which):
+            here = which == i
+            results[:, here] = place_in_region(around[i], u[here], v[here], circle.radius)
+        gap, nx, ny, xi1 = results
+        polar = np.arctan2(ny, nx) + pose[2]
     else:
-        u, v, turn = states[3 * base : 3 * base + 3]
-        distance = np.hypot(x - u, y - v)
-        gap = distance - radii[body] - radii[base]
-        nx, ny = (x - u) / distance, (y - v) / distance
-        xi1 = parameter(plates[base].outline, np.arctan2(ny, nx) - turn)
-        inward = np.arctan2(-ny, -nx)
-    return gap, xi1, parameter(plates[body].outline, inward - theta)
+        distance = np.hypot(x - pose[0], y - pose[1])
+        gap = distance - circle.radius - size_of_plate(plates[base])
+        polar = np.arctan2((y - pose[1]) / distance, (x - pose[0]) / distance)
+        xi1 = parameter(plates[base].outline, polar - pose[2])
+    return gap, xi1, _own_parameter(case, number, polar - 0.5 * np.pi, theta)
 
 
 def places(case: Case, numbers: Sequence[int], state: Sequence[float] | np.ndarray) -> list[PlateContactPlace]:
     """`place` for every contact."""
     return [place(case, number, state) for number in numbers]
+
+
+def regions_of(case: Case, numbers: Iterable[int], now: Sequence[PlateContactPlace]) -> tuple[tuple[int, int], ...]:
+    """The numbers of the contacts with a polygon, and of their regions."""
+    plates = plates_of(case)
+    each = zip(numbers, now, strict=True)
+    return tuple((n, at.region) for n, at in each if at.contact.base is not None and regions(plates[at.contact.base]))
+
+
+def flush(case: Case, numbers: Iterable[int]) -> dict[int, int]:
+    """Of those contacts, each second corner of a plate on one line, with the first: such corners have one slip."""
+    firsts, seconds, every = dict[tuple[int, int], int](), dict[int, int](), plate_contacts(case)
+    for number in numbers:
+        one = every[number]
+        if one.base is None and one.circle.radius == 0.0:
+            first = firsts.setdefault((one.body, id(one.curve)), number)
+            if first != number:
+                seconds[number] = first
+    return seconds
 
 
 def size(case: Case, state: Sequence[float] | np.ndarray) -> float:

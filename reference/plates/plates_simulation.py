@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import prod
 
 import numpy as np
@@ -29,7 +29,17 @@ from ..several.impact import Inertia, NoImpact, impact_of_all
 from ..several.phase_loop import PhaseLoop, several_motions
 from ..several.watched_plate import CLOSES, TOUCHES, MotionEnds
 from .group_decision import GroupDecision, decide, groups, plates_in
-from .plate_places import PlateContactPlace, numbers_of, place, places, project, size, speed, without_velocity
+from .plate_places import (
+    PlateContactPlace,
+    numbers_of,
+    place,
+    places,
+    project,
+    regions_of,
+    size,
+    speed,
+    without_velocity,
+)
 from .plates_phase import PlatesPhase, PlatesRegime, moving_contacts, plates_phase
 
 # Impacts are extrapolated to their end where plates move by less than this part of their size until then.
@@ -98,7 +108,13 @@ class PlatesSimulation(PhaseLoop):
         came_to_rest = CAUSES["rest"] in self.causes.values()
         self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "")
         self.modes, self.causes, self.fixed = modes, {}, {}
-        return PlatesRegime(tuple(modes), tuple(modes.values()), frozenset(resting), frozenset(idle))
+        return PlatesRegime(
+            tuple(modes), tuple(modes.values()), frozenset(resting), frozenset(idle), self._regions(modes, self.state)
+        )
+
+    def _regions(self, contacts: Iterable[int], state: Sequence[float]) -> tuple[tuple[int, int], ...]:
+        """The regions of polygons in which contacts are."""
+        return regions_of(self.case, contacts, places(self.case, list(contacts), state))
 
     def _check_count(self, group: Sequence[int]) -> None:
         count = prod(4 if at.stick > 0.0 else 2 for at in places(self.case, group, self.state))
@@ -143,6 +159,10 @@ class PlatesSimulation(PhaseLoop):
         number, _ = moving_contacts(self.case, regime)[int(index)]
         if kind == "gap":
             self._settle(stuck, closing={number})
+            return None
+        if kind in ("low", "high"):  # the contact passes a corner of a polygon, or a disc flies past it
+            self.causes[number] = "the contact passed a corner"
+            self._settle(stuck)
             return None
         self.causes[number] = CAUSES["normal_force" if kind == "normal" else kind]
         if kind == "slip":
@@ -299,7 +319,9 @@ class PlatesSimulation(PhaseLoop):
         """The segment between the last impact that is simulated and the end of all of them."""
         modes = tuple(Mode.SLIDE if n in near else mode for n, mode in self.modes.items())
         bodies = frozenset(range(self.half // 3))
-        phase: PlatesPhase = plates_phase(self.case, PlatesRegime(tuple(self.modes), modes, bodies))
+        phase: PlatesPhase = plates_phase(
+            self.case, PlatesRegime(tuple(self.modes), modes, bodies, regions=self._regions(self.modes, state))
+        )
         states = StraightStates(self.t, limit, self.state, state)
         return Segment.of(phase, np.array([self.t, limit]), states, Event(None, limit, state), 0)
 

@@ -188,4 +188,5 @@ def _limits_by_programs(matrix: np.ndarray, right: np.ndarray, parts: np.ndarray
 def values(ranges_of: np.ndarray, size: float) -> np.ndarray:
     """The forces of ranges (contacts, 2) that are one value, NaN where they are not unique."""
     narrow = ranges_of[:, 1] - ranges_of[:, 0] <= UNIQUE * size
-    return np.where(narrow, ranges_of.mean(axis=1, where=np.isfinite(ranges_of)), nan)
+    with np.errstate(invalid="ignore"):  # limits of either sign may be infinite
+        return np.where(narrow, 0.5 * (ranges_of[:, 0] + ranges_of[:, 1]), nan)

@@ -329,7 +329,7 @@ def test_invalid_cases_are_rejected_in_a_sentence():
         (dict(others=upper), BadValue, "give a tuple"),
         (dict(others=(upper, upper)), BadValue, "have the name 'disc2'"),
         (dict(others=(replace(upper, start=StartPose(0.0, 1.0)),)), DoesNotFit, "disc2/plate overlap by"),
-        (dict(others=(replace(upper, plate=Plate.rectangle(0.2, 0.2, 1.0)),)), BadValue, "give disc"),
+        (dict(others=(replace(upper, plate=Plate.half_disc(0.2, 1.0)),)), BadValue, "give disc"),
         (dict(others=(heavy,)), BadValue, "omega=0"),
         (dict(track=circle(5.0), start=StartPose(0.0, -4.5)), BadValue, "give a line"),
         (dict(effects=(*good.effects, CoulombFriction(0.1), Belt(1.0))), BadValue, "leave Belt out"),

@@ -1,0 +1,53 @@
+"""A free polygon and a disc on a straight line. Gravity pulls along −Y."""
+
+from math import atan, cos, sin
+
+from cases import Case, FreePlate, Plate, StartPose, case, disc
+from cases.catalogue.contact_effects import contact_with_impacts
+from cases.errors import positive
+from cases.library import line
+
+
+@case(variants=[dict(), dict(mu=0.12)])
+def disc_on_free_wedge(mu=0.0, width=2.0, height=1.0, r=0.1, m_wedge=3.0, m=1.0, g=9.81, duration=0.5):
+    """A disc is let go on the slope of a wedge that lies on the floor and gives way.
+
+    Why: a plate with corners and edges that moves; with friction it may stick to the floor, where the share of each
+    corner in the friction force is not unique.
+    Source: a textbook problem of rigid-body dynamics (known to us, not looked up); derived by momentum and energy.
+    Known exactly: without friction the wedge accelerates by m g sin α cos α/(M + m sin²α), α the angle of its slope.
+    """
+    w, h = positive("width of disc_on_free_wedge", width), positive("height of disc_on_free_wedge", height)
+    wedge, angle = Plate.polygon([(0.0, 0.0), (w, 0.0), (0.0, h)], m_wedge), atan(h / w)
+    high = positive("r of disc_on_free_wedge", r)
+    # The centroid is a third of both sides from the right angle; the disc touches a quarter of the slope from the top.
+    place = StartPose(0.25 * w + high * sin(angle), 0.75 * h + high * cos(angle))
+    return Case(
+        track=line(),
+        plate=wedge,
+        effects=contact_with_impacts(mu, g),
+        start=StartPose(w / 3.0, h / 3.0),
+        duration=duration,
+        others=(FreePlate(disc(r, m), place, "disc"),),
+    )
+
+
+@case(variants=[dict(), dict(speed=1.5)])
+def disc_off_free_block(mu=0.3, speed=0.5, width=1.0, height=0.4, r=0.1, m_block=2.0, m=1.0, g=9.81, duration=1.0):
+    """A disc rolls off a block on the floor, over its edge, and lands next to it.
+
+    Why: the contact passes from the flat top to the corner, about which the disc turns until it slips and leaves; a
+    faster one leaves at the corner. The block sticks to the floor at two corners.
+    Source: this suite.
+    """
+    w, h = positive("width of disc_off_free_block", width), positive("height of disc_off_free_block", height)
+    high = positive("r of disc_off_free_block", r)
+    place = StartPose(0.25 * w, h + high, vx=speed, omega=-speed / high)
+    return Case(
+        track=line(),
+        plate=Plate.rectangle(w, h, m_block),
+        effects=contact_with_impacts(mu, g),
+        start=StartPose(0.0, 0.5 * h),
+        duration=duration,
+        others=(FreePlate(disc(r, m), place, "disc"),),
+    )

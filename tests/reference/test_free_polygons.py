@@ -1,0 +1,249 @@
+"""A free polygon and discs: exact motions, the paper's matrix at instants, and both formulations in whole sequences."""
+
+from dataclasses import replace
+from math import atan, cos, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import cases
+import reference
+from adapters import pymunk
+from adapters.by_process import scene_file
+from adapters.interface import refusal
+from cases import (
+    BadValue,
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    FreePlate,
+    Gravity,
+    Impact,
+    Mode,
+    NotSupported,
+    Plate,
+    StartPose,
+    Support,
+    Unilateral,
+    disc,
+)
+from cases.free_plates import plate_contacts, plates_of, start_poses
+from cases.library import line
+from cases.polygon_features import region_of, regions
+from reference.certification import certify
+from reference.delassus import bodies_motion, polygon_pairs
+from reference.paper.bodies import BodyContact, solve_bodies
+from reference.plates.plate_places import numbers_of, places
+from tests.scenes.free_polygons import random_polygon_scene
+
+G = 9.81
+
+
+def scene(polygon: Plate, pose: StartPose, ball: Plate, at: StartPose, floor: float = 0.0, mu: float = 0.0, time=1.0):
+    """A polygon and a disc on a floor with friction of its own; the track is far below."""
+    own = (CoulombFriction(floor),) if floor else ()
+    effects = (Gravity(G), Unilateral(), Flight(), Impact(0.0), *((CoulombFriction(mu),) if mu else ()))
+    support = Support(Curve(lambda s: (s, 5.0 + 0 * s)), "floor", own)
+    up = (replace(pose, y=pose.y + 5.0), replace(at, y=at.y + 5.0))
+    return Case(line(), polygon, effects, up[0], time, supports=(support,), others=(FreePlate(ball, up[1], "disc"),))
+
+
+def over_the_edge(mass: float, speed: float, floor: float) -> Case:
+    """A disc of 1 kg slides without friction over the edge of a block of width 1 m and height 0.4 m."""
+    ball, at = disc(0.1, 1.0), StartPose(0.3, 0.5, vx=speed)
+    return scene(Plate.rectangle(1.0, 0.4, mass), StartPose(0.0, 0.2), ball, at, floor)
+
+
+# --- exact motions ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "mass,floor",
+    [(2.0, 0.0), pytest.param(0.3, 0.0, marks=pytest.mark.slow), pytest.param(5.0, 0.9, marks=pytest.mark.slow)],
+)
+def test_a_disc_passes_from_an_edge_to_a_corner_and_leaves_it_at_the_exact_time(mass, floor):
+    """With u = r φ̇ about the corner, momentum and energy in the frame of the centre of mass give
+    u² (1 − κ cos²φ) = v² (1 − κ) + 2 g r (1 − cos φ), κ = m/(M + m), and κ = 0 if the block sticks; the force vanishes
+    where u² = g r cos φ, as the block has no acceleration there."""
+    kappa, speed, r = 0.0 if floor else 1.0 / (1.0 + mass), 0.4, 0.1
+
+    def square(phi: float) -> float:
+        return (speed**2 * (1.0 - kappa) + 4.0 * G * r * sin(0.5 * phi) ** 2) / (1.0 - kappa * cos(phi) ** 2)
+
+    end = brentq(lambda phi: square(phi) - G * r * cos(phi), 0.0, 1.5, xtol=1e-15)
+    turning, _ = quad(lambda phi: r / sqrt(square(phi)), 0.0, end, epsabs=1e-14, epsrel=1e-14)
+    motion = reference.simulate(over_the_edge(mass, speed, floor), rtol=1e-12)
+    first = motion.transitions[0]
+    assert (first.contact, first.before, first.after) == ("disc/plate", Mode.SLIDE, Mode.FLIGHT)
+    assert first.time == pytest.approx(0.2 / speed + turning, abs=1e-12)  # the slack of the handing over: 1e-13 m
+    arm = motion.plate("disc")(first.time).x - motion(first.time).x - 0.5
+    assert arm == pytest.approx(r * sin(end), abs=1e-12)
+    assert (np.abs(motion.vx).max() == 0.0) == bool(floor)
+
+
+def test_a_free_wedge_has_the_exact_acceleration():
+    """m g sin α cos α/(M + m sin²α), by momentum and the constraint of the slope."""
+    case, angle = cases.load("disc_on_free_wedge"), atan(0.5)
+    motion = reference.simulate(case, rtol=1e-12)
+    exact = -G * sin(angle) * cos(angle) / (3.0 + sin(angle) ** 2)
+    assert motion(0.4).vx == pytest.approx(0.4 * exact, abs=1e-13)
+    assert motion.plate("disc")(0.4).vx * 1.0 + 3.0 * motion(0.4).vx == pytest.approx(0.0, abs=1e-13)
+
+
+@pytest.mark.parametrize("share,sticks", [(1.001, True), (0.999, False)])
+def test_a_wedge_under_a_sliding_disc_sticks_up_to_the_exact_coefficient(share, sticks):
+    """N = (M + m cos²α) g and T = m g sin α cos α. Two corners share T: each within its own bound."""
+    wedge, angle = Plate.polygon([(0, 0), (2, 0), (0, 1)], 3.0), atan(0.5)
+    normal, friction = (3.0 + cos(angle) ** 2) * G, G * sin(angle) * cos(angle)
+    at = StartPose(0.5 + 0.1 * sin(angle), 0.75 + 0.1 * cos(angle))
+    mu = share * friction / normal
+    motion = reference.simulate(
+        scene(wedge, StartPose(2 / 3, 1 / 3), disc(0.1, 1.0), at, floor=mu, time=0.1), rtol=1e-12
+    )
+    assert motion.status == "completed" and (np.abs(motion.vx).max() < 1e-14) == sticks
+    columns = [motion.contacts[name] for name in ("plate/floor", "plate/floor 3")]
+    if not sticks:
+        assert {t.after for t in motion.transitions} == set() and columns[0].slip[-1] != 0.0
+        return
+    forces = [one.normal_force[0] for one in columns]
+    assert sum(forces) == pytest.approx(normal, rel=1e-12)
+    for one, own, other in zip(columns, forces, forces[::-1], strict=True):
+        low, high = max(-mu * own, friction - mu * other), min(mu * own, friction + mu * other)
+        assert one.friction_range[:, 0] == pytest.approx([low, high], abs=1e-12 * normal)
+        assert np.isnan(one.friction_force[0])
+
+
+def test_the_region_of_a_point_is_that_of_its_nearest_point():
+    """Against the nearest of 4,000 points of the outline, at random points outside a triangle."""
+    polygon, numbers = Plate.polygon([(0, 0), (1, 0), (0.2, 0.7)], 1.0), np.random.default_rng(3)
+    outline, around = polygon.outline, regions(polygon)
+    s = np.linspace(*outline.span, 4001)
+    points = outline.point(s)
+    for x, y in numbers.uniform(-2.0, 2.0, (200, 2)).tolist():
+        distances = np.hypot(points[0] - x, points[1] - y)
+        one = around[int(region_of(around, x, y))]
+        far = np.hypot(x - one.x, y - one.y) if one.corner else (x - one.x) * one.ty - (y - one.y) * one.tx
+        if distances.min() > 0.8:  # outside: inside, all distances are below the inscribed circle's
+            assert far == pytest.approx(distances.min(), abs=1e-5)  # samples are 1e-3 m apart: (1e-3)²/(8·0.8)
+
+
+# --- the paper's matrix at instants -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", [pytest.param(Mode.SLIDE, marks=pytest.mark.slow), Mode.ROLL])
+@pytest.mark.parametrize("where", ["edge", "corner"])
+def test_the_papers_matrix_has_the_same_accelerations(where, mode):
+    """A block on one corner and a disc on it, both turning; rates of parameters by central differences of 1e-5 s."""
+    mu = 0.6 if mode is Mode.ROLL else 0.0
+    case = replace(_touching(where), effects=(*_touching(where).effects[:4], *((CoulombFriction(mu),) if mu else ())))
+    poses = start_poses(case)
+    contacts, pairs, plates = plate_contacts(case), [], plates_of(case)
+    state = np.concatenate([poses[:, :3].ravel(), poses[:, 3:].ravel()])
+    now = places(case, range(len(contacts)), state)
+    closed = [k for k, at in enumerate(now) if abs(at.gap) < 1e-12]
+    assert [contacts[k].base is None for k in closed] == [True, False]
+    velocity = _without_lift(now, closed, numbers_of(case).inverse, state, mode is Mode.ROLL)
+    now = places(case, range(len(contacts)), np.concatenate([state[:6], velocity]))
+    motions = [(0.0, *state[3 * b : 3 * b + 3], *velocity[3 * b : 3 * b + 3]) for b in range(2)]
+    for k in closed:
+        pair = polygon_pairs.polygon_pair(contacts[k], plates, poses)
+        make = _maker(pair)
+
+        def at(step, make=make, pair=pair):
+            moved = state[:6] + step * velocity
+            return make(pair, [(*moved[i : i + 3], *velocity[i : i + 3]) for i in (0, 3)])[0]
+
+        early, here, late = at(-1e-5), at(0.0), at(1e-5)
+        rates = [(late.xi1 - early.xi1) / 2e-5, (late.xi2 - early.xi2) / 2e-5]
+        pairs.append(BodyContact(pair, mode, (here.xi1, here.xi2, *rates), here.body, here.base))
+    bodies = [replace(case, plate=plate, start=cases.Start(0.0, 0.0), others=(), supports=()) for plate in plates]
+    answer = solve_bodies(bodies, pairs, motions)
+    rows, biases = [], []
+    for k in closed:
+        rows.append(now[k].lift_row)
+        biases.append(now[k].lift_bias)
+        if mode is Mode.ROLL:
+            rows.append(now[k].slip_row)
+            biases.append(now[k].slip_bias)
+    matrix, numbers = np.array(rows), numbers_of(case)
+    force = np.linalg.solve(matrix * numbers.inverse @ matrix.T, -(matrix @ numbers.load + biases))
+    exact = numbers.load + numbers.inverse * (matrix.T @ force)
+    # Differences of 1e-5 s: 1e-10 of the rates, times speeds of some m/s and 10/m.
+    assert answer.q1_ddot.ravel() == pytest.approx(exact, abs=1e-6)
+
+
+def _touching(where: str) -> Case:
+    """A block on one corner, and a disc that touches an edge or a corner of it."""
+    block, theta, r = Plate.rectangle(1.0, 0.4, 2.0), 0.3, 0.1
+    turn = np.array([[cos(theta), -sin(theta)], [sin(theta), cos(theta)]])
+    height = 5.0 - float((turn @ (-0.5, -0.2))[1])
+    touches = turn @ ((0.1, 0.2 + r) if where == "edge" else (0.5 + r * sin(0.7), 0.2 + r * cos(0.7)))
+    at = StartPose(float(touches[0]), height - 5.0 + float(touches[1]), 0.4, 0.3, -0.2, 2.0)
+    return scene(block, StartPose(0.0, height - 5.0, theta, 0.5, 0.1, 0.7), disc(r, 1.0), at)
+
+
+def _without_lift(now, closed, inverse, state, sticks) -> np.ndarray:
+    rows = np.array([now[k].lift_row for k in closed] + [now[k].slip_row for k in closed if sticks])
+    off = np.linalg.solve(rows * inverse @ rows.T, rows @ state[6:])
+    return state[6:] - inverse * (rows.T @ off)
+
+
+def _maker(pair):
+    if pair.disc is None:
+        return polygon_pairs._corner_on_line
+    return polygon_pairs._disc_on_corner if polygon_pairs._is_corner(pair.element) else polygon_pairs._disc_on_edge
+
+
+# --- both formulations ------------------------------------------------------------------------------------------------
+
+
+def test_both_formulations_agree_over_an_edge():
+    _compare(over_the_edge(2.0, 1.2, 0.0))  # it leaves at the corner at once
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
+def test_both_formulations_agree_in_random_scenes(seed):
+    _compare(random_polygon_scene(seed))
+
+
+def _compare(case: Case) -> None:
+    one = reference.simulate(case, rtol=1e-12)
+    times = 0.999 * np.linspace(0.0, float(one.t[-1]), 7)[1:]
+    other = bodies_motion(case, times=times)
+    assert [(t.contact, t.before, t.after) for t in one.transitions] == [
+        (t.contact, t.before, t.after) for t in other.transitions
+    ]
+    assert one.status == other.status == "completed"
+    # The ends of series of impacts are extrapolated from intervals with few digits.
+    assert [t.time for t in one.transitions] == pytest.approx([t.time for t in other.transitions], abs=1e-8)
+    for b, plate in enumerate(one.plate_names):
+        own = one.plate(plate)(times)
+        assert np.array([own.x, own.y, own.theta]) == pytest.approx(other.motions[3 * b : 3 * b + 3], abs=1e-9)
+
+
+@pytest.mark.slow
+def test_a_motion_over_an_edge_is_certified():
+    certificate = certify(cases.load("disc_off_free_block"))
+    assert len(certificate.transitions) == 3 and "contact frame 1e-13" in certificate.witnesses
+    assert max(time.bar for *_, time, _ in certificate.transitions) < 1e-11
+
+
+# --- invalid cases ----------------------------------------------------------------------------------------------------
+
+
+def test_scenes_that_are_not_supported_are_rejected_in_a_sentence():
+    good = over_the_edge(2.0, 0.4, 0.0)
+    second = FreePlate(Plate.rectangle(0.2, 0.2, 1.0), StartPose(3.0, 5.1), "second")
+    with pytest.raises(BadValue, match="are polygons, whose contacts with each other are not supported"):
+        replace(good, others=(*good.others, second))
+    for plate in (Plate.half_disc(0.2, 1.0), Plate.polygon([(0, 0), (1, 0), (0.3, 0.3), (0, 1)], 1.0)):
+        with pytest.raises(BadValue, match="discs and convex polygons, and 'disc' is neither"):
+            replace(good, others=(replace(good.others[0], plate=plate),))
+    sentence = "The native route supports several plates if all of them are discs."
+    assert refusal(pymunk, good, "native") == sentence
+    with pytest.raises(NotSupported, match="if all of them are discs"):
+        scene_file._free_plates(good)
