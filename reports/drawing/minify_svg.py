@@ -134,10 +134,12 @@ def _simplify(words: Sequence[str]) -> list[str]:
         if last - first < 2:
             continue
         chord, others = points[last] - points[first], points[first + 1 : last] - points[first]
-        along = np.clip(others @ chord / max(float(chord @ chord), 1e-12), 0.0, 1.0)
+        # Most spans have few points, for which calls of np.clip and max take longer than their arithmetic.
+        along = np.minimum(np.maximum(others @ chord / max(float(chord @ chord), 1e-12), 0.0), 1.0)
         distance = np.hypot(*(others - along[:, None] * chord).T)
-        if distance.max() > _NEAR:
-            middle = first + 1 + int(distance.argmax())
+        farthest = int(distance.argmax())
+        if distance[farthest] > _NEAR:
+            middle = first + 1 + farthest
             corners.add(middle)
             spans += [(first, middle), (middle, last)]
     path = [word for i in sorted(corners) for word in ("L" if i else "M", *map(str, points[i]))]
