@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable
 from contextlib import contextmanager
 from functools import cache
+from inspect import isfunction
 from pathlib import Path
 
 import pytest
@@ -64,6 +65,17 @@ def pytest_generate_tests(metafunc):
 def chosen_cases(names: tuple[str, ...]) -> list[Case]:
     """All variants of these cases; once for all tests of each."""
     return [case for name in names for case in cases.select(name)]
+
+
+def pytest_pycollect_makeitem(collector, name, obj):
+    """With the default marks functions that are slow as a whole become no tests: with all their cases they were more
+    than half of all tests, which each process made only to leave them out."""
+    config = collector.config
+    if not isfunction(obj) or config.option.markexpr != QUICK[0] or config.own_cases:
+        return None
+    if any("::" in argument for argument in config.args):
+        return None
+    return [] if any(mark.name in ("slow", "timed", "builds") for mark in getattr(obj, "pytestmark", ())) else None
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest leaves out the slow tests

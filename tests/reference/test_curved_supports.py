@@ -37,7 +37,7 @@ from cases.library import circle, ellipse, line, parabola
 from cases.library import cosine as wave
 from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
-from tests.reference.test_supports import agree, compare_with_matrix, events
+from tests.reference.test_supports import agree, compare_with_matrix, events, simulated
 
 G = 9.81
 FREE = Gravity(G), Unilateral(), Flight()
@@ -147,7 +147,7 @@ def test_a_disc_that_rolls_in_a_bowl_meets_a_straight_wall_in_time(lean):
     touch = lean + asin((r - 0.5) / far)
     pose, support = StartPose(far * sin(start), -far * cos(start)), (Support(wall, "wall", ()),)
     case = Case(circle(2.0), disc(r, 1.0), (*INELASTIC, CoulombFriction(2.0)), pose, 1.2, supports=support)
-    motion = reference.simulate(case, rtol=1e-14)
+    motion = simulated(case)
     first = motion.transitions[0]
     assert "plate/wall" in {t.contact for t in motion.transitions if t.time == first.time}
     assert first.time == pytest.approx(falls(start, touch, far, 2.0 / 3.0), abs=1e-12)
@@ -223,7 +223,7 @@ def test_a_rod_slides_in_a_bowl_with_friction_until_it_stops():
     stops = lambda t, y: y[1] + (t == 0.0) * -1.0  # noqa: E731
     stops.terminal, stops.direction = True, 1.0
     law = solve_ivp(rates, (0.0, 3.0), [angle, 0.0], method="DOP853", rtol=1e-13, atol=1e-15, events=stops)
-    motion = reference.simulate(case, rtol=1e-14)
+    motion = simulated(case)
     assert events(motion) == [
         ("plate/track", Mode.SLIP_BACKWARD, Mode.ROLL),
         ("plate/track 2", Mode.SLIP_BACKWARD, Mode.ROLL),
@@ -244,7 +244,7 @@ def test_a_block_lands_in_a_bowl_on_one_corner_and_then_on_the_other():
     arms = [np.array([c * u - s * v, s * u + c * v]) for u, v in ((-0.4, -0.25), (0.4, -0.25))]
     drops = [y + float(arm[1]) + sqrt(RADIUS**2 - (x + float(arm[0])) ** 2) for arm in arms]
     drop, arm = min(zip(drops, arms, strict=True), key=lambda one: one[0])
-    motion = reference.simulate(case, rtol=1e-14)
+    motion = simulated(case)
     first, second = motion.transitions[:2]
     assert (first.contact, second.contact) == ("plate/track", "plate/track 2")
     assert first.time == pytest.approx(sqrt(2.0 * drop / G), abs=1e-14)

@@ -33,7 +33,7 @@ from cases.moving_frame import relative_case
 from reference.certification.witnesses import _by_second
 from reports.judging.residuals import energy_residual
 
-from .test_supports import agree, compare_with_matrix, events, slow
+from .test_supports import agree, compare_with_matrix, events, simulated, slow
 
 G = 9.81
 EFFECTS = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
@@ -134,7 +134,7 @@ def test_a_disc_rolls_over_the_bends_of_a_driven_track(friction, omega):
     track, drive = Chain.polyline([(-1, 0.3), (0, 0.3), (1, 0.0)]), Drive(x="0.05*sin(9*t)", angle="0.1*sin(5*t)")
     effects = Gravity(G), Unilateral(), friction, drive
     case = Case(track, disc(0.1, 1.0), effects, Start(xi1=0.95, omega=omega), 0.6)
-    motion = reference.simulate(case, 1e-14)
+    motion = simulated(case)
     agree(case, within=1e-12)
     assert motion.t[-1] > 0.2 and len(motion.passages) >= 1
     if isinstance(friction, CoulombFriction):
