@@ -141,7 +141,8 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
         return _plates_witness(case, name, rtol)
     if touches_by_features(case):
         return _supports_witness(case, name, rtol)
-    if _has_several_contacts(case) and delassus.touches_at_start(case):
+    # The simulation that counts contacts comes last: it takes longest.
+    if not limitation(case) and delassus.touches_at_start(case) and _has_several_contacts(case):
         begin = start_motion(case)
         body = np.array([begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega])
         mode = delassus.mode_of(case, begin.slip, begin.omega)
