@@ -158,6 +158,7 @@ class PlatesSimulation(PhaseLoop):
             return ENDS[kind]
         number, _ = moving_contacts(self.case, regime)[int(index)]
         if kind == "gap":
+            self._wait_for_sharper(phase, number)
             self._settle(stuck, closing={number})
             return None
         if kind in ("low", "high"):  # the contact passes a corner of a polygon, or a disc flies past it
@@ -176,6 +177,29 @@ class PlatesSimulation(PhaseLoop):
         self._count(segment)
         self.t, self.state = segment.event.time, tuple(segment.event.state)
         self.speed = max(self.speed, speed(self.case, self.state))
+
+    def _wait_for_sharper(self, phase: PlatesPhase, number: int) -> None:
+        """Go on to a contact that closes within the time by which rounding of its gap may move the closing of `number`.
+
+        A gap that closes slowly has no sharper time: where its rate vanishes as another contact closes, both close at
+        once, and the faster one gives the instant."""
+        velocity, rounding = np.array(self.state[self.half :]), REBOUND_ROUNDINGS * EPS * size(self.case, self.state)
+        slow = -float(place(self.case, number, self.state).lift_row @ velocity)
+        accelerations = np.array(phase.system.rates_of_numbers(0.0, self.state, phase.parameters)[self.half :])
+        waits = list[float]()
+        for other in set(self.modes) - self.touching - {number}:
+            at = place(self.case, other, self.state)
+            closing = -float(at.lift_row @ velocity)
+            if at.gap > rounding and closing > slow > 0.0 and at.gap * slow <= rounding * closing:
+                waits.append(at.gap / closing)
+        if not waits or not self.t + min(waits) < self.case.duration:
+            return
+        wait, position = min(waits), np.array(self.state[: self.half])
+        position += wait * (velocity + 0.5 * wait * accelerations)
+        state = (*position.tolist(), *(velocity + wait * accelerations).tolist())
+        end = self.t + wait
+        states = StraightStates(self.t, end, self.state, state)
+        self._advance(Segment.of(phase, np.array([self.t, end]), states, Event(None, end, state), 0))
 
     # --- states without roundings, and impacts ------------------------------------------------------------------------
 

@@ -295,6 +295,24 @@ def test_formulations_differ_by_less_than_a_rounding_of_the_start_changes(seed):
 
 
 @pytest.mark.slow
+def test_contacts_that_close_at_once_are_one_instant_however_slowly_one_of_them_closes():
+    # A disc is lifted off another one of its radius and falls back after 2 v/g. Neither has a horizontal acceleration,
+    # and both have one horizontal velocity: the gap between them is that of a rise h, h²/(2 D), and closes with h.
+    case = replace(random_scene(249), duration=0.143)
+    one, other = reference.simulate(case, rtol=1e-12), bodies_motion(case)
+    assert [(e.contact, e.before, e.after) for e in one.transitions] == [
+        (e.contact, e.before, e.after) for e in other.transitions
+    ]
+    lifts, lands = (next(e.time for e in one.transitions[k:] if e.contact == "disc2/track") for k in (2, 5))
+    halfway = 0.5 * (lifts + lands)
+    upper, lower = one.plate("disc2")(halfway), one.plate("plate")(halfway)
+    assert upper.vx == pytest.approx(float(lower.vx), abs=1e-14)
+    rise = 2.0 * (halfway - lifts) + 2.0 * float(upper.vy) / G  # 2 v/g with the velocity v at the start of the flight
+    assert lands - lifts == pytest.approx(rise, abs=1e-12)  # it was 4e-8 s: a rounding of the gap over its rate
+    assert other.transitions[6].time == pytest.approx(lands, abs=1e-12)
+
+
+@pytest.mark.slow
 def test_impacts_that_accumulate_without_a_known_end_are_reported():
     """A disc rattles between ground and another disc, which bounces on the ground itself."""
     one, other = reference.simulate(random_scene(124)), bodies_motion(random_scene(124))
