@@ -117,7 +117,7 @@ def shaken(seed: int) -> Case:
     return Case(track, plate, (*EFFECTS, friction, drive), start, 0.6)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2, *slow(*range(3, 90))])
+@pytest.mark.parametrize("seed", [0, *slow(*range(1, 90))])
 def test_both_formulations_agree_on_tracks_that_shake_and_tilt(seed):
     # Impacts that come to rest, and rests that end, are known to 1e-9 s in either formulation.
     agree(shaken(seed), within=1e-9)

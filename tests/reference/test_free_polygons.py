@@ -81,7 +81,7 @@ def test_a_disc_passes_from_an_edge_to_a_corner_and_leaves_it_at_the_exact_time(
     assert first.time == pytest.approx(0.2 / speed + turning, abs=1e-12)  # the slack of the handing over: 1e-13 m
     arm = motion.plate("disc")(first.time).x - motion(first.time).x - 0.5
     assert arm == pytest.approx(r * sin(end), abs=1e-12)
-    assert (np.abs(motion.vx).max() == 0.0) == bool(floor)
+    assert (np.abs(motion.vx).max() < 1e-14) == bool(floor)  # a block that sticks moves by rounding
 
 
 def test_a_free_wedge_has_the_exact_acceleration():
