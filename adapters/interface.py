@@ -58,6 +58,7 @@ Optional:
                                                     why such a route does not report the contacts of this case, in one
                                                     sentence, or None
     SEVERAL_PLATES: tuple[str, ...]                 the routes that support further plates (`Case.others`);
+    FREE_POLYGONS: tuple[str, ...]                  those of them that support a polygon among the plates
     SUPPORTS: tuple[str, ...]                       the routes that support further fixed curves (`Case.supports`);
                                                     without a declaration, `refusal` rejects such a case
     BELTS_AND_SUPPORTS: tuple[str, ...]             those of them that support belts as well
@@ -132,7 +133,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route does not support friction that depends on the slip velocity."
     if case.others and route not in getattr(adapter, "SEVERAL_PLATES", ()):
         return f"The {route} route does not support several plates (others)."
-    if case.others and any(plate.radius is None for plate in (case.plate, *(one.plate for one in case.others))):
+    plates = (case.plate, *(one.plate for one in case.others)) if case.others else ()
+    if any(plate.radius is None for plate in plates) and route not in getattr(adapter, "FREE_POLYGONS", ()):
         return f"The {route} route supports several plates if all of them are discs."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."

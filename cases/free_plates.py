@@ -22,7 +22,7 @@ from .line_or_circle import Line, as_line
 from .moving_surface import Belt
 from .plate import Plate
 from .polygon_features import (
-    Circle,
+    TouchCircle,
     circles,
     is_polygon,
     local_centre,
@@ -76,7 +76,7 @@ class PlateContact(NamedTuple):
     line: Line | None
     curve: Curve | None
     effects: tuple[Effect, ...]
-    circle: Circle
+    circle: TouchCircle
 
     def effect(self, kind: type[E]) -> E | None:
         """The effect of that kind, or None."""

@@ -20,7 +20,7 @@ from .plate import Plate
 AHEAD = 1e-12
 
 
-class Circle(NamedTuple):
+class TouchCircle(NamedTuple):
     """A circle that touches: its centre in the plate's frame and its radius (m); of a corner the direction (rad) of the
     tangent where it starts, half its turn, and its first parameter of the outline."""
 
@@ -57,7 +57,7 @@ class Region(NamedTuple):
     first: float
     low: tuple[float, float, float]
     high: tuple[float, float, float]
-    corner: Circle | None
+    corner: TouchCircle | None
 
 
 def is_polygon(plate: Plate) -> bool:
@@ -75,18 +75,20 @@ def size_of_plate(plate: Plate) -> float:
 
 
 @lru_cache(maxsize=256)
-def circles(plate: Plate) -> tuple[Circle, ...]:
+def circles(plate: Plate) -> tuple[TouchCircle, ...]:
     """The circles by which a plate touches a line: the disc itself, or the corners in the outline's order."""
     if plate.radius is not None:
-        return (Circle(0.0, 0.0, float(plate.radius)),)
+        return (TouchCircle(0.0, 0.0, float(plate.radius)),)
     outline = plate.outline
     assert isinstance(outline, Chain)
     return tuple(_corner(one) for one in outline.elements if isinstance(one.piece, Corner))
 
 
-def _corner(element) -> Circle:
+def _corner(element) -> TouchCircle:
     piece = element.piece
-    return Circle(float(piece.x), float(piece.y), 0.0, float(piece.start), 0.5 * abs(piece.turn), float(element.start))
+    return TouchCircle(
+        float(piece.x), float(piece.y), 0.0, float(piece.start), 0.5 * abs(piece.turn), float(element.start)
+    )
 
 
 @lru_cache(maxsize=256)

@@ -244,20 +244,20 @@ def _runs_evenly(effects: Sequence[Effect]) -> bool:
 
 
 @dataclass(frozen=True)
-class Surface:
+class StepSurface:
     """What of a curve is set in each step: a belt that is no surface velocity of shapes, and mu by the slip speed."""
 
     belt: Belt | None
     coefficient: Callable[[float], float] | None
 
 
-def surfaces_in_steps(case: Case) -> dict[int, Surface]:
+def surfaces_in_steps(case: Case) -> dict[int, StepSurface]:
     """The curves whose belt or friction is set in each step, by the collision type of their shapes."""
     whole = None if belt_runs_as_shapes(case) else case.effect(Belt)
-    surfaces = {_TRACK: Surface(whole, _coefficient(case.effects))}
+    surfaces = {_TRACK: StepSurface(whole, _coefficient(case.effects))}
     for number, support in enumerate(case.supports, start=_SUPPORT):
         effects = support.acting(case.effects)
-        surfaces[number] = Surface(None if _runs_evenly(effects) else one(effects, Belt), _coefficient(effects))
+        surfaces[number] = StepSurface(None if _runs_evenly(effects) else one(effects, Belt), _coefficient(effects))
     return {number: each for number, each in surfaces.items() if each.belt or each.coefficient}
 
 
@@ -271,7 +271,7 @@ class SurfacesInSteps:
     friction by the slip speed as the friction of each contact, by its slip in the middle of the step's change of
     velocity, as predicted from the step before."""
 
-    def __init__(self, surfaces: dict[int, Surface], space: pymunk.Space, plate: pymunk.Body, h: float):
+    def __init__(self, surfaces: dict[int, StepSurface], space: pymunk.Space, plate: pymunk.Body, h: float):
         self._h, self._step = h, 0
         self._velocities = {body: _velocities(body) for body in space.bodies}
         self._changes = {body: (Vec2d(0.0, 0.0), 0.0) for body in space.bodies}
@@ -294,7 +294,7 @@ class SurfacesInSteps:
 
         return count_and_note
 
-    def _pre_solve(self, surface: Surface, arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
+    def _pre_solve(self, surface: StepSurface, arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
         # The velocities after a step are those of its middle; the normal points to the plate.
         contacts = arbiter.contact_point_set
         tangent = Vec2d(contacts.normal.y, -contacts.normal.x)

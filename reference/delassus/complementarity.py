@@ -17,7 +17,7 @@ MOST_PIVOTS = 50
 # Entries below this part of the largest are roundings, and no pivots.
 SMALL = 1e-11
 # Inequalities and complementarity of a solution hold to this part of the sums' terms; wrong ones are off by a tenth.
-SOLVED = 1e-8
+ROUNDING = 1e-8
 # Solutions that differ by less than this part are the same.
 SAME = 1e-7
 # Lemke's method follows one path for each covering vector; different ones may reach different solutions.
@@ -85,7 +85,7 @@ def is_solution(matrix: np.ndarray, right: np.ndarray, z: np.ndarray) -> bool:
     """Whether z solves the problem to rounding: pivots that are almost zero may end Lemke's method elsewhere."""
     sizes = np.abs(matrix) @ np.abs(z) + np.abs(right).max(initial=0.0)
     parts = z / (np.abs(z).max(initial=0.0) or 1.0), (matrix @ z + right) / np.where(sizes > 0.0, sizes, 1.0)
-    return bool(np.minimum(*parts).min(initial=0.0) >= -SOLVED and np.minimum(*parts).max(initial=0.0) <= SOLVED)
+    return bool(np.minimum(*parts).min(initial=0.0) >= -ROUNDING and np.minimum(*parts).max(initial=0.0) <= ROUNDING)
 
 
 def covers(n: int) -> list[np.ndarray]:
@@ -159,30 +159,30 @@ def gauss_seidel(
             force[t] = min(bound, max(-bound, force[t] - (delassus[t] @ force + free[t]) / delassus[t, t]))
         change = force - before
         if np.abs(delassus @ change).max() <= precision * size:
-            grows = np.abs(delassus.diagonal() * change).max() > SOLVED * size
+            grows = np.abs(delassus.diagonal() * change).max() > ROUNDING * size
             return None if grows else force
         if not np.isfinite(force).all():
             return None
     return None
 
 
-def polished(delassus: np.ndarray, free: np.ndarray, force: np.ndarray, mu: np.ndarray) -> np.ndarray:
+def refine_solution(delassus: np.ndarray, free: np.ndarray, force: np.ndarray, mu: np.ndarray) -> np.ndarray:
     """A solution with perfectly rough contacts, whose coefficient multiplies its roundings, again from the equations
     that hold in it: no lift where a contact presses, and no slip inside its cone. The same if these are dependent."""
     count = len(mu)
     normal, friction = force[:count], force[count:]
-    presses = normal > SOLVED * np.abs(normal).max(initial=0.0)
-    sticks = presses & (mu > 0.0) & (np.abs(friction) < (1.0 - SOLVED) * mu * normal)
+    presses = normal > ROUNDING * np.abs(normal).max(initial=0.0)
+    sticks = presses & (mu > 0.0) & (np.abs(friction) < (1.0 - ROUNDING) * mu * normal)
     columns = np.zeros((2 * count, 2 * count))
     columns[:count, :count] = np.eye(count)
     columns[count:, :count] = np.diag(np.where(sticks, 0.0, np.sign(friction) * mu))
     columns[count:, count:] = np.eye(count)
-    held = np.flatnonzero(np.concatenate([presses, sticks]))
+    rows = np.flatnonzero(np.concatenate([presses, sticks]))
     try:
-        values = np.linalg.solve((delassus @ columns)[np.ix_(held, held)], -free[held])
+        values = np.linalg.solve((delassus @ columns)[np.ix_(rows, rows)], -free[rows])
     except np.linalg.LinAlgError:
         return force
-    return columns[:, held] @ values
+    return columns[:, rows] @ values
 
 
 def least_rate(
@@ -200,7 +200,7 @@ def least_rate(
     size, least = float(np.abs(free).max()) or 1.0, inf
     for force in solutions(delassus, free, slips, mu, stick):
         rate = float(np.abs((delassus @ force + free)[rows]).max())
-        if none * size < rate <= SOLVED * size:
+        if none * size < rate <= ROUNDING * size:
             finer = gauss_seidel(delassus, free, slips, mu, stick, force, precision=0.1 * none)
             rate = rate if finer is None else min(rate, float(np.abs((delassus @ finer + free)[rows]).max()))
         least = min(least, rate / size)

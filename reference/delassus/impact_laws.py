@@ -13,7 +13,7 @@ from cases import Impact
 
 from ..contact_frame.equations import ContactScene
 from ..contact_frame.impact import ImpactWithoutSolution, creates_energy, hit
-from .complementarity import polished, solutions
+from .complementarity import refine_solution, solutions
 from .contacts import ROUGH, PairState, PlateDynamics, frictions, surfaces
 from .plate_state import MOVES, PlateState, SimulationEnd
 
@@ -72,5 +72,5 @@ def complementary(
     answers = solutions(delassus, free, [None] * len(some), mu, mu, least)
     if len(answers) != 1:
         raise SimulationEnd("not_unique")
-    force = answers[0] if mu.max() < ROUGH or least.any() else polished(delassus, free, answers[0], mu)
+    force = answers[0] if mu.max() < ROUGH or least.any() else refine_solution(delassus, free, answers[0], mu)
     return velocity + dynamics.inverse * (rows.T @ force), force[: len(some)]

@@ -151,7 +151,7 @@ def _polygon_pair_at(pair: PolygonPair, body: Sequence[float] | np.ndarray, near
     return PairState(pair, xi1, xi2, gap, lift, slip, lift_row, slip_row, lift_bias, slip_bias, 0.0)  # type: ignore[arg-type]
 
 
-def _turned(point, theta: float) -> np.ndarray:
+def _rotate(point, theta: float) -> np.ndarray:
     c, s = np.cos(theta), np.sin(theta)
     return np.array([c * point[0] - s * point[1], s * point[0] + c * point[1]])
 
@@ -172,7 +172,7 @@ def _corner_on_line(pair: PolygonPair, states) -> tuple[ContactOfBodies, float, 
     own, low = pair.contact.body, float(pair.track.span[0])
     x, y, theta, *_ = states[own]
     point, tangent = pair.track.point(low), pair.track.tangent(low)
-    place = np.array([x, y]) + _turned(pair.plate.outline.point(0.0), theta)
+    place = np.array([x, y]) + _rotate(pair.plate.outline.point(0.0), theta)
     xi1 = low + float((place - point) @ tangent) / float(pair.track.speed(low))
     gap = float((place - pair.track.point(xi1)) @ pair.track.normal(xi1))
     xi2 = _in_round(atan2(tangent[1], tangent[0]) - theta, pair.element)
@@ -183,7 +183,7 @@ def _disc_on_edge(pair: PolygonPair, states) -> tuple[ContactOfBodies, float, fl
     own, base = pair.contact.body, pair.contact.base
     assert base is not None and pair.disc is not None
     (x, y, theta, *_), (u, v, turn, *_) = states[own], states[base]
-    place = _turned((x - u, y - v), -turn)
+    place = _rotate((x - u, y - v), -turn)
     tangent = pair.track.tangent(0.0)
     along = float((place - pair.track.point(0.0)) @ tangent)  # from the edge's end: clockwise
     gap = float((place - pair.track.point(along)) @ pair.track.normal(0.0)) - float(pair.disc.radius or 0.0)
@@ -197,7 +197,7 @@ def _disc_on_corner(pair: PolygonPair, states) -> tuple[ContactOfBodies, float, 
     disc, base = pair.contact.body, pair.contact.base
     assert base is not None and pair.disc is not None
     (x, y, theta, *_), (u, v, turn, *_) = states[disc], states[base]
-    arm = _turned(pair.plate.outline.point(0.0), turn)
+    arm = _rotate(pair.plate.outline.point(0.0), turn)
     dx, dy = u + arm[0] - x, v + arm[1] - y  # from the disc's centre to the corner
     gap = hypot(dx, dy) - float(pair.disc.radius or 0.0)
     # The polygon's outline runs counter-clockwise: across the direction to the disc.

@@ -23,7 +23,7 @@ ROUNDINGS = 32
 STRAIGHT = 0.5
 # A halved direction contributes about this part of what it contributed to the uncertainty of the gap: pieces of curves
 # do so with the square of their length.
-HALVED = 0.25
+HALF_BLUR = 0.25
 
 
 class Boxes(NamedTuple):
@@ -214,7 +214,7 @@ class Geometry:
             some = boxes.some(outline)
             first = self.outline.halves(some.outline)
             lots += [some._replace(outline=first), some._replace(outline=first + 1)]
-        less = np.where(np.arange(3)[:, None] == widest, HALVED * blur, blur)
+        less = np.where(np.arange(3)[:, None] == widest, HALF_BLUR * blur, blur)
         order = np.concatenate([some for some in (time, track, outline) for _ in range(2)])
         return Boxes(*(np.concatenate(columns) for columns in zip(*lots, strict=True))), less[:, order]
 

@@ -112,7 +112,7 @@ class ElementSearch:
             own = elements(self.case.plate.outline)[second].piece
             assert isinstance(own, Corner)
             x, y = own.x, own.y
-            return lambda times: carried(poses(times), x, y)
+            return lambda times: points_at(poses(times), x, y)
         if first is not None:
             fixed = elements(self.case.track)[first].piece
             assert isinstance(fixed, Corner)
@@ -152,7 +152,7 @@ def _geometry(case: Case, first: Element, second: Element) -> Geometry | None:
     return Geometry(Pieces(track), Pieces(outline), case.plate.radius, reach)
 
 
-def carried(pose: np.ndarray, x: float, y: float) -> np.ndarray:
+def points_at(pose: np.ndarray, x: float, y: float) -> np.ndarray:
     """The place of a point of the plate in poses (3, n), as poses that do not turn."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return np.array([pose[0] + c * x - s * y, pose[1] + s * x + c * y, np.zeros_like(pose[2])])

@@ -103,13 +103,13 @@ def contact_columns(case: Case, now: PlatesPhase, times: np.ndarray, y: np.ndarr
     seconds = flush(case, [other for other, mode in moving if mode is Mode.ROLL])
     partner = (seconds | {first: second for second, first in seconds.items()}).get(number)
     if partner is not None:
-        return _shared(case, now, times, y, (number, partner), (xi1, xi2))
+        return _at_partner(case, now, times, y, (number, partner), (xi1, xi2))
     slip = 0.0 * slip if dict(moving)[number] is Mode.ROLL else slip
     pairs = (np.array([values, values]) for values in (normal, friction))
     return ContactColumns(nothing, slip, normal, friction, xi1, xi2, *pairs)
 
 
-def _shared(
+def _at_partner(
     case: Case, now: PlatesPhase, times: np.ndarray, y: np.ndarray, both: tuple[int, int],
     parameters: tuple[np.ndarray, np.ndarray],
 ) -> ContactColumns:  # fmt: skip

@@ -237,10 +237,10 @@ def without_velocity(
     velocity, matrix = np.array(state[half:], dtype=float), np.array(rows)
     # Plates that their contacts hold have no velocity, to the last bit.
     free = np.linalg.svd(matrix * np.sqrt(numbers.inverse))[1]
-    held = np.linalg.matrix_rank(matrix * np.sqrt(numbers.inverse), tol=1e-9 * float(free.max()))
+    rank = np.linalg.matrix_rank(matrix * np.sqrt(numbers.inverse), tol=1e-9 * float(free.max()))
     for _ in range(2):  # the second step removes the rounding of the first
         off = np.linalg.lstsq(matrix * numbers.inverse @ matrix.T, matrix @ velocity, rcond=1e-10)[0]
         velocity = velocity - numbers.inverse * (matrix.T @ off)
-    if held == np.count_nonzero(numbers.inverse):
+    if rank == np.count_nonzero(numbers.inverse):
         velocity[:] = 0.0
     return (*state[:half], *velocity.tolist())

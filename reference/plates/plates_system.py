@@ -73,7 +73,7 @@ def _at(name: str, body: int) -> tuple[Node, Node, Node]:
     return symbol(f"{x}_{body}"), symbol(f"{y}_{body}"), symbol(f"{angle}_{body}")
 
 
-def _turned(x: Node, y: Node, theta: Node) -> tuple[Node, Node]:
+def _rotate(x: Node, y: Node, theta: Node) -> tuple[Node, Node]:
     """A vector of a plate's frame in the fixed one."""
     c, s = call("cos", theta), call("sin", theta)
     return c * x - s * y, s * x + c * y
@@ -84,7 +84,7 @@ def _contact(form: PlateContactForm, k: int) -> _PlateContactTerms:
     (x, y, theta), spin = _at("position", body), _at("velocity", body)[2]
     radius: Node = ZERO if form.is_corner else symbol(f"radius_{body}")
     if form.is_corner:
-        ax, ay = _turned(symbol(f"cx_{k}"), symbol(f"cy_{k}"), theta)
+        ax, ay = _rotate(symbol(f"cx_{k}"), symbol(f"cy_{k}"), theta)
         x, y = x + ax, y + ay
     make = {"line": _on_line, "edge": _on_edge}.get(form.side, _on_circle)
     tx, ty, gap, lift_row, slip_row, turning, slip_turning, borders = make(form, k, x, y, radius)
@@ -127,7 +127,7 @@ def _on_circle(form: PlateContactForm, k: int, x: Node, y: Node, radius: Node) -
     if form.side == "disc":
         far = radius + symbol(f"radius_{base}")
     else:
-        ax, ay = _turned(symbol(f"ex_{k}"), symbol(f"ey_{k}"), turn)
+        ax, ay = _rotate(symbol(f"ex_{k}"), symbol(f"ey_{k}"), turn)
         borders = _borders(form, k, x, y)
         u, v, ux, uy = u + ax, v + ay, ux - spin * ay, uy + spin * ax
     dx, dy = x - u, y - v
@@ -149,7 +149,7 @@ def _on_edge(form: PlateContactForm, k: int, x: Node, y: Node, radius: Node) -> 
     base, (vx, vy, _) = form.base, _at("velocity", form.body)
     assert base is not None
     (u, v, turn), (ux, uy, spin) = _at("position", base), _at("velocity", base)
-    tx, ty = _turned(symbol(f"ex_{k}"), symbol(f"ey_{k}"), turn)
+    tx, ty = _rotate(symbol(f"ex_{k}"), symbol(f"ey_{k}"), turn)
     dx, dy, wx, wy = x - u, y - v, vx - ux, vy - uy
     out, aside = dy * tx - dx * ty, dx * tx + dy * ty
     along, across = wx * tx + wy * ty, wy * tx - wx * ty
@@ -167,7 +167,7 @@ def _borders(form: PlateContactForm, k: int, x: Node, y: Node) -> tuple[Node, ..
     u, v, turn = _at("position", form.base)
     values = []
     for end in ("low", "high"):
-        nx, ny = _turned(symbol(f"{end}x_{k}"), symbol(f"{end}y_{k}"), turn)
+        nx, ny = _rotate(symbol(f"{end}x_{k}"), symbol(f"{end}y_{k}"), turn)
         values.append((x - u) * nx + (y - v) * ny + symbol(f"{end}_{k}"))
     return tuple(values)
 

@@ -14,7 +14,7 @@ from cases.corner import Corner
 from ..minimal.boxes import Cores, Geometry
 from ..minimal.contact_cores import cores
 from ..minimal.curve_pieces import Pieces
-from ..minimal.element_meetings import carried, fine
+from ..minimal.element_meetings import fine, points_at
 from ..minimal.gap import facing
 from ..minimal.integrators.segment import Segment
 from ..minimal.meetings import Meeting, MeetingSearch
@@ -86,7 +86,7 @@ def _is_corner(contact: PairCase) -> bool:
 def _path(contact: PairCase, segment: Segment, times: np.ndarray) -> np.ndarray:
     """The poses of the plate, or the places of a corner as poses that do not turn, (3, n)."""
     poses, feature = _poses(segment, times), contact.plate.outline
-    return carried(poses, feature.x, feature.y) if isinstance(feature, Corner) else poses
+    return points_at(poses, feature.x, feature.y) if isinstance(feature, Corner) else poses
 
 
 def _poses(segment: Segment, times: np.ndarray) -> np.ndarray:

@@ -164,7 +164,7 @@ def _balance(
     `times`: as many, or one state (variables, 1) for all loads."""
     closed, at = regime.closed, _closed_places(case, regime, states[:, 0])
     modes = [regime.modes[number] for number in closed]
-    held = [i for i, mode in enumerate(modes) if at[i].stick > 0.0 and mode is Mode.ROLL]
+    sticking = [i for i, mode in enumerate(modes) if at[i].stick > 0.0 and mode is Mode.ROLL]
     contacts = [contacts_of(case, regime)[number] for number in closed]
     each = [_rows(contact, states, number) for contact, number in zip(contacts, closed, strict=True)]
     ratios = {
@@ -172,7 +172,9 @@ def _balance(
         for i, mode in enumerate(modes) if mode in SLIP_SIGN
     }  # fmt: skip
     shares = [np.reshape(ratios.get(i, 0.0), (-1, 1)) for i in range(len(closed))]
-    rows = [lift + share * slip for share, (slip, lift) in zip(shares, each, strict=True)] + [each[i][0] for i in held]
+    rows = [lift + share * slip for share, (slip, lift) in zip(shares, each, strict=True)] + [
+        each[i][0] for i in sticking
+    ]
     units = units_of(case.plate)
     matrix = units[:, None] * np.stack(rows, axis=-1)
     values = -(np.linalg.pinv(matrix, rcond=OPEN_FORCE) @ (units[:, None] * load).T[:, :, None])[:, :, 0].T
@@ -183,8 +185,8 @@ def _balance(
     is_open = (free[:, :, None] & (np.abs(basis) > OPEN_FORCE)).any(axis=1).T
     values = np.where(is_open, np.nan, values)
     i = closed.index(k)
-    if i in held:
-        return values[i], values[len(closed) + held.index(i)]
+    if i in sticking:
+        return values[i], values[len(closed) + sticking.index(i)]
     return values[i], ratios[i] * values[i] if i in ratios else np.zeros(load.shape[1])
 
 
