@@ -139,7 +139,7 @@ def test_the_energy_closes_with_the_work_of_friction_and_load():
 # --- both formulations, the paper's matrix, and engines ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", [1, 4, *slow(*range(5, 60))])
+@pytest.mark.parametrize("seed", [1, *slow(*range(4, 60))])
 def test_both_formulations_have_the_same_random_sequences(seed):
     agree(random_scene(seed), 1e-9)
 

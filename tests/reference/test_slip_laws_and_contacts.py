@@ -175,7 +175,7 @@ def test_a_law_by_the_slip_speed_ends_at_an_impact_and_says_what_to_give():
 # --- both formulations and the paper's matrix -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", [0, 3, *slow(*range(4, 60))])
+@pytest.mark.parametrize("seed", [3, *slow(0, *range(4, 60))])
 def test_both_formulations_have_the_same_random_sequences(seed):
     agree(random_scene(seed), 1e-9)
 
