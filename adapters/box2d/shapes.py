@@ -116,7 +116,7 @@ def add_supports(case: Case, body: pyb2d3.Body, scale: float, count: int) -> Non
         circle = as_circle(curve)
         if line:
             _add_line(body, facets.ends(case, line), surface, scale)
-        elif circle and facets.is_hill(curve):
+        elif circle and facets.is_round_hill(curve):
             _add_circle(body, circle, surface, scale)
         else:
             _add_chain(body, facets.support_chain(case, curve, count), curve.period is not None, surface, scale)

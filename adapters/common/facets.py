@@ -33,10 +33,10 @@ def track_kind(case: Case) -> str:
     """The track's shape for an engine with few shapes: "line", "hill" (a whole circle, from outside) or "chain"."""
     if as_line(case.track):
         return "line"
-    return "hill" if is_hill(case.track) else "chain"
+    return "hill" if is_round_hill(case.track) else "chain"
 
 
-def is_hill(curve: Curve) -> bool:
+def is_round_hill(curve: Curve) -> bool:
     """Whether a curve is a whole circle, from outside."""
     circle = as_circle(curve)
     return bool(circle and not circle.left and curve.period)
@@ -44,7 +44,7 @@ def is_hill(curve: Curve) -> bool:
 
 def in_facets(case: Case) -> list[Curve]:
     """The supports that engines with few shapes have as facets: neither lines nor whole circles from outside."""
-    return [s.curve for s in case.supports if not as_line(s.curve) and not is_hill(s.curve)]
+    return [s.curve for s in case.supports if not as_line(s.curve) and not is_round_hill(s.curve)]
 
 
 def longest_in_facets(case: Case) -> float:

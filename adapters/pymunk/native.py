@@ -38,7 +38,7 @@ from ..common.facets import (
     ends,
     in_facets,
     is_convex,
-    is_hill,
+    is_round_hill,
     longest_in_facets,
     polygon,
     rim,
@@ -205,7 +205,7 @@ def _support_shapes(
     line, circle = as_line(curve), as_circle(curve)
     if line:
         return [line_segment(case, space, track, line, setting["thickness"], ends(case, line))]
-    if circle and is_hill(curve):
+    if circle and is_round_hill(curve):
         return [_track_circle(track, circle)]
     corners = support_chain(case, curve, int(setting["facets"]), behind=setting["thickness"])
     return _segments(track, corners, curve.period is not None, setting)
