@@ -32,7 +32,7 @@ from .polygon_features import (
     size_of_plate,
 )
 from .start_pose import TOUCHES, StartPose
-from .supports import TRACK
+from .supports import TRACK, is_straight
 
 # Modes are enumerated: four for each contact of plates that touch each other.
 MOST = 8
@@ -200,7 +200,7 @@ def _check_forms(case: Any) -> None:
                 f"a plate of infinite inertia does not turn; give omega=0 in the StartPose of {other.name!r}"
             )
     for name, curve in ((TRACK, case.track), *((s.name, s.curve) for s in case.supports)):
-        if curve.domain is not None or as_line(curve) is None:
+        if not is_straight(curve):
             raise BadValue(
                 f"several plates need straight tracks and supports without ends, and {name!r} is none; give a line"
             )
