@@ -96,12 +96,12 @@ def test_fresh_runs_all_again_and_keeps_it(fake):
 
 def test_what_ran_out_of_time_is_run_again_only_when_it_has_more(fake):
     fake(["wait 2"])  # truth has the same limit: here it has time, and is kept
-    first = fake(["until touched", "wait 1"], limit=1.0)
+    first = fake(["until touched", "wait 1"], limit=4.0)
     (fake.folder / "touched").touch()
-    again = fake(["until touched", "wait 1"], limit=1.0)
+    again = fake(["until touched", "wait 1"], limit=4.0)
     for runs in (first, again):
         assert [run.outcome for run in runs.values()] == ["timed_out", "timed_out"]
-        assert "still running after 1 s" in runs["until touched"].reason and "not tried" in runs["wait 1"].reason
+        assert "still running after 4 s" in runs["until touched"].reason and "not tried" in runs["wait 1"].reason
     assert fake_adapter.runs_in(fake.folder) == ["wait 2"]
     longer = fake(["until touched", "wait 1"], limit=30.0)
     assert [run.outcome for run in longer.values()] == ["answered", "answered"]
