@@ -269,24 +269,26 @@ class Simulation(PhaseIntegration):
                 self.clearances[contact.name] = pair.clearance
         fastest = float(np.abs(self.body[self.half :] * self.dynamics.units).max())
         self.speed = max(self.speed, fastest, self.surface_speed(self.t))
-        if may_strike:
-            self.strike_all(now)
+        if may_strike and not self.strike_all(now):
             self.end_bouncing()
         self.hold()
 
     # --- impacts ------------------------------------------------------------------------------------------------------
 
-    def strike_all(self, now: Sequence[PairState]) -> None:
-        """The impact at the touched contacts, and those that it causes at once at others without a gap."""
+    def strike_all(self, now: Sequence[PairState]) -> bool:
+        """The impact at the touched contacts, and those that it causes at once at others without a gap. Returns whether
+        one of them ended a series: gaps that the next ones close are rounding there."""
         for _ in range(MOST_IMPACTS):
             self.strike(now)
+            if self.end_series():
+                return True
             lifts = [float(pair.lift_row @ self.body[self.half :]) for pair in now]
             more = {
                 contact.name for contact, pair, lift in zip(self.contacts, now, lifts, strict=True)
                 if not contact.is_away and pair.gap <= NO_GAP * self.size() and lift < -MOVES * self.speed
             }  # fmt: skip
             if not more:
-                return
+                return False
             self.touching |= more
             self.name_touching()
             now = self.pairs()
@@ -349,30 +351,37 @@ class Simulation(PhaseIntegration):
         is_near = contact.name not in self.touching and not contact.is_away and pair.gap <= SMALL_HOP * self.size()
         return is_hit and is_near and abs(pair.lift) < SMALL_IMPACT * self.impacts.fastest
 
-    def end_bouncing(self) -> None:
-        """Go to the end of a series of small impacts, where its contacts touch; others may bounce on."""
+    def end_series(self) -> bool:
+        """Go to the end of a series of small impacts, where its contacts touch; others may bounce on. Returns whether
+        there is one."""
         last = self.impacts.strikes[-1] if self.impacts.strikes else None
         if last is None or last.time != self.t:
-            return
-        size, noise = self.size(), ENDS * last.closing
+            return False
+        small, noise = SMALL_HOP * self.size(), ENDS * last.closing
         if self.impacts.is_first():
-            answer = self.impacts.firsts.end(self.t, SMALL_HOP * size)
+            answer = self.impacts.firsts.end(self.t, small)
             if answer is not None and answer[0] < self.case.duration and self.come_to_rest(*answer, noise):
                 self.impacts.end_all()
-        if not self.impacts.small:
+                return True
+        answer = self.impacts.end(self.t, small)
+        return answer is not None and answer[0] < self.case.duration and self.come_to_rest(*answer, noise)
+
+    def end_bouncing(self) -> None:
+        """Go to the end of small impacts of which no series shows the end, where their hops are rounding."""
+        last = self.impacts.strikes[-1] if self.impacts.strikes else None
+        if last is None or last.time != self.t or not self.impacts.small:
             return
-        answer = self.impacts.end(self.t, SMALL_HOP * size)
-        if answer is None and self.impacts.is_driven():
+        size = self.size()
+        if self.impacts.end(self.t, SMALL_HOP * size) is not None:
+            return  # another contact closes before
+        if self.impacts.is_driven():
             raise SimulationEnd("accumulation")
-        is_low = answer is None and self.is_low(LOWEST * size)
-        if answer is None and (is_low or self.impacts.at_rest):
+        is_low = self.is_low(LOWEST * size)
+        if is_low or self.impacts.at_rest:
             low = frozenset(c.name for c, p in zip(self.contacts, self.pairs(), strict=True) if p.gap <= LOWEST * size)
-            low_end, body = self.impacts.low_end(self.t, self.body, low)
-            if is_low or low_end > self.t:
-                answer, noise = (low_end, body, low), 2.0 * last.closing
-        if answer is None or answer[0] >= self.case.duration:
-            return
-        self.come_to_rest(*answer, noise)
+            end, body = self.impacts.low_end(self.t, self.body, low)
+            if (is_low or end > self.t) and end < self.case.duration:
+                self.come_to_rest(end, body, low, 2.0 * last.closing)
 
     def come_to_rest(self, end: float, body: np.ndarray, names: frozenset[str], noise: float) -> bool:
         """Go to a time (s) and state where contacts touch, unless others meet their supports before; velocities below

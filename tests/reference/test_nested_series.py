@@ -92,6 +92,19 @@ def test_discs_that_rattle_on_a_third_one_come_to_rest(seed):
 
 
 @pytest.mark.slow
+def test_a_series_ends_at_an_impact_that_others_follow_at_the_same_instant():
+    """A disc rattles between two others and the track. Where it hits the track for the fourth time in the series, the
+    gaps of the next impacts are rounding; the second formulation looked for the end after those, and went on."""
+    one, other = reference.simulate(random_scene(268), rtol=1e-12), bodies_motion(random_scene(268))
+    assert one.status == other.status == "completed" and len(one.transitions) == 52
+    assert [(t.contact, t.before, t.after) for t in one.transitions] == [
+        (t.contact, t.before, t.after) for t in other.transitions
+    ]
+    # The ends of both series are extrapolated; measured: 2.5e-12.
+    assert [t.time for t in one.transitions] == pytest.approx([t.time for t in other.transitions], abs=5e-11)
+
+
+@pytest.mark.slow
 def test_such_a_motion_is_certified():
     certificate = certify(disc_between_floor_and_wall())
     (time, bar), (_, end) = certificate.transitions[-1][2], exact_times()
