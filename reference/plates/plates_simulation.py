@@ -142,6 +142,12 @@ class PlatesSimulation(PhaseLoop):
     def _phase(self, regime: PlatesRegime) -> Ending | None:
         """Integrate one phase and apply its event; returns an ending, or None."""
         phase = plates_phase(self.case, regime)
+        low = self._low_hops(phase)
+        if low:
+            self.touching = set(regime.closed) | low
+            self.causes = dict.fromkeys(low, CAUSES["rest"])
+            self._settle({n for n, mode in self.modes.items() if mode is Mode.ROLL})
+            return None
         segment = self.integrate(phase, self.t, self.state, self.case.duration, self.rtol)
         self._advance(segment)
         guard = segment.event.guard
@@ -172,6 +178,20 @@ class PlatesSimulation(PhaseLoop):
             self.fixed = {number: (Mode.FLIGHT,)}
         self._settle(stuck)
         return None
+
+    def _low_hops(self, phase: PlatesPhase) -> set[int]:
+        """The contacts that an impact has just opened, whose hops rise no higher than positions' rounding: the other
+        contacts' forces may drive plates together that their loads do not."""
+        if not self.hops.strikes or self.hops.strikes[-1].time != self.t:
+            return set()
+        velocity, low = np.array(self.state[self.half :]), set[int]()
+        acceleration = np.array(phase.system.rates_of_numbers(0.0, self.state, phase.parameters)[self.half :])
+        for number in set(self.modes) - self.touching:
+            at = place(self.case, number, self.state)
+            lift, pull = float(at.lift_row @ velocity), -float(at.lift_row @ acceleration + at.lift_bias)
+            if lift > 0.0 and at.gap <= TOUCHES * size(self.case, self.state) and self._is_unresolved(lift, pull):
+                low.add(number)
+        return low
 
     def _advance(self, segment: Segment) -> None:
         self._count(segment)
@@ -274,7 +294,8 @@ class PlatesSimulation(PhaseLoop):
             lift = float(outcome.lift[i])
             if number in closing:
                 self.causes[number] = CAUSES["landing"]
-            if lift > 0.0 and not self._is_unresolved(now[number], lift):
+            load = max(-float(now[number].lift_row @ numbers_of(self.case).load), 0.0)
+            if lift > 0.0 and not self._is_unresolved(lift, load):
                 continue
             if lift > 0.0:
                 self.causes[number] = CAUSES["rest"]
@@ -283,9 +304,9 @@ class PlatesSimulation(PhaseLoop):
                 sticks.add(number)
         return stays, sticks
 
-    def _is_unresolved(self, at: PlateContactPlace, lift: float) -> bool:
-        """Whether a rebound rises no higher than positions' rounding."""
-        pull = max(-float(at.lift_row @ numbers_of(self.case).load), 0.0)
+    def _is_unresolved(self, lift: float, pull: float) -> bool:
+        """Whether a rebound with that speed (m/s), pulled back by that acceleration (m/s²), rises no higher than
+        positions' rounding."""
         return lift * lift <= 2.0 * pull * REBOUND_ROUNDINGS * EPS * size(self.case, self.state)
 
     def _end_bouncing(self) -> None:

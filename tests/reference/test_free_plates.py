@@ -313,6 +313,21 @@ def test_contacts_that_close_at_once_are_one_instant_however_slowly_one_of_them_
 
 
 @pytest.mark.slow
+def test_hops_that_other_contacts_forces_end_are_compared_with_rounding_by_their_acceleration():
+    """A disc leaves another one with 2.9e-8 m/s, and its contact with the track drives it back: a hop of 3e-16 m. The
+    first formulation went on for one hop more, to an end at which the discs slip for 7e-8 s."""
+    one, other = reference.simulate(random_scene(282), rtol=1e-12), bodies_motion(random_scene(282))
+    assert one.status == other.status == "completed"
+    assert [(e.contact, e.before, e.after) for e in one.transitions] == [
+        (e.contact, e.before, e.after) for e in other.transitions
+    ]
+    assert [e.time for e in one.transitions[:-1]] == pytest.approx([e.time for e in other.transitions[:-1]], abs=1e-9)
+    # Velocities at the end are known to 1.5e-6 m/s, twice the last closing speed; slip on the track falls by 3 mu g.
+    mu = one.case.effect(CoulombFriction).mu
+    assert one.transitions[-1].time == pytest.approx(other.transitions[-1].time, abs=1.5e-6 / (3.0 * mu * G))
+
+
+@pytest.mark.slow
 def test_impacts_that_accumulate_without_a_known_end_are_reported():
     """A disc rattles between ground and another disc, which bounces on the ground itself."""
     one, other = reference.simulate(random_scene(124)), bodies_motion(random_scene(124))

@@ -204,8 +204,10 @@ def test_both_formulations_agree_over_an_edge():
     _compare(over_the_edge(2.0, 1.2, 0.0))  # it leaves at the corner at once
 
 
+# 26: impacts alternate between a disc on the polygon and a corner on the floor, until hops are rounding by the
+# acceleration in their phase; the first formulation compared them by that of the load alone, and lost a contact there.
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", [*range(12), 26])
 def test_both_formulations_agree_in_random_scenes(seed):
     _compare(random_polygon_scene(seed))
 
