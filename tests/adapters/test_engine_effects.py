@@ -227,7 +227,7 @@ def test_friction_of_an_impact_turns_spin_into_speed(name, route, e):
     assert abs(exact.vx[-1]) > 0.5
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "tolerance"), [("exudyn", 2e-3), ("pymunk", 5e-3)])
 def test_disc_that_falls_out_of_a_loop_lands_on_its_other_side(name, tolerance):
     start = Start(-np.pi / 2, slip=float(np.sqrt(4.5 * 9.81 * 0.9)))
@@ -254,6 +254,7 @@ def test_impact_that_an_engine_cannot_do_is_refused_with_the_reason():
     assert reason("pymunk", "native", PLATE) is None  # by a law of its own, which its row tells
 
 
+@pytest.mark.slow
 def test_the_law_handed_to_exudyn_makes_no_impact_as_its_refusal_tells():
     """A critically damped spring that may not pull lets go where its force is none: at e^-2 of the speed it met with,
     if steps are far shorter than its time. Those of the ladder are longer, and the spring gives more than it took."""

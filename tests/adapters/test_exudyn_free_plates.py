@@ -29,6 +29,7 @@ def test_a_disc_leaves_a_free_disc_and_momentum_stays():
     assert motion.t[last] == pytest.approx(0.444077645, abs=4e-3)  # measured: 1.9 ms
 
 
+@pytest.mark.slow
 def test_an_impact_goes_through_a_row_of_discs_that_are_apart():
     case = cases.load("row_of_discs")
     motion = play("exudyn", "native", case, 5)

@@ -105,11 +105,13 @@ def run(name: str, route: str, label: str, rung: int = 3):
     return perform(case, name, route, adapter.ladder(case, route)[rung], rung, find_truth(case))
 
 
+@pytest.mark.slow
 def test_the_ellipse_that_tumbles_has_an_engine_with_another_law():
     row = run("pymunk", "native", "tumbling_ellipse")
     assert row.grade == "poor" and row.reason.startswith("Impact by another law: Moreau's")
 
 
+@pytest.mark.slow
 def test_where_its_law_is_asked_for_it_is_judged_as_any_other():
     row = run("pymunk", "native", "tumbling_ellipse_moreau")
     assert "another law" not in row.reason

@@ -99,8 +99,8 @@ def test_two_mistakes_at_once_are_not_blamed_on_one_parameter():
         LAWS["equations_of_motion[loaded disc]"](Route(of_case(change), "native"))
 
 
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("seed", [0, 1, pytest.param(range(2, 40), marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1, range(2, 40)])
 def test_drawn_scenes_last_as_long_as_they_should(seed):
     for each in [seed] if isinstance(seed, int) else seed:
         for name in SCENES | MORE_SCENES:
@@ -114,6 +114,7 @@ def test_a_seed_gives_the_same_scenes_and_another_seed_others():
         assert scene(name, 5).effects != scene(name, 6).effects
 
 
+@pytest.mark.slow
 def test_no_scene_has_a_value_that_a_solver_may_have_as_a_constant():
     for seed in range(20):
         for name in SCENES:

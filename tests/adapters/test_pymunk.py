@@ -209,6 +209,7 @@ def test_native_meets_the_first_transition_of_the_paper(mu, accuracy):
     accuracy(**row, error=error, tolerance=NATIVE_TRANSITION[mu])
 
 
+@pytest.mark.slow
 def test_native_at_its_finest_is_within_a_ten_thousandth_of_a_second(accuracy):
     case = cases.load("disc_in_circle", mu=0.01, duration=1.2)
     error = first_zero_of_slip(play(case, "native", adapter.ladder(case, "native")[-1])) - FIRST_TRANSITION[0.01][0]

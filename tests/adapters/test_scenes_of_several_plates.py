@@ -68,6 +68,7 @@ def exported(tmp_path_factory):
     return case, next(path for path in export.export(case, folder) if path.name == "motion.csv")
 
 
+@pytest.mark.slow
 def test_the_true_motion_is_read_back_with_a_pose_per_plate(exported):
     case, file = exported
     motion = motion_file.trajectory_of(case, motion_table.read(file))

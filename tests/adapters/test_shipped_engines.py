@@ -271,6 +271,7 @@ def test_all_are_named_and_an_unknown_name_is_none():
         lookup.find("no_such_engine")
 
 
+@pytest.mark.slow
 def test_the_first_line_on_standard_error_of_an_engine_that_fails_in_a_worker_is_in_its_row(tmp_path, monkeypatch):
     engine = tmp_path / "failing"
     engine.write_text(

@@ -65,6 +65,7 @@ CHILDREN = """
     """
 
 
+@pytest.mark.slow
 def test_the_memory_of_what_it_starts_counts_and_shared_pages_count_once():
     assert supervised(CHILDREN.format(own="pass"), memory=450) == 0
     assert supervised(CHILDREN.format(own='own = b"y" * len(held)'), memory=450) == -supervision.TOO_MUCH_MEMORY

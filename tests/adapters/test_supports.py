@@ -316,6 +316,7 @@ def test_a_box_slides_on_a_shaken_table(name, least):
     assert fine < least and fine < 0.4 * coarse
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "least"), [("pymunk", 7.2e-6), ("box2d", 4.6e-5)])
 def test_supports_move_with_a_driven_track(name, least):
     """A V that is shaken and tilted carries a disc. `least`: as above."""

@@ -238,6 +238,7 @@ def test_the_end_of_a_motion_that_can_neither_stay_nor_fly_is_decided_once(monke
     assert contact_frame.solve(case).status == "accumulation" and len(flights) == 1
 
 
+@pytest.mark.slow
 def test_a_brake_lifts_an_ellipse_off_a_driven_slope_and_both_formulations_end_there():
     """Where the normal force vanishes, the brake's couple still lifts by 0.04 m/s², and without it the plate would come
     down. One formulation flew on, 6e-9 m into the track, and the other ended there."""

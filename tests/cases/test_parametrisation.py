@@ -173,6 +173,7 @@ def test_a_curve_without_ends_is_looked_at_in_its_own_unit(unit):
         Curve((f"s/{unit!r}", f"1/(s/{unit!r} - 2)"))
 
 
+@pytest.mark.slow
 def test_the_tangents_angle_counts_every_turn_however_fast_the_parameter_runs():
     """A spiral of a hundred turns, four fifths of them in a fiftieth of its parameter."""
     spiral = Curve(

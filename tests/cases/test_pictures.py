@@ -63,6 +63,7 @@ def test_a_table_of_a_flight_is_read_again(tmp_path):
     assert np.isnan(again.slip[1]) and again.slip[-1] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_picture_has_the_quantities_that_were_asked_for_and_a_line_at_each_transition(tmp_path):
     picture = MOTION.plot("slip", "x", "y")
     assert [ax.get_ylabel() for ax in picture.axes[1:]] == [plots.LABELS[name] for name in ("slip", "x", "y")]
@@ -104,7 +105,7 @@ def test_a_film_shows_the_plate_where_it_is(tmp_path, monkeypatch):
         assert pictures.n_frames == int(film.seconds * 2)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "before"), [("film.gif", None), ("motion.csv", "old"), ("motion.png", "old"), ("motion.svg", None)]
 )

@@ -103,6 +103,7 @@ def test_both_formulations_agree_on_a_clothoid():
     assert agree(on_a_clothoid()).transitions
 
 
+@pytest.mark.slow
 def test_a_disc_on_a_clothoid_moves_as_on_its_spline():
     case = on_a_clothoid()
     clothoid, motion = case.track, reference.simulate(case, rtol=1e-12)

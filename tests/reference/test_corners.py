@@ -250,6 +250,7 @@ def test_other_effects_work_on_corners(effects):
     assert motion.t[-1] > 0.1
 
 
+@pytest.mark.slow
 def test_chain_may_have_measured_pieces():
     """A ramp through points ends in an edge: within a piece the contact passes its knots, then the corner."""
     x = np.linspace(-1, 0, 41)

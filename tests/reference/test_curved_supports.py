@@ -327,6 +327,7 @@ def test_a_plank_rocks_on_a_hill_with_the_period_of_a_quadrature(method):
     assert theta == pytest.approx([0.0, 0.4, -0.4, 0.0], abs=1e-11)
 
 
+@pytest.mark.slow
 def test_a_plank_on_a_hill_moves_as_with_one_contact():
     # The formulation of one contact on pieces; its equations are others. It slips, rolls, and leaves with its corner.
     several = plank_on_hill(0.3, CoulombFriction(0.1), supports=(GROUND,))
@@ -441,7 +442,7 @@ def test_both_formulations_have_the_same_sequences_of_many_curved_scenes(seed):
     agree(case, 5e-6)  # two corners that hit alternately end within that, as on straight supports
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [12, 0, 4])
 def test_both_formulations_have_the_same_sequences_on_hills(seed):
     agree(random_hill(seed), 1e-9)

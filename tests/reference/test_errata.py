@@ -116,6 +116,7 @@ def test_slip_that_ends_before_the_bottom_ends_in_rolling():
     assert any(end.demand > 1.0 for end in ends)
 
 
+@pytest.mark.slow
 def test_closing_remark_more_friction_ends_the_slip_earlier_and_at_a_smaller_angle():
     # The paper compares 0.01 and 0.1 (its figures 3 to 6); 200 coefficients over four decades say the same.
     ends = [slip_end(mu) for mu in np.geomspace(1e-3, 10.0, 200)]

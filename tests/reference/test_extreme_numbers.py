@@ -95,7 +95,7 @@ def in_a_ring(*effects, size=1.0, duration=2.0, **start) -> Case:
     return Case(circle(size), plate, (*GRIP, *effects), Start(-0.5, 0.3, **start), duration)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("start", [dict(omega=2.0), dict(slip=1.0)])
 def test_the_strongest_friction_is_as_good_as_a_tenth_of_it(start):
     # Up there the motion changes by the inverse of the coefficient only; 1e4 is the largest that a case may have.

@@ -73,6 +73,7 @@ def _margin(s: float, shape, first: float) -> float:
     return 0.5 * (speed * bend / (1 - bend * RADIUS) / G + np.cos(angle)) - abs(np.sin(angle)) / 3
 
 
+@pytest.mark.slow
 def test_over_a_bump_by_energy_and_a_quadrature():
     """Rolling without slip on a smooth track conserves energy, which gives the end to any number of digits."""
     exact, margin = rolls_on_after("bump", 4.0, 2.0)

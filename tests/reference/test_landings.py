@@ -374,6 +374,7 @@ def test_a_hop_from_one_crest_may_end_on_the_next():
     assert apart < 4e-15 and landing.xi1 > 0.0294
 
 
+@pytest.mark.slow
 def test_a_search_is_not_divided_where_a_shorter_one_proves_no_more():
     """Flight 522 from 0.017865 s on: where the plate hardly fits, no stretch around the contact is
     proven to be free of others. Steps were halved into 40,883 parts, in each of which it moves by 3e-12 m, and it
@@ -383,6 +384,7 @@ def test_a_search_is_not_divided_where_a_shorter_one_proves_no_more():
     assert motion.status == "completed" and len(motion.contact_names) == 2
 
 
+@pytest.mark.slow
 def test_newtons_method_ends_at_the_rounding_of_the_gap(monkeypatch):
     """Flight 523: where the plate hardly fits, steps in time stay above 1e-10 of a box. Two of three tries went on to
     their limit on steps, and found nothing: 12 steps on average, and the motion took 50 s instead of 29."""
@@ -394,6 +396,7 @@ def test_newtons_method_ends_at_the_rounding_of_the_gap(monkeypatch):
     assert len(motion.transitions) == 11 and len(steps) < 6 * len(tries)
 
 
+@pytest.mark.slow
 def test_few_boxes_are_halved_twice_in_a_round(monkeypatch):
     """Flight 651: a search is one of some hundred boxes in 25 rounds, whose calls took most of its time; now 15."""
     searches, rounds = [], []
@@ -415,6 +418,7 @@ def test_no_second_contact_is_searched_where_the_plate_fits_its_whole_track(monk
         assert bool(looks) == (height == 1e-8)
 
 
+@pytest.mark.slow
 def test_a_search_of_few_stretches_takes_few_rounds(monkeypatch):
     """Flight 1509, whose ripples bend more than the disc here and there: each step was searched by halving five
     stretches in 8 rounds, with Newton's method in half of them."""

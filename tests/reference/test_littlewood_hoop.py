@@ -148,6 +148,7 @@ def test_the_catalogues_hoop_slips_to_and_fro_and_stays_down():
     check_against_the_first_formulation(case, answer)
 
 
+@pytest.mark.slow
 def test_a_pushed_hoop_rolls_slips_hops_and_lands(accuracy):
     # With a spin of √(g/R) at the top: it hops when the weight comes up the other side, after slipping both ways.
     share = 0.9

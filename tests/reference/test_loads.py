@@ -280,7 +280,8 @@ def test_a_trampoline_throws_the_plate_back_in_the_second_formulation():
     assert (second.status, second.motions[1, 0]) == ("completed", pytest.approx(float(motion.y[-1]), abs=1e-8))
 
 
-@pytest.mark.parametrize(("width", "duration"), [slowly(0.1, 5.0), slowly(0.02, 5.0), (0.02, 1.5)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("width", "duration"), [(0.1, 5.0), (0.02, 5.0), (0.02, 1.5)])
 @FORMULATIONS
 def test_a_moment_in_the_spin_brakes_a_rolling_disc(width, duration, methods):
     """A disc that rolls to and fro in a circle of 1 m, braked by -0.05 tanh(ω/w): after five seconds the default method

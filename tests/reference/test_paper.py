@@ -81,6 +81,7 @@ def test_papers_diagrams_end_where_the_slip_vanishes_and_ours_go_on():
         assert whole["xi2"] - whole["xi2"][0] == pytest.approx(whole["xi1"] - whole["theta"], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
     figure = study.diagrams(study.measure())
     titles = " ".join(ax.get_title() for ax in figure.axes)

@@ -182,6 +182,7 @@ def test_a_bilateral_guide_holds_the_plate_where_a_unilateral_track_lets_go():
     assert ratio == pytest.approx(-0.2 * np.sign(state.slip[slips]), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_without_heyoka_everything_works_and_says_once_which_method_it_used():
     program = (
         "import sys, logging; sys.modules['heyoka'] = None\n"

@@ -97,15 +97,9 @@ def test_the_eliminated_equations_agree_with_the_literal_matrix(mu):
             assert outputs.friction == pytest.approx(literal.friction_force, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("mu", "mu_static"),
-    [
-        (HYPERBOLIC, 0.4),
-        pytest.param(STRIBECK, None, marks=pytest.mark.slow),
-        pytest.param(STRIBECK, 0.4, marks=pytest.mark.slow),
-        pytest.param(HYPERBOLIC, None, marks=pytest.mark.slow),
-    ],
-)  # fmt: skip
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC])
+@pytest.mark.parametrize("mu_static", [0.4, None])
 def test_all_methods_agree_in_a_circle(mu, mu_static):
     first, *others = simulate_all(in_circle(mu, mu_static=mu_static), 1e-12)
     assert len(first.transitions) >= 3

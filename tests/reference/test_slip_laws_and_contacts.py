@@ -56,6 +56,7 @@ def quadrature(mu: str, speed: float, edges=()) -> float:
 # --- a block ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_a_block_on_a_ramp_under_viscous_friction_slows_down_exponentially(method):
     """Down a slope v̇ = g (sin α − (μ + c v) cos α): v = v_e + (v₀ − v_e) exp(−c g t cos α). Both corners have the
@@ -82,6 +83,7 @@ def test_a_block_on_a_ramp_under_viscous_friction_slows_down_exponentially(metho
     assert WIDE * np.abs(lower - upper) == pytest.approx(HIGH * (mu + c * exact) * G * cos(slope), rel=1e-10)
 
 
+@pytest.mark.sampled(2)
 @METHODS
 @pytest.mark.parametrize("mu", [WIDE_LAW, *slow(STRIBECK, HYPERBOLIC, PEAK)])
 def test_a_belt_takes_a_block_along_when_the_quadrature_says(method, mu):
@@ -92,6 +94,7 @@ def test_a_belt_takes_a_block_along_when_the_quadrature_says(method, mu):
     assert track_times(motion) == pytest.approx([quadrature(mu, b, peak)], abs=1e-12)
 
 
+@pytest.mark.sampled(2)
 @METHODS
 @pytest.mark.parametrize(("mu", "static"), SLIP_STICK)
 def test_a_block_held_by_a_spring_on_a_belt_sticks_and_slips_as_a_particle(method, mu, static):
@@ -108,6 +111,7 @@ def test_a_block_held_by_a_spring_on_a_belt_sticks_and_slips_as_a_particle(metho
     assert both[::2] == ["plate/track"] * len(alone.transitions) and len(both) == 2 * len(alone.transitions)
 
 
+@pytest.mark.slow
 def test_the_block_of_the_catalogue_rides_slips_and_overtakes_the_belt_as_a_particle():
     case = cases.load("block_on_stribeck_belt")
     law, belt, load = (case.effect(kind) for kind in (CoulombFriction, Belt, Load))
@@ -117,6 +121,7 @@ def test_the_block_of_the_catalogue_rides_slips_and_overtakes_the_belt_as_a_part
     assert len(alone.transitions) == 10 and alone.transitions[0].time == pytest.approx(0.4 * G / 200.0, abs=1e-13)
 
 
+@pytest.mark.slow
 def test_a_law_that_is_a_number_is_the_same_motion():
     """μ + 0·v is no formula any more; exp(−v/10¹²) is one, and 1 to rounding."""
     numbers = simulated(block(0.2, Belt(0.5), slope=0.1))

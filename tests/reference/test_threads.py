@@ -95,6 +95,7 @@ def test_certificates_and_sweeps_are_the_same_in_threads():
     same_in_threads([*certificates, *sweeps], rounds=1)
 
 
+@pytest.mark.slow
 def test_threads_that_derive_everything_at_once(tmp_path):
     # Alone in a fresh process, where nothing is derived yet and nothing is taken from disk.
     labels = ["driven_disc"]

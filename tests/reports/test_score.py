@@ -116,6 +116,7 @@ def test_the_scale_of_slip_is_that_of_the_nearest_null_motion():
     assert truth.score(replace(rough, slip=rough.slip + chatter)).off < 0.25
 
 
+@pytest.mark.slow
 def test_slip_in_the_last_instant_is_no_scale_of_its_own():
     """A block tips for a second and slips in its last 1.4 ms, 39 nm altogether: the null motion never slips, and the
     truth's 0.04 µm/s would be as bad as ignoring friction. With 1 % less friction it slips some 0.4 ms earlier."""

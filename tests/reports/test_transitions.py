@@ -170,6 +170,7 @@ def test_impact_without_gravity_is_seen_and_rounding_is_none():
     assert times(output) == pytest.approx([0.3141], abs=1e-7)
 
 
+@pytest.mark.slow
 def test_impact_that_closes_too_slowly_for_the_listing_is_not_listed():
     # All three flights are resolved by their samples; 7e-4 of the first closing speed is the least that is listed.
     for part, listed in ((6e-4, 1), (8e-4, 2)):

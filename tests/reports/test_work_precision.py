@@ -386,6 +386,7 @@ def drawn_heights(figure) -> list[float]:
     return [y for ax in figure.axes for line in ax.lines for y in line.get_ydata() if not isnan(y)]
 
 
+@pytest.mark.slow
 def test_figures_draw_nothing_below_ten_bars_of_the_truth(tmp_path):
     from reports.drawing import work_precision_figure as precision_figures
 
