@@ -58,7 +58,8 @@ def compare(case: Case, path: str | Path, creep: float = 0.0) -> str:
 def _probable_mistakes(case: Case, columns: Columns) -> list[str]:
     """What is probably wrong with a table that is no motion of the case; empty if there is no truth to compare with."""
     from .judging.diagnosis import mistakes
-    from .running.tasks import find_truth, true_motion
+    from .running.tasks import find_truth
+    from .running.true_motions import true_motion
 
     truth = find_truth(case)
     return [] if truth.failure else mistakes(case, columns, true_motion(case, truth.method))

@@ -22,7 +22,8 @@ from cases.errors import unknown_name
 
 from ..judging import diagnosis
 from .records import Experiment, Run, Truth
-from .tasks import judge, true_motion
+from .tasks import judge
+from .true_motions import true_motion
 
 ROUTE = "file"
 LONGEST_NAME = 60

@@ -8,7 +8,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
 from itertools import islice
 from types import ModuleType
 
@@ -32,6 +31,7 @@ from .processes.worker_process import reap, settle
 from .records import TRUTH_RTOL, Offer, Run, Truth, now
 from .solvers import NOT_INSTALLED, solver
 from .third_party import third_party
+from .true_motions import true_motion
 
 # Samples that a figure can show; of more, evenly spaced ones are kept.
 _SHOWN_SAMPLES = 1500
@@ -79,12 +79,6 @@ def _plain(given: object) -> Setting:
     if legible(setting, _LONGEST_SETTING) != str(setting):
         raise ValueError(f"a setting is longer than {_LONGEST_SETTING} characters, or cannot be printed")
     return setting
-
-
-@lru_cache(maxsize=2)
-def true_motion(case: Case, method: str) -> Trajectory:
-    """The motion that runs are compared with."""
-    return reference.simulate(case, rtol=TRUTH_RTOL, method=method)
 
 
 def find_truth(case: Case) -> Truth:

@@ -13,7 +13,8 @@ from cases.free_plates import POSE
 from reports import compare
 from reports.running.external_motions import judge_external
 from reports.running.records import Run
-from reports.running.tasks import find_truth, true_motion
+from reports.running.tasks import find_truth
+from reports.running.true_motions import true_motion
 
 SAMPLES = 2001
 # The doubt of a lift-off is the time between two samples. A contact that fades opens as t³ and is seen to be open up to

@@ -46,6 +46,8 @@ _OUTPUT_CHARACTERS = 2000
 START_MESSAGE = "begun"
 # The group of engines whose code may run in this process (`solvers.groups_of`): "" for none, None in other processes.
 group: str | None = None
+# The folder of the pool that this worker belongs to; None in other processes.
+pool_folder: Path | None = None
 # Half a unit in the last place and the least positive number: arithmetic with them shows how this process rounds.
 _HALVES = (1.0, -1.0, 2.0**-53, 2.0**-54, 5e-324)
 
@@ -77,8 +79,8 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
 
     `engines`: the worker group; `known_run`: whether a known run is made after each call of an engine; `preload`: a
     module to import before the first call."""
-    global group
-    group = engines
+    global group, pool_folder
+    group, pool_folder = engines, Path(scratch)
     os.setsid()
     supervision.end_with_parent(parent, by=signal.SIGTERM)
     supervision.supervise(MEMORY_BYTES, first=pipe.close)

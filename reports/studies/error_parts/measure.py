@@ -31,7 +31,8 @@ from ...running.experiment import find_truths, offers
 from ...running.processes.worker_process import CallResult
 from ...running.records import Offer, Truth
 from ...running.solvers import solver
-from ...running.tasks import reading_of, run_on_clock, true_motion
+from ...running.tasks import reading_of, run_on_clock
+from ...running.true_motions import true_motion
 
 QUANTITIES = {"first_transition_time": "s", "energy_lost": "J", "final_centre": "m"}
 # The cases of a default report: the paper's application, in which facets, stiffness and regularisation all matter, and

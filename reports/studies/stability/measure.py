@@ -29,7 +29,8 @@ from ...running.experiment import hopeless, offers
 from ...running.names import REFERENCE
 from ...running.processes.worker_process import CallResult
 from ...running.records import TRUTH_RTOL, Offer, Run, Truth, first_error, one_default
-from ...running.tasks import attempt, find_truth, in_catalogue, judge, true_motion
+from ...running.tasks import attempt, find_truth, in_catalogue, judge
+from ...running.true_motions import true_motion
 from . import sensitivity, step_limit
 from .sensitivity import Conditioning, Sensitivity
 
