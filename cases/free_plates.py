@@ -22,6 +22,7 @@ from .line_or_circle import Line, as_line
 from .moving_surface import Belt
 from .plate import Plate
 from .polygon_features import (
+    Region,
     TouchCircle,
     circles,
     is_polygon,
@@ -68,7 +69,8 @@ class FreePlate:
 class PlateContact(NamedTuple):
     """A contact that plates may have: its name, the number of its plate (0: the case's plate), that of the plate on
     whose boundary it lies or that support's line, the effects between them, and the circle of its plate that touches:
-    a disc or a corner."""
+    a disc or a corner. Of the plate on whose boundary it lies: the radius of a disc, m, or the regions around a
+    polygon."""
 
     name: str
     body: int
@@ -77,6 +79,8 @@ class PlateContact(NamedTuple):
     curve: Curve | None
     effects: tuple[Effect, ...]
     circle: TouchCircle
+    base_radius: float = 0.0
+    around: tuple[Region, ...] = ()
 
     def effect(self, kind: type[E]) -> E | None:
         """The effect of that kind, or None."""
@@ -107,7 +111,8 @@ def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
         for other in range(body):
             own, base = (body, other) if plates[body].radius is not None else (other, body)
             (circle,) = circles(plates[own])
-            contacts.append(PlateContact(f"{names[own]}/{names[base]}", own, base, None, None, case.effects, circle))
+            name, size, around = f"{names[own]}/{names[base]}", size_of_plate(plates[base]), regions(plates[base])
+            contacts.append(PlateContact(name, own, base, None, None, case.effects, circle, size, around))
     return tuple(contacts)
 
 
@@ -136,21 +141,21 @@ def start_poses(case: Any) -> np.ndarray:
     return np.array(own, dtype=float)
 
 
-def gap_of(contact: PlateContact, plates: tuple[Plate, ...], poses: np.ndarray) -> float:
-    """The distance between the curves of a contact, m; `poses` (plates, 3 or more) begin with (x, y, θ)."""
+def gap_of(contact: PlateContact, poses: np.ndarray | list[list[float]]) -> float:
+    """The distance between the curves of a contact, m; `poses` (plates, 3 or more) begin with (x, y, θ). Lists are
+    faster than an array."""
     body, radius = poses[contact.body], contact.circle.radius
     arm = contact.circle.arm(float(body[2]))
     x, y = float(body[0]) + arm[0], float(body[1]) + arm[1]
     if contact.base is not None:
-        base = poses[contact.base]
-        around = regions(plates[contact.base])
+        base, around = poses[contact.base], contact.around
         if around:
             u, v = local_centre(base, x, y)
             return float(place_in_region(around[int(region_of(around, u, v))], u, v, radius)[0])
-        return hypot(x - float(base[0]), y - float(base[1])) - radius - size_of_plate(plates[contact.base])
+        return hypot(x - float(base[0]), y - float(base[1])) - radius - contact.base_radius
     line = contact.line
     assert line is not None
-    (px, py), (tx, ty) = line.point, line.direction
+    (px, py), (tx, ty) = line.point.tolist(), line.direction.tolist()
     return float((y - py) * tx - (x - px) * ty) - radius
 
 
@@ -229,7 +234,7 @@ def check_places(case: Any) -> None:
     """Raise DoesNotFit if plates overlap each other or a support where the motion begins."""
     poses, plates = start_poses(case), plates_of(case)
     for contact in plate_contacts(case):
-        gap = gap_of(contact, plates, poses)
+        gap = gap_of(contact, poses)
         if gap < -TOUCHES * size_of(poses, tuple(map(size_of_plate, plates))):
             raise DoesNotFit(f"{contact.name} overlap by {-gap:.6g} m where they begin; give another StartPose")
 

@@ -118,7 +118,7 @@ def _direction(edge) -> tuple[float, float]:
     return float(u), float(v)
 
 
-def local_centre(base: np.ndarray, x, y):
+def local_centre(base: np.ndarray | list[float], x, y):
     """A point in the frame of a plate with the pose `base` (x, y, θ), numbers or arrays, m."""
     c, s = np.cos(base[2]), np.sin(base[2])
     return c * (x - base[0]) + s * (y - base[1]), c * (y - base[1]) - s * (x - base[0])

@@ -28,5 +28,5 @@ def plates_touch(case: Case) -> bool:
     if not case.others:
         return False
     poses, radii = start_poses(case), tuple(plate.reach for plate in plates_of(case))
-    gaps = [gap_of(contact, plates_of(case), poses) for contact in plate_contacts(case) if contact.base is not None]
+    gaps = [gap_of(contact, poses) for contact in plate_contacts(case) if contact.base is not None]
     return min(gaps) <= TOUCHES * size_of(poses, radii)

@@ -99,7 +99,7 @@ def _contact(case: Case, setting: Setting, system, discs: list[int], contact: Pl
     returns its number."""
     own = plates_of(case)[contact.body]
     acting = replace(case, effects=contact.effects)
-    gap = gap_of(contact, plates_of(case), starts)
+    gap = gap_of(contact, starts)
     law = contact_law(acting, setting, system, critical_damping(_moved_mass(case, contact), setting), gap)
     if contact.base is None:
         assert contact.line is not None, "checked by the case"
@@ -130,19 +130,19 @@ def _resolve_impacts(case: Case, setting: Setting, system) -> None:
     """
     poses, time_of = system.systemData.GetODE2Coordinates, system.systemData.GetTime
     begin, current, accept = exu.ConfigurationType.StartOfStep, exu.ConfigurationType.Current, [0.0, -1.0]
-    plates, pull = plates_of(case), float(np.hypot(*gravity(case)))
+    pull = float(np.hypot(*gravity(case)))
     contacts = [(one, 1.0 / sqrt(setting["k"] / _moved_mass(case, one))) for one in plate_contacts(case)]
 
     def ask(_system, time: float) -> list[float]:
         """[error, step to repeat with], or [0, -1] to accept the step."""
-        after = poses(current).reshape(-1, 3)
-        closed = [(one, period, gap) for one, period in contacts if (gap := gap_of(one, plates, after)) < 0.0]
+        after = poses(current).reshape(-1, 3).tolist()
+        closed = [(one, period, gap) for one, period in contacts if (gap := gap_of(one, after)) < 0.0]
         if not closed:
             return accept
-        before, step = poses(begin).reshape(-1, 3), time - time_of(begin)
+        before, step = poses(begin).reshape(-1, 3).tolist(), time - time_of(begin)
         shortest = step
         for one, period, gap in closed:
-            if abs(gap - gap_of(one, plates, before)) > SETTLED * pull * period * step and step > IMPACT * period:
+            if abs(gap - gap_of(one, before)) > SETTLED * pull * period * step and step > IMPACT * period:
                 shortest = min(shortest, 0.9 * IMPACT * period)
         # Any error above the solver's tolerance of 1 makes it repeat the step.
         return [10.0, shortest] if shortest < step else accept
