@@ -124,7 +124,7 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     from cases import Drive
     from cases.own_effects import own_effects
     from cases.piece_case import has_pieces
-    from cases.supports import has_belt, has_slip_law
+    from cases.supports import has_belt, has_rolling_resistance, has_slip_law
 
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
@@ -142,6 +142,9 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route does not support a plate that does not turn on several fixed curves (supports)."
     if case.supports and has_belt(case) and route not in getattr(adapter, "BELTS_AND_SUPPORTS", ()):
         return f"The {route} route does not support belts together with several fixed curves (supports)."
+    if case.supports and has_rolling_resistance(case):
+        # A support may resist rolling where the track does not, and contacts are read without a couple of their own.
+        return f"The {route} route does not support rolling resistance on several fixed curves (supports)."
     if has_pieces(case) and route not in getattr(adapter, "CORNERS", ()):
         return f"The {route} route does not support curves with corners."
     is_driven = case.effect(Drive) is not None
@@ -154,11 +157,14 @@ def refusal_of_several_contacts(adapter: Any, case: Case, route: str) -> str:
     """Why a route does not report the contacts of a plate that touches its track in several places, in one sentence, or
     "": by `SEVERAL_CONTACTS`, then by the adapter's own `refuses_several_contacts`."""
     from cases import Drive
+    from cases.supports import has_rolling_resistance
 
     if route not in getattr(adapter, "SEVERAL_CONTACTS", ()):
         return f"The plate touches its track in several places, which the {route} route does not support."
     if case.effect(Drive) is not None and route not in getattr(adapter, "DRIVEN_CONTACTS", ()):
         return f"The plate touches its driven track in several places, which the {route} route does not support."
+    if has_rolling_resistance(case):
+        return f"The {route} route does not report several contacts with rolling resistance."
     refuses = getattr(adapter, "refuses_several_contacts", None)
     return (refuses(case, route) or "") if refuses else ""
 

@@ -18,10 +18,10 @@ from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, parameter, positive, real
 from .free_plates import FreePlate, check_others, check_places
 from .plate import Plate
-from .size_limits import check_belt, check_sizes
+from .size_limits import check_arm, check_belt, check_sizes
 from .start import Start
 from .start_pose import StartPose, as_start, from_flat_side
-from .supports import Support, check_start, check_supports
+from .supports import Support, check_start, check_supports, has_rolling_resistance
 
 if TYPE_CHECKING:
     from .pictures.layout import DrawnScene
@@ -85,6 +85,9 @@ class Case:
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             for support in self.supports:
                 check_belt(effects.one(support.effects or (), effects.Belt))
+                check_arm(
+                    self.track, self.plate, effects.one(support.effects or (), effects.RollingResistance), self.start
+                )
             self.start.check(self.track, self.plate.outline, self.effects)
             if self.supports:
                 _check_start_at_supports(self)
@@ -188,7 +191,7 @@ def _check_rotation(case: Case) -> None:
         raise BadValue("a plate of infinite inertia with corners is not supported; give smooth curves")
     if case.start.omega != 0.0:
         raise BadValue(f"a plate of infinite inertia does not turn; give omega=0 in Start, not {case.start.omega:g}")
-    if case.effect(effects.RollingResistance) is not None:
+    if has_rolling_resistance(case):
         raise DoesNotFit("a plate of infinite inertia does not turn; leave RollingResistance out")
     drive = case.effect(effects.Drive)
     if drive is not None and drive.is_turning:

@@ -16,7 +16,7 @@ import numpy as np
 from . import effects as all_effects
 from .contact_names import FIRST
 from .curves import Curve
-from .effects import CoulombFriction, E, Effect, Flight, Gravity, Impact, PerfectlyRough, Unilateral
+from .effects import CoulombFriction, E, Effect, Flight, Gravity, Impact, PerfectlyRough, RollingResistance, Unilateral
 from .errors import BadValue, DoesNotFit
 from .line_or_circle import Line, as_line
 from .moving_surface import Belt
@@ -218,8 +218,10 @@ def _check_effects(case: Any) -> None:
             kind = type(effect).__name__
             raise BadValue(f"{kind} with several plates is not supported; leave {kind} out")
     for support in case.supports:
-        if any(isinstance(effect, Belt) for effect in support.effects or ()):
-            raise BadValue(f"Belt of support {support.name!r} with several plates is not supported; leave Belt out")
+        if other := [type(e).__name__ for e in support.effects or () if isinstance(e, (Belt, RollingResistance))]:
+            raise BadValue(
+                f"{other[0]} of support {support.name!r} with several plates is not supported; leave {other[0]} out"
+            )
     for needed, text in ((Unilateral, "Unilateral()"), (Flight, "Flight()"), (Impact, "Impact(0.0)")):
         if case.effect(needed) is None:
             raise BadValue(f"several plates may part and meet; add {text} to the effects")

@@ -57,12 +57,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
         raise BadValue(
             f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
         )
-    extent = _extent(track, plate, start)
-    if resistance and resistance.arm > RATIO * extent:
-        raise BadValue(
-            f"arm of RollingResistance is {resistance.arm / extent:.3g} times the plate's length; give at most "
-            f"{RATIO:g} times"
-        )
+    check_arm(track, plate, resistance, start)
     _check_load(track, plate, one(effects, Load), start)
     check_drive(one(effects, Drive))
     check_belt(one(effects, Belt))
@@ -70,6 +65,16 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
     _check_numbers(numbers)
     if duration < TINY:
         raise BadValue(f"duration of the case is {duration:g}; give at least {TINY:g}")
+
+
+def check_arm(track: Curve, plate: Plate, resistance: RollingResistance | None, start: Start) -> None:
+    """Raise BadValue for an arm that is too large for its plate."""
+    extent = _extent(track, plate, start)
+    if resistance and resistance.arm > RATIO * extent:
+        raise BadValue(
+            f"arm of RollingResistance is {resistance.arm / extent:.3g} times the plate's length; give at most "
+            f"{RATIO:g} times"
+        )
 
 
 def _check_numbers(numbers: dict[str, float]) -> None:

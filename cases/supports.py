@@ -17,7 +17,7 @@ from . import effects as all_effects
 from .chain import Chain
 from .corner import Corner, Edge, Piece
 from .curves import Curve
-from .effects import CoulombFriction, Effect, Impact, PerfectlyRough
+from .effects import CoulombFriction, Effect, Impact, PerfectlyRough, RollingResistance
 from .errors import BadValue, DoesNotFit
 from .line_or_circle import as_line
 from .moving_surface import Belt
@@ -40,18 +40,21 @@ FOOT_STEPS = 8
 HOLLOW_SAMPLES = 2_001
 # The centre of mass as a feature of the outline.
 CENTRE = Corner(0.0, 0.0, 0.0, pi)
-# Effects that a support may have of its own.
-OWN = (CoulombFriction, PerfectlyRough, Impact, Belt)
+# Effects that a support may have of its own; those by which it resists slip and rotation, and which it has instead of
+# the case's as soon as it has effects of its own.
+OWN = (CoulombFriction, PerfectlyRough, RollingResistance, Impact, Belt)
+RESISTING = (CoulombFriction, PerfectlyRough, RollingResistance)
 
 
 @dataclass(frozen=True)
 class Support:
     """A fixed curve that the plate may touch in addition to its track: a wall, the other side of a groove, a step.
 
-    The plate lies on its left. `name` names its contacts: "plate/wall". `effects`: friction and impact of these
-    contacts instead of the case's: CoulombFriction or PerfectlyRough (neither: no friction), and Impact (not given: the
-    case's). With effects=None they are as on the track. A Belt there is the support's own: that of the case is the
-    track's alone. A Drive of the case moves the track with all supports. Raises BadValue.
+    The plate lies on its left. `name` names its contacts: "plate/wall". `effects`: friction, rolling resistance and
+    impact of these contacts instead of the case's: CoulombFriction or PerfectlyRough (neither: no friction),
+    RollingResistance (not given: none), and Impact (not given: the case's). With effects=None they are as on the track.
+    A Belt there is the support's own: that of the case is the track's alone. A Drive of the case moves the track with
+    all supports. Raises BadValue.
     """
 
     curve: Curve
@@ -78,8 +81,8 @@ class Support:
         for effect in own:
             if not isinstance(effect, OWN):
                 raise BadValue(
-                    f"{effect!r} is no effect of one Support; give CoulombFriction, PerfectlyRough, Impact or Belt "
-                    "there, and the other effects in the case"
+                    f"{effect!r} is no effect of one Support; give CoulombFriction, PerfectlyRough, RollingResistance, "
+                    "Impact or Belt there, and the other effects in the case"
                 )
         object.__setattr__(self, "effects", own)
 
@@ -87,7 +90,7 @@ class Support:
         """All effects at this support's contacts, given those of the case."""
         replaced: tuple[type, ...] = (Belt,)
         if self.effects is not None:
-            replaced += (CoulombFriction, PerfectlyRough)
+            replaced += RESISTING
             replaced += (Impact,) if all_effects.one(self.effects, Impact) else ()
         return (*(effect for effect in of_case if not isinstance(effect, replaced)), *(self.effects or ()))
 
@@ -154,9 +157,12 @@ def why_not_by_features(track: Curve, outline: Curve) -> str:
 
 def exclusion(case: Any) -> str:
     """What of a case excludes several contacts, and what to give instead, as a sentence without its capital and period;
-    "" if nothing does. Shapes are not looked at."""
-    if case.effect(all_effects.RollingResistance) is not None:
-        return "RollingResistance with several contacts is not supported; leave RollingResistance out"
+    "" if nothing does. Shapes are looked at for RollingResistance alone."""
+    if isinstance(case.plate.outline, Chain) and has_rolling_resistance(case):
+        return (
+            "RollingResistance with several contacts of a plate with corners or pieces is not supported; give a smooth "
+            "outline or leave RollingResistance out"
+        )
     if own := own_effects(case.effects):
         return f"{type(own[0]).__name__} with several contacts is not supported; leave it out"
     if case.effect(all_effects.Unilateral) is None:
@@ -173,6 +179,11 @@ def exclusion(case: Any) -> str:
 def has_belt(case: Any) -> bool:
     """Whether the surface of the track or of a support runs."""
     return any(isinstance(effect, Belt) for effect in _all_effects(case))
+
+
+def has_rolling_resistance(case: Any) -> bool:
+    """Whether the track or a support resists rolling."""
+    return any(isinstance(effect, RollingResistance) for effect in _all_effects(case))
 
 
 def has_slip_law(case: Any) -> bool:

@@ -29,6 +29,8 @@ LARGEST_MU = 1e5
 # Sweeps of the projected Gauss-Seidel method, the change of rates at which it has converged, and the forces, in units
 # of those that the load needs, from which it looks for contacts that press against each other.
 SWEEPS, CONVERGED, PRESSED = 300, 1e-12, 100.0
+# Sweeps where it is the only method that is left.
+MOST_SWEEPS = 20_000
 
 
 def lemke(matrix: np.ndarray, right: np.ndarray, cover: np.ndarray) -> np.ndarray | None:
@@ -107,28 +109,32 @@ def friction_problem(
     `delassus` (2K, 2K) maps forces (N₁ … N_K, T₁ … T_K) to the rates of lift and slip, `free` (2K,) are those without
     forces. `slips`: the sign of each slip, None where friction resists its beginning. `least`: normal forces that act
     in any case. `mu`, `stick` (K,): the coefficients of friction with and without slip.
+
+    Rolling resistance has the same law: with it there are 3K forces and rates, the last K those of couples and of the
+    rotation, and 2K slips and coefficients, the last K those of the rotation.
     """
-    count = len(slips)
+    count = len(free) - len(slips)
     open_cone = [k for k, sign in enumerate(slips) if sign is None and mu[k] > 0.0]
-    columns = np.zeros((2 * count, count + 3 * len(open_cone)))
-    rows = np.zeros((count + 3 * len(open_cone), 2 * count))
+    columns = np.zeros((len(free), count + 3 * len(open_cone)))
+    rows = np.zeros((count + 3 * len(open_cone), len(free)))
     extra = np.zeros((len(rows), len(rows)))
-    base = np.zeros(2 * count)
+    base = np.zeros(len(free))
     least = np.zeros(count) if least is None else least
     base[:count] = least
     for k, sign in enumerate(slips):
-        columns[k, k] = rows[k, k] = 1.0
+        own = k % count
+        columns[own, own] = rows[own, own] = 1.0
         if sign is not None and mu[k] > 0.0:
-            columns[count + k, k] = -sign * mu[k]
-            base[count + k] = -sign * mu[k] * least[k]
+            columns[count + k, own] = -sign * mu[k]
+            base[count + k] = -sign * mu[k] * least[own]
     constant = np.zeros(len(rows))
     for i, k in enumerate(open_cone):
         forward, backward, bound = (count + 3 * i + j for j in range(3))
         columns[count + k, forward], columns[count + k, backward] = 1.0, -1.0
         rows[forward, count + k], rows[backward, count + k] = 1.0, -1.0
         extra[forward, bound] = extra[backward, bound] = 1.0
-        extra[bound, k], extra[bound, forward], extra[bound, backward] = stick[k], -1.0, -1.0
-        constant[bound] = stick[k] * least[k]
+        extra[bound, k % count], extra[bound, forward], extra[bound, backward] = stick[k], -1.0, -1.0
+        constant[bound] = stick[k] * least[k % count]
     matrix = rows @ delassus @ columns + extra
     return matrix, rows @ (free + delassus @ base) + constant, np.column_stack([columns, base])
 
@@ -143,19 +149,21 @@ def gauss_seidel(
     sweeps: int = SWEEPS,
     precision: float = CONVERGED,
 ) -> np.ndarray | None:
-    """Contact forces (2K,) by projection, contact after contact, from `start`; None if it does not converge: if rates
-    still change by more than the part `precision` of those without forces, or forces grow that cancel each other."""
-    force, count = start.copy(), len(slips)
+    """Contact forces by projection, contact after contact, from `start`; None if it does not converge: if rates still
+    change by more than the part `precision` of those without forces, or forces grow that cancel each other. Arguments
+    as of `friction_problem`."""
+    force, count = start.copy(), len(free) - len(slips)
     size = np.abs(free).max() or 1.0
     for _ in range(sweeps):
         before = force.copy()
         for k, sign in enumerate(slips):
-            t = count + k
-            force[k] = max(0.0, force[k] - (delassus[k] @ force + free[k]) / delassus[k, k])
+            t, own = count + k, k % count
+            if k == own:
+                force[k] = max(0.0, force[k] - (delassus[k] @ force + free[k]) / delassus[k, k])
             if sign is not None or mu[k] == 0.0:
-                force[t] = -(sign or 0.0) * mu[k] * force[k]
+                force[t] = -(sign or 0.0) * mu[k] * force[own]
                 continue
-            bound = stick[k] * force[k]
+            bound = stick[k] * force[own]
             force[t] = min(bound, max(-bound, force[t] - (delassus[t] @ force + free[t]) / delassus[t, t]))
         change = force - before
         if np.abs(delassus @ change).max() <= precision * size:
@@ -169,17 +177,21 @@ def gauss_seidel(
 def refine_solution(delassus: np.ndarray, free: np.ndarray, force: np.ndarray, mu: np.ndarray) -> np.ndarray:
     """A solution with perfectly rough contacts, whose coefficient multiplies its roundings, again from the equations
     that hold in it: no lift where a contact presses, and no slip inside its cone. The same if these are dependent."""
-    count = len(mu)
+    count = len(free) - len(mu)
+    parts = len(mu) // count
     normal, friction = force[:count], force[count:]
     presses = normal > ROUNDING * np.abs(normal).max(initial=0.0)
-    sticks = presses & (mu > 0.0) & (np.abs(friction) < (1.0 - ROUNDING) * mu * normal)
-    columns = np.zeros((2 * count, 2 * count))
-    columns[:count, :count] = np.eye(count)
-    columns[count:, :count] = np.diag(np.where(sticks, 0.0, np.sign(friction) * mu))
-    columns[count:, count:] = np.eye(count)
+    every = np.tile(presses, parts)
+    sticks = every & (mu > 0.0) & (np.abs(friction) < (1.0 - ROUNDING) * mu * np.tile(normal, parts))
+    columns = np.eye(len(free))
+    for i, share in enumerate(np.split(np.where(sticks, 0.0, np.sign(friction) * mu), parts), 1):
+        columns[i * count : (i + 1) * count, :count] = np.diag(share)
     rows = np.flatnonzero(np.concatenate([presses, sticks]))
+    matrix = (delassus @ columns)[np.ix_(rows, rows)]
+    if parts > 1:  # several contacts resist the same rotation
+        return columns[:, rows] @ np.linalg.lstsq(matrix, -free[rows], rcond=SMALL)[0]
     try:
-        values = np.linalg.solve((delassus @ columns)[np.ix_(rows, rows)], -free[rows])
+        values = np.linalg.solve(matrix, -free[rows])
     except np.linalg.LinAlgError:
         return force
     return columns[:, rows] @ values
@@ -199,12 +211,23 @@ def least_rate(
     exceed the part `none` are made more precise by projection."""
     size, least = float(np.abs(free).max()) or 1.0, inf
     for force in solutions(delassus, free, slips, mu, stick):
+        force = _within_cones(force, slips, stick)
         rate = float(np.abs((delassus @ force + free)[rows]).max())
         if none * size < rate <= ROUNDING * size:
             finer = gauss_seidel(delassus, free, slips, mu, stick, force, precision=0.1 * none)
             rate = rate if finer is None else min(rate, float(np.abs((delassus @ finer + free)[rows]).max()))
         least = min(least, rate / size)
     return least
+
+
+def _within_cones(force: np.ndarray, slips: Sequence[float | None], stick: np.ndarray) -> np.ndarray:
+    """Forces that Lemke's method leaves a little outside their cones, at their bounds."""
+    inside, count = force.copy(), len(force) - len(slips)
+    for k, sign in enumerate(slips):
+        if sign is None:
+            bound = stick[k] * max(force[k % count], 0.0)
+            inside[count + k] = min(bound, max(-bound, force[count + k]))
+    return inside
 
 
 def solutions(
@@ -215,22 +238,27 @@ def solutions(
     stick: np.ndarray,
     least: np.ndarray | None = None,
 ) -> list[np.ndarray]:
-    """Contact forces (2K,) that satisfy Coulomb's law, one for each different set of rates among those found from
-    several covering vectors."""
+    """Contact forces that satisfy Coulomb's law, one for each different set of rates among those found from several
+    covering vectors. Arguments as of `friction_problem`."""
     matrix, right, to_forces = friction_problem(delassus, free, slips, mu, stick, least)
     size = np.abs(right).max(initial=0.0)
     scale = np.abs(delassus).max(initial=0.0)
+    count = len(free) - len(slips)
     results: list[tuple[np.ndarray, np.ndarray]] = []
     answers = [lemke(matrix, right, cover) for cover in covers(len(right))]
     is_scaled = mu.max(initial=0.0) <= LARGEST_MU
-    if 1 < len(slips) and len(right) <= MOST_VARIABLES and least is not None and is_scaled:
+    if 1 < count and len(right) <= MOST_VARIABLES and least is not None and is_scaled:
         answers += complementary_cones(matrix, right)
     forces = [to_forces @ np.append(z, 1.0) for z in answers if z is not None and is_solution(matrix, right, z)]
-    if len(slips) > 1 and mu.any() and least is None:
+    if count > 1 and mu.any() and least is None:
         # Contacts that press against each other may hold a plate that others would let go: start from large forces.
-        large = PRESSED * size / min(delassus.diagonal()) * np.repeat([1.0, 0.0], len(slips))
+        large = PRESSED * size / min(delassus.diagonal()) * np.repeat([1.0, 0.0], [count, len(slips)])
         pressed = gauss_seidel(delassus, free, slips, mu, stick, large)
         forces += [pressed] if pressed is not None else []
+    if not forces and len(slips) > count and not (least is not None and least.any()):
+        # Pivots fail where perfectly rough contacts resist one rotation: their couples are not unique.
+        projected = gauss_seidel(delassus, free, slips, mu, stick, np.zeros(len(free)), MOST_SWEEPS)
+        forces = [projected] if projected is not None else []
     for force in forces:
         rates = delassus @ force + free
         if all(np.abs(rates - other).max() > SAME * max(size, scale * np.abs(force).max()) for _, other in results):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, CoulombFriction, DoesNotFit, Gravity, Load, PerfectlyRough
+from cases import Belt, Case, CoulombFriction, DoesNotFit, Gravity, Load, PerfectlyRough, RollingResistance
 from cases.contact import find
 from cases.contact_pairs import PairCase
 
@@ -110,8 +110,9 @@ def on_surface(pair: PairState, t: float) -> PairState:
 
 
 def surfaces(pairs: Sequence[PairState]) -> np.ndarray:
-    """What the velocities of lift, then of slip, are relative to: shape (2K,), m/s."""
-    return np.array([0.0] * len(pairs) + [pair.surface for pair in pairs])
+    """What the velocities of lift, then of slip, then of the rotation where it is resisted, are relative to, m/s."""
+    none = [0.0] * len(pairs)
+    return np.array(none + [pair.surface for pair in pairs] + (none if resists(pairs) else []))
 
 
 def all_pairs(case: PairCase, body: Sequence[float] | np.ndarray, around: float) -> list[tuple[float, float]]:
@@ -170,10 +171,25 @@ def friction_of(contact: Case, speed: float = 0.0) -> tuple[float, float]:
     return (float(friction.at(speed)) if speed else friction.at_rest, friction.stick) if friction else (0.0, 0.0)
 
 
+def resisting_arm(contact: Case) -> float:
+    """The arm of a contact's rolling resistance, m; 0 without."""
+    effect = contact.effect(RollingResistance)
+    return 0.0 if effect is None else effect.arm
+
+
+def resists(contacts: Sequence[PairState]) -> bool:
+    """Whether one of the contacts resists rolling."""
+    return any(resisting_arm(one.contact) for one in contacts)
+
+
 def frictions(contacts: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
-    """The coefficients of friction of all contacts with their slip, and without."""
+    """The coefficients of friction of all contacts with their slip, and without; where one resists rolling, followed by
+    the arms in units of the radius of gyration."""
     values = np.array([friction_of(one.contact, abs(one.slip)) for one in contacts]).reshape(-1, 2)
-    return values[:, 0], values[:, 1]
+    if not resists(contacts):
+        return values[:, 0], values[:, 1]
+    arms = [resisting_arm(one.contact) / one.contact.plate.gyration for one in contacts]
+    return np.append(values[:, 0], arms), np.append(values[:, 1], arms)
 
 
 class PlateDynamics:
@@ -190,6 +206,11 @@ class PlateDynamics:
         self.load = drive_load or case.effect(Load)
 
     @property
+    def turning_row(self) -> np.ndarray:
+        """The row of a plate's rotation in (vx, vy, ω), in units of its radius of gyration."""
+        return np.array([0.0, 0.0, self.units[2]])
+
+    @property
     def moves(self) -> np.ndarray:
         """Which velocities can change: a plate of infinite inertia does not turn."""
         return self.inverse > 0.0
@@ -201,14 +222,17 @@ class PlateDynamics:
         return self.weight + np.array(self.load.at(t, *(float(v) for v in body)))
 
     def delassus(self, pairs: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
-        """The Delassus matrix (2K, 2K) of lifts, then slips, and the rows (2K, velocities)."""
-        rows = np.array([p.lift_row for p in pairs] + [p.slip_row for p in pairs])
+        """The Delassus matrix (2K, 2K) of lifts, then slips, and the rows (2K, velocities); where a contact resists
+        rolling, followed by the rotation for each contact, in units of the radius of gyration: 3K."""
+        turning = [self.turning_row] * len(pairs) if resists(pairs) else []
+        rows = np.array([p.lift_row for p in pairs] + [p.slip_row for p in pairs] + turning)
         rows = rows.reshape(-1, len(self.inverse))
         return rows * self.inverse @ rows.T, rows
 
     def free_rates(
         self, t: float, body: Sequence[float] | np.ndarray, pairs: Sequence[PairState], rows: np.ndarray
     ) -> np.ndarray:
-        """Accelerations of the gaps, then of the slips, without contact forces."""
+        """Accelerations of the gaps, then of the slips, without contact forces; `rows` are those of `delassus`."""
         biases = np.array([p.lift_bias for p in pairs] + [p.slip_bias for p in pairs])
+        biases = np.append(biases, np.zeros(len(rows) - len(biases)))
         return rows @ (self.inverse * self.torsor(t, body)) + biases

@@ -16,7 +16,7 @@ from cases.trajectory import CONTACT
 from ..contact_frame.drive import in_fixed_frame
 from .contacts import all_pairs, friction_of, is_watched_always, on_surface, pair_at
 from .motion import Simulation
-from .phase import WatchedContact
+from .phase import STICKS, WatchedContact
 from .plate_state import OPEN_NAME, TOUCHES
 
 # A slip velocity below this part of the outline's own speed is rounding.
@@ -69,7 +69,7 @@ def continue_motion(
     if own is not None:
         motion.contacts.append(WatchedContact(CONTACT, pairs(case)[0], own, mode))
         motion.touching.add(CONTACT)
-        if mode is Mode.ROLL:
+        if mode in STICKS:
             motion.stuck = {CONTACT}
     around, track = own[0] if own is not None else case.start.xi1, pairs(case)[0]
     for pair in all_pairs(track, body, around):
@@ -117,7 +117,7 @@ def _close_own(motion: Simulation, own: tuple[float, float] | None, mode: Mode) 
         track = motion.case.track
         nearest = min(touching, key=lambda k: np.hypot(*(track.point(now[k].xi1) - track.point(own[0]))))
         motion.contacts[nearest] = motion.contacts[nearest]._replace(name=CONTACT, mode=mode)
-        motion.stuck = {CONTACT} if mode is Mode.ROLL else set()
+        motion.stuck = {CONTACT} if mode in STICKS else set()
     motion.touching = {motion.contacts[k].name for k in touching}
 
 
@@ -136,7 +136,7 @@ def _sample(motion: Simulation, times: np.ndarray) -> np.ndarray:
     motions = np.full((7, len(times)), np.nan)
     starts = np.array([stretch.start for stretch in motion.stretches])
     for i, t in enumerate(times.tolist()):
-        if not motion.stretches or t > motion.t:
+        if not motion.stretches or not starts[0] <= t <= motion.t:
             continue
         number = max(int(np.searchsorted(starts, t, side="right")) - 1, 0)
         stretch = motion.stretches[number]

@@ -67,9 +67,9 @@ def complementary(
     """Velocities and normal impulses of Coulomb's law between impulses and velocities after the impact."""
     delassus, rows = dynamics.delassus(some)
     before = rows @ velocity - surfaces(some)
-    free = before + np.concatenate([restitution * before[: len(some)], np.zeros(len(some))])
+    free = before + np.concatenate([restitution * before[: len(some)], np.zeros(len(before) - len(some))])
     mu, _ = frictions(some)
-    answers = solutions(delassus, free, [None] * len(some), mu, mu, least)
+    answers = solutions(delassus, free, [None] * len(mu), mu, mu, least)
     if len(answers) != 1:
         raise SimulationEnd("not_unique")
     force = answers[0] if mu.max() < ROUGH or least.any() else refine_solution(delassus, free, answers[0], mu)

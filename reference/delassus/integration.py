@@ -138,7 +138,7 @@ class PhaseIntegration(PlateState):
         """The guards at a time of a step, until `blind` without those of slips that have just begun."""
         return {
             name: value for name, value in phase.guards(t, dense(t)).items()
-            if t > blind or name[0] != "slip" or name[1] not in self.beginning
+            if t > blind or name[0] not in ("slip", "rotation") or name[1] not in self.beginning
         }  # fmt: skip
 
     def hops(self, phase: SeveralContactPhase) -> dict[str, tuple[float, float]]:
@@ -204,8 +204,8 @@ class PhaseIntegration(PlateState):
             float(np.abs(phase.forces(self.t, self.body).normal).max(initial=0.0)),
         )
         speed = max(self.speed, float(np.abs(self.body[self.half :]).max()), 1e-300)
-        by_force = dict.fromkeys(("normal", "cone+", "cone-"), force)
-        return {"gap": 1e-2 * self.size(), "slip": speed, "turn": 1.0, "held": 1.0} | by_force
+        by_force = dict.fromkeys(("normal", "cone+", "cone-", "couple+", "couple-"), force)
+        return {"gap": 1e-2 * self.size(), "slip": speed, "rotation": speed, "turn": 1.0, "held": 1.0} | by_force
 
     # --- contacts at other places -------------------------------------------------------------------------------------
 

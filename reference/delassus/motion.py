@@ -10,11 +10,12 @@ import numpy as np
 from cases import Belt, Case, DoesNotFit, Flight, Impact, Mode, Transition
 
 from .complementarity import least_rate, solutions
-from .contacts import PairState, friction_of, frictions, is_rough, is_watched_always
+from .contacts import PairState, friction_of, frictions, is_rough, is_watched_always, resists
 from .impact_laws import velocities
 from .integration import EPS, FORGOTTEN, DenseStep, PhaseIntegration
-from .phase import NO_RATE, SeveralContactPhase, WatchedContact
+from .phase import NO_RATE, ROTATION, STICKS, SeveralContactPhase, WatchedContact
 from .plate_state import MOVES, TOUCHES, SimulationEnd
+from .rough_contacts import pressing_forces, slips_at_rough_contact
 from .small_impacts import SMALL_IMPACT, TURNS, ImpactRecord
 
 # Small impacts are extrapolated to their end where the plate moves by less than this part of its size until then.
@@ -41,6 +42,7 @@ class Simulation(PhaseIntegration):
         self.begins: dict[str, float] = {}
         self.leaving: set[str] = set()
         self.struck: set[str] = set()
+        self.rotation: int | None = None
         self.is_start, self.goes_on = t == 0.0, False
 
     # --- phases -------------------------------------------------------------------------------------------------------
@@ -60,7 +62,7 @@ class Simulation(PhaseIntegration):
     def same_modes(self) -> SeveralContactPhase:
         """The phase that continues after an open contact is no longer watched."""
         self.goes_on = False
-        return SeveralContactPhase(self.dynamics, self.contacts)
+        return SeveralContactPhase(self.dynamics, self.contacts, turn=self.rotation)
 
     def decide(self) -> SeveralContactPhase:
         """The modes that follow, from the complementarity of forces and accelerations at the touched contacts."""
@@ -68,14 +70,18 @@ class Simulation(PhaseIntegration):
         modes = self.next_modes(now)
         if self.is_carried(now, modes):
             contacts = [c._replace(mode=modes.get(k, Mode.FLIGHT)) for k, c in enumerate(self.contacts)]
-            if self.start(SeveralContactPhase(self.dynamics, contacts, is_carried=True)):
+            if self.start(SeveralContactPhase(self.dynamics, contacts, is_carried=True, turn=self.rotation)):
                 modes = self.next_modes(now)
+        sticking, turning = (
+            [k for k, m in modes.items() if m in STICKS],
+            [self.dynamics.turning_row] * (self.rotation == 0),
+        )
         rank = np.linalg.matrix_rank(
-            np.array([now[k].lift_row for k in modes] + [now[k].slip_row for k, m in modes.items() if m is Mode.ROLL])
+            np.array([now[k].lift_row for k in modes] + [now[k].slip_row for k in sticking] + turning)
             / self.dynamics.units * self.dynamics.moves,
             tol=1e-9,
         ) if modes else 0  # fmt: skip
-        count, most = len(modes) + sum(mode is Mode.ROLL for mode in modes.values()), int(self.dynamics.moves.sum())
+        count, most = len(modes) + len(sticking) + len(turning), int(self.dynamics.moves.sum())
         if rank < min(count, most):  # they hold one point, about which the plate turns: the matrix is singular
             raise SimulationEnd("breakdown")
         rests = rank == most and count > 2 and not _is_on_belt(now, modes) and not self.body[self.half :].any()
@@ -94,10 +100,10 @@ class Simulation(PhaseIntegration):
         self.impacts.list_changes(self.t, [] if self.is_start else changes, goes_on)  # a start's modes are no changes
         self.is_start = False
         self.beginning = set(self.begins)
-        self.begins, self.leaving, self.struck, self.stuck = {}, set(), set(), set()
+        self.begins, self.leaving, self.struck, self.stuck, self.turns = {}, set(), set(), set(), True
         if not modes and self.case.effect(Flight) is None:
             raise SimulationEnd("lift_off")
-        return SeveralContactPhase(self.dynamics, self.contacts, rests, self.is_carried(now, modes))
+        return SeveralContactPhase(self.dynamics, self.contacts, rests, self.is_carried(now, modes), self.rotation)
 
     def next_modes(self, now: Sequence[PairState]) -> dict[int, Mode]:
         """The modes of the contacts that stay closed, by their places."""
@@ -106,7 +112,7 @@ class Simulation(PhaseIntegration):
 
     def is_carried(self, now: Sequence[PairState], modes: dict[int, Mode]) -> bool:
         """Whether contacts in these modes, some of them on belts, have more rows than the plate velocities."""
-        count = len(modes) + sum(mode is Mode.ROLL for mode in modes.values())
+        count = len(modes) + sum(mode in STICKS for mode in modes.values()) + (self.rotation == 0)
         return _is_on_belt(now, modes) and count > int(self.dynamics.moves.sum())
 
     def modes(
@@ -133,6 +139,7 @@ class Simulation(PhaseIntegration):
 
     def solution(self, now: Sequence[PairState], closed: list[int]) -> tuple[dict[int, Mode], np.ndarray] | None:
         """The modes of the contacts that stay closed, by their places, and the forces; None without a solution."""
+        self.rotation = None
         if not closed:
             return {}, np.zeros(0)
         some = [now[k] for k in closed]
@@ -144,18 +151,24 @@ class Simulation(PhaseIntegration):
         delassus, rows = self.dynamics.delassus(some)
         free = self.dynamics.free_rates(self.t, self.body, some, rows)
         mu, stick = frictions(some)
+        slips += [self.sense_of_rotation() for _ in range(len(mu) - len(some))]
         rough = np.array([is_rough(pair.contact) for pair in some])
-        answers = [one for one in solutions(delassus, free, slips, mu, stick) if not _slips(delassus, free, one, rough)]
+        answers = [
+            one
+            for one in solutions(delassus, free, slips, mu, stick)
+            if not slips_at_rough_contact(delassus, free, one, rough)
+        ]
         if len(closed) == 1 and rough[0] and slips[0] is None:
             # It stays where it can, as in the first formulation, even if the plate could leave it, too.
-            held = -np.linalg.solve(delassus, free)
-            answers += [held] if held[0] > 0.0 else []
+            answers += pressing_forces(delassus, free, slips[1:], mu[1:])
         if not answers:
             return None
         holds_better = any(friction_of(pair.contact)[1] > friction_of(pair.contact)[0] for pair in some)
         if len(answers) > 1 and len(closed) > 1 and not holds_better:
             raise SimulationEnd("not_unique")
-        force = min(answers, key=lambda f: float(np.abs((delassus @ f + free)[len(closed) :]).max()))
+        # Of several the one with the least beginning of a slip, and of a rotation that may be prevented.
+        least = slice(len(closed), None if slips[-1] is None else 2 * len(closed))
+        force = min(answers, key=lambda f: float(np.abs((delassus @ f + free)[least]).max()))
         rates = delassus @ force + free
         scale = max(float(np.abs(free).max()), float(np.abs(delassus).max() * np.abs(force).max()))
         modes = {}
@@ -170,7 +183,18 @@ class Simulation(PhaseIntegration):
                 rate = float(rates[len(closed) + i])
                 sign = float(np.sign(rate)) if abs(rate) > MOVES * scale and not is_rough(some[i].contact) else 0.0
             modes[k] = Mode.ROLL if sign == 0.0 else Mode.SLIP_FORWARD if sign > 0.0 else Mode.SLIP_BACKWARD
+        if resists([now[k] for k in modes]):
+            rate = float(rates[-1])
+            self.rotation = int(slips[-1] or (np.sign(rate) if abs(rate) > MOVES * scale else 0.0))
+        if self.rotation == 0:
+            modes = {k: Mode.REST if mode is Mode.ROLL else mode for k, mode in modes.items()}
         return modes, force
+
+    def sense_of_rotation(self) -> float | None:
+        """The sign of the plate's rotation; None if it has none, and rolling resistance may prevent one."""
+        rotation = float(self.dynamics.turning_row @ self.body[self.half :])
+        still = abs(rotation) <= MOVES * self.speed
+        return self.begins.get(ROTATION, None if still else float(np.sign(rotation)))
 
     def phase(self, phase: SeveralContactPhase) -> None:
         """Integrate until an event, and apply it."""
@@ -186,7 +210,8 @@ class Simulation(PhaseIntegration):
             tiny = {name for name, (lift, pull) in self.hops(phase).items() if self.is_tiny(lift, pull)}
             if tiny:  # the other contacts' forces drive the plate back
                 self.touching = {c.name for c in self.contacts if c.is_closed} | tiny
-                self.stuck = {c.name for c in self.contacts if c.mode is Mode.ROLL}
+                self.stuck = {c.name for c in self.contacts if c.mode in STICKS}
+                self.turns = phase.turn != 0
                 self.impacts.at_rest = True
                 end, body = self.impacts.low_end(self.t, self.body, frozenset(self.touching))
                 if self.t < end < self.case.duration:
@@ -209,7 +234,8 @@ class Simulation(PhaseIntegration):
         near = dict(zip((c.name for c in phase.contacts), phase.near, strict=True))
         self.contacts = [c._replace(pair=near.get(c.name, c.pair)) for c in self.contacts]
         self.touching = {c.name for c in self.contacts if c.is_closed} | new
-        self.stuck = {c.name for c in self.contacts if c.mode is Mode.ROLL}
+        self.stuck = {c.name for c in self.contacts if c.mode in STICKS}
+        self.turns = phase.turn != 0
         kinds = {kind for kind, _ in guards}
         if kinds == {"forget"}:
             self.contacts = [c for c in self.contacts if c.is_closed or is_watched_always(c.case)]
@@ -223,9 +249,11 @@ class Simulation(PhaseIntegration):
                 self.stuck.add(name)
             if kind == "normal":
                 self.leaving.add(name)
-            if kind in ("cone+", "cone-"):
-                # Friction at its bound along the tangent begins a slip against it.
-                self.begins[name] = 1.0 if kind == "cone+" else -1.0
+            if kind == "rotation":
+                self.turns = False
+            if kind in ("cone+", "cone-", "couple+", "couple-"):
+                # Friction at its bound along the tangent begins a slip against it, and a couple a rotation.
+                self.begins[name] = 1.0 if kind.endswith("+") else -1.0
         if kinds & {"cone+", "cone-"}:
             self.vanishing(phase)
         if "held" in kinds:
@@ -317,6 +345,7 @@ class Simulation(PhaseIntegration):
         names, closers = (frozenset(self.contacts[k].name for k in those) for those in (places_hit, closing))
         record = ImpactRecord(self.t, max(-now[k].lift for k in closing), names, closers, self.body.copy())
         self.impacts.count(record)
+        self.turns = self.is_turning(velocity, [now[k] for k in places_hit], small)
         self.touching, self.stuck, tiny = set(), set(), False
         for i, k in enumerate(places_hit):
             name, lift = self.contacts[k].name, float(now[k].lift_row @ velocity)
@@ -329,6 +358,10 @@ class Simulation(PhaseIntegration):
             if stuck[i]:
                 self.stuck.add(name)
         self.impacts.at_rest |= tiny
+
+    def is_turning(self, velocity: np.ndarray, some: Sequence[PairState], none: float) -> bool:
+        """Whether these contacts leave a rotation; none is below that speed (m/s) at the radius of gyration."""
+        return not resists(some) or abs(float(self.dynamics.turning_row @ velocity)) > none
 
     def velocities_after(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
         """Velocities after an impact at some contacts, and which of these do not slip."""
@@ -400,6 +433,8 @@ class Simulation(PhaseIntegration):
             c.name for c, pair in zip(self.contacts, self.pairs(), strict=True)
             if c.name in self.touching and abs(pair.slip) <= noise and friction_of(pair.contact)[1] > 0.0
         }  # fmt: skip
+        some = [pair for c, pair in zip(self.contacts, self.pairs(), strict=True) if c.name in self.touching]
+        self.turns = self.is_turning(self.body[self.half :], some, noise)
         self.hold()
         if end > self.t:
             start, after = self.t, self.body.copy()
@@ -423,7 +458,7 @@ class Simulation(PhaseIntegration):
 
         def moves(t: float) -> bool:
             free = self.dynamics.free_rates(t, still, closed, rows)
-            slips, every = [None] * len(closed), slice(None)
+            slips, every = [None] * len(mu), slice(None)
             return least_rate(delassus, free, slips, mu, stick, every, NO_RATE) > NO_RATE
 
         last = None
@@ -446,17 +481,8 @@ class Simulation(PhaseIntegration):
                 break
         self.stretches.append(DenseStep(self.t, high, lambda t: still, phase))
         self.t, self.touching = high, {c.name for c in self.contacts if c.is_closed}
-        self.stuck = set(self.touching)
+        self.stuck, self.turns = set(self.touching), phase.turn != 0
         self.start(phase)
-
-
-def _slips(delassus: np.ndarray, free: np.ndarray, force: np.ndarray, rough: np.ndarray) -> bool:
-    """Whether a perfectly rough contact, whose coefficient is a large number here, would slip with these forces: it
-    would have to pull in order not to."""
-    rates = np.abs(delassus @ force + free)
-    small = MOVES * max(float(np.abs(free).max()), float(np.abs(delassus).max() * np.abs(force).max()))
-    count = len(rough)
-    return bool((rough & (rates[:count] <= small) & (rates[count:] > small)).any())
 
 
 def _is_on_belt(now: Sequence[PairState], modes: dict[int, Mode]) -> bool:

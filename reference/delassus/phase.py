@@ -11,13 +11,25 @@ from cases import Mode
 from cases.contact_pairs import PairCase
 
 from .complementarity import least_rate, solutions
-from .contacts import PairState, PlateDynamics, friction_of, frictions, is_rough, on_surface, open_pair_at, pair_at
+from .contacts import (
+    PairState,
+    PlateDynamics,
+    friction_of,
+    frictions,
+    is_rough,
+    on_surface,
+    open_pair_at,
+    pair_at,
+    resisting_arm,
+)
 
 # Singular values below this part of the largest are rows that depend on others.
 DEPENDENT = 1e-10
 # Rates below this part of those without contact forces are none.
 NO_RATE = 1e-12
 SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
+# The modes of contacts that do not slip, and the name under which the plate's rotation is compared with them.
+STICKS, ROTATION = (Mode.ROLL, Mode.REST), "rotation"
 
 
 class WatchedContact(NamedTuple):
@@ -36,18 +48,21 @@ class WatchedContact(NamedTuple):
 
 
 class ContactSolution(NamedTuple):
-    """Accelerations (3,), and normal and friction force of each contact (K,), N."""
+    """Accelerations (3,), normal and friction force of each contact (K,), N, and what ends the rotation: the couple of
+    all contacts over the radius of gyration, N."""
 
     acceleration: np.ndarray
     normal: np.ndarray
     friction: np.ndarray
+    couple: float = 0.0
 
 
 class SeveralContactPhase:
     """The equations of a phase, and the pairs of points, which are followed from one evaluation to the next.
 
     `rests`: the contacts hold the plate. `is_carried`: they have more than three rows and run with belts: the plate's
-    accelerations are unique, and forces are not.
+    accelerations are unique, and forces are not. `turn`: the sense of the rotation that contacts resist, 0 if they
+    prevent it, None if none resists.
     """
 
     def __init__(
@@ -56,8 +71,10 @@ class SeveralContactPhase:
         contacts: Sequence[WatchedContact],
         rests: bool = False,
         is_carried: bool = False,
+        turn: int | None = None,
     ):
         self.dynamics, self.contacts, self.rests, self.is_carried = dynamics, list(contacts), rests, is_carried
+        self.turn = turn
         self.near = [contact.pair for contact in contacts]
 
     def pairs(self, t: float, body: Sequence[float] | np.ndarray) -> list[PairState]:
@@ -94,15 +111,21 @@ class SeveralContactPhase:
             ratio = -sign * friction_of(contact.case, sign * pair.slip)[0]
             rows.append(pair.lift_row)
             columns.append(pair.lift_row + ratio * pair.slip_row)
+            if self.turn:
+                columns[-1] = columns[-1] - self.turn * resisting_arm(contact.case) * np.array([0.0, 0.0, 1.0])
             biases.append(pair.lift_bias)
             which.append((k, ratio))
-            if contact.mode is Mode.ROLL:
+            if contact.mode in STICKS:
                 rows.append(pair.slip_row)
                 columns.append(pair.slip_row)
                 biases.append(pair.slip_bias)
                 which.append((k, None))
         if not rows:
             return ContactSolution(free, normal, friction)
+        if self.turn == 0:
+            rows.append(dynamics.turning_row)
+            columns.append(dynamics.turning_row)
+            biases.append(0.0)
         rows_matrix, columns_matrix = np.array(rows), np.array(columns).T
         matrix = rows_matrix @ (dynamics.inverse[:, None] * columns_matrix)
         right = -(rows_matrix @ free + np.array(biases))
@@ -110,13 +133,14 @@ class SeveralContactPhase:
             multipliers = np.linalg.lstsq(matrix, right, rcond=DEPENDENT)[0]
         else:
             multipliers = np.linalg.solve(matrix, right)
-        for (k, share), value in zip(which, multipliers.tolist(), strict=True):
+        for (k, share), value in zip(which, multipliers.tolist(), strict=False):
             if share is None:
                 friction[k] = value
             else:
                 normal[k] = value
                 friction[k] = share * value
-        return ContactSolution(free + dynamics.inverse * (columns_matrix @ multipliers), normal, friction)
+        acceleration = free + dynamics.inverse * (columns_matrix @ multipliers)
+        return ContactSolution(acceleration, normal, friction, float(multipliers[-1]) if self.turn == 0 else 0.0)
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:
         """The derivative of (x, y, θ, vx, vy, ω)."""
@@ -139,27 +163,35 @@ class SeveralContactPhase:
                 values["gap", contact.name] = pair.gap
             elif self.is_carried:
                 pass  # its force is not unique: "held" shows whether forces are admissible
-            elif contact.mode is Mode.ROLL and not is_rough(contact.case):
+            elif contact.mode in STICKS and not is_rough(contact.case):
                 bound = friction_of(contact.case)[1] * normal
                 values["cone+", contact.name], values["cone-", contact.name] = bound + friction, bound - friction
             else:
                 values["normal", contact.name] = normal
             if contact.mode in SIGN:
                 values["slip", contact.name] = SIGN[contact.mode] * pair.slip
+        if self.turn:
+            values["rotation", ROTATION] = self.turn * float(self.dynamics.turning_row @ y[len(y) // 2 :])
+        elif self.turn == 0 and not self.is_carried:
+            arms = np.array([resisting_arm(contact.case) for contact in self.contacts])
+            bound = float(arms @ forces.normal) / self.dynamics.units[2]
+            values["couple+", ROTATION], values["couple-", ROTATION] = bound + forces.couple, bound - forces.couple
         if self.is_carried:
             values["held", ""] = 1.0 if self.starts(t, y) is None else -1.0
         return values
 
     def starts(self, t: float, y: np.ndarray) -> dict[str, float] | None:
         """The contacts that Coulomb's law opens (0) or lets slip (the sign of the slip) where it does not let a plate
-        go on that is carried by belts; None where it does."""
+        go on that is carried by belts, and the sense in which the plate begins to turn; None where it does."""
         closed = [(c, cast(PairState, p)) for c, p in zip(self.contacts, self.closed_pairs(t, y), strict=True) if p]
         some, count = [pair for _, pair in closed], len(closed)
         delassus, rows = self.dynamics.delassus(some)
         free = self.dynamics.free_rates(t, y, some, rows)
         slips, law = [SIGN.get(contact.mode) for contact, _ in closed], frictions(some)
-        rolls = [k for k, (contact, _) in enumerate(closed) if contact.mode is Mode.ROLL]
+        slips += [float(self.turn) if self.turn else None] * (len(law[0]) - count)
+        rolls = [k for k, (contact, _) in enumerate(closed) if contact.mode in STICKS]
         constraints = [*range(count), *(count + k for k in rolls)]
+        constraints += range(2 * count, len(free)) if self.turn == 0 else ()
         if least_rate(delassus, free, slips, *law, constraints, NO_RATE) <= NO_RATE:
             return None
         answers = solutions(delassus, free, slips, *law)
@@ -168,6 +200,8 @@ class SeveralContactPhase:
         rates, small = [delassus @ force + free for force in answers], NO_RATE * float(np.abs(free).max())
         slipping = [k for k in rolls if abs(rates[0][count + k]) > small]
         opening = {closed[k][0].name: 0.0 for k in range(count) if rates[0][k] > small}
+        turning = float(rates[0][-1]) if self.turn == 0 and len(free) > 2 * count else 0.0
+        opening |= {ROTATION: float(np.sign(turning))} if abs(turning) > small else {}
         return {closed[k][0].name: float(np.sign(rates[0][count + k])) for k in slipping} | opening
 
     def starts_after(self, step: float, t: float, y: np.ndarray) -> dict[str, float]:

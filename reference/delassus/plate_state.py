@@ -40,6 +40,7 @@ class PlateState:
         self.speed = 0.0
         self.touching: set[str] = set()
         self.stuck: set[str] = set()
+        self.turns = True  # False where rolling resistance has ended the rotation
 
     def pairs(self) -> list[PairState]:
         """All contacts in this state; their points are updated."""
@@ -124,12 +125,13 @@ class PlateState:
         now = self.pairs()
         touching = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.touching]
         sticking = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.stuck & self.touching]
-        rows = np.array([p.lift_row for p in touching] + [p.slip_row for p in sticking])
+        turning = [] if self.turns else [self.dynamics.turning_row]
+        rows = np.array([p.lift_row for p in touching] + [p.slip_row for p in sticking] + turning)
         if not rows.size:
             return
         rows, goals = (
             rows / self.dynamics.units * self.dynamics.moves,
-            np.array([0.0] * len(touching) + [p.surface for p in sticking]),
+            np.array([0.0] * len(touching) + [p.surface for p in sticking] + [0.0] * len(turning)),
         )
         is_held = np.linalg.matrix_rank(rows, tol=1e-9) == np.count_nonzero(self.dynamics.inverse)
         if is_held and not goals.any():

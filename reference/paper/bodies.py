@@ -6,7 +6,9 @@
 
 M and F have a block for each body, q₁ its (X₀, Y₀, θ). Every closed contact has its own q₂ = (ξ₁, ξ₂), its rows (8)″
 and (9)″ with the third derivatives of (25), and its column of (33); one that does not slip has the tangential column
-and the row of rolling as well; a belt changes the right-hand side of that row alone. A contact of two bodies is that of
+and the row of rolling as well; a belt changes the right-hand side of that row alone. Rolling resistance adds its couple
+to the column of each contact that resists, and, where it prevents the rotation, one couple and the row θ̈ = 0 to its
+body. A contact of two bodies is that of
 a plate on a driven track: the track is the boundary of the other body, and its accelerations, which a drive adds to C,
 are unknowns with the columns of `_base_block`; the other body has the opposite forces. At a corner of the outline r_p
 vanishes: ξ₂ and the row (9)″ are left out, and θ̇ is part of the state. Literal and slow; the fast form of one body is
@@ -26,10 +28,12 @@ from cases.corner import Corner
 from cases.moving_surface import TrackPlace
 
 from .augmented import (
+    WITHOUT_SLIP,
     applied_torsor,
     constraints,
     friction_ratio,
     mass_matrix,
+    resistance,
     rolling_row,
     sliding_column,
     tangential_column,
@@ -72,10 +76,15 @@ def solve_bodies(
     """
     places = [_kinematics(one, motions) for one in contacts]
     sizes = [1 if isinstance(one.pair.plate.outline, Corner) else 2 for one in contacts]
-    rolls = [one.mode is Mode.ROLL for one in contacts]
+    rolls = [one.mode in WITHOUT_SLIP for one in contacts]
+    resistances = [
+        resistance(one.pair, one.mode, 1, None, motions[one.body][6]) if one.base is None else (0.0, False)
+        for one in contacts
+    ]
+    held = sorted({one.body for one, (_, is_fixed) in zip(contacts, resistances, strict=True) if is_fixed})
     row = first = 3 * len(bodies)
     column = row + sum(sizes)
-    matrix = np.zeros((column + len(contacts) + sum(rolls),) * 2)
+    matrix = np.zeros((column + len(contacts) + sum(rolls) + len(held),) * 2)
     right = np.zeros(len(matrix))
     for i, (body, motion) in enumerate(zip(bodies, motions, strict=True)):
         matrix[_own(i), _own(i)], right[_own(i)] = mass_matrix(body), applied_torsor(body, motion)
@@ -83,7 +92,7 @@ def solve_bodies(
             matrix[3 * i + 2, 3 * i + 2], right[3 * i + 2] = 1.0, 0.0
     columns: list[tuple[int, float]] = []
     parameters: list[slice] = []
-    for one, k, is_rolling, size in zip(contacts, places, rolls, sizes, strict=True):
+    for one, k, is_rolling, size, (arm, _) in zip(contacts, places, rolls, sizes, resistances, strict=True):
         own = slice(first, first + size)
         ratio = friction_ratio(one.pair, one.mode, 1, _slip(one, k, motions))
         rows = slice(row, row + size + 1)
@@ -95,7 +104,7 @@ def solve_bodies(
         )
         if one.base is not None:
             matrix[rows, _own(one.base)] = _base_block(k, B)[: size + 1]
-        _add_force(matrix, one, k, column, sliding_column(k, ratio))
+        _add_force(matrix, one, k, column, sliding_column(k, ratio, arm))
         columns.append((column, ratio))
         parameters.append(own)
         row, column, first = row + size + 1, column + 1, first + size
@@ -104,6 +113,8 @@ def solve_bodies(
             coefficients, right[row] = rolling_row(k, belt_of(one.pair, motions[one.body][0]))
             matrix[row, own] = coefficients[:size]
             row, column = row + 1, column + 1
+    for i, place in zip(held, range(-len(held), 0), strict=True):
+        matrix[3 * i + 2, place], matrix[place, 3 * i + 2] = -1.0, 1.0
     for i, body in enumerate(bodies):
         if not body.plate.turns:
             matrix[3 * i + 2, 3 * len(bodies) + sum(sizes) :] = 0.0

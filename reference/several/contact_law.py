@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, Plate
+from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, Plate, RollingResistance
+
+# The modes of a contact without slip.
+STICKING = (Mode.ROLL, Mode.REST)
 
 
 def compliance(plate: Plate) -> np.ndarray:
@@ -29,6 +32,12 @@ def kinetic(contact: Case, slip):
     """The coefficient of friction at a slip velocity (m/s), or at an array of them."""
     friction = contact.effect(CoulombFriction)
     return friction.at(abs(slip)) if friction and friction.by_speed else coefficients(contact)[0]
+
+
+def resisting_arm(contact: Case) -> float:
+    """The largest couple of a contact's rolling resistance per normal force, m; 0 without."""
+    resistance = contact.effect(RollingResistance)
+    return resistance.arm if resistance else 0.0
 
 
 def restitution(contact: Case) -> float:

@@ -7,9 +7,9 @@ reported as `not_unique`, none is chosen.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
-from math import inf
+from math import copysign, inf
 from typing import NamedTuple
 
 import numpy as np
@@ -21,9 +21,9 @@ from ..minimal.decision import Undecidable, _by_series, follows
 from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.elimination import T
 from . import forces
-from .contact_law import freedoms, slip_modes
+from .contact_law import STICKING, freedoms, slip_modes
 from .equations import COLUMNS, FIRST_COLUMN
-from .geometry import TOUCHES, ContactPlace
+from .geometry import TOUCHES, TURNING_ROW, ContactPlace
 from .regimes import SeveralPhase, SeveralRegime, body_of, regime_of, several_phase
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
@@ -101,11 +101,11 @@ def consistent_motions(
     of `decide`. Raises Undecidable."""
     motions: list[tuple[SeveralRegime, np.ndarray]] = []
     most = freedoms(case.plate)
-    for modes in product(*_options(now, fixed or {})):
-        regime = SeveralRegime(modes, now.names, now.limits, now.pairs, now.away)
-        rows = sum(2 if mode is Mode.ROLL else mode is not Mode.FLIGHT for mode in modes)
+    for modes, turn in _combinations(case, now, fixed or {}):
+        regime = SeveralRegime(modes, now.names, now.limits, now.pairs, now.away, turn=turn)
+        rows = sum(2 if mode in STICKING else mode is not Mode.FLIGHT for mode in modes) + (turn == 0)
         if rows > 2 and not _is_on_belt(now, modes):
-            if last_modes is not None or not _rests(case, now, modes):
+            if last_modes is not None or not _rests(case, now, modes, turn):
                 continue
             motions.append((regime._replace(rests=True), np.zeros(3)))
             continue
@@ -127,7 +127,19 @@ def consistent_motions(
 
 def _sticking(regime: SeveralRegime) -> int:
     """How many contacts do not slip."""
-    return sum(mode is Mode.ROLL for mode in regime.modes)
+    return sum(mode in STICKING for mode in regime.modes)
+
+
+def _combinations(
+    case: Case, now: DecisionInstant, fixed: dict[int, tuple[Mode, ...]]
+) -> Iterator[tuple[tuple[Mode, ...], int | None]]:
+    """The modes of all contacts with the sense of the plate's rotation (`SeveralRegime.turn`), 0 first."""
+    omega = now.state[-1]
+    turns = (int(copysign(1.0, omega)),) if abs(omega) * case.plate.gyration > STILL * now.speed else (0, 1, -1)
+    for modes in product(*_options(now, fixed)):
+        resists = any(mode is not Mode.FLIGHT and at.resisting_arm for at, mode in zip(now.places, modes, strict=True))
+        for turn in turns if resists else (None,):
+            yield tuple(Mode.REST if mode in STICKING and turn == 0 else mode for mode in modes), turn
 
 
 def _options(now: DecisionInstant, fixed: dict[int, tuple[Mode, ...]]) -> list[tuple[Mode, ...]]:
@@ -148,22 +160,23 @@ def _options(now: DecisionInstant, fixed: dict[int, tuple[Mode, ...]]) -> list[t
     return options
 
 
-def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
+def _rests(case: Case, now: DecisionInstant, modes: tuple[Mode, ...], turn: int | None) -> bool:
     """Whether these contacts hold the plate: it is still, cannot move, and their forces balance the load."""
     closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
     slips = any(mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD) for mode in modes)
-    if slips or len(closed) < len(now.touching) or np.any(np.array(now.state[-3:])):
+    if slips or turn or len(closed) < len(now.touching) or np.any(np.array(now.state[-3:])):
         return False
     some = [now.places[k] for k in closed]
     sticks = limits_of_friction(some, [modes[k] for k in closed], now.time, now.state)
-    rows = [at.lift_row for at in some] + [now.places[k].slip_row for k in closed if modes[k] is Mode.ROLL]
+    rows = [at.lift_row for at in some] + [now.places[k].slip_row for k in closed if modes[k] in STICKING]
+    rows += [TURNING_ROW] if turn == 0 else []
     moving = np.array(rows)[:, : freedoms(case.plate)]
     if np.linalg.matrix_rank(moving, tol=1e-9 * case.plate.reach) < freedoms(case.plate):
         return False
     load = load_at(case, now.time, body_of(now.state))
     if not np.isfinite(load).all():
         raise Undecidable
-    return forces.margin(some, load, forces.units_of(case.plate), sticks) >= BALANCED
+    return forces.margin(some, load, forces.units_of(case.plate), sticks, limits_of_couples(some, turn)) >= BALANCED
 
 
 def limits_of_friction(
@@ -173,11 +186,19 @@ def limits_of_friction(
     velocity = np.array(state[-3:])
     limits: list[forces.Limit] = []
     for at, mode in zip(some, modes, strict=True):
-        if mode is Mode.ROLL:
+        if mode in STICKING:
             limits.append(at.stick)
         else:
             limits.append(forces.Slipping(-SLIP_SIGN[mode] * at.mu_of(velocity, t)) if mode in SLIP_SIGN else 0.0)
     return limits
+
+
+def limits_of_couples(some: Sequence[ContactPlace], turn: int | None) -> list[forces.Limit]:
+    """What limits the rolling resistance of closed contacts of a plate that turns in that sense (`SeveralRegime.turn`);
+    empty without any."""
+    if turn is None:
+        return []
+    return [forces.Slipping(-turn * at.resisting_arm) if turn else at.resisting_arm for at in some]
 
 
 def _is_on_belt(now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
@@ -193,7 +214,7 @@ def _guides(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> tuple[
     independent, as many as the plate's velocities; None if there are fewer."""
     picks, rows = [[False, False] for _ in modes], list[np.ndarray]()
     normals = [(k, 0) for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
-    tangents = [(k, 1) for k, mode in enumerate(modes) if mode is Mode.ROLL]
+    tangents = [(k, 1) for k, mode in enumerate(modes) if mode in STICKING]
     units = forces.units_of(case.plate)
     for k, which in (*normals, *tangents):
         at = now.places[k]
@@ -243,7 +264,7 @@ def margin_on_belts(phase: SeveralPhase, t: float, state: Sequence[float], every
         return -inf
     some = [every[k] for k in regime.closed]
     limits = limits_of_friction(some, [regime.modes[k] for k in regime.closed], t, state)
-    return forces.margin(some, load, units, limits)
+    return forces.margin(some, load, units, limits, limits_of_couples(some, regime.turn))
 
 
 def load_on_belts(phase: SeveralPhase, t: float, state: Sequence[float] | np.ndarray) -> np.ndarray:

@@ -6,6 +6,8 @@ a·t − ω̇ h_n = ω² h_t + ḃ, with the speed b of the support's surface al
 (19), they are linear in the contacts' forces, and solved by Cramer's rule. A plate has three degrees of freedom: three
 rows or more hold it at rest, or determine its motion by the belts that it sticks to. Of more than three, whose forces
 are not unique, three are used. One of infinite inertia has two: moments over an infinite ρ² vanish.
+Rolling resistance adds a couple −τ c N to each contact's force, against the rotation ω of sign τ that all contacts
+resist; while they prevent it, the row ω̇ = 0 has the sum of their couples, at most the sum of all c N.
 ξ̇ follows from the velocities by (8)′ and (9)′, for an open contact with its gap.
 """
 
@@ -17,7 +19,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from cases.derivation import in_one_thread
-from cases.expression_graph import ONE, ZERO, Node, symbol
+from cases.expression_graph import ONE, ZERO, Node, sqrt, symbol
 
 from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
 from ..minimal.effects import MASS, Coulomb, CoulombBySpeed, FixedSurface, Frictionless, Laws
@@ -31,6 +33,16 @@ _, X, Y, THETA, VX, VY, OMEGA = _MOTION
 COLUMNS = ("normal", "friction", "slip", "gap", "lift")
 # Those of the first contact begin after the applied force and the accelerations.
 FIRST_COLUMN = 5
+# The radius of gyration, m.
+RADIUS = sqrt(GYRATION)
+
+
+class Rotation(Enum):
+    """How the contacts resist the plate's rotation: not at all, against its direction, or so that it does not turn."""
+
+    FREE = "free"
+    RESISTED = "resisted"
+    HELD = "held"
 
 
 class ContactRows(Enum):
@@ -78,6 +90,7 @@ class ContactForm(NamedTuple):
 
     `surface`: its support's surface, which may run. `guides`: where more rows than three determine the motion, which of
     its normal and tangential row are used; no row has a force of its own then.
+    `resists`: whether it resists rolling.
     """
 
     track: Any
@@ -89,6 +102,7 @@ class ContactForm(NamedTuple):
     turns: bool
     surface: FixedSurface = FixedSurface()
     guides: tuple[bool, bool] | None = None
+    resists: bool = False
 
     @property
     def rubs(self) -> bool:
@@ -96,15 +110,15 @@ class ContactForm(NamedTuple):
         return isinstance(self.friction, Coulomb)
 
 
-def several_system(forms: tuple[ContactForm, ...], law: Laws) -> System:
+def several_system(forms: tuple[ContactForm, ...], law: Laws, rotation: Rotation = Rotation.FREE) -> System:
     """The equations of contacts of those forms, derived once."""
-    return _several_system(forms, law)
+    return _several_system(forms, law, rotation)
 
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _several_system(forms: tuple[ContactForm, ...], law: Laws) -> System:
-    return System(_equations(forms, law))
+def _several_system(forms: tuple[ContactForm, ...], law: Laws, rotation: Rotation) -> System:
+    return System(_equations(forms, law, rotation))
 
 
 def _contact(form: ContactForm, k: int) -> _ContactTerms:
@@ -124,10 +138,11 @@ def _contact(form: ContactForm, k: int) -> _ContactTerms:
     return _ContactTerms(f, h, slip, lift, gap, along_track, along_track * shrink - slip, clearance)
 
 
-def _rows(contact: _ContactTerms, form: ContactForm, surface: Surface, ratio: Node) -> list[_EquationRow]:
-    """The rows of one contact, the normal one first."""
+def _rows(contact: _ContactTerms, form: ContactForm, surface: Surface, ratio: Node, couple: Node) -> list[_EquationRow]:
+    """The rows of one contact, the normal one first; `couple`: that of rolling resistance per normal force."""
     if form.guides is None:
-        return _rows_of_kind(contact, form.kind, surface, ratio)
+        rows = _rows_of_kind(contact, form.kind, surface, ratio)
+        return rows if couple is ZERO else [rows[0]._replace(moment=rows[0].moment + couple), *rows[1:]]
     both = _rows_of_kind(contact, ContactRows.STICK, surface, ZERO)
     return [row for row, is_used in zip(both, form.guides, strict=True) if is_used]
 
@@ -186,14 +201,18 @@ def _solve_three(weights: list[list[Node]], right: list[Node]) -> tuple[list[Nod
     return values, determinant
 
 
-def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
+def _equations(forms: tuple[ContactForm, ...], law: Laws, rotation: Rotation) -> Equations:
     count = len(forms)
     contacts = [_contact(form, k) for k, form in enumerate(forms)]
     surfaces = [form.surface.of_contact(k).surface for k, form in enumerate(forms)]
     slips = [contact.slip - surface.speed for contact, surface in zip(contacts, surfaces, strict=True)]
     ratios = [_ratio(form, k, slip) for k, (form, slip) in enumerate(zip(forms, slips, strict=True))]
-    flat = [row for each in zip(contacts, forms, surfaces, ratios, strict=True) for row in _rows(*each)]
+    resisted = [k for k, form in enumerate(forms) if form.resists and form.kind not in NO_ROWS]
+    couples = [symbol(f"rho_{k}") if rotation is Rotation.RESISTED and k in resisted else ZERO for k in range(count)]
+    flat = [row for each in zip(contacts, forms, surfaces, ratios, couples, strict=True) for row in _rows(*each)]
     is_guided = any(form.guides is not None for form in forms)
+    if rotation is Rotation.HELD and not is_guided:
+        flat.append(_EquationRow((ZERO, ZERO), RADIUS, ZERO, (ZERO, ZERO), RADIUS))
     if len(flat) > 3:
         raise ValueError("a plate has at most three rows of contact with forces of their own")
     torsor = law.torsor
@@ -203,12 +222,15 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
         acceleration[0] = acceleration[0] + row.force[0] * value
         acceleration[1] = acceleration[1] + row.force[1] * value
         acceleration[2] = acceleration[2] + row.moment * value / GYRATION
+    if rotation is Rotation.HELD and not is_guided:
+        acceleration[2] = ZERO  # exactly, so that no rotation of roundings begins
     conditions: dict[str, Node] = {}
     slip_rates: dict[str, Node] = {}
     limits: dict[str, Node] = {}
     equalities: dict[str, Node] = {}
     columns: list[Node] = []
     rest = iter(multipliers)
+    bound = ZERO  # of the contacts' couples together
     frictions: dict[int, Node] = {}
     for k, (contact, form, ratio, surface) in enumerate(zip(contacts, forms, ratios, surfaces, strict=True)):
         kind, rubs, slip = form.kind, form.rubs, slips[k]
@@ -216,6 +238,8 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
         normal = next(rest) if has_force else ZERO
         friction = next(rest) if has_force and kind is ContactRows.STICK else ratio * normal
         frictions[k] = friction
+        if k in resisted:
+            bound = bound + symbol(f"arm_{k}") * normal
         columns += [normal, friction, slip, contact.gap, contact.lift]
         if is_guided and kind not in NO_ROWS:
             off = _contradictions(contact, kind, surface, acceleration)
@@ -244,6 +268,12 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
         if not form.stays:
             limits[f"fit:{k}"] = contact.clearance
             limits |= _ends(form.has_ends, k, "")
+    rotating, rotating_rates, held = _resistance(
+        rotation, acceleration[2], bound, None if is_guided else next(rest, None)
+    )
+    conditions |= rotating
+    slip_rates |= rotating_rates
+    equalities |= held
     if flat and not is_guided and any(form.rubs and form.kind is ContactRows.SLIP for form in forms):
         # As many rows as velocities determine the motion whatever the sign of their determinant.
         most = 2 if law.rotation_fixed else 3
@@ -263,6 +293,22 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws) -> Equations:
         variables, len(positions), (*rates, *acceleration), outputs, conditions | equalities, slip_rates, guards,
         checked, layout,
     )  # fmt: skip
+
+
+def _resistance(
+    rotation: Rotation, turning: Node, bound: Node, couple: Node | None
+) -> tuple[dict[str, Node], dict[str, Node], dict[str, Node]]:
+    """The conditions of rolling resistance, the rates of those that are velocities, and what vanishes in addition where
+    the forces are not unique; `couple`: what prevents the rotation, in units of a force (None: not unique)."""
+    if rotation is Rotation.RESISTED:
+        tau = symbol("tau")
+        return {"turn": tau * OMEGA * RADIUS}, {"turn": tau * turning * RADIUS}, {}
+    if rotation is Rotation.FREE:
+        return {}, {}, {}
+    if couple is None:
+        return {}, {}, {"turning_above": turning * RADIUS, "turning_below": -turning * RADIUS}
+    # Forward is the direction in which the plate begins to turn when the couple reaches its bound.
+    return {"couple_forward": bound / RADIUS + couple, "couple_backward": bound / RADIUS - couple}, {}, {}
 
 
 def _slips_by_speed(form: ContactForm) -> bool:

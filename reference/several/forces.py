@@ -1,7 +1,8 @@
 """Forces of contacts that hold a plate at rest: which forces are admissible, and by how much.
 
 A force inside Coulomb's cone is a sum of its two edges n ± μ t with weights that are not negative (a frictionless
-contact has the one edge n, one that slips n + ratio t). Equilibrium is three equations for the weights, so the
+contact has the one edge n, one that slips n + ratio t). With rolling resistance each edge has a couple as well: any up
+to the arm times the normal force, or that of a rotation. Equilibrium is three equations for the weights, so the
 admissible forces are a polytope. A linear program finds whether it is empty, and its vertices give its ranges. Where it
 has no bound or too many vertices, linear programs do, and the last step solves the active equations, to rounding. A
 plate that belts move in a given way is in equilibrium with its inertial forces.
@@ -45,12 +46,15 @@ def units_of(plate: Plate) -> np.ndarray:
 
 
 class Slipping(NamedTuple):
-    """In place of the coefficient of a contact that does not slip: the friction per normal force of one that does."""
+    """In place of the coefficient of a contact that does not slip: the friction per normal force of one that does. Of
+    rolling resistance: in place of the arm of a plate that does not turn, the couple per normal force of one that does.
+    """
 
     ratio: float
 
 
-# What limits the friction of a contact: its coefficient (infinite: no bound), or the slip that determines it.
+# What limits the friction of a contact, or its couple: its coefficient (infinite: no bound) or arm, or the motion that
+# determines it.
 Limit = float | Slipping
 
 
@@ -62,21 +66,32 @@ class ForceRanges(NamedTuple):
     friction: np.ndarray
 
 
-def _generators(now: Sequence[RowsOfContact], sticks: Sequence[Limit]) -> tuple[np.ndarray, np.ndarray]:
+def _generators(
+    now: Sequence[RowsOfContact], sticks: Sequence[Limit], couples: Sequence[Limit] = ()
+) -> tuple[np.ndarray, np.ndarray]:
     """The edges of all cones as columns (fx, fy, moment), shape (3, edges), and (normal, friction) of each edge by
     contact, shape (contacts, 2, edges). Without a bound on friction the edges are n, t and −t."""
-    edges = [_edges(stick) for stick in sticks]
+    edges = [_edges(stick, couple) for stick, couple in zip(sticks, couples or (0.0,) * len(sticks), strict=True)]
     columns: list[np.ndarray] = []
     parts = np.zeros((len(now), 2, sum(map(len, edges))))
     for k, one in enumerate(now):
-        for normal, friction in edges[k]:
+        for normal, friction, couple in edges[k]:
             parts[k, :, len(columns)] = normal, friction
-            columns.append(normal * one.lift_row + friction * one.slip_row)
+            column = normal * one.lift_row + friction * one.slip_row
+            columns.append(column + (0.0, 0.0, couple) if couple else column)
     return np.array(columns).T, parts
 
 
-def _edges(stick: Limit) -> list[tuple[float, float]]:
-    """Normal and friction force of the edges of one cone."""
+def _edges(stick: Limit, couple: Limit) -> list[tuple[float, float, float]]:
+    """Normal force, friction and couple of the edges of one cone."""
+    couples = (couple.ratio,) if isinstance(couple, Slipping) else (couple, -couple) if couple else (0.0,)
+    edges = _edges_of_forces(stick)
+    with_normal = [(normal, friction, value) for normal, friction in edges for value in couples if normal]
+    return with_normal + [(normal, friction, 0.0) for normal, friction in edges if not normal]
+
+
+def _edges_of_forces(stick: Limit) -> list[tuple[float, float]]:
+    """Normal and friction force of the edges of one cone of forces."""
     if isinstance(stick, Slipping):
         return [(1.0, stick.ratio)]
     if stick == 0.0:
@@ -84,16 +99,23 @@ def _edges(stick: Limit) -> list[tuple[float, float]]:
     return [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] if isinf(stick) else [(1.0, stick), (1.0, -stick)]
 
 
-def margin(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, sticks: Sequence[Limit]) -> float:
+def margin(
+    now: Sequence[RowsOfContact],
+    load: np.ndarray,
+    units: np.ndarray,
+    sticks: Sequence[Limit],
+    couples: Sequence[Limit] = (),
+) -> float:
     """The largest least weight with which the contacts balance a load (fx, fy, moment), in units of the load; −inf if
     the load cannot be balanced with weights of any sign, at most 1.
 
     It is negative if no admissible forces hold the plate, and its zero is the limit. `units`: factors of the equations
-    of equilibrium, which give them one unit; 0 leaves an equation out.
+    of equilibrium, which give them one unit; 0 leaves an equation out. `couples`: the limits of rolling resistance, if
+    there is any.
     """
     from scipy.optimize import linprog  # slow to import, and most motions never come here
 
-    columns, right = _generators(now, sticks)[0] * units[:, None], -load * units
+    columns, right = _generators(now, sticks, couples)[0] * units[:, None], -load * units
     size = float(np.abs(right).max())
     if size == 0.0:
         return 0.0
@@ -112,10 +134,16 @@ def margin(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, st
     return float(exact[-1]) if np.abs(matrix[:, active] @ exact - right).max() < 1e-12 else float(answer.x[-1])
 
 
-def ranges(now: Sequence[RowsOfContact], load: np.ndarray, units: np.ndarray, sticks: Sequence[Limit]) -> ForceRanges:
-    """The ranges of the forces with which the contacts balance a load (N, N, N m); NaN if they cannot. `units` as of
-    `margin`."""
-    columns, parts = _generators(now, sticks)
+def ranges(
+    now: Sequence[RowsOfContact],
+    load: np.ndarray,
+    units: np.ndarray,
+    sticks: Sequence[Limit],
+    couples: Sequence[Limit] = (),
+) -> ForceRanges:
+    """The ranges of the forces with which the contacts balance a load (N, N, N m); NaN if they cannot. `units` and
+    `couples` as of `margin`."""
+    columns, parts = _generators(now, sticks, couples)
     matrix, right = columns * units[:, None], -load * units
     size = float(np.abs(right).max()) or 1.0
     corners = _corners(matrix, right / size)

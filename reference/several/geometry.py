@@ -13,12 +13,14 @@ from cases.contact import belt_speed, find
 from cases.contact_pairs import PairCase
 from cases.corner import Corner
 
-from .contact_law import coefficients, compliance, freedoms, kinetic, restitution
+from .contact_law import coefficients, compliance, freedoms, kinetic, resisting_arm, restitution
 
 # A contact touches if its gap is below this part of the plate's size and place: the rounding of an event's pose.
 TOUCHES = 1e-12
 # Newton's steps that move a plate onto its contacts: each squares the error, which begins at an integrator's tolerance.
 STEPS = 8
+# The row of the plate's rotation in (vx, vy, ω).
+TURNING_ROW = np.array([0.0, 0.0, 1.0])
 
 
 class ContactPlace(NamedTuple):
@@ -53,6 +55,11 @@ class ContactPlace(NamedTuple):
     def stick(self) -> float:
         """The coefficient of friction without slip."""
         return coefficients(self.contact)[1]
+
+    @property
+    def resisting_arm(self) -> float:
+        """The largest couple of rolling resistance per normal force, m."""
+        return resisting_arm(self.contact)
 
     @property
     def restitution(self) -> float:
@@ -115,15 +122,18 @@ def without_velocity(
     now: Sequence[ContactPlace],
     closed: Sequence[int],
     stuck: Sequence[int],
+    is_turning: bool = True,
 ) -> list[float]:
     """The plate's state at time t (s) with lift velocity 0 at the closed contacts and slip velocity 0 at the stuck
-    ones: the nearest such velocities in kinetic energy."""
+    ones, and without rotation unless it is turning: the nearest such velocities in kinetic energy."""
     rows = [now[k].lift_row for k in closed] + [now[k].slip_row for k in stuck]
+    rows += [] if is_turning else [TURNING_ROW]
     velocity = np.array(body[3:], dtype=float)
     if rows:
         inverse = compliance(case.plate)
         matrix = np.array(rows)
         goals = np.array([0.0] * len(closed) + [belt_speed(now[k].contact, t) for k in stuck])
+        goals = goals if is_turning else np.append(goals, 0.0)
         is_held = np.linalg.matrix_rank(matrix * np.sqrt(inverse), tol=1e-9) == freedoms(case.plate)
         if is_held and not goals.any():
             return [*body[:3], 0.0, 0.0, 0.0]

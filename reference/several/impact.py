@@ -2,8 +2,10 @@
 
 Normal impulses P ≥ 0 and velocities after the impact obey v_n⁺ + e v_n⁻ ≥ 0, complementary to P, at every contact that
 is touched, and friction Coulomb's law between whole impulses and velocities after the impact. Poisson's law has two
-stages: e = 0, then impulses of at least e times those of the first. With one contact touched, Routh's construction of
-`minimal.impact` is used instead. (Derived here; the laws differ where several contacts are touched.)
+stages: e = 0, then impulses of at least e times those of the first. Rolling resistance adds impulses of couples, of the
+arm times P against the rotation after the impact, or, if there is none, of at most that. With one contact touched,
+Routh's construction of `minimal.impact` is used instead. (Derived here; the laws differ where several contacts are
+touched.)
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from cases.contact import belt_speed
 
 from ..minimal.impact import ContactVelocity, collide, law_of
 from .contact_law import compliance
-from .geometry import ContactPlace
+from .geometry import TURNING_ROW, ContactPlace
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10
@@ -28,6 +30,8 @@ ROUNDING = 1e-10
 TURNS = 1e-9
 STICK, FORWARD, BACKWARD, OPEN = "stick", "forward", "backward", "open"
 SIGN = {FORWARD: 1.0, BACKWARD: -1.0}
+# In place of a contact's number: the couple that ends the rotation.
+COUPLE = -1
 
 
 class NoImpact(ArithmeticError):
@@ -36,11 +40,12 @@ class NoImpact(ArithmeticError):
 
 class ImpactVelocities(NamedTuple):
     """Velocities (vx, vy, ω) of each body after an impact, and lift and slip velocity of every touched contact, zeros
-    exact."""
+    exact; `turns`: False if rolling resistance has ended the rotation."""
 
     velocity: np.ndarray
     lift: np.ndarray
     slip: np.ndarray
+    turns: bool = True
 
 
 class TouchedContact(Protocol):
@@ -65,13 +70,21 @@ class Inertia(NamedTuple):
 
 
 class _ImpactLaw(NamedTuple):
-    """Restitution, least normal impulse and coefficient of friction of each contact, and the speed of its support's
-    surface (m/s)."""
+    """Restitution, least normal impulse and coefficient of friction of each contact, the speed of its support's
+    surface (m/s), and the arm of its rolling resistance (m; 0: none). `turn`: the sense of the rotation after the
+    impact, 0 if the resistance ends it; None without resistance. `gyration`: the radius of gyration, m."""
 
     restitution: np.ndarray
     least: np.ndarray
     mu: list[float]
     belts: np.ndarray
+    arms: np.ndarray
+    turn: int | None = None
+    gyration: float = 1.0
+
+    def couple(self, k: int) -> np.ndarray | float:
+        """The couple (vx, vy, ω) per normal impulse of contact k against the rotation; 0 if there is none."""
+        return -self.turn * self.arms[k] * TURNING_ROW if self.turn else 0.0
 
 
 def impact(
@@ -86,7 +99,8 @@ def impact(
         return _one_contact(before, places_hit[0], belt_speed(places_hit[0].contact, t))
     plate = Inertia(compliance(case.plate), np.array([1.0, 1.0, case.plate.gyration]))
     belts = np.array([belt_speed(at.contact, t) for at in places_hit])
-    return impact_of_all(law.law, plate, before, places_hit, speed, belts)
+    arms = np.array([at.resisting_arm for at in places_hit])
+    return impact_of_all(law.law, plate, before, places_hit, speed, belts, arms)
 
 
 def impact_of_all(
@@ -96,19 +110,21 @@ def impact_of_all(
     contacts: Sequence[TouchedContact],
     speed: float,
     belts: np.ndarray | None = None,
+    arms: np.ndarray | None = None,
 ) -> ImpactVelocities:
     """The velocities of one or several bodies after an impact at all touched contacts: by Newton's, Moreau's or
     Poisson's law ("newton", "moreau", "poisson") for whole impulses. `belts`: the speeds of the supports' surfaces
-    (m/s; None: at rest). Arguments and errors as of `impact`."""
+    (m/s; None: at rest); `arms`: those of the rolling resistance of one body (m; None: there is none). Arguments and
+    errors as of `impact`."""
     mu, nothing = [at.mu for at in contacts], np.zeros(len(contacts))
-    belts = nothing if belts is None else belts
+    belts, arms = (nothing if some is None else some for some in (belts, arms))
     restitution = np.array([at.restitution for at in contacts])
     if law != "poisson":
-        return _collide(inertia, before, contacts, _ImpactLaw(restitution, nothing, mu, belts), speed)[0]
-    compressed, impulses = _collide(inertia, before, contacts, _ImpactLaw(nothing, nothing, mu, belts), speed)
+        return _collide(inertia, before, contacts, _ImpactLaw(restitution, nothing, mu, belts, arms), speed)[0]
+    compressed, impulses = _collide(inertia, before, contacts, _ImpactLaw(nothing, nothing, mu, belts, arms), speed)
     if not restitution.any():
         return compressed
-    second = _ImpactLaw(nothing, restitution * impulses, mu, belts)
+    second = _ImpactLaw(nothing, restitution * impulses, mu, belts, arms)
     return _collide(inertia, compressed.velocity, contacts, second, speed)[0]
 
 
@@ -122,7 +138,8 @@ def _one_contact(before: np.ndarray, at: ContactPlace, belt: float) -> ImpactVel
     along = after.slip + belt
     vx = along * tx - after.lift * ty + after.omega * ry
     vy = along * ty + after.lift * tx - after.omega * rx
-    return ImpactVelocities(np.array([vx, vy, after.omega]), np.array([after.lift]), np.array([after.slip]))
+    turns = after.omega != 0.0 or not at.resisting_arm
+    return ImpactVelocities(np.array([vx, vy, after.omega]), np.array([after.lift]), np.array([after.slip]), turns)
 
 
 def _collide(
@@ -134,8 +151,11 @@ def _collide(
         for mu in law.mu
     ]
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
-    for modes in product(*options):
-        for one in _in_modes(modes, before, places_hit, law, inertia.inverse, speed):
+    turns = (0, 1, -1) if law.arms.any() else (None,)
+    for modes, turn in product(product(*options), turns):
+        for one in _in_modes(
+            modes, before, places_hit, law._replace(turn=turn, gyration=inertia.lengths[2]), inertia.inverse, speed
+        ):
             if all(_differ(one[0], other[0], inertia.lengths, speed) for other in solutions):
                 solutions.append(one)
     if len(solutions) != 1:
@@ -165,17 +185,18 @@ def _in_modes(
                 # The least impulse has friction of its own; its direction is that of the slip after the impact.
                 one = _with_least(modes, before, places_hit, law, compliance, speed)
                 return [one] if one is not None else []
-            change = change + law.least[k] * at.lift_row
+            change = change + law.least[k] * (at.lift_row + law.couple(k))
             continue
         rows.append(at.lift_row)
         goals.append(-(1.0 + law.restitution[k]) * lift[k])
-        columns.append(at.lift_row + ratio * at.slip_row)
+        columns.append(at.lift_row + ratio * at.slip_row + law.couple(k))
         which.append((k, True))
         if mode == STICK:
             rows.append(at.slip_row)
             goals.append(-slip[k])
             columns.append(at.slip_row)
             which.append((k, False))
+    _hold(law, before, rows, columns, goals, which)
     solution = _solve(rows, columns, goals, change, compliance, speed)
     if solution is None:
         return []
@@ -185,6 +206,26 @@ def _in_modes(
         members = _extremes(modes, before, places_hit, law, speed, solution, which, turning)
     outcomes = [_check(modes, before, places_hit, law, speed, one, which) for one in members]
     return [one for one in outcomes if one is not None]
+
+
+def _hold(law: _ImpactLaw, before: np.ndarray, rows: list, columns: list, goals: list, which: list) -> None:
+    """Add the row that ends the rotation, if rolling resistance does."""
+    if law.turn == 0:
+        rows.append(law.gyration * TURNING_ROW)
+        columns.append(law.gyration * TURNING_ROW)
+        goals.append(-law.gyration * float(before[2]))
+        which.append((COUPLE, False))
+
+
+def _bounds_of_couple(law: _ImpactLaw, which: list) -> tuple[list[np.ndarray], float]:
+    """Rows of the impulses in `which` that must not be below a bound, and that bound: the couple that ends the rotation
+    is at most the sum of all contacts' normal impulses times their arms."""
+    limit, row = np.zeros(len(which)), np.zeros(len(which))
+    closed = {k for k, is_normal in which if is_normal}
+    for i, (k, is_normal) in enumerate(which):
+        limit[i] = law.arms[k] if is_normal else 0.0
+    row[which.index((COUPLE, False))] = law.gyration
+    return [limit + row, limit - row], -sum(law.arms[k] * law.least[k] for k in range(len(law.arms)) if k not in closed)
 
 
 def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solution, which, turning) -> list:
@@ -198,6 +239,10 @@ def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solution, which
         if is_normal:
             rows.append(free[i])
             bounds.append(law.least[k] - impulses[i])
+        elif k == COUPLE:
+            of_couple, bound = _bounds_of_couple(law, which)
+            rows += [row @ free for row in of_couple]
+            bounds += [bound - float(row @ impulses) for row in of_couple]
         elif law.mu[k] < inf and (k, True) in which:
             normal = which.index((k, True))
             for sign in (1.0, -1.0):
@@ -210,6 +255,9 @@ def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solution, which
         elif mode in SIGN and law.mu[k]:
             rows.append(SIGN[mode] * (at.slip_row @ turning))
             bounds.append(-SIGN[mode] * float(at.slip_row @ after - law.belts[k]))
+    if law.turn:
+        rows.append(law.turn * turning[2])
+        bounds.append(-law.turn * float(after[2]))
     members = []
     for goal in (*turning, *-turning):
         answer = linprog(goal, A_ub=-np.array(rows), b_ub=small - np.array(bounds), bounds=(None, None))
@@ -224,31 +272,33 @@ def _with_least(
     """The outcome in these modes where contacts that open have a least impulse with friction: for each direction of
     their slip, and for stick."""
     opening = [k for k, mode in enumerate(modes) if mode == OPEN and law.mu[k] > 0.0]
-    for senses in product((1.0, -1.0, 0.0), repeat=len(opening)):
+    for senses in product(*((0.0,) if law.mu[k] == inf else (1.0, -1.0, 0.0) for k in opening)):
         rows, columns, goals, which, change = [], [], [], [], np.zeros(len(before))
         for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
             if mode == OPEN and k not in opening:
-                change = change + law.least[k] * at.lift_row
+                change = change + law.least[k] * (at.lift_row + law.couple(k))
                 continue
             if mode == OPEN:
                 sense = senses[opening.index(k)]
-                change = change + law.least[k] * (at.lift_row - sense * law.mu[k] * at.slip_row)
+                ratio = sense * law.mu[k] if sense else 0.0  # without slip the friction is unknown
+                change = change + law.least[k] * (at.lift_row - ratio * at.slip_row + law.couple(k))
                 if sense == 0.0:
                     rows.append(at.slip_row)
                     goals.append(-float(at.slip_row @ before - law.belts[k]))
                     columns.append(at.slip_row)
                     which.append((k, False))
                 continue
-            ratio = -SIGN.get(mode, 0.0) * law.mu[k]
+            ratio = -SIGN[mode] * law.mu[k] if mode in SIGN else 0.0
             rows.append(at.lift_row)
             goals.append(-(1.0 + law.restitution[k]) * float(at.lift_row @ before))
-            columns.append(at.lift_row + ratio * at.slip_row)
+            columns.append(at.lift_row + ratio * at.slip_row + law.couple(k))
             which.append((k, True))
             if mode == STICK:
                 rows.append(at.slip_row)
                 goals.append(-float(at.slip_row @ before - law.belts[k]))
                 columns.append(at.slip_row)
                 which.append((k, False))
+        _hold(law, before, rows, columns, goals, which)
         result = _check(
             modes, before, places_hit, law, speed, _solve(rows, columns, goals, change, compliance, speed), which,
             dict(zip(opening, senses, strict=True)),
@@ -297,6 +347,11 @@ def _check(
             admissible.append(row)
             bounds.append(float(law.least[k]))
             continue
+        if k == COUPLE:
+            of_couple, bound = _bounds_of_couple(law, which)
+            admissible += of_couple
+            bounds += [bound] * 2
+            continue
         if law.mu[k] == inf:
             continue
         limit = np.zeros(len(which))
@@ -322,7 +377,11 @@ def _check(
         if mode != OPEN and law.restitution[k] * (places_hit[k].lift_row @ before) == 0.0:
             lift[k] = 0.0
     lift[np.abs(lift) <= small] = 0.0
-    return ImpactVelocities(after, lift, slip), normal
+    if law.turn and law.turn * law.gyration * after[2] < -small:
+        return None
+    if law.turn == 0:
+        after[2] = 0.0
+    return ImpactVelocities(after, lift, slip, law.turn != 0), normal
 
 
 def _is_admissible(rows: list[np.ndarray], bounds: np.ndarray, impulses, free, small: float) -> bool:

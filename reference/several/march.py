@@ -27,7 +27,7 @@ from ..minimal.phase_end import (
     work_limit_ending,
 )
 from ..minimal.scales import frequency
-from .contact_law import freedoms
+from .contact_law import STICKING, freedoms
 from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time
 from .geometry import TOUCHES, places, project, without_velocity
 from .hops import SeriesEnd
@@ -47,6 +47,8 @@ LOW_HOP = 1e-12
 FLIES = 4.0
 # Accelerations of gaps are differences of their speeds over this part of the motion's time scale.
 LOOK_AHEAD = 1e-6
+# Guards of the plate's rotation, which belong to all contacts that resist rolling.
+OF_ROTATION = ("turn", "couple_forward", "couple_backward")
 
 
 class SeveralSimulation(WatchedPlate, PhaseLoop):
@@ -99,7 +101,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             decision = decide(self.case, now, error)
         if decision.regime is None and not decision.motions and self.touches_more():
             # A slip vanished where a gap is that small, too.
-            self.settle({watch.name for watch in self.watches if watch.mode is Mode.ROLL} | self.stuck)
+            self.settle({watch.name for watch in self.watches if watch.mode in STICKING} | self.stuck)
             now = self.instant()
             decision = decide(self.case, now, error)
         if decision.regime is None:
@@ -119,7 +121,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         came_to_rest = CAUSES["rest"] in self.causes.values()
         bouncing = self._bouncing(now) if came_to_rest else frozenset()
         self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "", bouncing)
-        self.causes, self.fixed, self.stuck = {}, {}, set()
+        self.causes, self.fixed, self.stuck, self.turns = {}, {}, set(), True
         if not regime.closed and self.case.effect(Flight) is None:
             raise MotionEnds(LIFT_OFF)
         # Every closed contact has its own limit, and numbers with many digits would make every phase a new one.
@@ -131,7 +133,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         away = tuple(watch.is_away for watch in self.watches)
         guides = tuple(used for used, name in zip(regime.guides, regime.names, strict=False) if name in names)
         return SeveralRegime(
-            modes, tuple(watch.name for watch in self.watches), limits, numbers, away, regime.rests, guides
+            modes, tuple(watch.name for watch in self.watches), limits, numbers, away, regime.rests, guides, regime.turn
         )
 
     def _end_bouncing(self, now: DecisionInstant) -> DecisionInstant:
@@ -151,7 +153,9 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             body[3:] = 0.0, 0.0, 0.0
         body, at = project(self.case, watched, body, pairs, near)
         stuck = [k for k in near if at[k].stick > 0.0 and abs(at[k].slip(np.array(body[3:]), limit)) <= end.error]
-        body = without_velocity(self.case, limit, body, at, near, stuck)
+        resists = any(at[k].resisting_arm for k in near)
+        turns = not resists or abs(body[5]) * self.case.plate.gyration > end.error
+        body = without_velocity(self.case, limit, body, at, near, stuck, turns)
         state = join(body, [(one.xi1, one.xi2) for one in at])
         decision = decide(
             self.case, now._replace(time=limit, state=state, places=at, touching=tuple(near)), LOCATION_ERROR
@@ -221,7 +225,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
 
     def _turns_about_a_corner(self, now: DecisionInstant, regime: SeveralRegime) -> bool:
         """Whether the plate turns about a point that one contact holds and another touches, whose gap stays zero."""
-        rolls = [k for k in regime.closed if regime.modes[k] is Mode.ROLL and not regime.has_open_forces]
+        rolls = [k for k in regime.closed if regime.modes[k] in STICKING and not regime.has_open_forces]
         held = [now.places[k] for k in rolls]
         leaving = [now.places[k] for k in now.touching if regime.modes[k] is Mode.FLIGHT]
         close = 1e-9 * self.case.plate.reach
@@ -235,7 +239,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         if low:
             self.touching = {regime.names[k] for k in regime.closed} | low
             self.causes = dict.fromkeys(low, CAUSES["rest"])
-            self.settle({regime.names[k] for k in regime.closed if regime.modes[k] is Mode.ROLL})
+            self.turns = regime.turn != 0
+            self.settle({regime.names[k] for k in regime.closed if regime.modes[k] in STICKING})
             return None
         if regime.rests:
             segment = self._rest(phase, y)
@@ -294,7 +299,9 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         """A rest: it ends where the forces cannot balance the load any more."""
         end, guard = self.case.duration, None
         if depends_on_time(self.case):
-            last = limit_of_rest(self.case, [self.places()[k] for k in phase.regime.closed], self.t, y)
+            last = limit_of_rest(
+                self.case, [self.places()[k] for k in phase.regime.closed], self.t, y, phase.regime.turn
+            )
             end, guard = (last, "rest") if last is not None else (end, None)
         return Segment.of(phase, np.array([self.t, end]), RestStates(y), Event(guard, end, y), 0)
 
@@ -310,7 +317,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
 
     def _event(self, segment: Segment, regime: SeveralRegime) -> Ending | None:
         guard = segment.event.guard
-        self.touching = {regime.names[k] for k in regime.closed}
+        self.touching, self.turns = {regime.names[k] for k in regime.closed}, regime.turn != 0
         if guard is None:
             if self.t >= self.case.duration:
                 return COMPLETION
@@ -325,12 +332,17 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             self.causes = {name: "the forces at rest reached their limit" for name in self.touching}
             if regime.guides:
                 self.causes = {name: "the forces reached their limit" for name in self.touching}
-            rolls = {regime.names[k] for k in regime.closed if regime.modes[k] is Mode.ROLL}
+            rolls = {regime.names[k] for k in regime.closed if regime.modes[k] in STICKING}
             self.settle(stuck=rolls if regime.guides else self.touching)
             self.held_out = True
             return None
         kind, _, number = guard.partition(":")
-        stuck = {regime.names[k] for k, mode in enumerate(regime.modes) if mode is Mode.ROLL}
+        stuck = {regime.names[k] for k, mode in enumerate(regime.modes) if mode in STICKING}
+        if kind in OF_ROTATION:
+            self.causes |= dict.fromkeys(self.touching, CAUSES[kind])
+            self.turns = False
+            self.settle(stuck)
+            return None
         if kind.startswith("lost"):
             del self.watches[int(number)]
             self.settle(stuck)
@@ -359,9 +371,9 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
     def _meet(self, contact: PairCase, meeting: Meeting) -> Ending | None:
         """A contact at a place that is not watched."""
         regime = regime_of(self.segments[-1].phase)
-        self.touching = {regime.names[k] for k in regime.closed}
+        self.touching, self.turns = {regime.names[k] for k in regime.closed}, regime.turn != 0
         watch = self.new_watch(contact, (meeting.xi1, meeting.xi2))
-        self.settle({n for n, m in zip(regime.names, regime.modes, strict=True) if m is Mode.ROLL}, {watch.name})
+        self.settle({n for n, m in zip(regime.names, regime.modes, strict=True) if m in STICKING}, {watch.name})
         return None
 
 

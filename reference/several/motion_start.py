@@ -14,6 +14,7 @@ from cases.trajectory import CONTACT
 
 from ..minimal.integrators.segment import Segment
 from ..minimal.phase_end import Ending
+from .contact_law import STICKING
 from .geometry import TOUCHES, places
 from .march import SeveralSimulation
 from .watched_plate import WatchState, open_watches
@@ -51,7 +52,7 @@ def until_end(
     march = SeveralSimulation(case, rtol, integrate, t, list(body), watches)
     march.touching = {CONTACT, further}
     march.begins = t == 0.0
-    if mode is Mode.ROLL:
+    if mode in STICKING:
         march.stuck = {CONTACT}
     ending = march.simulate()
     return march.segments, march.transitions, ending
@@ -88,7 +89,7 @@ def from_flat_side(
         away = [float(np.hypot(*(case.track.point(watch.pair[0]) - place))) for watch in touching]
         own = touching[int(np.argmin(away))]
         own.name, own.mode = CONTACT, mode
-        march.stuck = {CONTACT} if mode is Mode.ROLL else set()
+        march.stuck = {CONTACT} if mode in STICKING else set()
     march.touching = {watch.name for watch in touching}
     ending = march.simulate()
     return march.segments, march.transitions, ending

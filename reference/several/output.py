@@ -8,18 +8,18 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, Mode, State, Transition
+from cases import Case, State, Transition
 from cases.contact import belt_speed
 from cases.contact_pairs import PairCase
 from cases.trajectory import CONTACT, ContactColumns
 
 from ..minimal.effects import SLIP_SIGN
 from ..minimal.integrators.segment import Segment, blocks
-from .contact_law import kinetic
-from .decision import depends_on_time, limits_of_friction, load_at, load_on_belts
+from .contact_law import STICKING, kinetic, resisting_arm
+from .decision import depends_on_time, limits_of_couples, limits_of_friction, load_at, load_on_belts
 from .equations import COLUMNS, FIRST_COLUMN
 from .forces import ForceRanges, ranges, units_of
-from .geometry import ContactPlace, places
+from .geometry import TURNING_ROW, ContactPlace, places
 from .meetings import gaps
 from .regimes import SeveralPhase, SeveralRegime, body_of, contacts_of, pairs_of, regime_of
 
@@ -127,7 +127,7 @@ def contact_states(case: Case, now: SeveralPhase, times: np.ndarray, y: np.ndarr
     first = FIRST_COLUMN + len(COLUMNS) * k
     columns = values[first : first + len(COLUMNS)]
     normal, friction, slip, _, _ = (np.broadcast_to(np.asarray(row, dtype=float), times.shape) for row in columns)
-    slip = 0.0 * slip if regime.modes[k] is Mode.ROLL else slip
+    slip = 0.0 * slip if regime.modes[k] in STICKING else slip
     if regime.guides:
         normal, friction = _forces_on_belts(case, now, times, y, k)
     else:
@@ -164,7 +164,7 @@ def _balance(
     `times`: as many, or one state (variables, 1) for all loads."""
     closed, at = regime.closed, _closed_places(case, regime, states[:, 0])
     modes = [regime.modes[number] for number in closed]
-    sticking = [i for i, mode in enumerate(modes) if at[i].stick > 0.0 and mode is Mode.ROLL]
+    sticking = [i for i, mode in enumerate(modes) if at[i].stick > 0.0 and mode in STICKING]
     contacts = [contacts_of(case, regime)[number] for number in closed]
     each = [_rows(contact, states, number) for contact, number in zip(contacts, closed, strict=True)]
     ratios = {
@@ -175,6 +175,11 @@ def _balance(
     rows = [lift + share * slip for share, (slip, lift) in zip(shares, each, strict=True)] + [
         each[i][0] for i in sticking
     ]
+    if regime.turn:
+        for i, contact in enumerate(contacts):
+            rows[i] = rows[i] - regime.turn * resisting_arm(contact) * TURNING_ROW
+    elif regime.turn == 0:  # the sum of the couples
+        rows.append(np.broadcast_to(TURNING_ROW, rows[0].shape))
     units = units_of(case.plate)
     matrix = units[:, None] * np.stack(rows, axis=-1)
     values = -(np.linalg.pinv(matrix, rcond=OPEN_FORCE) @ (units[:, None] * load).T[:, :, None])[:, :, 0].T
@@ -235,5 +240,6 @@ def force_ranges(case: Case, segment: Segment, t: float) -> dict[str, np.ndarray
     at = _closed_places(case, regime, state)
     load = load_on_belts(now, t, state) if regime.guides else load_at(case, t, body_of(state))
     friction = limits_of_friction(at, [regime.modes[k] for k in regime.closed], t, state)
-    limits: ForceRanges = ranges(at, load, units_of(case.plate), friction)
+    couples = limits_of_couples(at, regime.turn)
+    limits: ForceRanges = ranges(at, load, units_of(case.plate), friction, couples)
     return {name: np.array([limits.normal[i], limits.friction[i]]) for i, name in enumerate(names)}

@@ -20,8 +20,8 @@ from ..minimal.assembly import parameter_values, sizes_of
 from ..minimal.effects import SLIP_SIGN, CoulombBySpeed, FixedSurface, Frictionless, laws
 from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
-from .contact_law import coefficients
-from .equations import NO_ROWS, ContactForm, ContactRows, several_system
+from .contact_law import STICKING, coefficients, resisting_arm
+from .equations import NO_ROWS, ContactForm, ContactRows, Rotation, several_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of its value when it was last
 # closed: its nearest points then move fast, and may soon be lost.
@@ -34,7 +34,8 @@ class SeveralRegime(NamedTuple):
     `rests`: the closed contacts hold the plate; `names` are those of the contacts, `pairs` the numbers of their pairs
     of a support and a feature of the outline; `away`: which of them are arcs turned away from their supports.
     `guides`: of contacts with more than three rows, some of them on belts, which normal and tangential rows determine
-    the motion (`ContactForm.guides`); empty otherwise.
+    the motion (`ContactForm.guides`); empty otherwise. `turn`: the sense of a rotation that closed contacts resist, 0
+    if they prevent it; None if none of them resists rolling.
     """
 
     modes: tuple[Mode, ...]
@@ -44,6 +45,7 @@ class SeveralRegime(NamedTuple):
     away: tuple[int, ...]
     rests: bool = False
     guides: tuple[tuple[bool, bool], ...] = ()
+    turn: int | None = None
 
     @property
     def has_open_forces(self) -> bool:
@@ -61,7 +63,7 @@ class SeveralRegime(NamedTuple):
         return tuple(
             ContactRows.AWAY if is_away
             else ContactRows.OPEN if mode is Mode.FLIGHT
-            else ContactRows.STICK if mode is Mode.ROLL
+            else ContactRows.STICK if mode in STICKING
             else ContactRows.SLIP
             for mode, is_away in zip(self.modes, self.away, strict=True)
         )  # fmt: skip
@@ -116,11 +118,14 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
             has_ends=(_has_ends(one.track), _has_ends(one.plate.outline)), stays=one.has_unique_points,
             turns=one.arc_range is not None, surface=laws(one).belt if kind not in NO_ROWS else FixedSurface(),
             guides=regime.guides[k] if regime.guides else None,
+            resists=regime.turn is not None and kind not in NO_ROWS and resisting_arm(one) > 0.0,
         )
         for k, (one, kind) in enumerate(zip(contacts, kinds, strict=True))
     )  # fmt: skip
-    system = several_system(forms, laws(case))
-    values: dict[str, float] = {}
+    turn = None if regime.rests else regime.turn
+    rotation = Rotation.FREE if turn is None else Rotation.RESISTED if turn else Rotation.HELD
+    system = several_system(forms, laws(case), rotation)
+    values: dict[str, float] = {"tau": float(turn or 0)}
     for k, (mode, one) in enumerate(zip(regime.modes, contacts, strict=True)):
         sign, (mu, stick) = SLIP_SIGN.get(mode, 0.0), coefficients(one)
         values |= forms[k].surface.of_contact(k).values(one)
@@ -129,6 +134,7 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
         if isinstance(friction, CoulombBySpeed) and law is not None:
             values |= friction.sizes_of(law)
         values[f"lost_{k}"] = regime.limits[k]
+        values |= {f"arm_{k}": resisting_arm(one), f"rho_{k}": -(turn or 0) * resisting_arm(one)}
         values[f"turn_low_{k}"], values[f"turn_high_{k}"] = one.limits_of_turn(regime.away[k])
         values |= _sizes(one.track, f"track_{k}_") | _sizes(one.plate.outline, f"outline_{k}_")
     gyration = case.plate.gyration

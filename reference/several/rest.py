@@ -13,7 +13,7 @@ from cases import Case, Load
 
 from ..minimal.integrators.segment import Segment
 from . import forces
-from .decision import load_at, margin_on_belts
+from .decision import limits_of_couples, load_at, margin_on_belts
 from .geometry import ContactPlace, places
 from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
 
@@ -33,14 +33,18 @@ class RestStates:
         return np.outer(self.state, np.ones_like(times))
 
 
-def limit_of_rest(case: Case, closed: Sequence[ContactPlace], start: float, y: Sequence[float]) -> float | None:
-    """When the closed contacts cannot balance the load any more, s; None if they can until the motion's end."""
+def limit_of_rest(
+    case: Case, closed: Sequence[ContactPlace], start: float, y: Sequence[float], turn: int | None = None
+) -> float | None:
+    """When the closed contacts cannot balance the load any more, s; None if they can until the motion's end. `turn`: as
+    in `SeveralRegime`."""
     from scipy.optimize import brentq
 
     sticks, units = [one.stick for one in closed], forces.units_of(case.plate)
+    couples = limits_of_couples(closed, turn)
 
     def margin(t: float) -> float:
-        return forces.margin(closed, load_at(case, t, body_of(y)), units, sticks)
+        return forces.margin(closed, load_at(case, t, body_of(y)), units, sticks, couples)
 
     load, end = case.effect(Load), case.duration
     looks = np.linspace(start, end, LOOKS)

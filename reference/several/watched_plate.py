@@ -77,7 +77,8 @@ def open_watches(some: Sequence[WatchedPair]) -> list[WatchState]:
 @dataclass
 class WatchedPlate:
     """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip;
-    `named`: the names of corners and arcs, by their pairs' numbers, which they keep while they are not watched."""
+    `turns`: False where rolling resistance has ended the rotation; `named`: the names of corners and arcs, by their
+    pairs' numbers, which they keep while they are not watched."""
 
     case: Case
     t: float
@@ -86,6 +87,7 @@ class WatchedPlate:
     speed: float = 0.0
     causes: dict[str, str] = field(default_factory=dict)
     stuck: set[str] = field(default_factory=set)
+    turns: bool = True
     touching: set[str] = field(default_factory=set)
     hops: NestedSeries = field(default_factory=NestedSeries)
     named: dict[int, str] = field(default_factory=dict)
@@ -163,11 +165,11 @@ class WatchedPlate:
         if closing is not None:
             kept = [k for k in indices if self.watches[k].name in closed]
             held = [k for k in kept if self.watches[k].name in stuck]
-            self.body = without_velocity(self.case, self.t, self.body, now, kept, held)
+            self.body = without_velocity(self.case, self.t, self.body, now, kept, held, self.turns)
             stuck = self._impacts(now, stuck)
             indices = [k for k, watch in enumerate(self.watches) if watch.name in self.touching]
         sticking = [k for k in indices if self.watches[k].name in stuck]
-        self.body = without_velocity(self.case, self.t, self.body, now, indices, sticking)
+        self.body = without_velocity(self.case, self.t, self.body, now, indices, sticking, self.turns)
         if self.present_speed() <= SOME_ROUNDINGS * EPS * self.speed:  # decisions would take them for a motion
             self.body[3:] = [0.0, 0.0, 0.0]
 
@@ -253,7 +255,7 @@ class WatchedPlate:
         except NoImpact as problem:
             raise MotionEnds(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
         self._check_energy(outcome.velocity)
-        self.body[3:] = outcome.velocity.tolist()
+        self.body[3:], self.turns = outcome.velocity.tolist(), outcome.turns
         touching, closers = (frozenset(self.watches[k].name for k in those) for those in (places_hit, closing))
         self.hops.strike(Strike(self.t, tuple(self.body), max(-lifts[k] for k in closing), touching, closers))
         self.touching, sticks = set(), set[str]()

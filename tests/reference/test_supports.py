@@ -511,7 +511,7 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
         (lambda: _with(supports=line()), "give a tuple such as"),
         (lambda: _with(supports=(line(),)), 'give Support(curve, "name")'),
         (lambda: _with(supports=(Support(line(0.5), "a"), Support(line(0.4), "a"))), "give each its own"),
-        (lambda: _with(_resistance(), supports=(Support(line(0.5), "a"),)), "leave RollingResistance out"),
+        (lambda: _with(_resistance(), ROD, supports=(Support(line(0.5), "a"),)), "leave RollingResistance out"),
         (lambda: _with((Gravity(G),), supports=(Support(line(0.5), "a"),)), "add Unilateral"),
         (lambda: _with(supports=(Support(line(0.5), "a", (Impact(0.1, "newton"),)),)), "with the same law"),
         (lambda: _with(supports=(Support(line(pi / 2), "wall"),), plate=ROD, track=WAVE), "straight lines"),
@@ -539,8 +539,8 @@ def _with(effects=INELASTIC, plate=DISC, track=None, supports=()) -> Case:
 def test_one_rule_excludes_effects_with_supports_and_at_second_contacts():
     extra = _resistance()
     with pytest.raises(BadValue) as problem:
-        _with(extra, supports=(Support(line(0.5), "a"),))
-    sentence = limitation(_with(extra))
+        _with(extra, ROD, supports=(Support(line(0.5), "a"),))
+    sentence = limitation(_with(extra, ROD))
     assert sentence.lower() == f"{problem.value}.".lower()
 
 
