@@ -305,9 +305,10 @@ class _TaylorOutput:
         # All at once, each instant with its own step's coefficients: linear in steps and in instants.
         which = np.clip(np.searchsorted(self.starts, when, side="right") - 1, 0, len(self.starts) - 1)
         parts = when - self.starts[which]
-        values = self.by_power[-1][:, which]
+        values = self.by_power[-1].take(which, axis=1)
         for row in self.by_power[-2::-1]:
-            values = row[:, which] + values * parts
+            values *= parts
+            values += row.take(which, axis=1)
         return values
 
 
