@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import nan
 from typing import Any, NamedTuple
 
@@ -37,7 +38,9 @@ _LEAST_SHARE = 0.5
 _EVEN = 1001
 
 
-def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[str, np.ndarray]:
+def differences(
+    trajectory: Trajectory, truth: Trajectory, case: Case, whole: Mapping[str, np.ndarray] | None = None
+) -> dict[str, np.ndarray]:
     """Solver minus truth within the common time span, arrays of one length: at the solver's own times, or at evenly
     spaced times if its motion is dense (its steps are few, and doubled where the forces jump).
 
@@ -49,37 +52,43 @@ def differences(trajectory: Trajectory, truth: Trajectory, case: Case) -> dict[s
     it is also defined without gravity);
     energy_share: the difference of the mechanical energy relative to the true motion's largest kinetic energy.
     Whole turns between the angles at the start are subtracted: they only mean that angles are counted differently.
+    `whole`: the differences of the motions of which these two are one contact. What all contacts share is taken from
+    it, if its times are the same.
     """
     times, state = _states(trajectory, truth)
     exact = truth(times)
+    if whole is None or not np.array_equal(whole["t"], times):
+        whole = _of_plates(case, times, (trajectory, state), (truth, exact))
     result = {"t": times}
-    for key, name in (
-        ("x", "x"),
-        ("y", "y"),
-        ("angle", "theta"),
-        ("slip", "slip"),
-        ("xi1", "xi1"),
-        ("xi2", "xi2"),
-        ("normal_force", "normal_force"),
-    ):
-        result[key] = getattr(state, name) - np.asarray(getattr(exact, name))
-    result["angle"] = _without_turns(result["angle"])
-    own, true = (_of_all_plates(motion, times, now) for motion, now in ((trajectory, state), (truth, exact)))
-    result["centre"], result["pose"] = farthest(case, own, true)
-    for other in case.others:
-        if isinstance(own, Trajectory) and isinstance(true, Trajectory):
-            one, exact_one = own.plate(other.name), true.plate(other.name)
-            result[f"x of {other.name}"] = np.asarray(one.x) - np.asarray(exact_one.x)
-            result[f"y of {other.name}"] = np.asarray(one.y) - np.asarray(exact_one.y)
-            result[f"angle of {other.name}"] = _without_turns(np.asarray(one.theta) - np.asarray(exact_one.theta))
+    for name in ("slip", "xi1", "xi2", "normal_force"):
+        result[name] = getattr(state, name) - np.asarray(getattr(exact, name))
     result["lambda"] = multiplier(case, result["normal_force"], exact.xi1)
     force = np.abs(np.asarray(exact.normal_force))
     press = float(force.mean()) if len(force) else nan
-    fastest = np.max(kinetic_energy(case, true), initial=0.0)
     result["force_share"] = result["normal_force"] / (press if press > 0.0 else nan)
+    return {**whole, **result}
+
+
+def _of_plates(
+    case: Case, times: np.ndarray, solvers: tuple[Trajectory, State], truths: tuple[Trajectory, State]
+) -> dict[str, np.ndarray]:
+    """The differences that all contacts share; `solvers`, `truths`: a motion and its states at these times."""
+    own, true = (_of_all_plates(motion, times, now) for motion, now in (solvers, truths))
+    result = _pose_differences(own, true, "")
+    result["centre"], result["pose"] = farthest(case, own, true)
+    for other in case.others:
+        if isinstance(own, Trajectory) and isinstance(true, Trajectory):
+            result |= _pose_differences(own.plate(other.name), true.plate(other.name), f" of {other.name}")
+    fastest = np.max(kinetic_energy(case, true), initial=0.0)
     off = energy(case, own) - energy(case, true)
     result["energy_share"] = off / (fastest if fastest > 0.0 else nan)
     return result
+
+
+def _pose_differences(one: State | Trajectory, other: State | Trajectory, of: str) -> dict[str, np.ndarray]:
+    """The differences of the poses of a plate, with ` of NAME` in their keys."""
+    x, y, angle = (np.asarray(getattr(one, q)) - np.asarray(getattr(other, q)) for q in ("x", "y", "theta"))
+    return {f"x{of}": x, f"y{of}": y, f"angle{of}": _without_turns(angle)}
 
 
 def farthest(case: Case, own: State | Trajectory, true: State | Trajectory) -> tuple[np.ndarray, np.ndarray]:

@@ -58,16 +58,18 @@ def of_contact(events: Sequence[Transition], name: str) -> tuple[Transition, ...
 
 
 def judge(
-    case: Case, motion: Trajectory, truth: Trajectory, scales: Mapping[str, Scale], events: Sequence[Transition]
-) -> SeveralJudgement:
-    """The comparison of a sound motion with a truth of several contacts."""
+    case: Case, motion: Trajectory, truth: Trajectory, scales: Mapping[str, Scale], events: Sequence[Transition],
+    off: Mapping[str, np.ndarray] | None = None,
+) -> SeveralJudgement:  # fmt: skip
+    """The comparison of a sound motion with a truth of several contacts; `off`: their `differences`, if known."""
+    off = differences(motion, truth, case) if off is None else off
     partners = same_contacts(motion, truth)
     scores, rows, spreads = dict[str, Score](), list[tuple[LedgerRow, ...]](), list[tuple[float, float]]()
     first = Mode.FLIGHT
     for name, partner in partners.items():
         one, exact = only(motion, partner), truth.of(name)
         reader = ContactReader(case, name, gap_of(motion, partner))
-        score, reading = score_and_reading(case, one, exact, scales[name], differences(one, exact, case), reader)
+        score, reading = score_and_reading(case, one, exact, scales[name], differences(one, exact, case, off), reader)
         scores[name] = score
         first = reading.first_mode if name == truth.contact_names[0] else first
         gap = 0.0 if motion.first_mode is not None else float(np.max(np.diff(motion.t), initial=0.0))

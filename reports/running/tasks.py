@@ -255,7 +255,7 @@ def judge(
     off = distances.differences(trajectory, motion, case)
     reading: Reading | several_contacts.SeveralJudgement
     if truth.contact_scales:
-        reading = several_contacts.judge(case, trajectory, motion, truth.contact_scales, truth.transitions)
+        reading = several_contacts.judge(case, trajectory, motion, truth.contact_scales, truth.transitions, off)
         scored, scale, paired = reading.score, reading.scale, reading.ledger
         laws = (*laws, f"worst at {reading.worst}")
     else:

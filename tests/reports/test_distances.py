@@ -105,3 +105,18 @@ def test_energy_without_gravity_is_kinetic():
     zero = np.zeros(5)
     moving = State(zero, zero, zero, zero + 3.0, *7 * (zero,))
     assert mechanics.energy(weightless, moving) == pytest.approx(4.5)
+
+
+def test_what_contacts_share_is_taken_from_the_whole_motion_only_at_the_same_times():
+    case = cases.load("row_of_discs")
+    truth = reference.simulate(case, method="dop853")
+    motion = reference.simulate(case, rtol=1e-4, method="dop853")
+    name = truth.contact_names[0]
+    one, exact = motion.of(name), truth.of(name)
+    alone, whole = distances.differences(one, exact, case), distances.differences(motion, truth, case)
+    earlier = {key: values[:-1] for key, values in whole.items()}
+    for known in (whole, earlier):
+        joined = distances.differences(one, exact, case, known)
+        assert joined.keys() == alone.keys()
+        for key, values in alone.items():
+            np.testing.assert_array_equal(joined[key], values, key)
