@@ -104,6 +104,7 @@ def test_adapter_is_found_as_a_module_too(adapter_file, monkeypatch):
     assert find(path.stem).NAME == "formula"
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

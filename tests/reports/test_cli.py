@@ -85,6 +85,7 @@ def test_every_command_finds_a_case_in_a_file_by_its_name(command, tmp_path, mon
 TWO = "\n\n@case\ndef another_of_mine():\n    return one_of_mine(mu=0.2)\n"
 
 
+@pytest.mark.slow
 def test_the_start_of_the_template_can_be_swept(tmp_path, monkeypatch, capsys, in_process):
     pytest.importorskip("pyarrow")
     monkeypatch.chdir(tmp_path)

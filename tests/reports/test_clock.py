@@ -228,6 +228,7 @@ def test_reference_is_timed_without_its_sampling():
     assert module.read(model).transitions[0].time == pytest.approx(1.0 / (3 * 0.1 * 9.81), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_the_reference_is_timed_and_read_back():
     module = solvers.solver("reference")
     route = module.routes[-1]

@@ -142,6 +142,7 @@ def test_a_repeated_line_has_the_number_that_an_editor_gives_it(comments):
         motion_table.parse(text, "motion.csv")
 
 
+@pytest.mark.sampled(3, first=2)
 @pytest.mark.parametrize("every", [10, 16, 40])
 def test_coarse_samples_are_judged_as_those_of_our_own_ladders_are(tmp_path, capsys, every):
     """Engines as they come step 60 times a second, and are rows; so is a file."""
@@ -160,6 +161,7 @@ def creeping(speed: float) -> pd.DataFrame:
     return frame.assign(slip=frame.slip + np.where(sticks, speed * np.cos(40 * frame.t), 0.0))
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("how", ["option", "column", "comment"])
 def test_creep_is_no_slip_declared_or_not(tmp_path, capsys, how):
     frame, name, file = creeping(5e-3), "disc_in_circle[mu=0.2]", tmp_path / "motion.csv"
@@ -185,6 +187,7 @@ def test_creep_of_a_tenth_of_the_fastest_slip_is_slip(tmp_path, capsys):
     assert status == 0 and "spurious" in text
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("shift", "when"), [(-0.5, "before"), (0.5, "after")])
 def test_velocities_half_a_step_beside_the_poses_are_noticed(tmp_path, capsys, shift, when):
     frame = table(FULL[:7]).iloc[::4]
@@ -194,6 +197,7 @@ def test_velocities_half_a_step_beside_the_poses_are_noticed(tmp_path, capsys, s
     assert "half a step" not in judged(tmp_path, capsys, frame)[1]
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize(("shift", "when"), [(-0.5, "before"), (0.5, "after")])
 def test_slip_half_a_step_beside_its_poses_is_noticed(tmp_path, capsys, shift, when):
     frame = table(FULL[:8]).iloc[::4]
