@@ -17,7 +17,7 @@ from cases.overlap import first_overlap
 from ..contact_frame.dips import Dips
 from .contacts import all_pairs, is_watched_always, pair_at
 from .phase import SeveralContactPhase
-from .plate_state import TOUCHES, PlateState, SimulationEnd
+from .plate_state import MOVES, TOUCHES, PlateState, SimulationEnd
 from .small_impacts import ImpactsOnTwoLevels
 from .steps import ResolvingDOP853, slips_allow
 
@@ -78,6 +78,11 @@ class PhaseIntegration(PlateState):
         scales = self.scales(phase)
         values = phase.guards(self.t, self.body)
         positive = {name: value > RISEN * scales[name[0]] for name, value in values.items()}
+        for contact, pair in zip(phase.contacts, phase.pairs(self.t, self.body), strict=True):
+            # The contact may be low in a hop where the phase begins.
+            falls = not contact.is_closed and pair.gap > 0.0 and pair.lift < -MOVES * self.speed
+            if falls and ("gap", contact.name) in positive:
+                positive["gap", contact.name] = True
         pace = self.pace(phase)
         blind = self.t + (BLIND / pace if pace else 0.0)
         tops = self.tops(phase)

@@ -43,6 +43,7 @@ class Simulation(PhaseIntegration):
         self.leaving: set[str] = set()
         self.struck: set[str] = set()
         self.rotation: int | None = None
+        self.landing: set[str] = set()
         self.is_start, self.goes_on = t == 0.0, False
 
     # --- phases -------------------------------------------------------------------------------------------------------
@@ -391,13 +392,29 @@ class Simulation(PhaseIntegration):
         if last is None or last.time != self.t:
             return False
         small, noise = SMALL_HOP * self.size(), ENDS * last.closing
-        if self.impacts.is_first():
-            answer = self.impacts.firsts.end(self.t, small)
-            if answer is not None and answer[0] < self.case.duration and self.come_to_rest(*answer, noise):
-                self.impacts.end_all()
-                return True
-        answer = self.impacts.end(self.t, small)
-        return answer is not None and answer[0] < self.case.duration and self.come_to_rest(*answer, noise)
+        if self.impacts.is_first() and self.go_to_end(self.impacts.firsts.end(self.t, small), noise):
+            self.impacts.end_all()
+        elif not self.go_to_end(self.impacts.end(self.t, small), noise):
+            return False
+        self.land()
+        return True
+
+    def go_to_end(self, answer: tuple[float, np.ndarray, frozenset[str], float] | None, noise: float) -> bool:
+        """Go to the end of a series, if there is one within the motion; returns whether it does."""
+        if answer is None or answer[0] >= self.case.duration:
+            return False
+        end, body, names, doubt = answer
+        return self.come_to_rest(end, body, names, noise, doubt)
+
+    def land(self) -> None:
+        """The impact of the contacts that close where a series ends: its small changes are over before."""
+        if self.landing:
+            self.impacts.list_changes(self.t, [])
+            self.touching |= self.landing
+            self.landing = set()
+            self.name_touching()
+            self.close_gaps()
+            self.strike_all(self.pairs())
 
     def end_bouncing(self) -> None:
         """Go to the end of small impacts of which no series shows the end, where their hops are rounding."""
@@ -411,21 +428,27 @@ class Simulation(PhaseIntegration):
             raise SimulationEnd("accumulation")
         is_low = self.is_low(LOWEST * size)
         if is_low or self.impacts.at_rest:
-            low = frozenset(c.name for c, p in zip(self.contacts, self.pairs(), strict=True) if p.gap <= LOWEST * size)
+            some = zip(self.contacts, self.pairs(), strict=True)
+            low = frozenset(c.name for c, p in some if p.gap <= LOWEST * size and (is_low or c.name in self.touching))
             end, body = self.impacts.low_end(self.t, self.body, low)
             if (is_low or end > self.t) and end < self.case.duration:
                 self.come_to_rest(end, body, low, 2.0 * last.closing)
 
-    def come_to_rest(self, end: float, body: np.ndarray, names: frozenset[str], noise: float) -> bool:
-        """Go to a time (s) and state where contacts touch, unless others meet their supports before; velocities below
-        `noise` (m/s) are none. Returns whether it does."""
+    def come_to_rest(
+        self, end: float, body: np.ndarray, names: frozenset[str], noise: float, doubt: float = 0.0
+    ) -> bool:
+        """Go to a time (s) and state where contacts touch, unless others meet their supports before: by more than the
+        time may be off, `doubt` (s); otherwise they are `landing`. Velocities below `noise` (m/s) are none. Returns
+        whether it does."""
         before, self.body = self.body.copy(), body
         bouncing = {c.name for c in self.contacts if c.name in names and not c.is_away}
-        others = [p for c, p in zip(self.contacts, self.pairs(), strict=True) if not (c.name in bouncing or c.is_away)]
-        if any(pair.gap <= 0.0 for pair in others):  # another contact meets its support before
+        others = [(c.name, p) for c, p in zip(self.contacts, self.pairs(), strict=True) if not c.is_away]
+        least = TOUCHES * self.size()
+        landing = {name for name, p in others if p.lift < 0.0 and abs(p.gap) <= least - p.lift * doubt} - bouncing
+        if any(p.gap <= 0.0 for name, p in others if name not in landing | bouncing):
             self.body = before
             return False
-        self.touching = bouncing
+        self.touching, self.landing = bouncing, landing
         self.close_gaps()
         if np.abs(self.body[self.half :] * self.dynamics.units).max() <= noise:
             self.body[self.half :] = 0.0

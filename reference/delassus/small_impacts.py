@@ -70,9 +70,10 @@ class SmallImpacts:
         """Forget the impacts: they are over."""
         self.small, self.fastest, self.strikes = False, 0.0, []
 
-    def end(self, t: float, size: float) -> tuple[float, np.ndarray, frozenset[str]] | None:
-        """Time (s) and (x, y, θ, vx, vy, ω) at which small impacts end, the last of them at t, and the contacts that
-        then touch, if those that bounce move by less than `size` (m) until then; None otherwise."""
+    def end(self, t: float, size: float) -> tuple[float, np.ndarray, frozenset[str], float] | None:
+        """Time (s) and (x, y, θ, vx, vy, ω) at which small impacts end, the last of them at t, the contacts that then
+        touch, and by how much the time may be off (s), if those that bounce move by less than `size` (m) until then;
+        None otherwise."""
         is_now = self.small and self.strikes and self.strikes[-1].time == t
         some, names = self.points() if is_now else ([], frozenset())
         # Three impacts do if hops after them are rounding; then the line through the first two is compared.
@@ -90,7 +91,8 @@ class SmallImpacts:
         wait_then = t + wait - some[-2].time if is_short else wait
         if not 0.0 <= wait * some[-1].closing <= size or abs(wait - before[0]) > max(AGREES * wait_then, np.spacing(t)):
             return None
-        return t + wait, some[-1].after + now[1:], names
+        doubt = min(abs(wait - float(before[0])), AGREES * wait)
+        return t + wait, some[-1].after + now[1:], names, doubt
 
     def is_driven(self) -> bool:
         """Whether small impacts do not shrink. Closing a gap that counts as none changes the energy by its height,

@@ -322,9 +322,14 @@ class PlatesSimulation(PhaseLoop):
             return
         limit, values = end.time, end.body
         hit = [n for n, contact in enumerate(self.contacts) if contact.name in end.contacts]
-        near = sorted({*hit, *self.touching})
-        if any(place(self.case, n, values).gap <= 0.0 for n in range(len(self.contacts)) if n not in near):
-            return  # another contact closes before
+        near, landing = sorted({*hit, *self.touching}), set[int]()
+        least = TOUCHES * size(self.case, self.state)
+        for number in set(range(len(self.contacts))) - set(near):
+            at = place(self.case, number, values)
+            if end.lands(at.gap, float(at.lift_row @ np.array(values[self.half :])), least):
+                landing.add(number)
+            elif at.gap <= 0.0:
+                return  # another contact closes before
         state = project(self.case, tuple(values), near)
         velocity = np.array(state[self.half :])
         stuck = [n for n in near if self._slips_less(n, state, end.error)]
@@ -339,6 +344,10 @@ class PlatesSimulation(PhaseLoop):
             self.hops.end_cascade()
         self.state, self.touching = state, set(near)
         self.causes = {number: CAUSES["rest"] for number in hit if number in near}
+        if landing:
+            self.hops.record(self.t, [], CAUSES["rest"])
+            self.causes = {}
+            self._settle(set(stuck), closing=landing)
 
     def _check_accumulation(self) -> None:
         """End the motion where impacts follow each other ever faster, and no end of them is found."""

@@ -50,13 +50,19 @@ class Strike(NamedTuple):
 
 class SeriesEnd(NamedTuple):
     """The end of a series of impacts: its time (s), (x, y, θ, vx, vy, ω), the contacts of its impacts, the error of its
-    velocities (m/s), and whether series end that follow each other."""
+    velocities (m/s), whether series end that follow each other, and by how much the time may be off (s)."""
 
     time: float
     body: list[float]
     contacts: frozenset[str]
     error: float
     ends_cascade: bool = False
+    doubt: float = 0.0
+
+    def lands(self, gap: float, lift: float, touches: float) -> bool:
+        """Whether another contact with that gap and lift velocity (m/s) closes at the end as far as it is known; gaps
+        below `touches` (m) are rounding."""
+        return lift < 0.0 and abs(gap) <= touches - lift * self.doubt
 
 
 class ImpactSeries:
@@ -110,7 +116,8 @@ class ImpactSeries:
         if not 0.0 <= remaining * speeds[-1] <= size or abs(time - before) > max(AGREES * waits, np.spacing(t)):
             return None
         body = [extrapolate(speeds, column)[0] for column in zip(*(one.body for one in some), strict=True)]
-        return SeriesEnd(time, body, contacts, STILL * speeds[-1])
+        doubt = min(abs(time - before), AGREES * remaining)  # what the last impact has changed
+        return SeriesEnd(time, body, contacts, STILL * speeds[-1], doubt=doubt)
 
     def lowest(self, touching: frozenset[str]) -> SeriesEnd | None:
         """The end of small impacts whose hops count as touching: on the line through the last two that repeat, as their

@@ -140,15 +140,20 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         """The instant at which impacts that accumulate end, if they do; the same instant otherwise.
 
         The plate moves by less than rounding until then, and all contacts of the last impacts touch. Others may bounce
-        on: the end is none if one of them would have met its support before."""
+        on: the end is none if one of them would have met its support before; one that closes at the end lands."""
         end = self._end_of_impacts(now)
         if end is None or not end.time < self.case.duration:
             return now
         limit, body = end.time, end.body
         watched, pairs = self.contacts(), [(at.xi1, at.xi2) for at in now.places]
-        near = [k for k, name in enumerate(now.names) if name in end.contacts]
-        if any(at.gap <= 0.0 for k, at in enumerate(places(watched, body, pairs)) if not (k in near or now.away[k])):
-            return now
+        near, landing = [k for k, name in enumerate(now.names) if name in end.contacts], set[str]()
+        for k, other in enumerate(places(watched, body, pairs)):
+            if k in near or now.away[k]:
+                continue
+            if end.lands(other.gap, float(other.lift_row @ np.array(body[3:])), TOUCHES * self._size()):
+                landing.add(now.names[k])
+            elif other.gap <= 0.0:
+                return now
         if np.abs(np.array(body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max() <= end.error:
             body[3:] = 0.0, 0.0, 0.0
         body, at = project(self.case, watched, body, pairs, near)
@@ -161,7 +166,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             self.case, now._replace(time=limit, state=state, places=at, touching=tuple(near)), LOCATION_ERROR
         )
         regime = decision.regime
-        if regime is None and (end.ends_cascade or decision.motions):  # the motion ends there
+        if regime is None and (end.ends_cascade or decision.motions or landing):  # the motion ends or an impact follows
             regime = SeveralRegime((Mode.FLIGHT,) * len(at), now.names, now.limits, now.pairs, now.away)
         if regime is None:
             return now
@@ -173,6 +178,10 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             self.hops.end_cascade()
         self.body, self.touching = body, {self.watches[k].name for k in near}
         self.causes = {name: CAUSES["rest"] for name in self.touching}
+        if landing:
+            self.hops.record(self.t, [], CAUSES["rest"])
+            self.causes = {}
+            self.settle({self.watches[k].name for k in stuck}, closing=landing)
         return self.instant()
 
     def _end_of_impacts(self, now: DecisionInstant) -> SeriesEnd | None:

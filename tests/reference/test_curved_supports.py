@@ -458,8 +458,9 @@ def test_both_formulations_have_the_same_sequences_of_many_scenes_on_hills(seed)
     agree(case, 5e-6)
 
 
+# 5: two corners hit two supports alternately, ever faster. One comes to rest while the other one is low in a hop.
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(0, 100, 2))
+@pytest.mark.parametrize("seed", [5, *range(0, 100, 2)])
 def test_both_formulations_bounce_alike_on_curved_supports(seed):
     try:
         case = random_curved(seed, 0.4)

@@ -386,6 +386,25 @@ def test_bouncing_ends_on_each_support_at_the_limit_of_its_own_series(method):
     assert last["plate/wall"].time == pytest.approx(wall_end, abs=1e-9)
 
 
+@pytest.mark.parametrize("method", [*reference.METHODS, "second"])
+def test_a_contact_that_closes_where_a_series_ends_lands_at_that_instant(method):
+    """A frictionless disc bounces on a floor (e = 0.2), and reaches a wall where that ends. The second formulation
+    ended it 1e-8 s early, and `dop853` 2e-12 s: the wall closed a rounding before the end.
+
+    With friction (seed 62 of `random_case`) a block's corner bounces on a wall until its side lies on the wall."""
+    radius, e, speed, height = 0.3, 0.2, 1.3, 0.2
+    end = sqrt(2.0 * height / G) * (1.0 + 2.0 * e / (1.0 - e))
+    wall = Support(line(pi / 2), "wall", (Impact(0.5, "moreau"),))
+    start = StartPose(radius + speed * end, radius + height, vx=-speed)
+    case = Case(line(), disc(radius, 1.0), (*FREE, Impact(e, "moreau")), start, 1.0, supports=(wall,))
+    motion = _by_second(case, "second", 1e-13) if method == "second" else reference.simulate(case, 1e-14, method)
+    floor, side = motion.transitions[-2:]
+    assert (floor.contact, floor.after) == ("plate/track", Mode.SLIDE)
+    assert (side.contact, side.after) == ("plate/wall", Mode.FLIGHT)
+    # The last impact used closes with 3e-4 m/s, and its gap has a rounding of 1e-16 m.
+    assert floor.time == side.time == pytest.approx(end, abs=1e-12)
+
+
 @pytest.mark.sampled(4)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 @pytest.mark.parametrize(("lowest", "after"), [(-1e-10, 1e-5), (1e-10, 1e-5), (-1e-10, 4e-3)])
