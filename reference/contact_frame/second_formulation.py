@@ -213,6 +213,8 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
     guard_names = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
     if isinstance(overlaps, ChainOverlaps) and overlaps.time is not None:
         course.t = min(course.t, overlaps.time)  # a touch may be seen a step after it
+    if isinstance(overlaps, Overlaps) and (touch := overlaps.by(course.t)):
+        course.t, guard_names = touch.time, ["elsewhere"]
     if not guard_names:
         return EndState("completed" if course.t >= course.end else IN_PROGRESS)
     if isinstance(course.scene.case, PieceCase) and not {"painleve", "fit", "elsewhere"} & set(guard_names):
@@ -396,13 +398,18 @@ def _integrate(
         load_allows=_formulas_allow(scene, phase, turns), dips=dips,
         after_step=overlaps.look if overlaps else None, features=scene.in_contact,
     )  # fmt: skip
-    usable = solution.success or course.work.used_up
+    usable, end = solution.success or course.work.used_up, float(solution.t[-1])
+    if isinstance(overlaps, Overlaps):
+        overlaps.finish()
+        if touch := overlaps.by(end):  # later steps are not of the motion
+            course.record.contact(start, touch.time, solution.sol, turns, course.pieces)
+            return solution
     if not solution.success and _jams(scene, phase, solution, turns):
         solution.t_events[list(guards).index("painleve")] = solution.t[-1:]
         usable = True
     if not usable or not np.isfinite(solution.y[:, -1]).all():
         raise StepFailure(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    course.record.contact(start, float(solution.t[-1]), solution.sol, turns, course.pieces)
+    course.record.contact(start, end, solution.sol, turns, course.pieces)
     return solution
 
 

@@ -421,24 +421,25 @@ def test_no_second_contact_is_searched_where_the_plate_fits_its_whole_track(monk
 @pytest.mark.slow
 def test_a_search_of_few_stretches_takes_few_rounds(monkeypatch):
     """Flight 1509, whose ripples bend more than the disc here and there: each step was searched by halving five
-    stretches in 8 rounds, with Newton's method in half of them."""
-    searches, rounds, tries = [], [], []
-    first = Search.first
+    stretches in 8 rounds, with Newton's method in half of them. Some steps are searched together."""
+    steps, rounds, tries = [], [], []
+    first, look = Search.first, Overlaps.look
 
     def counted(self: Search, *args) -> pairs.Touch | None:
         before = self.rounds
         touch = first(self, *args)
-        searches.append(1)
         rounds.append(self.rounds - before)
         return touch
 
     monkeypatch.setattr(Search, "first", counted)
+    monkeypatch.setattr(Overlaps, "look", lambda *args: steps.append(1) or look(*args))
     monkeypatch.setattr(surroundings, "meeting", lambda *args: tries.append(1) or pairs.meeting(*args))
     motion = contact_frame.solve(
         replace(rippled(1509).case, duration=0.0215), rtol=1e-13, steps_per_turn=300, overlaps=True
     )
     assert len(motion.transitions) == 10
-    assert len(searches) > 50 and sum(rounds) < 5 * len(searches) and len(tries) < 0.5 * len(searches)
+    # 1.2 and 1 to a step, most of them in flights; 3.7 and 0.5 if each step is searched by itself.
+    assert len(steps) > 50 and sum(rounds) + len(tries) < 3.0 * len(steps)
 
 
 def test_bouncing_over_ripples_rests_at_the_limit_of_its_impacts():
