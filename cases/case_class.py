@@ -163,9 +163,9 @@ class Case:
         from .pictures.layout import DrawnScene
 
         gravity = self.effect(Gravity)
-        return DrawnScene(
-            self.track, self.plate.outline, self.label, gravity is not None and sin(gravity.direction) > 0
-        )
+        down = gravity is not None and sin(gravity.direction) > 0
+        supports = {support.name: support.curve for support in self.supports}
+        return DrawnScene(self.track, self.plate.outline, self.label, down, supports)
 
     @property
     def weight(self) -> float:

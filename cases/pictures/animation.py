@@ -148,9 +148,11 @@ def _mode_at(motion: Any, time: float) -> str | None:
 
 
 def _room(ax: Any, scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> None:
-    """Draw the track, and set the axes so that they contain the plate at all times."""
-    X, Y = scene.track.point(layout.visible(scene, path, xi1))
-    ax.plot(X, Y, color="black", linewidth=1.6)
+    """Draw track and supports, and set the axes so that they contain the plate at all times."""
+    curves = layout.drawn_curves(scene, path, xi1)
+    for points in curves:
+        ax.plot(*points, color="black", linewidth=1.6)
+    X, Y = np.hstack(curves)
     reach = float(np.hypot(*scene.corners()).max())
     room = 0.3 * reach
     ax.set_xlim(min(X.min(), path[0].min() - reach) - room, max(X.max(), path[0].max() + reach) + room)

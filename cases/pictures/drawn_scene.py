@@ -1,4 +1,4 @@
-"""Drawing of a scene: the track, and the plate at some instants."""
+"""Drawing of a scene: track and supports, and the plate at some instants."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .layout import DrawnScene, Instant, along_line, place_outline, visible
+from .layout import DrawnScene, Instant, along_line, drawn_curves, place_outline
 from .style import FORCE, PLATE, TRACK
 
 
@@ -19,7 +19,7 @@ def draw(
     instants: Sequence[Instant],
     others: Sequence[tuple[DrawnScene, Sequence[Instant]]] = (),
 ) -> None:
-    """Draw track and plate; `path`: the centre's, shape (2, n), with its contact parameters (NaN in flight).
+    """Draw track, supports and plate; `path`: the centre's, shape (2, n), with its contact parameters (NaN in flight).
 
     The spoke turns with the plate, and the dot is the contact point. In flight, the path of the centre is drawn.
     `others`: scenes of free plates, with their poses.
@@ -28,7 +28,8 @@ def draw(
     if others:
         further = np.array([(pose.x, pose.y) for _, poses in others for pose in poses]).T
         shown, places = np.hstack([path, further]), np.concatenate([xi1, along_line(scene.track, further)])
-    ax.plot(*scene.track.point(visible(scene, shown, places)), color=TRACK, linewidth=1.6)
+    for points in drawn_curves(scene, shown, places):
+        ax.plot(*points, color=TRACK, linewidth=1.6)
     flying = np.where(np.isfinite(xi1), np.nan, path)
     if np.isfinite(flying).any():
         ax.plot(*flying, color=PLATE, linewidth=0.9, linestyle=(0, (2, 1.5)))

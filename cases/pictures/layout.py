@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import cos, pi, sin
 from typing import Any, NamedTuple
 
@@ -10,20 +10,25 @@ import numpy as np
 
 from ..chain import Chain
 from ..curves import Curve
+from ..line_or_circle import as_line
 
 # Corners of the polygon that shows a plate: the chords of a circle then deviate from it by 1/1,000 of its radius.
 CORNERS = 73
 # Points along a track: a picture is about 400 points wide.
 _POINTS = 361
+# Poses of a path for which the nearest points of a support are looked for: neighbours see the same part of it.
+_PLACES = 100
 
 
 class DrawnScene(NamedTuple):
-    """The data of a case for a picture: two curves, a label, and whether Y (the direction of gravity) points down."""
+    """The data of a case for a picture: track and outline, a label, whether Y (the direction of gravity) points down,
+    and the curves of its supports by their names."""
 
     track: Curve
     outline: Curve
     label: str
     down: bool = False
+    supports: Mapping[str, Curve] = {}
 
     def corners(self) -> np.ndarray:
         """Points of the outline in the plate's own frame, (2, n): CORNERS of a smooth one, the corners of others."""
@@ -89,6 +94,24 @@ def visible(scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> np.ndarray:
         return _vertices(track, np.zeros(0))
     more = 1.2 * size / float(track.speed(0.5 * (low + high)))
     return np.linspace(max(low - more, domain[0]), min(high + more, domain[1]), _POINTS)
+
+
+def support_parameters(scene: DrawnScene, path: np.ndarray) -> dict[str, np.ndarray]:
+    """The parameters at which each support is drawn, by its name: all of a closed one, otherwise the part near the
+    plate's path, shape (2, n)."""
+    some = path[:, :: max(1, path.shape[1] // _PLACES)]
+    results = {}
+    for name, curve in scene.supports.items():
+        near = along_line(curve, some) if as_line(curve) else _below(curve, some)
+        results[name] = visible(scene._replace(track=curve), some, near)
+    return results
+
+
+def drawn_curves(scene: DrawnScene, path: np.ndarray, xi1: np.ndarray) -> list[np.ndarray]:
+    """Points (2, n) of the track and of each support, for drawing; arguments as of `visible`."""
+    shown = support_parameters(scene, path)
+    points = [curve.point(shown[name]) for name, curve in scene.supports.items()]
+    return [scene.track.point(visible(scene, path, xi1)), *points]
 
 
 def _below(track: Curve, path: np.ndarray) -> np.ndarray:

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 import cases
-from cases import Case, Mode
-from cases.pictures.layout import along_line, visible
+from cases import Case, Curve, Mode
+from cases.pictures.layout import along_line, support_parameters, visible
 from cases.supports import TRACK
 
 from ..judging.grades import percent
@@ -65,7 +65,7 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
     for samples in truth.plate_samples.values():
         further = np.array([samples["x"], samples["y"]])
         path, xi1 = np.hstack([path, further]), np.concatenate([xi1, along_line(case.track, further)])
-    track_parameters = visible(case.scene, path, xi1)
+    supports = support_parameters(case.scene, path)
     return {
         "label": case.label,
         "down": case.scene.down,
@@ -73,18 +73,14 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         "start": float(times[0]),
         "end": float(times[-1]),
         "modes": _modes(truth),
-        "track": {
-            "low": float(track_parameters[0]),
-            "high": float(track_parameters[-1]),
-            "period": bool(case.track.period),
-            "points": pack(case.track.point(track_parameters)),
-        },
+        "track": _curve(case.track, visible(case.scene, path, xi1)),
+        "supports": [{"name": s.name} | _curve(s.curve, supports[s.name]) for s in case.supports],
         "outline": pack(case.scene.corners()),
         "truth": pack(np.array([_at(times, truth.samples, name) for name in TRUE])),
         "contacts": [
             {"name": name, "data": pack(np.array([at_contact(times, samples, column) for column in OF_CONTACT]))}
             for name, samples in truth.contact_samples.items()
-            if not case.others or name.endswith(f"/{TRACK}")  # a place on the track
+            if curve_of(name) in (TRACK, *supports)  # a place on a curve that is drawn
         ],
         "plates": [
             {
@@ -112,6 +108,18 @@ def family(case: Case) -> str:
     module = inspect.getmodule(cases.entry(case.name).function)
     name = module.__name__ if module else ""
     return name.rpartition(".")[2].replace("_", " ").capitalize() if ".catalogue." in f".{name}" else "Your own"
+
+
+def curve_of(contact: str) -> str:
+    """The name of the support, or of the track, that a contact stands on; of a further plate's name in a pair of them.
+    Further contacts with the track are numbered: "plate/track 2"."""
+    return contact.rpartition("/")[2].partition(" ")[0]
+
+
+def _curve(curve: Curve, parameters: np.ndarray) -> dict[str, Any]:
+    """A curve as the player draws it and finds its contacts."""
+    low, high = float(parameters[0]), float(parameters[-1])
+    return {"low": low, "high": high, "period": bool(curve.period), "points": pack(curve.point(parameters))}
 
 
 def _run(run: Run, times: np.ndarray, case: Case) -> dict[str, Any]:

@@ -84,6 +84,13 @@ def test_a_picture_has_the_quantities_that_were_asked_for_and_a_line_at_each_tra
         MOTION.plot("normal_froce")
 
 
+def test_a_picture_shows_the_supports_where_the_plate_passes():
+    motion = reference.simulate(cases.load("ladder_at_wall"))
+    floor, wall = (line.get_xydata() for line in motion.plot("y").axes[0].lines[:2])
+    assert np.all(abs(floor[:, 1]) < 1e-12) and np.all(abs(wall[:, 0]) < 1e-12)
+    assert wall[:, 1].min() < 0.0 and wall[:, 1].max() > 2.0 * motion(0.0).y  # its upper end touches
+
+
 def test_the_roundings_of_a_constant_do_not_fill_its_axis():
     height, spin = plots.plot(reference.simulate(cases.load("box_on_shaken_table")), None, ["y", "omega"]).axes
     assert height.get_ylim() == pytest.approx((0.09, 0.11)) and np.ptp(spin.get_ylim()) > 0.1

@@ -60,6 +60,24 @@ def test_samples_of_a_motion_hold_its_transitions():
     assert motions.motion(Experiment((case,), {case.label: Truth(failure="none")}, (), 0.0), case) is None
 
 
+def test_the_player_has_the_supports_and_the_contacts_on_them():
+    """The walls were missing, and their contacts stood on the track."""
+    case = cases.load("disc_between_hills")
+    t = np.linspace(0.0, 0.5, 11)
+    samples = {"t": t, **{name: np.zeros(11) for name in motions.TRUE}, "y": np.ones(11)}
+    of_contact = {"t": t, **{name: np.zeros(11) for name in motions.OF_CONTACT}}
+    names = ("plate/track", "plate/track 2", "plate/right", "plate/another")
+    truth = replace(
+        ROLLS, samples=samples, first_mode=Mode.SLIP_FORWARD, contact_samples=dict.fromkeys(names, of_contact)
+    )
+    said = motions.motion(Experiment((case,), {case.label: truth}, (), 0.0), case)
+    assert [one["name"] for one in said["contacts"]] == list(names[:3])
+    (right,) = said["supports"]
+    x, y = unpacked(right["points"]).reshape(2, -1)
+    assert right["name"] == "right" and right["period"] and right["high"] - right["low"] == pytest.approx(2 * np.pi)
+    assert np.hypot(x - 1.5 * np.sin(0.3 * np.pi), y) == pytest.approx(1.0, abs=1e-4)  # five digits of each number
+
+
 def test_cases_stand_in_the_families_of_the_catalogue():
     assert motions.family(cases.load("bouncing_disc")) == "Bounces and flights"
     assert motions.family(replace(cases.load("bouncing_disc"), name="mine")) == "Your own"

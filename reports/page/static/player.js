@@ -1,9 +1,9 @@
-// Player of a motion in SVG: the plate on its track, every engine's plate as a ghost at a setting of its ladder, and a
+// Player of a motion in SVG: the plate on its track and supports, every engine's plate as a ghost at a setting of its ladder, and a
 // timeline of modes.
 suite.player = async (place) => {
   const motion = await suite.motion(place.dataset.case);
   if (!motion) return null;
-  const NS = "http://www.w3.org/2000/svg", { truth, t, track, outline } = motion, listeners = [];
+  const NS = "http://www.w3.org/2000/svg", { truth, t, track, supports, outline } = motion, listeners = [];
   const make = (name, parent, attributes = {}) => {
     const node = document.createElementNS(NS, name);
     for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
@@ -49,7 +49,7 @@ suite.player = async (place) => {
   const range = (values) => values.reduce(([a, b], v) => (Number.isFinite(v) ? [Math.min(a, v), Math.max(b, v)] : [a, b]), [Infinity, -Infinity]);
   const reach = outline.x.reduce((most, x, i) => Math.max(most, Math.hypot(x, outline.y[i])), 0);
   const flying = (values) => values.map((v, i) => (Number.isFinite(truth.xi1[i]) ? NaN : v));
-  make("path", world, { d: polyline(track.x, track.y), class: "track" });
+  for (const curve of [track, ...supports]) make("path", world, { d: polyline(curve.x, curve.y), class: "track" });
   make("path", world, { d: polyline(flying(truth.x), flying(truth.y)), class: "flight" });
   const plateOf = (parent, kind, { x, y } = outline) => {
     const group = make("g", parent, { class: kind });
@@ -91,21 +91,23 @@ suite.player = async (place) => {
     const size = Math.max(...Array.from(one.outline.x, Math.abs), ...Array.from(one.outline.y, Math.abs), one.outline === outline ? reach : 0);
     return Array.from(one[axis]).flatMap((value) => [value - size, value + size]);
   });
-  const xs = range([...track.x, ...around("x")]), ys = range([...track.y, ...around("y")]);
+  const xs = range([track, ...supports].flatMap(({ x }) => [...x]).concat(around("x")));
+  const ys = range([track, ...supports].flatMap(({ y }) => [...y]).concat(around("y")));
   const width = xs[1] - xs[0], height = ys[1] - ys[0], room = 0.04 * Math.max(width, height);
   const whole = [xs[0] - room, (up > 0 ? ys[0] : -ys[1]) - room, width + 2 * room, height + 2 * room];
   part(".follow").checked = Math.max(width, height) > 40 * reach;
 
-  // The point of the track at a contact parameter, and the tangent there.
-  const onTrack = (xi) => {
+  // The curve of a contact, which its name ends with; the point of a curve at a contact parameter, and the tangent there.
+  const curveOf = (name) => supports.find((one) => one.name === name.split("/").at(-1).split(" ")[0]) ?? track;
+  const onCurve = ({ x, y, low, high, period }, xi) => {
     if (!Number.isFinite(xi)) return null;
-    const length = track.high - track.low, count = track.x.length - 1;
-    let place = (xi - track.low) / length;
-    if (track.period) place -= Math.floor(place);
+    const count = x.length - 1;
+    let place = (xi - low) / (high - low);
+    if (period) place -= Math.floor(place);
     place = Math.min(1, Math.max(0, place)) * count;
-    const i = Math.min(count - 1, Math.floor(place)), dx = track.x[i + 1] - track.x[i], dy = track.y[i + 1] - track.y[i];
+    const i = Math.min(count - 1, Math.floor(place)), dx = x[i + 1] - x[i], dy = y[i + 1] - y[i];
     const size = Math.hypot(dx, dy) || 1;
-    return { x: track.x[i] + (place - i) * dx, y: track.y[i] + (place - i) * dy, tx: dx / size, ty: dy / size };
+    return { x: x[i] + (place - i) * dx, y: y[i] + (place - i) * dy, tx: dx / size, ty: dy / size };
   };
   const forces = contacts.flatMap(({ normal }) => Array.from(normal)).filter(Number.isFinite).map(Math.abs).sort((a, b) => a - b);
   const usual = forces[Math.floor(0.9 * forces.length)] || 1;
@@ -131,8 +133,8 @@ suite.player = async (place) => {
   };
 
   // Draws one contact at the current time; whether it is closed.
-  function drawContact({ xi1, normal, friction, group, normalPath, frictionPath, touch }) {
-    const at = onTrack(side(xi1));
+  function drawContact({ name, xi1, normal, friction, group, normalPath, frictionPath, touch }) {
+    const at = onCurve(curveOf(name), side(xi1));
     group.style.display = at ? "" : "none";
     if (!at) return false;
     touch.setAttribute("cx", at.x);

@@ -81,7 +81,9 @@ const suite = (() => {
     const block = [...document.querySelectorAll("script.motion")].find((one) => one.dataset.case === label);
     if (!block) return null;
     const data = JSON.parse(block.textContent), t = await numbers(data.t);
-    const truth = columns(TRUE, await numbers(data.truth)), track = columns(["x", "y"], await numbers(data.track.points));
+    const truth = columns(TRUE, await numbers(data.truth));
+    const drawn = async (curve) => ({ ...curve, ...columns(["x", "y"], await numbers(curve.points)) });
+    const track = await drawn(data.track), supports = await Promise.all(data.supports.map(drawn));
     // Sample times are rounded to 32 bits; start and end are exact. Differences have every second sample and the last.
     const runs = [], coarse = t.filter((_, i) => i % 2 === 0 || i === t.length - 1);
     const fill = (values) => Float32Array.from(t, (time) => at(coarse, values, time));
@@ -99,7 +101,7 @@ const suite = (() => {
     const plates = [];
     for (const { outline, data: packed } of data.plates)
       plates.push({ outline: columns(["x", "y"], await numbers(outline)), ...columns(["x", "y", "angle"], await numbers(packed)) });
-    return { ...data, t, truth, runs, contacts, plates, track: { ...data.track, ...track }, outline: columns(["x", "y"], await numbers(data.outline)) };
+    return { ...data, t, truth, runs, contacts, plates, track, supports, outline: columns(["x", "y"], await numbers(data.outline)) };
   }
 
   const motion = (label) => cache.get(label) ?? (cache.set(label, read(label)), cache.get(label));
