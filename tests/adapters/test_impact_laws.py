@@ -119,6 +119,7 @@ def test_where_its_law_is_asked_for_it_is_judged_as_any_other():
     assert run("pymunk", "native", "tumbling_ellipse_moreau", 5).distance.centre_max < 0.6 * row.distance.centre_max
 
 
+@pytest.mark.slow
 def test_the_disc_off_the_ramp_has_contestants():
     assert run("pymunk", "native", "disc_off_ramp").outcome == "answered"
     row = run("box2d", "native", "disc_off_ramp")

@@ -393,6 +393,7 @@ def test_an_adapter_that_ends_its_process_costs_one_verdict_and_no_other(fault, 
     assert [result for _, result, _ in tried] == ["kept", outcome, "kept"], tried
 
 
+@pytest.mark.slow
 def test_an_adapter_whose_import_ends_the_process_is_one_sentence(tmp_path):
     file = tmp_path / "dies.py"
     file.write_text("import os\nos._exit(3)\n")

@@ -37,6 +37,7 @@ def test_a_plate_that_flies_off_for_good_never_lands_however_far_it_is(speed):
     assert np.hypot(motion.x[-1], motion.y[-1]) == pytest.approx(0.1 * speed, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif("taylor" not in reference.METHODS, reason="without heyoka SciPy's DOP853 integrates")
 def test_a_first_flight_imports_no_scipy():
     """Its trees and root finders take a fifth of a second to import, more than the motion."""

@@ -282,6 +282,7 @@ def test_both_formulations_have_the_same_random_sequences_with_belts(seed):
     agree(random_belts(seed), 1e-10)
 
 
+@pytest.mark.slow
 def test_a_narrow_valley_that_is_a_belt_holds_a_disc_in_two_places():
     # The disc rolls down a valley whose surface runs, meets it in a second place, and is spun in both.
     valley = Curve(lambda s: (1.0 * s, 2.0 * s * s))

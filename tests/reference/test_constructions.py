@@ -194,6 +194,7 @@ def test_a_closed_curve_of_pieces_is_rolled_through_again():
     assert np.hypot(motion(5.0).vx, motion(5.0).vy) == pytest.approx(4.0, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_a_plate_of_pieces_rocks():
     plate = Plate.homogeneous(oval(0.05, 0.06, 0.08), mass=1.0)
     aside = Curve.in_pieces(oval(0.05, 0.06, 0.08).parts.translate(0.7, -0.2))

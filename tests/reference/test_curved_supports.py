@@ -137,7 +137,7 @@ def test_a_disc_in_a_bowl_meets_a_hill_at_the_time_of_a_quadrature(method, rolls
     assert first.time == pytest.approx(falls(start, touch, far, share), abs=1e-12)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("lean", [-0.2, 0.3])
 def test_a_disc_that_rolls_in_a_bowl_meets_a_straight_wall_in_time(lean):
     r, far, start = 0.3, 1.7, 1.1
@@ -154,6 +154,7 @@ def test_a_disc_that_rolls_in_a_bowl_meets_a_straight_wall_in_time(lean):
     assert agree(case, 1e-10) >= 2
 
 
+@pytest.mark.slow
 def test_a_rough_disc_that_falls_between_a_bowl_and_a_smooth_wall_comes_to_rest():
     # The coefficient of a perfectly rough contact, 1e9 in the second formulation, left a slip of 3e-8 m/s after the
     # impact at both contacts, which ended its motion as "paradox".

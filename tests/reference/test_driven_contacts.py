@@ -88,6 +88,7 @@ def test_a_rest_ends_where_a_load_grows_too_large(method):
     assert len(motion.transitions) == 1 and motion.status == "completed"
 
 
+@pytest.mark.slow
 def test_a_shaken_table_is_an_inertial_load_in_its_frame():
     drive, load = Drive(x="-4/144*sin(12*t)", y="0.01*sin(7*t)"), Load(fx="-4*sin(12*t)", fy="0.49*sin(7*t)")
     shaken, still = (reference.simulate(box(0.1, 0.4, 0.3, one, duration=1.2)) for one in (drive, load))

@@ -191,6 +191,7 @@ def with_a_hundred_lobes() -> tuple[Case, mp.mpf]:
         return case, +above(s)[1]
 
 
+@pytest.mark.slow
 @FORMULATIONS
 def test_a_plate_of_a_hundred_lobes_lands_on_the_first_that_comes_down(solve, accuracy):
     case, exact = with_a_hundred_lobes()
@@ -348,7 +349,7 @@ def agree(seed: int) -> None:
     assert agree_as_known(case, one, ours, theirs), seed
 
 
-@pytest.mark.sampled(2, first=1)
+@pytest.mark.slow
 @pytest.mark.parametrize("method, rtol", [("taylor", 1e-10), ("dop853", 1e-8)])
 def test_a_contact_that_opens_more_slowly_than_its_gap_is_known_flies_off(method, rtol):
     """Flight 1947: an ellipse slides off a ripple. The gap after the first short step was a rounding of zero, or less

@@ -59,6 +59,7 @@ def made(tmp_path):
     return make
 
 
+@pytest.mark.slow
 def test_answers_stand_in_the_order_of_the_calls_whichever_ends_first_and_wherever_from(made):
     for hows in (("a", "b"), ("c", "a", "d", "b")):
         found, _, _ = made(*hows)

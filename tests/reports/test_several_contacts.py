@@ -101,6 +101,7 @@ def test_each_contact_is_read_by_its_own_friction():
     assert list(first.values()) == [Mode.ROLL, Mode.ROLL, Mode.SLIDE, Mode.SLIDE]
 
 
+@pytest.mark.slow
 def test_a_motion_that_ignores_friction_is_as_bad_as_that(truth, scales):
     for name, motion in null_motions(ROCKING).items():
         result = judged(truth, scales, motion)
