@@ -95,10 +95,14 @@ class Support:
         return (*(effect for effect in of_case if not isinstance(effect, replaced)), *(self.effects or ()))
 
 
+def base_of(contact: str) -> str:
+    """What a contact lies on, the name of a support, of the track or of another plate: "wall" of "plate/wall 2"."""
+    return contact.partition("/")[2].partition(" ")[0]
+
+
 def effects_at(case: Any, contact: str) -> tuple[Effect, ...]:
     """All effects at a contact, such as "plate/wall 2": those of the case, and its support's own in their places."""
-    _, _, place = contact.partition("/")
-    own = [support for support in case.supports if support.name == place.partition(" ")[0]]
+    own = [support for support in case.supports if support.name == base_of(contact)]
     return own[0].acting(case.effects) if own else case.effects
 
 

@@ -21,7 +21,7 @@ import numpy as np
 import cases
 from cases import Case, Curve, Mode
 from cases.pictures.layout import along_line, support_parameters, visible
-from cases.supports import TRACK
+from cases.supports import TRACK, base_of
 
 from ..judging.grades import percent
 from ..running import per_solver
@@ -78,9 +78,13 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
         "outline": pack(case.scene.corners()),
         "truth": pack(np.array([_at(times, truth.samples, name) for name in TRUE])),
         "contacts": [
-            {"name": name, "data": pack(np.array([at_contact(times, samples, column) for column in OF_CONTACT]))}
+            {
+                "name": name,
+                "curve": base_of(name),
+                "data": pack(np.array([at_contact(times, samples, column) for column in OF_CONTACT])),
+            }
             for name, samples in truth.contact_samples.items()
-            if curve_of(name) in (TRACK, *supports)  # a place on a curve that is drawn
+            if base_of(name) in (TRACK, *supports)  # a place on a curve that is drawn
         ],
         "plates": [
             {
@@ -108,12 +112,6 @@ def family(case: Case) -> str:
     module = inspect.getmodule(cases.entry(case.name).function)
     name = module.__name__ if module else ""
     return name.rpartition(".")[2].replace("_", " ").capitalize() if ".catalogue." in f".{name}" else "Your own"
-
-
-def curve_of(contact: str) -> str:
-    """The name of the support, or of the track, that a contact stands on; of a further plate's name in a pair of them.
-    Further contacts with the track are numbered: "plate/track 2"."""
-    return contact.rpartition("/")[2].partition(" ")[0]
 
 
 def _curve(curve: Curve, parameters: np.ndarray) -> dict[str, Any]:

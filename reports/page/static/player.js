@@ -1,5 +1,5 @@
-// Player of a motion in SVG: the plate on its track and supports, every engine's plate as a ghost at a setting of its ladder, and a
-// timeline of modes.
+// Player of a motion in SVG: the plate on its track and supports, every engine's plate as a ghost at a setting of its
+// ladder, and a timeline of modes.
 suite.player = async (place) => {
   const motion = await suite.motion(place.dataset.case);
   if (!motion) return null;
@@ -81,7 +81,7 @@ suite.player = async (place) => {
   const contacts = (motion.contacts.length ? motion.contacts : [{ name: "", ...truth }]).map((contact) => {
     const group = make("g", arrows);
     return {
-      ...contact, group, normalPath: make("path", group, { class: "normal" }), frictionPath: make("path", group, { class: "friction" }),
+      ...contact, group, on: supports.find(({ name }) => name === contact.curve) ?? track, normalPath: make("path", group, { class: "normal" }), frictionPath: make("path", group, { class: "friction" }),
       touch: make("circle", group, { class: "touch", r: 0.07 * reach }),
     };
   });
@@ -97,8 +97,7 @@ suite.player = async (place) => {
   const whole = [xs[0] - room, (up > 0 ? ys[0] : -ys[1]) - room, width + 2 * room, height + 2 * room];
   part(".follow").checked = Math.max(width, height) > 40 * reach;
 
-  // The curve of a contact, which its name ends with; the point of a curve at a contact parameter, and the tangent there.
-  const curveOf = (name) => supports.find((one) => one.name === name.split("/").at(-1).split(" ")[0]) ?? track;
+  // The point of a curve at a contact parameter, and the tangent there.
   const onCurve = ({ x, y, low, high, period }, xi) => {
     if (!Number.isFinite(xi)) return null;
     const count = x.length - 1;
@@ -133,8 +132,8 @@ suite.player = async (place) => {
   };
 
   // Draws one contact at the current time; whether it is closed.
-  function drawContact({ name, xi1, normal, friction, group, normalPath, frictionPath, touch }) {
-    const at = onCurve(curveOf(name), side(xi1));
+  function drawContact({ on, xi1, normal, friction, group, normalPath, frictionPath, touch }) {
+    const at = onCurve(on, side(xi1));
     group.style.display = at ? "" : "none";
     if (!at) return false;
     touch.setAttribute("cx", at.x);

@@ -97,7 +97,7 @@ const suite = (() => {
       runs.push({ ...run, off: await filled(OFF, run.data), plates: further });
     }
     const contacts = [];
-    for (const { name, data: packed } of data.contacts) contacts.push({ name, ...columns(["xi1", "normal", "friction", "low", "high"], await numbers(packed)) });
+    for (const { name, curve, data: packed } of data.contacts) contacts.push({ name, curve, ...columns(["xi1", "normal", "friction", "low", "high"], await numbers(packed)) });
     const plates = [];
     for (const { outline, data: packed } of data.plates)
       plates.push({ outline: columns(["x", "y"], await numbers(outline)), ...columns(["x", "y", "angle"], await numbers(packed)) });
