@@ -322,14 +322,12 @@ class PlatesSimulation(PhaseLoop):
             return
         limit, values = end.time, end.body
         hit = [n for n, contact in enumerate(self.contacts) if contact.name in end.contacts]
-        near, landing = sorted({*hit, *self.touching}), set[int]()
-        least = TOUCHES * size(self.case, self.state)
-        for number in set(range(len(self.contacts))) - set(near):
-            at = place(self.case, number, values)
-            if end.lands(at.gap, float(at.lift_row @ np.array(values[self.half :])), least):
-                landing.add(number)
-            elif at.gap <= 0.0:
-                return  # another contact closes before
+        near, moving = sorted({*hit, *self.touching}), np.array(values[self.half :])
+        others = [(n, place(self.case, n, values)) for n in range(len(self.contacts)) if n not in near]
+        closings = [(n, at.gap, float(at.lift_row @ moving)) for n, at in others]
+        landing = end.landing(closings, TOUCHES * size(self.case, self.state))
+        if landing is None:
+            return
         state = project(self.case, tuple(values), near)
         velocity = np.array(state[self.half :])
         stuck = [n for n in near if self._slips_less(n, state, end.error)]

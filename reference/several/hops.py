@@ -12,9 +12,9 @@ comes to rest on the floor again. The first impacts of such series are a series,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from cases import Transition
 from cases.instants import one_per_instant
 
 from ..minimal.bouncing import APART, LISTING_PART, MOST, extrapolate
+
+# The name or the number of a contact.
+T = TypeVar("T", str, int)
 
 # Impacts beyond this many are too old to be of the same series with speeds that are APART.
 LONGEST = 1000
@@ -59,10 +62,16 @@ class SeriesEnd(NamedTuple):
     ends_cascade: bool = False
     doubt: float = 0.0
 
-    def lands(self, gap: float, lift: float, touches: float) -> bool:
-        """Whether another contact with that gap and lift velocity (m/s) closes at the end as far as it is known; gaps
-        below `touches` (m) are rounding."""
-        return lift < 0.0 and abs(gap) <= touches - lift * self.doubt
+    def landing(self, others: Iterable[tuple[T, float, float]], touches: float) -> set[T] | None:
+        """Which of other contacts, each with its gap (m) and lift velocity (m/s) then, close at the end as far as it is
+        known; None if one closes before. Gaps below `touches` (m) are rounding."""
+        landing = set()
+        for contact, gap, lift in others:
+            if lift < 0.0 and abs(gap) <= touches - lift * self.doubt:
+                landing.add(contact)
+            elif gap <= 0.0:
+                return None
+        return landing
 
 
 class ImpactSeries:

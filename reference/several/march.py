@@ -146,14 +146,15 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             return now
         limit, body = end.time, end.body
         watched, pairs = self.contacts(), [(at.xi1, at.xi2) for at in now.places]
-        near, landing = [k for k, name in enumerate(now.names) if name in end.contacts], set[str]()
-        for k, other in enumerate(places(watched, body, pairs)):
-            if k in near or now.away[k]:
-                continue
-            if end.lands(other.gap, float(other.lift_row @ np.array(body[3:])), TOUCHES * self._size()):
-                landing.add(now.names[k])
-            elif other.gap <= 0.0:
-                return now
+        near, velocity = [k for k, name in enumerate(now.names) if name in end.contacts], np.array(body[3:])
+        others = [
+            (now.names[k], at.gap, float(at.lift_row @ velocity))
+            for k, at in enumerate(places(watched, body, pairs))
+            if not (k in near or now.away[k])
+        ]
+        landing = end.landing(others, TOUCHES * self._size())
+        if landing is None:
+            return now
         if np.abs(np.array(body[3:]) * np.array([1.0, 1.0, self.case.plate.gyration])).max() <= end.error:
             body[3:] = 0.0, 0.0, 0.0
         body, at = project(self.case, watched, body, pairs, near)
