@@ -158,3 +158,13 @@ def place_in_region(one: Region, x, y, radius: float):
     far = np.hypot(dx, dy)
     nx, ny = dx / far, dy / far
     return far - radius, nx, ny, one.corner.outline_parameter(np.arctan2(nx, -ny))
+
+
+def places_in_regions(some: tuple[Region, ...], u: np.ndarray, v: np.ndarray, radius: float) -> np.ndarray:
+    """Gap, outward normal and parameter, rows of shape (4, n), of a disc with its centre at these points in the frame
+    of the polygon, each in the region in which it is."""
+    which, results = region_of(some, u, v), np.empty((4, len(u)))
+    for i in np.unique(which):
+        here = which == i
+        results[:, here] = place_in_region(some[i], u[here], v[here], radius)
+    return results

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 EVEN_TIMES = 1001
 # Changes listed in words; the text gives the total of a longer list.
 _MOST_CHANGES = 4
+# A contact that never slips faster than this part of the fastest speed sticks: what roundings of velocities leave.
+_NO_SLIP = 1e-9
 
 
 class Mode(StrEnum):
@@ -248,15 +250,28 @@ class Trajectory:
 
     def _first_mode_of(self, contact: str, transitions: tuple[Transition, ...], slip: np.ndarray) -> Mode | None:
         """The first mode of one contact: what its first transition leaves, or the mode that it has all the time."""
-        if self.first_mode is None or contact == self.contact_names[0]:
-            return self.first_mode
+        if self.first_mode is None:
+            return None
         if transitions:
             return transitions[0].before
         if np.isnan(slip[0]):
             return Mode.FLIGHT
-        if self.first_mode in (Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD):
-            return Mode.SLIP_FORWARD if np.nansum(slip) > 0.0 else Mode.SLIP_BACKWARD
-        return Mode.ROLL if self.first_mode is Mode.FLIGHT else self.first_mode
+        if self._slides(contact):
+            return Mode.SLIDE
+        largest = slip[np.nanargmax(np.abs(slip))]
+        if abs(largest) > _NO_SLIP * np.hypot(self.vx, self.vy).max():
+            return Mode.SLIP_FORWARD if largest > 0.0 else Mode.SLIP_BACKWARD
+        return self.first_mode if self.first_mode in (Mode.ROLL, Mode.REST) else Mode.ROLL
+
+    def _slides(self, contact: str) -> bool:
+        """Whether a contact has no friction; of a motion whose case is not known, as its first contact."""
+        from .effects import CoulombFriction, PerfectlyRough, one
+        from .supports import effects_at
+
+        if self.case is None:
+            return self.first_mode is Mode.SLIDE
+        effects = effects_at(self.case, contact)
+        return one(effects, CoulombFriction) is None and one(effects, PerfectlyRough) is None
 
     def _columns(self, contact: str, times: np.ndarray | None) -> ContactColumns:
         if self.contact_columns is not None:

@@ -4,6 +4,7 @@ from .adapter import (
     BELTS_AND_SUPPORTS,
     CORNERS,
     DRIVEN_CONTACTS,
+    FREE_POLYGONS,
     NAME,
     ROUNDING,
     SEVERAL_CONTACTS,
@@ -23,7 +24,8 @@ from .adapter import (
 from .meanings import MEANINGS
 
 __all__ = [
-    "BELTS_AND_SUPPORTS", "CORNERS", "DRIVEN_CONTACTS", "MEANINGS", "NAME", "ROUNDING", "SEVERAL_CONTACTS",
+    "BELTS_AND_SUPPORTS", "CORNERS", "DRIVEN_CONTACTS", "FREE_POLYGONS", "MEANINGS", "NAME", "ROUNDING",
+    "SEVERAL_CONTACTS",
     "SEVERAL_PLATES", "SUPPORTS", "build", "default_grid", "grid", "ladder", "read", "refuses",
     "refuses_several_contacts", "routes", "run", "version",
 ]  # fmt: skip

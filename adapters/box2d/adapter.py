@@ -70,7 +70,7 @@ SUPPORTS = ("native",)
 BELTS_AND_SUPPORTS = ("native",)
 # Routes that have driven tracks with corners, or with several contacts.
 DRIVEN_CONTACTS = ("native",)
-SEVERAL_PLATES = ("native",)
+SEVERAL_PLATES = FREE_POLYGONS = ("native",)
 
 # The engine's numbers are of single precision.
 ROUNDING = float(np.finfo(np.float32).eps)

@@ -37,7 +37,8 @@ def corners(case: Case, h: float | None) -> dict[str, int]:
         way = facets.stretch(case).top_speed * h if h else 0.0
         counts["facets"] = max(MODEST, round(length / way)) if way else MODEST
     outline = case.plate.outline
-    if not facets.round_plate(case) and not as_line(outline):
+    # The free plates are discs and polygons, whose corners are their own.
+    if not facets.round_plate(case) and not as_line(outline) and not case.others:
         # With 0.2 s over the step corners lose as much energy as the step itself; whole polygons of a fan.
         coarsest = MOST_CORNERS if facets.is_convex(outline) else MODEST
         counts["vertices"] = RIM * round(max(0.2 / h, MODEST) / RIM) if h else coarsest
@@ -234,20 +235,18 @@ def _add_chain(
 def add_plate(
     case: Case, plate: Plate, body: pyb2d3.Body, material: pyb2d3.SurfaceMaterial, scale: float, count: int
 ) -> None:
-    """Add a circle, or a fan of polygons with `count` corners on its rim; triangles if the outline is not convex.
-
-    Of several plates all are circles.
-    """
+    """Add a circle, a polygon, or a fan of polygons with `count` corners on its rim; triangles if the outline is not
+    convex."""
     define = pyb2d3.shape_def(material=material)
     circle = as_circle(plate.outline) if plate.outline.period else None
     if circle:
         body.create_shape(define, pyb2d3.circle(_pair(scale * circle.centre), scale * circle.radius))
         return
-    if not facets.is_convex(case.plate.outline):
-        for edge in pairwise(scale * facets.rim(case.plate.outline, count).T):
+    if not facets.is_convex(plate.outline):
+        for edge in pairwise(scale * facets.rim(plate.outline, count).T):
             body.create_shape(define, pyb2d3.polygon(points=np.vstack([np.zeros(2), *edge])))
         return
-    rim = scale * facets.polygon(case, count).T
+    rim = scale * facets.polygon(plate.outline, count).T
     if len(rim) <= MOST_CORNERS:
         body.create_shape(define, pyb2d3.polygon(points=rim))
         return

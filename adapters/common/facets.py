@@ -261,12 +261,11 @@ def _even(curve: Curve, low: float, high: float, count: int) -> tuple[np.ndarray
     return np.interp(np.linspace(0.0, run[-1], count + 1), run, fine), float(run[-1])
 
 
-def polygon(case: Case, count: int) -> np.ndarray:
+def polygon(outline: Curve, count: int) -> np.ndarray:
     """Corners, shape (2, count), at equal turns of a convex outline's tangent, scaled to the area of the outline.
 
     Equal turns put the corners where the outline bends most, so that every corner loses the same energy.
     """
-    outline = case.plate.outline
     if isinstance(outline, Chain):
         return chain_vertices(outline, count)[:, :-1]
     s = np.linspace(*outline.span, 64 * 721)
@@ -333,7 +332,7 @@ def sagitta(case: Case, facets: int | None, vertices: int | None) -> float:
         off += float(np.abs(bends).max()) * (length / facets) ** 2 / 8
     if vertices and is_convex(case.plate.outline):
         # A chord of length L over a turn of δ has the sagitta L δ/8.
-        corners = polygon(case, vertices)
+        corners = polygon(case.plate.outline, vertices)
         longest = float(np.hypot(*(np.roll(corners, -1, axis=1) - corners)).max())
         off += longest * (2 * pi / vertices) / 8
     elif vertices:

@@ -1,7 +1,8 @@
 """Contacts of several free plates, from the poses and velocities of a motion alone.
 
-Each pair of a disc and a line, or of two discs, has one gap in every pose. It is closed while the gap is below what the
-engine's step leaves, as long as the plates' change of momentum needs it or the gap does not grow.
+Each pair of a disc or a corner and a line, and of a disc and another plate, has one gap in every pose. It is closed
+while the gap is below what the engine's step leaves, as long as the plates' change of momentum needs it or the gap does
+not grow.
 """
 
 from __future__ import annotations
@@ -14,20 +15,25 @@ from scipy.optimize import nnls
 
 from cases import Case, CoulombFriction, PerfectlyRough, Trajectory
 from cases.free_plates import PlateContact, names_of, parameter, plate_contacts, plates_of
+from cases.polygon_features import local_centre, places_in_regions
 from cases.sampled_contacts import SampledContacts, SampledPlates
 from cases.trajectory import ContactColumns
 
 from . import several_contacts
 from .support_contacts import ROUGH, ROUNDING, UNNEEDED, from_first_to_last, ranges, touching
 
-# Forces are unique if the smallest singular value of the contacts' directions is above this part of the largest.
+# Singular values of the contacts' directions below this part of the largest are roundings of 0: such forces cancel.
 _UNIQUE = 1e-9
+# A force is unique if a unit of it is in forces that cancel by less than this: far above what _UNIQUE leaves of a 0,
+# and far below the share 1/n of one among n that do.
+_OPEN = 1e-4
 
 
 @dataclass(frozen=True)
 class _PairContact:
     """One contact along a motion, arrays of n samples: gap (m), slip velocity (m/s), unit tangent and normal (2, n),
-    both contact parameters."""
+    both contact parameters, and the contact point from the origins of its plate and of the plate on which it lies
+    (2, n), m."""
 
     contact: PlateContact
     gap: np.ndarray
@@ -36,21 +42,22 @@ class _PairContact:
     normal: np.ndarray
     xi1: np.ndarray
     xi2: np.ndarray
+    arm: np.ndarray
+    base_arm: np.ndarray
 
-    def torsors(self, turning: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        """The forces and moments over radius that a unit force along normal and tangent gives all plates at these
-        samples, shape (samples, 3 plates, 2). `turning`: 1 for a plate that turns; the momentum of others does not
-        contain their moment, and 0 stands for it."""
+    def torsors(self, lengths: np.ndarray, turning: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        """The forces and moments over `lengths` (m, of each plate) that a unit force along normal and tangent gives all
+        plates at these samples, shape (samples, 3 plates, 2). `turning`: 1 for a plate that turns; the momentum of
+        others does not contain their moment, and 0 stands for it."""
         body, base = self.contact.body, self.contact.base
         result = np.zeros((len(samples), len(turning), 3, 2))
-        for axis, direction in enumerate((self.normal, self.tangent)):
-            result[:, body, :2, axis] = direction[:, samples].T
-            if base is not None:
-                result[:, base, :2, axis] = -direction[:, samples].T
-        # Both moments are r T: the normal points from the base to the body, and the forces are opposite.
-        result[:, body, 2, 1] = turning[body]
-        if base is not None:
-            result[:, base, 2, 1] = turning[base]
+        for axis, every in enumerate((self.normal, self.tangent)):
+            direction = every[:, samples]
+            for plate, arm, sign in ((body, self.arm, 1.0), (base, self.base_arm, -1.0)):
+                if plate is None:
+                    continue
+                result[:, plate, :2, axis] = sign * direction.T
+                result[:, plate, 2, axis] = sign * turning[plate] / lengths[plate] * _cross(arm[:, samples], direction)
         return result.reshape(len(samples), -1, 2)
 
     @property
@@ -87,13 +94,14 @@ def with_plates(
     steady = [touching(one.gap, shut, ROUNDING * size * len(t)) for one, shut in zip(some, closed, strict=True)]
     if torsor is not None:
         turning = np.array([float(plate.turns) for plate in plates_of(case)])
-        momenta = (torsor / [(1.0, 1.0, plate.reach) for plate in plates_of(case)]).reshape(len(t), -1)
-        steady = _pushing(some, closed, steady, momenta, turning)
+        lengths = np.array([plate.reach for plate in plates_of(case)])
+        momenta = (torsor / [(1.0, 1.0, length) for length in lengths]).reshape(len(t), -1)
+        steady = _pushing(some, closed, steady, momenta, lengths, turning)
     closed = [from_first_to_last(shut, holds) for shut, holds in zip(closed, steady, strict=True)]
     closed = [_with_instants(t, shut, impact) for shut in closed]
     forces = np.full((len(some), 2, len(t)), np.nan)
     if torsor is not None:
-        forces = _forces(some, closed, momenta, turning)
+        forces = _forces(some, closed, momenta, lengths, turning)
     columns = {
         one.contact.name: _columns(one, shut, force) for one, shut, force in zip(some, closed, forces, strict=True)
     }
@@ -122,33 +130,63 @@ def _with_instants(t: np.ndarray, closed: np.ndarray, impact: float) -> np.ndarr
 
 
 def _along(case: Case, contact: PlateContact, poses: np.ndarray, rates: np.ndarray, slip_lever: float) -> _PairContact:
-    plates, body, base = plates_of(case), contact.body, contact.base
-    (x, y, theta), (vx, vy, omega) = poses[:, body].T, rates[:, body].T
-    radius = plates[body].reach
-    if base is None:
-        line, curve = contact.line, contact.curve
-        assert line is not None and curve is not None, "checked by the case"
-        tangent = np.repeat(line.direction[:, None], len(poses), axis=1)
-        normal = np.array([-tangent[1], tangent[0]])
-        off, low = np.array([x - line.point[0], y - line.point[1]]), float(curve.span[0])
-        gap = np.sum(off * normal, axis=0) - radius
-        begin = np.asarray(curve.point(low)) - line.point
-        xi1 = low + np.sum((off - begin[:, None]) * tangent, axis=0) / float(curve.speed(low))
-        slip = vx * tangent[0] + vy * tangent[1] + (radius + slip_lever * gap) * omega
+    body, base, circle = contact.body, contact.base, contact.circle
+    x, y, theta = poses[:, body].T
+    c, s = np.cos(theta), np.sin(theta)
+    centre = np.array([x + c * circle.x - s * circle.y, y + s * circle.x + c * circle.y])
+    gap, normal, xi1 = _on_line(contact, centre) if base is None else _on_plate(case, contact, centre, poses[:, base])
+    tangent = np.array([normal[1], -normal[0]])
+    place = centre - (circle.radius + slip_lever * gap) * normal
+    arm, velocity = place - poses[:, body, :2].T, _velocity(rates[:, body], place - poses[:, body, :2].T)
+    base_arm = np.zeros_like(arm)
+    if base is not None:
+        base_arm = place - poses[:, base, :2].T
+        velocity = velocity - _velocity(rates[:, base], base_arm)
+    if circle.radius == 0.0:
+        xi2 = circle.outline_parameter(np.arctan2(tangent[1], tangent[0]) - theta)
     else:
-        own = plates[base].reach
-        off = poses[:, body, :2].T - poses[:, base, :2].T
-        normal = off / np.hypot(*off)
-        tangent = np.array([normal[1], -normal[0]])
-        gap = np.hypot(*off) - radius - own
-        polar = np.unwrap(np.arctan2(normal[1], normal[0]))
-        xi1 = np.asarray(parameter(plates[base].outline, polar - poses[:, base, 2]))
-        relative = rates[:, body, :2].T - rates[:, base, :2].T
-        arms = radius + slip_lever * gap, own + (1.0 - slip_lever) * gap
-        slip = np.sum(relative * tangent, axis=0) + arms[0] * omega + arms[1] * rates[:, base, 2]
-    inwards = np.unwrap(np.arctan2(-normal[1], -normal[0]))
-    xi2 = np.asarray(parameter(plates[body].outline, inwards - theta))
-    return _PairContact(contact, gap, slip, tangent, normal, xi1, xi2)
+        inwards = np.unwrap(np.arctan2(-normal[1], -normal[0]))
+        xi2 = np.asarray(parameter(plates_of(case)[body].outline, inwards - theta))
+    slip = np.sum(velocity * tangent, axis=0)
+    return _PairContact(contact, gap, slip, tangent, normal, xi1, xi2, arm, base_arm)
+
+
+def _on_line(contact: PlateContact, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gap (m), normal and parameter of a contact with a line; `centre` (2, n): of its circle, m."""
+    line, curve = contact.line, contact.curve
+    assert line is not None and curve is not None, "checked by the case"
+    tangent = np.repeat(line.direction[:, None], centre.shape[1], axis=1)
+    normal, off, low = np.array([-tangent[1], tangent[0]]), centre - line.point[:, None], float(curve.span[0])
+    begin = np.asarray(curve.point(low)) - line.point
+    xi1 = low + np.sum((off - begin[:, None]) * tangent, axis=0) / float(curve.speed(low))
+    return np.sum(off * normal, axis=0) - contact.circle.radius, normal, xi1
+
+
+def _on_plate(
+    case: Case, contact: PlateContact, centre: np.ndarray, pose: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gap (m), normal and parameter of a contact with another plate, of poses (n, 3)."""
+    if contact.around:
+        u, v = local_centre(pose.T, *centre)
+        gap, a, b, xi1 = places_in_regions(contact.around, u, v, contact.circle.radius)
+        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+        return gap, np.array([c * a - s * b, s * a + c * b]), xi1
+    off = centre - pose[:, :2].T
+    far = np.hypot(*off)
+    assert contact.base is not None
+    polar = np.unwrap(np.arctan2(off[1], off[0]))
+    xi1 = np.asarray(parameter(plates_of(case)[contact.base].outline, polar - pose[:, 2]))
+    return far - contact.circle.radius - contact.base_radius, off / far, xi1
+
+
+def _velocity(rates: np.ndarray, arm: np.ndarray) -> np.ndarray:
+    """The velocity (2, n) of a plate's point at `arm` (2, n) from its origin, of rates (n, 3)."""
+    vx, vy, omega = rates.T
+    return np.array([vx - omega * arm[1], vy + omega * arm[0]])
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a[0] * b[1] - a[1] * b[0]
 
 
 def _columns(one: _PairContact, closed: np.ndarray, force: np.ndarray) -> ContactColumns:
@@ -170,6 +208,7 @@ def _pushing(
     closed: Sequence[np.ndarray],
     steady: Sequence[np.ndarray],
     torsors: np.ndarray,
+    lengths: np.ndarray,
     turning: np.ndarray,
 ) -> list[np.ndarray]:
     """Which of the contacts with small gaps are `steady` or push: those without which the others, with forces in their
@@ -178,7 +217,7 @@ def _pushing(
     least = UNNEEDED * np.maximum(sizes, float(np.median(sizes)))
     holds = [mask.copy() for mask in steady]
     for samples, here in _by_closed(closed):
-        edges = {k: some[k].torsors(turning, samples) @ some[k].cone for k in here}
+        edges = {k: some[k].torsors(lengths, turning, samples) @ some[k].cone for k in here}
         for k in here:
             others = [edges[other] for other in here if other != k]
             for place in np.flatnonzero(~steady[k][samples]):
@@ -191,17 +230,22 @@ def _pushing(
 
 
 def _forces(
-    some: Sequence[_PairContact], closed: Sequence[np.ndarray], torsors: np.ndarray, turning: np.ndarray
+    some: Sequence[_PairContact],
+    closed: Sequence[np.ndarray],
+    torsors: np.ndarray,
+    lengths: np.ndarray,
+    turning: np.ndarray,
 ) -> np.ndarray:
     """Normal and friction force (N) of each contact, shape (contacts, 2, n): those that give the torsors of all plates
-    best, where they are unique; NaN elsewhere."""
+    best; NaN where they are not unique."""
     forces = np.full((len(some), 2, len(torsors)), np.nan)
     for samples, here in _by_closed(closed):
-        matrix = np.concatenate([some[k].torsors(turning, samples) for k in here], axis=2)
-        singular = np.linalg.svd(matrix, compute_uv=False)
-        is_unique = (matrix.shape[1] >= matrix.shape[2]) & (singular[:, -1] > _UNIQUE * singular[:, 0])
-        values = (np.linalg.pinv(matrix) @ torsors[samples][:, :, None])[:, :, 0]
-        values[~is_unique] = np.nan
+        matrix = np.concatenate([some[k].torsors(lengths, turning, samples) for k in here], axis=2)
+        inverse = np.linalg.pinv(matrix, rcond=_UNIQUE)
+        values = (inverse @ torsors[samples][:, :, None])[:, :, 0]
+        # What forces without any effect on the plates may add to each.
+        open_part = 1.0 - np.einsum("nij,nji->ni", inverse, matrix)
+        values[open_part > _OPEN] = np.nan
         for place, k in enumerate(here):
             forces[k][:, samples] = values[:, 2 * place : 2 * place + 2].T
     return forces

@@ -4,6 +4,7 @@ from .adapter import (
     BELTS_AND_SUPPORTS,
     CORNERS,
     DRIVEN_CONTACTS,
+    FREE_POLYGONS,
     NAME,
     SEVERAL_CONTACTS,
     SEVERAL_PLATES,
@@ -26,7 +27,8 @@ from .meanings import MEANINGS
 
 __all__ = [
     "BELTS_AND_SUPPORTS",
-    "CORNERS", "DRIVEN_CONTACTS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SLIP_LAWS",
+    "CORNERS", "DRIVEN_CONTACTS", "FREE_POLYGONS", "MEANINGS", "NAME", "SEVERAL_CONTACTS", "SEVERAL_PLATES",
+    "SLIP_LAWS",
     "SUPPORTS", "build",
     "default_grid", "grid", "ladder", "read", "refuses", "refuses_several_contacts", "routes", "run", "bare_run",
     "version", "wide_grid",

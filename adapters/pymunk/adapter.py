@@ -74,7 +74,7 @@ SUPPORTS = ("native",)
 BELTS_AND_SUPPORTS = ("native",)
 # Routes that have driven tracks with corners, or with several contacts.
 DRIVEN_CONTACTS = ("native",)
-SEVERAL_PLATES = ("native",)
+SEVERAL_PLATES = FREE_POLYGONS = ("native",)
 
 
 def version() -> str:

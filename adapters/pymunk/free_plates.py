@@ -1,4 +1,4 @@
-"""Scenes with several free plates: circles on segments and on each other, all of them exact."""
+"""Scenes with several free plates: circles and polygons on segments and on each other, all of them exact."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from math import sqrt
 
 import pymunk
 
-from cases import Case, Impact
+from cases import Case, Impact, Plate
 from cases.free_plates import plates_of, start_poses
 from cases.line_or_circle import as_line
 from cases.mechanics import gravity
+from cases.polygon_features import circles
 
 from ..common import facets
 from ..interface import Setting
@@ -43,14 +44,21 @@ def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, list[py
         body.position, body.angle = (x - 0.5 * h * vx, y - 0.5 * h * vy), theta - 0.5 * h * omega
         body.velocity, body.angular_velocity = (vx, vy), omega
         bodies.append(body)
-        # Circles that touch are detected only if they overlap, as a circle and its segment.
-        shapes.append(pymunk.Circle(body, plate.reach + 0.25 * native.lift(case, space)))
+        shapes.append(_shape(plate, body, 0.25 * native.lift(case, space)))
     for shape in shapes:
         # The engine multiplies the two shapes' coefficients.
         shape.friction, shape.elasticity = sqrt(mu), sqrt(restitution)
         shape.collision_type = shape.collision_type or _CASE
     space.add(*bodies, *shapes)
     return space, bodies
+
+
+def _shape(plate: Plate, body: pymunk.Body, wider: float) -> pymunk.Shape:
+    """The plate's own shape. Plates that touch are detected only if they overlap, as a plate and its segment: a disc's
+    radius is `wider` (m)."""
+    if plate.radius is not None:
+        return pymunk.Circle(body, plate.reach + wider)
+    return pymunk.Poly(body, [(corner.x, corner.y) for corner in circles(plate)])
 
 
 def _coefficients(case: Case) -> tuple[float, float]:

@@ -90,7 +90,8 @@ def shape_knobs(case: Case, h: float | None) -> dict[str, float | int]:
         # Thick walls stop plates that sink in; thin ones reduce the engine's search for overlapping boxes.
         thickness = case.plate.inner * (1.0 if h is None else 0.05)
         knobs["thickness"] = min(thickness, 0.5 * _tightest_hill(case))
-    if not round_plate(case) and not as_line(case.plate.outline):
+    # The free plates are discs and polygons, which the engine has exactly.
+    if not round_plate(case) and not as_line(case.plate.outline) and not case.others:
         # Corners lose energy as facets do; with 0.2 s over the step they lose as much as the step itself.
         most = MOST_CORNERS if is_convex(case.plate.outline) else MOST_SEGMENTS
         knobs["vertices"] = MODEST if h is None else int(np.clip(round(0.2 / h), MODEST, most))
@@ -333,7 +334,7 @@ def _plate_shapes(case: Case, body: pymunk.Body, setting: Setting) -> list[pymun
         x, y = circle.centre
         return [pymunk.Circle(body, circle.radius, (float(x), float(y)))]
     if is_convex(outline):
-        corners = polygon(case, setting["vertices"])
+        corners = polygon(outline, setting["vertices"])
         return [pymunk.Poly(body, [(float(x), float(y)) for x, y in corners.T])]
     thickness = _rim_thickness(outline, case.plate.width)
     points = [(float(x), float(y)) for x, y in rim(outline, setting.get("vertices", 1), inside=thickness).T]

@@ -51,3 +51,34 @@ def disc_off_free_block(mu=0.3, speed=0.5, width=1.0, height=0.4, r=0.1, m_block
         duration=duration,
         others=(FreePlate(disc(r, m), place, "disc"),),
     )
+
+
+@case(variants=[dict()])
+def disc_pushes_block(
+    angle=0.4, mu=0.3, spin=20.0, width=0.4, height=0.3, r=0.1, m_block=2.0, m=1.0, g=9.81, duration=0.5
+):
+    """A disc that spins forwards pushes a block down a slope; both begin at rest.
+
+    Why: one plate drives another through a contact that slips, while the disc slips and rolls on the slope and the
+    block slides on two corners.
+    Source: this suite; derived by momentum.
+    Known exactly: the disc rolls after r spin/(a + 2 mu (N + N_d)/m), where N = 2 mu g cos(angle)/((1 + mu^2)/m +
+    (1 - mu^2)/m_block) is the force between both, N_d = m g cos(angle) - mu N that of the slope on the disc, and
+    a = g sin(angle) + (mu N_d - N)/m the acceleration of both.
+    """
+    w, h = positive("width of disc_pushes_block", width), positive("height of disc_pushes_block", height)
+    high = positive("r of disc_pushes_block", r)
+
+    def placed(along: float, above: float, omega: float = 0.0, theta: float = 0.0) -> StartPose:
+        return StartPose(
+            along * cos(angle) + above * sin(angle), above * cos(angle) - along * sin(angle), theta, omega=omega
+        )
+
+    return Case(
+        track=line(angle),
+        plate=Plate.rectangle(w, h, m_block),
+        effects=contact_with_impacts(mu, g),
+        start=placed(0.0, 0.5 * h, theta=-angle),
+        duration=duration,
+        others=(FreePlate(disc(r, m), placed(-0.5 * w - high, high, omega=-spin), "disc"),),
+    )

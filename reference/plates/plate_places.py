@@ -11,7 +11,14 @@ import numpy as np
 
 from cases import Case, Gravity
 from cases.free_plates import PlateContact, parameter, plate_contacts, plates_of, size_of
-from cases.polygon_features import local_centre, place_in_region, region_ahead, region_of, regions, size_of_plate
+from cases.polygon_features import (
+    local_centre,
+    place_in_region,
+    places_in_regions,
+    region_ahead,
+    regions,
+    size_of_plate,
+)
 
 from ..several.contact_law import coefficients, restitution
 
@@ -164,11 +171,7 @@ def coordinates(case: Case, number: int, states: np.ndarray) -> tuple[np.ndarray
     pose = states[3 * base : 3 * base + 3]
     if around := regions(plates[base]):
         u, v = local_centre(pose, x, y)
-        which, results = region_of(around, u, v), np.empty((4, len(x)))
-        for i in np.unique(which):
-            here = which == i
-            results[:, here] = place_in_region(around[i], u[here], v[here], circle.radius)
-        gap, nx, ny, xi1 = results
+        gap, nx, ny, xi1 = places_in_regions(around, u, v, circle.radius)
         polar = np.arctan2(ny, nx) + pose[2]
     else:
         distance = np.hypot(x - pose[0], y - pose[1])

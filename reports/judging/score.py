@@ -116,9 +116,11 @@ def scale_of(
     motions by name; `losses`: those of the truth, by default `losses_of_truth`."""
     end = float(truth.t[-1])
     state = truth(np.linspace(0.0, end, _EVEN))
-    path = max(_path(plate, own) for plate, own in _plates(case, truth, np.linspace(0.0, end, _EVEN), state))
+    plates = _plates(case, truth, np.linspace(0.0, end, _EVEN), state)
+    path = max(_path(plate, own) for plate, own in plates)
     moves = path > _RESTS * case.plate.reach
-    speed = float(np.hypot(state.vx, state.vy).max()) if moves else case.plate.reach / case.duration
+    fastest = max(float(np.hypot(own.vx, own.vy).max()) for _, own in plates)
+    speed = fastest if moves else case.plate.reach / case.duration
     slowest = _SAME * speed
     phases = phases_of(truth.first_mode, events, end)
     slips = tuple(_largest_slip(truth, phase) for phase in phases)

@@ -89,7 +89,7 @@ def test_chain_encloses_as_much_as_the_circle_it_stands_for():
 def test_polygon_has_the_outline_s_area_and_stands_off_by_its_sagitta():
     plate = Plate(library.ellipse(0.2, 0.12), 1.0, 0.01)
     case = scene(library.line(), Start(0.0), plate=plate)
-    x, y = polygon(case, 48)
+    x, y = polygon(case.plate.outline, 48)
     assert 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) == pytest.approx(pi * 0.2 * 0.12, rel=1e-6)
     off = np.abs((x / 0.2) ** 2 + (y / 0.12) ** 2 - 1).max() * 0.12 / 2
     assert 0.0 < off < sagitta(case, None, 48)

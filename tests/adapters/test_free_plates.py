@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import sqrt
+from math import atan, cos, sin, sqrt, tan
 
 import numpy as np
 import pytest
@@ -25,7 +25,10 @@ EACH = pytest.mark.parametrize("name", NATIVE)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("label", ["disc_on_free_disc[mu=0.5]", "disc_on_free_hemisphere", "pile_of_discs[mu=0.08]"])
+@pytest.mark.parametrize("label", [
+    "disc_on_free_disc[mu=0.5]", "disc_on_free_hemisphere", "pile_of_discs[mu=0.08]", "disc_off_free_block",
+    "disc_on_free_wedge[mu=0.12]",
+])  # fmt: skip
 def test_contacts_of_free_plates_follow_from_the_poses(label):
     """The true motion's poses give its gaps, slips and parameters, and its momentum gives the forces."""
     case = cases.load(label)
@@ -49,7 +52,9 @@ def test_contacts_of_free_plates_follow_from_the_poses(label):
                 # Differences of samples 0.3 ms apart; at a change of mode they are of both sides.
                 for column in ("normal_force", "friction_force"):
                     off = np.abs(getattr(own, column) - getattr(exact, column))[both]
-                    assert np.mean(off[np.isfinite(off)] < 2e-2) > 0.99
+                    # Shares of the friction on two corners of one plate are not unique, all along.
+                    unique = off[np.isfinite(off)] if column == "friction_force" else off
+                    assert not len(unique) or np.mean(unique < 2e-2) > 0.99
 
 
 @EACH
@@ -66,6 +71,48 @@ def test_a_disc_leaves_a_free_disc_and_momentum_stays(name):
         # The weaker a contact, the more steps are between two pushes: 1.6 to 5.1 steps are measured.
         assert abs(motion.t[last] - 0.444077645) < 6.0 * motion.t[1]
         assert set(motion.contact_names) == {"plate/track", "upper/track", "upper/plate"}
+
+
+@EACH
+def test_a_free_wedge_gives_way_under_a_disc(name):
+    """Without friction its acceleration is m g sin α cos α/(M + m sin²α): it comes from the force at the slope, whose
+    direction is that of an edge."""
+    pytest.importorskip(f"adapters.{name}")
+    motion, slope = play(name, "native", cases.load("disc_on_free_wedge"), 3), atan(0.5)
+    rate = 9.81 * sin(slope) * cos(slope) / (3.0 + sin(slope) ** 2)
+    way = motion.plate("plate").x - motion.plate("plate").x[0]
+    # At 1 and 2 ms the engines are 5e-6 and 4e-4 of the way off; with the mass of the disc alone it would be 15 %.
+    assert abs(way[-1] / (-0.5 * rate * motion.t[-1] ** 2) - 1.0) < 1e-3
+    assert set(motion.contact_names) == {"plate/track", "plate/track 3", "disc/plate"}
+    columns, middle = motion.contacts, slice(len(motion.t) // 4, -(len(motion.t) // 4))
+    push = columns["disc/plate"].normal_force[middle]
+    np.testing.assert_allclose(np.mean(push), 3.0 * rate / sin(slope), rtol=1e-3)
+    corners = [np.mean(columns[name].normal_force[middle]) for name in ("plate/track", "plate/track 3")]
+    assert sum(corners) == pytest.approx(3.0 * 9.81 + 3.0 * rate / tan(slope), rel=1e-3) and min(corners) > 1.0
+    # The two friction forces of one plate along one line cancel: their shares are not unique.
+    assert np.isnan(columns["plate/track"].friction_force[middle]).all()
+
+
+@EACH
+def test_a_disc_pushes_a_block_and_rolls_at_the_exact_time(name):
+    """As the catalogue derives them; both corners of the block slip alike."""
+    pytest.importorskip(f"adapters.{name}")
+    case = cases.load("disc_pushes_block")
+    motion = play(name, "native", case, 3)
+    push = 2.0 * 0.3 * 9.81 * cos(0.4) / (1.09 + 0.91 / 2.0)
+    below = 9.81 * cos(0.4) - 0.3 * push
+    rate = 9.81 * sin(0.4) + 0.3 * below - push
+    rolls = 0.1 * 20.0 / (rate + 2.0 * 0.3 * (push + below))
+    slips = (motion.t > 0.05) & (motion.t < 0.95 * rolls)
+    for contact in ("plate/track", "plate/track 4"):
+        # One step of acceleration at most: the velocities are those of the middle of a step.
+        np.testing.assert_allclose(
+            motion.contacts[contact].slip[slips], rate * motion.t[slips], atol=rate * motion.t[1]
+        )
+    one = several_contacts.only(motion, "disc/track")
+    reader = several_contacts.ContactReader(case, "disc/track", several_contacts.gap_of(motion, "disc/track"))
+    (change,) = reader(case, one).transitions
+    assert change.before is Mode.SLIP_BACKWARD and change.time == pytest.approx(rolls, abs=motion.t[1])
 
 
 @pytest.mark.parametrize("name,gap,speeds", [

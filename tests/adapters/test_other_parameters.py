@@ -39,7 +39,7 @@ def shapes(case: Case) -> dict[str, np.ndarray]:
     part = facets.stretch(case)
     given = dict(stretch=[part.length, part.top_speed, part.closed], chain=facets.chain(case, 200))
     if facets.is_convex(case.plate.outline):
-        given["polygon"] = facets.polygon(case, 48)
+        given["polygon"] = facets.polygon(case.plate.outline, 48)
     return {name: np.asarray(value, dtype=float) for name, value in given.items()}
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import atan, cos, sin, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -245,7 +246,10 @@ def test_scenes_that_are_not_supported_are_rejected_in_a_sentence():
     for plate in (Plate.half_disc(0.2, 1.0), Plate.polygon([(0, 0), (1, 0), (0.3, 0.3), (0, 1)], 1.0)):
         with pytest.raises(BadValue, match="discs and convex polygons, and 'disc' is neither"):
             replace(good, others=(replace(good.others[0], plate=plate),))
+    # As any adapter that does not list its routes in FREE_POLYGONS.
+    engine = SimpleNamespace(NAME="discs", SEVERAL_PLATES=("native",), SUPPORTS=("native",), refuses=lambda *_: None)
     sentence = "The native route supports several plates if all of them are discs."
-    assert refusal(pymunk, good, "native") == sentence
+    assert refusal(engine, good, "native") == sentence
+    assert refusal(pymunk, good, "native") is None
     with pytest.raises(NotSupported, match="if all of them are discs"):
         scene_file._free_plates(good)

@@ -11,8 +11,24 @@ import cases
 import reference
 from adapters.common import motion_file, motion_table
 from adapters.common import several_contacts as from_poses
-from cases import Mode, State, Trajectory, Transition
+from cases import (
+    Case,
+    CoulombFriction,
+    Flight,
+    FreePlate,
+    Gravity,
+    Impact,
+    Mode,
+    StartPose,
+    State,
+    Trajectory,
+    Transition,
+    Unilateral,
+    disc,
+)
+from cases.library import line
 from cases.sampled_contacts import SampledContacts
+from cases.trajectory import ContactColumns
 from reports.judging import friction_factor, impacts, several_contacts
 from reports.judging.ledger import LedgerRow
 from reports.judging.null_motions import null_motions
@@ -186,3 +202,32 @@ def test_the_player_begins_with_the_modes_of_all_contacts_that_change_later():
     )  # fmt: skip
     words = [mode for _, mode, _ in motions._modes(record)]
     assert words[0] == "slide at plate/track, roll at upper/plate" and words[-1] == "slide at plate/track"
+
+
+def test_a_contact_without_transitions_has_the_mode_of_its_slip():
+    """Next to a first contact that rolls one may slip all the time, and next to one that slips one may stick: they had
+    the first contact's mode, or slipped backwards."""
+    t, zeros = np.linspace(0.0, 1.0, 5), np.zeros(5)
+    columns = {
+        name: ContactColumns(zeros, slip, zeros, zeros, zeros, zeros, np.zeros((2, 5)), np.zeros((2, 5)))
+        for name, slip in (("a", 0.0 * t), ("b", t), ("c", -t), ("d", 1e-17 * t), ("e", np.full(5, np.nan)))
+    }
+    motion = Trajectory(t, t, *np.zeros((2, 5)), np.ones(5), *np.zeros((7, 5)), first_mode=Mode.ROLL,
+                        contact_names=tuple(columns), contact_columns=SampledContacts(t, columns))  # fmt: skip
+    slips = replace(motion, first_mode=Mode.SLIP_FORWARD)
+    assert [motion.of(name).first_mode for name in columns] == [
+        Mode.ROLL, Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD, Mode.ROLL, Mode.FLIGHT
+    ]  # fmt: skip
+    assert [slips.of(name).first_mode for name in "bcd"] == [Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD, Mode.ROLL]
+    smooth = replace(motion, first_mode=Mode.SLIDE)
+    assert smooth.of("b").first_mode is Mode.SLIDE
+
+
+def test_slip_is_compared_with_the_fastest_plate():
+    """The first plate rests, another one rolls: its slip had a scale of a rounding, by which every engine was wrong."""
+    effects = (Gravity(9.81), CoulombFriction(0.3), Unilateral(), Flight(), Impact(0.0))
+    other = FreePlate(disc(0.1, 1.0), StartPose(1.0, 0.1, vx=1.0, omega=-10.0), "other")
+    case = Case(line(), disc(0.1, 1.0), effects, StartPose(0.0, 0.1), 0.2, others=(other,))
+    truth = reference.simulate(case)
+    for scale in several_contacts.scales(case, truth, truth.transitions, null_motions(case)).values():
+        assert scale.fastest_slip == pytest.approx(1.0)
