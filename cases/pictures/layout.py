@@ -62,12 +62,19 @@ def place_outline(scene: DrawnScene, at: Any) -> tuple[np.ndarray, np.ndarray]:
 
 def free_plates(case: Any, motion: Any, times: Any, shades: Sequence[float]) -> list[tuple[DrawnScene, list[Instant]]]:
     """The free plates of a case with their poses in a motion at some times, for `drawn_scene.draw`."""
+    when, others = np.asarray(times, dtype=float), case.others if case else ()
+    states = (motion.plate(other.name)(when) for other in others)
+    return placed_plates(case, [(state.x, state.y, state.theta) for state in states], shades)
+
+
+def placed_plates(
+    case: Any, poses: Sequence[Sequence[np.ndarray]], shades: Sequence[float]
+) -> list[tuple[DrawnScene, list[Instant]]]:
+    """The free plates of a case at some times, by x, y and θ of each at these times, for `drawn_scene.draw`."""
     results = []
-    for other in case.others if case else ():
-        state = motion.plate(other.name)(np.asarray(times, dtype=float))
-        columns = zip(state.x, state.y, state.theta, shades, strict=True)
-        poses = [Instant(x, y, theta, np.nan, shade) for x, y, theta, shade in columns]
-        results.append((case.scene._replace(outline=other.plate.outline), poses))
+    for other, columns in zip(case.others if case else (), poses, strict=True):
+        placed = [Instant(x, y, theta, np.nan, shade) for x, y, theta, shade in zip(*columns, shades, strict=True)]
+        results.append((case.scene._replace(outline=other.plate.outline), placed))
     return results
 
 

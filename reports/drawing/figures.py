@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 
 from cases import Case
 from cases.pictures import drawn_scene, plots
-from cases.pictures.layout import Instant, instants
+from cases.pictures.layout import Instant, instants, placed_plates
 
 from ..running import per_solver
 from ..running.names import REFERENCE
@@ -375,13 +375,17 @@ def _error_points(experiment: Experiment, label: str) -> dict[tuple[str, str], l
 
 
 def scene(experiment: Experiment, case: Case) -> Figure:
-    """Track and plate at several instants, gravity down the page; in flight, the path of the centre."""
+    """Track and plates at several instants, gravity down the page; in flight, the path of the centre."""
     truth = experiment.truths[case.label]
     samples = truth.samples
     x, y, theta, xi1 = (samples[name] for name in ("x", "y", "theta", "xi1"))
     figure, ax = plt.subplots(figsize=(4.6, 3.8))
     shades = instants(samples["t"], [t.time for t in truth.transitions])
     poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in shades]
-    drawn_scene.draw(ax, case.scene, np.array([x, y]), xi1, poses)
+    times = samples["t"][[i for i, _ in shades]]
+    further = (truth.plate_samples[other.name] for other in case.others)
+    others = [[np.interp(times, own["t"], own[name]) for name in ("x", "y", "theta")] for own in further]
+    plates = placed_plates(case, others, [shade for _, shade in shades])
+    drawn_scene.draw(ax, case.scene, np.array([x, y]), xi1, poses, plates)
     ax.set_title(case.label, loc="left", fontweight="bold")
     return figure

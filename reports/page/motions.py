@@ -168,9 +168,7 @@ def _modes(truth: Truth) -> list[tuple[float, str, str]]:
     begin, first = float(truth.samples["t"][0]), truth.first_mode
     if not truth.has_several_contacts:
         return [(begin, str(first), ""), *((event.time, str(event.after), event.cause) for event in truth.transitions)]
-    modes = dict.fromkeys(truth.contact_samples, Mode.FLIGHT)
-    modes |= {event.contact: event.before for event in reversed(truth.transitions)}
-    modes |= {next(iter(truth.contact_samples)): first or Mode.FLIGHT}
+    modes = {name: scale.phases[0].mode for name, scale in truth.contact_scales.items()}
     result = [(begin, _closed(modes), "")]
     for time, events in groupby(truth.transitions, key=lambda event: event.time):
         changes = list(events)

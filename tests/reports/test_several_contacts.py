@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -189,19 +190,22 @@ def test_the_player_shows_the_contact_that_closes_at_the_instant_of_an_impact():
     np.testing.assert_allclose(motions.at_contact(times, opens, "xi1"), [0.1, 0.1, np.nan, np.nan, np.nan])
 
 
-def test_the_player_begins_with_the_modes_of_all_contacts_that_change_later():
-    names = "plate/track", "upper/plate"
+def test_the_player_shows_the_modes_of_all_contacts():
+    """Also of contacts that never change: the disc that pushes a block was shown with two of its four contacts."""
+    names, end = ("plate/track", "upper/plate", "plate/track 4"), Mode.FLIGHT
     changes = (
         Transition(0.5, Mode.ROLL, Mode.SLIP_FORWARD, contact=names[1]),
-        Transition(0.7, Mode.SLIP_FORWARD, Mode.FLIGHT, contact=names[1]),
+        Transition(0.7, Mode.SLIP_FORWARD, end, contact=names[1]),
     )
-    samples = {name: {"t": np.array([0.0, 1.0])} for name in names}
+    first = dict(zip(names, (Mode.SLIDE, Mode.ROLL, Mode.SLIP_FORWARD), strict=True))
+    scales = {name: SimpleNamespace(phases=(SimpleNamespace(mode=mode),)) for name, mode in first.items()}
     record = Truth(
-        transitions=changes, first_mode=Mode.SLIDE, samples=samples[names[0]], contact_samples=samples,
-        contact_scales=dict.fromkeys(names, None),  # type: ignore[arg-type]
+        transitions=changes, first_mode=Mode.SLIDE, samples={"t": np.array([0.0, 1.0])},
+        contact_scales=scales,  # type: ignore[arg-type]
     )  # fmt: skip
     words = [mode for _, mode, _ in motions._modes(record)]
-    assert words[0] == "slide at plate/track, roll at upper/plate" and words[-1] == "slide at plate/track"
+    assert words[0] == "slide at plate/track, roll at upper/plate, slip_forward at plate/track 4"
+    assert words[-1] == "slide at plate/track, slip_forward at plate/track 4"
 
 
 def test_a_contact_without_transitions_has_the_mode_of_its_slip():
