@@ -169,7 +169,7 @@ def _by_delassus(case: Case, name: str, rtol: float, first) -> Witness:
     end = first.end
     # Where impacts come to rest at the end, a run that is asked for states before it simulates more of them, and may
     # end by roundings earlier.
-    ends = [end, end - 64 * EPS * max(end, 1.0)]
+    ends = [end, _just_before(end)]
     last = contact_frame.solve(case, rtol=rtol, times=ends, steps_per_turn=STEPS_PER_TURN, until=end)
     column = int(np.isnan(last.motions[0, 0]))
     states, motions = last.states[:, column], last.motions[:6, column]
@@ -225,6 +225,8 @@ def _several_witness(case: Case, name: str, rtol: float, before: tuple[Transitio
 
     def states(times):
         times = np.asarray(times, dtype=float)
+        if answer.end <= end:  # an impact whose outcome is not unique: there are states before it only
+            times = np.minimum(times, _just_before(end))
         motions, is_before = go_on(times).motions, times < end
         if is_before.any():
             early = contact_frame.solve(
@@ -234,6 +236,11 @@ def _several_witness(case: Case, name: str, rtol: float, before: tuple[Transitio
         return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
 
     return Witness(name, (*before, *answer.transitions), answer.status, answer.end, states)
+
+
+def _just_before(end: float) -> float:
+    """A time (s) that a motion reaches which ends at `end` in another run: runs differ by roundings."""
+    return end - 64 * EPS * max(end, 1.0)
 
 
 # --- the same motion from a perturbed state ---------------------------------------------------------------------------

@@ -38,12 +38,13 @@ class ImpactRow(NamedTuple):
 
 
 def rows(case: Case, motion: Trajectory, truth: Trajectory, ledger_rows: Sequence[LedgerRow]) -> tuple[ImpactRow, ...]:
-    """The impacts of a motion next to the truth's of the same number at that contact, and the times of rest;
-    `ledger_rows`: their transitions."""
+    """The impacts of a motion next to the truth's of the same number at that contact, and the times of rest if either
+    comes to rest; `ledger_rows`: their transitions."""
     landings = _in_order(ledger_rows)
     own = _swings(motion, [time for _, time, _ in landings])
     true = _swings(truth, [exact for *_, exact in landings])
-    result = [ImpactRow(0, "", rest_time(case, motion), rest_time(case, truth), nan, nan)]
+    rests = rest_time(case, motion), rest_time(case, truth)
+    result = [ImpactRow(0, "", *rests, nan, nan)] if any(map(isfinite, rests)) else []
     for number, (contact, time, exact) in enumerate(landings, start=1):
         result.append(ImpactRow(number, contact, time, exact, own.get(time, nan), true.get(exact, nan)))
     return tuple(result)

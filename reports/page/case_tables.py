@@ -60,26 +60,25 @@ def impacts(rows: Sequence[dict[str, Any]], settings: Mapping[tuple, str]) -> di
     mine = [row for row in rows if settings.get((row["solver"], row["route"])) == str(row["setting"])]
     keys = list(dict.fromkeys((row["solver"], row["route"]) for row in mine if row["solver"] != REFERENCE))
     # Each route has its own numbers, as its own impacts count; the truth's times are the same in all.
-    by_time = {
-        (row["solver"], row["route"], row["reference_time"]): row for row in mine if isfinite(row["reference_time"])
-    }
-    true = sorted(
-        {(not row["event"], row["reference_time"], row["contact"], row["reference_swing"]) for row in by_time.values()}
-        if keys
-        else ()
-    )
+    found = {(row["solver"], row["route"], _instant(row)): row for row in mine if isfinite(row["reference_time"])}
+    true = {_instant(row): row for row in found.values()} if keys else {}
     return {
         "routes": [{"solver": solver, "route": route, "switch": switch(solver, route)} for solver, route in keys],
         "rows": [
             {
-                "what": "at rest" if is_rest else f"impact at {contact}",
+                "what": f"impact at {contact}" if contact else "at rest",
                 "time": f"{time:.6g}",
-                "swing": "" if is_rest else f"{swing:.4g}",
-                "cells": [_impact_cell(by_time.get((*key, time))) for key in keys],
+                "swing": f"{true[is_rest, time, contact]['reference_swing']:.4g}" if contact else "",
+                "cells": [_impact_cell(found.get((*key, (is_rest, time, contact)))) for key in keys],
             }
-            for is_rest, time, contact, swing in true
+            for is_rest, time, contact in sorted(true)
         ],
     }
+
+
+def _instant(row: Mapping[str, Any]) -> tuple[bool, float, str]:
+    """An impact of the truth by time and contact, after all of them its rest, which has no contact."""
+    return not row["event"], row["reference_time"], row["contact"] if row["event"] else ""
 
 
 def _impact_cell(row: Mapping[str, Any] | None) -> dict[str, str]:

@@ -328,6 +328,21 @@ def test_an_ellipse_crosses_a_valley_alike_in_both_formulations():
     assert _agree(case, 1e-10) >= 2
 
 
+def test_an_impact_in_a_groove_has_two_outcomes_where_the_disc_may_be_wedged():
+    """Forces along the line of both contacts hold each other where that line is in both cones of friction, for
+    μ tan α > 1: the disc stops, or rocks on as it does without them."""
+    for incline, status in ((0.78, "completed"), (0.79, "not_unique")):  # μ = 1, and tan α = 1 at 0.7854
+        case = cases.load("disc_rocking_in_groove", incline=incline, rounding=1e-6, duration=0.5)
+        assert reference.simulate(case, method="dop853").status == status
+
+
+@pytest.mark.slow
+def test_an_impact_with_two_outcomes_is_certified():
+    """The second formulation had no state at the motion's end, a rounding after its own."""
+    certificate = reference.certify(cases.load("disc_rocking_in_groove", incline=0.8, duration=0.5))
+    assert certificate.status == "not_unique" and certificate.end.bar < 1e-13 and certificate.transitions == ()
+
+
 # --- an independent time stepper --------------------------------------------------------------------------------------
 
 

@@ -33,7 +33,7 @@ from cases.trajectory import ContactColumns
 from reports.judging import friction_factor, impacts, several_contacts
 from reports.judging.ledger import LedgerRow
 from reports.judging.null_motions import null_motions
-from reports.page import motions
+from reports.page import case_tables, motions
 from reports.running.records import Truth
 
 ROCKING = cases.load("disc_rocking_in_groove")
@@ -156,6 +156,18 @@ def test_swings_and_the_time_of_rest_are_those_of_the_motion():
     assert np.isnan(impacts.rest_time(ROCKING, replace(motion, omega=np.ones(len(t)))))
 
 
+def test_the_page_says_once_when_a_plate_rests():
+    """A table has NaN for the contact of a rest, once for each run, and no two NaN are equal."""
+    base = {"solver": "pymunk", "route": "native", "setting": "h", "error": 0.1, "swing": 0.2, "reference_swing": 0.3}
+    runs = [{**base, "solver": solver} for solver in ("reference", "pymunk", "box2d")]
+    rest = {"event": 0, "contact": float("nan"), "reference_time": 2.0, "reference_swing": float("nan")}
+    both = [{"event": k, "contact": name, "reference_time": 1.0} for k, name in enumerate("ab", 1)]
+    settings = {(run["solver"], "native"): "h" for run in runs}
+    table = case_tables.impacts([run | row for run in runs for row in (rest, *both)], settings)
+    assert [row["what"] for row in table["rows"]] == ["impact at a", "impact at b", "at rest"]
+    assert [len(row["cells"]) for row in table["rows"]] == [2, 2, 2]
+
+
 def test_impacts_are_compared_in_their_order_at_each_contact():
     """The run's third impact at a is nearest in time to the truth's fourth, with which the ledger pairs it."""
     times, exact = [1.0, 1.5, 2.9], [1.0, 2.0, 2.5, 3.0]
@@ -164,8 +176,8 @@ def test_impacts_are_compared_in_their_order_at_each_contact():
     pairs = [LedgerRow(k, *kinds, own, true, own - true, "paired", "a") for k, (own, true) in enumerate(both, 1)]
     pairs.insert(2, LedgerRow(9, *kinds, 2.2, 2.2, 0.0, "paired", "b"))
     t = np.linspace(0.0, 4.0, 401)
-    motion = Trajectory(t=t, **dict.fromkeys(State._fields, np.zeros(len(t))))
-    _, *rows = impacts.rows(ROCKING, motion, motion, pairs)
+    motion = Trajectory(t=t, **dict.fromkeys(State._fields, np.ones(len(t))))  # it never rests: no row says when
+    rows = impacts.rows(ROCKING, motion, motion, pairs)
     assert [(row.contact, row.time) for row in rows if row.contact == "b"] == [("b", 2.2)]
     assert [row.time for row in rows if row.contact == "a"][:3] == times and np.isnan(rows[-1].time)
     assert [row.reference_time for row in rows if row.contact == "a"] == exact
