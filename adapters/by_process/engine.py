@@ -62,7 +62,7 @@ class Engine:
     SUPPORTS = routes
     BELTS_AND_SUPPORTS = routes
     DRIVEN_CONTACTS = routes
-    SEVERAL_PLATES = routes
+    SEVERAL_PLATES = FREE_POLYGONS = routes
     CORNERS: tuple[str, ...] = routes
 
     def __init__(self, path: Path):

@@ -16,8 +16,9 @@ import sympy as sp
 
 from cases import Case, Chain, CoulombFriction, Curve, Effect, NotSupported, Plate
 from cases.contact import start_motion
-from cases.free_plates import POSE, plates_of, start_poses
+from cases.free_plates import POSE, names_of, plates_of, start_poses
 from cases.line_or_circle import as_line
+from cases.polygon_features import circles
 
 from ..common.facets import ends, visible_span
 from ..common.several_contacts import may_touch_twice
@@ -29,8 +30,8 @@ SCHEMA_FILE = Path(__file__).with_name("scene.schema.json")
 # Coulomb friction whose mu is a formula in v, the slip speed.
 FRICTION_BY_SPEED = "CoulombFrictionBySpeed"
 
-# The further fixed curves of a case, and its further plates.
-SUPPORTS, FREE_PLATES = "Supports", "FreePlates"
+# The further fixed curves of a case, its further plates, and those of several plates that are polygons.
+SUPPORTS, FREE_PLATES, POLYGONS = "Supports", "FreePlates", "Polygons"
 
 # Chords of a closed curve of a thousand sides miss it by 5e-6 of its radius.
 SAMPLES = 1001
@@ -91,14 +92,22 @@ def _plate(plate: Plate) -> dict[str, Any]:
 
 
 def _free_plates(case: Case) -> dict[str, Any]:
-    """The further plates by their names, each with its start: an effect of its own, as of the supports."""
+    """The further plates by their names, each with its start, and the corners of all that are polygons: effects of
+    their own, as of the supports."""
     if not case.others:
         return {}
-    if any(plate.radius is None for plate in plates_of(case)):
-        raise NotSupported("Programs have several plates if all of them are discs.")
     starts = [dict(zip(POSE, row, strict=True)) for row in start_poses(case)[1:].tolist()]
     plates = zip(case.others, starts, strict=True)
-    return {FREE_PLATES: {other.name: _plate(other.plate) | {"start": start} for other, start in plates}}
+    further = {other.name: _plate(other.plate) | {"start": start} for other, start in plates}
+    each = zip(names_of(case), plates_of(case), strict=True)
+    polygons = {name: {"corners": _corners(plate)} for name, plate in each if plate.radius is None}
+    return {FREE_PLATES: further} | ({POLYGONS: polygons} if polygons else {})
+
+
+def _corners(plate: Plate) -> dict[str, list[float]]:
+    """The corners of a polygon from its centre of mass, counter-clockwise, m."""
+    corners = circles(plate)
+    return {"x": [corner.x for corner in corners], "y": [corner.y for corner in corners]}
 
 
 def _effect_name(effect: Effect) -> str:

@@ -37,6 +37,15 @@ def test_a_scene_has_every_plate_with_its_start():
     assert hemisphere["plate"]["inertia"] is None and hemisphere["effects"]["FreePlates"]["upper"]["inertia"] > 0.0
 
 
+def test_a_scene_has_the_corners_of_a_free_polygon():
+    """About its centre of mass, a third of both sides from the right angle; the disc's radius stays."""
+    effects = by_process.scene(cases.load("disc_on_free_wedge"))["effects"]
+    assert effects["Polygons"].keys() == {"plate"} and effects["FreePlates"]["disc"]["radius"] == 0.1
+    corners = effects["Polygons"]["plate"]["corners"]
+    places = sorted(zip(corners["x"], corners["y"], strict=True))
+    np.testing.assert_allclose(places, [(-2 / 3, -1 / 3), (-2 / 3, 2 / 3), (4 / 3, -1 / 3)], atol=1e-15)
+
+
 def test_the_track_reaches_as_far_as_any_plate():
     case = cases.load("row_of_discs")
     far = replace(case, others=(replace(case.others[0], start=replace(case.others[0].start, x=40.0)), case.others[1]))
@@ -79,6 +88,14 @@ def test_the_true_motion_is_read_back_with_a_pose_per_plate(exported):
         assert np.abs([own.x - true.x, own.y - true.y, own.theta - true.theta]).max() < 1e-10
     # Without forces, the gap shows the lift-off a sample late.
     assert "very good" in compare.compare(case, file).splitlines()[0]
+
+
+@pytest.mark.slow
+def test_the_true_motion_of_a_free_polygon_is_read_back(tmp_path):
+    """Its export was rejected: a scene had discs only."""
+    case = cases.load("disc_pushes_block")
+    file = next(path for path in export.export(case, tmp_path) if path.name == "motion.csv")
+    assert "excellent" in compare.compare(case, file).splitlines()[0]
 
 
 def test_velocities_of_further_plates_are_differences_if_the_file_has_none(exported):

@@ -12,7 +12,6 @@ from scipy.optimize import brentq
 import cases
 import reference
 from adapters import pymunk
-from adapters.by_process import scene_file
 from adapters.interface import refusal
 from cases import (
     BadValue,
@@ -24,7 +23,6 @@ from cases import (
     Gravity,
     Impact,
     Mode,
-    NotSupported,
     Plate,
     StartPose,
     Support,
@@ -251,5 +249,3 @@ def test_scenes_that_are_not_supported_are_rejected_in_a_sentence():
     sentence = "The native route supports several plates if all of them are discs."
     assert refusal(engine, good, "native") == sentence
     assert refusal(pymunk, good, "native") is None
-    with pytest.raises(NotSupported, match="if all of them are discs"):
-        scene_file._free_plates(good)
