@@ -34,6 +34,7 @@ from ..running.records import (
     usable,
 )
 from .figure_files import FigureContent, file_name, picture
+from .panels import blank_panels
 from .style import FAINT, POINTS, STYLE, TRUTH, LineStyles, logarithmic
 
 # Smallest error on a logarithmic axis: below the rounding of doubles of order one.
@@ -289,10 +290,7 @@ def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     """The paper's diagrams with every route, each with the difference from the truth."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
     quantities = _quantities(case)
-    # Fixed margins with room for all labels: automatic layout, or a search for the bounding box, would take a third of
-    # the figure's time.
-    places = {"left": 0.1, "right": 0.99, "bottom": 0.04, "top": 0.93, "wspace": 0.29, "hspace": 0.12}
-    figure, axes = plt.subplots(len(quantities), 2, figsize=(9.5, 13.6), sharex=True, gridspec_kw=places)
+    figure, axes = blank_panels(len(quantities), figsize=(9.5, 13.6))
     for place, (quantity, unit, name, off) in enumerate(quantities):
         row = axes[place]
         _curves(row[0], truth, runs, name, looks)
