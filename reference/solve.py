@@ -17,9 +17,10 @@ from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage
 from cases.contact import belt_speed, pose
 from cases.contact_limits import has_features, limitation, touches_by_features
 from cases.errors import between, unknown_name
-from cases.free_plates import names_of
+from cases.free_plates import names_of, start_poses
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.piece_case import PieceCase, has_pieces, passages_between
+from cases.sampled_contacts import SampledPlates
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, plates, several
@@ -277,6 +278,9 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         now = phase_at(start_pieces(case), candidates(case)[-1], first)
         start = _observe(case, now, nothing, np.array(state_in(now, first))[:, None])
         start = start._replace(normal_force=nothing, friction_force=nothing)
+        if case.others:
+            poses = {name: pose[:, None] for name, pose in zip(names_of(case), start_poses(case), strict=True)}
+            common |= dict(plate_names=names_of(case), plate_columns=SampledPlates(np.zeros(1), poses))
         return Trajectory(t=np.zeros(1), **start._asdict(), **common, first_mode=at_once(status))
 
     def samples() -> tuple[np.ndarray, State]:
