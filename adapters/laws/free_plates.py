@@ -1,4 +1,4 @@
-"""Laws of several free plates: momentum and restitution between them, friction, and a pile at rest.
+"""Laws of several free plates: momentum and restitution between them, friction, a pile at rest, and a wedge.
 
 Each follows from Newton's and Coulomb's laws in a line or two, given in its docstring, for values that are drawn from
 the route's seed. Tolerances are those of `adapters.laws.runs`.
@@ -6,7 +6,7 @@ the route's seed. Tolerances are those of `adapters.laws.runs`.
 
 from __future__ import annotations
 
-from math import sqrt
+from math import cos, sin, sqrt, tan
 
 import numpy as np
 
@@ -146,7 +146,34 @@ def pile_of_free_plates(route: Route) -> None:
         hold("pile of free plates", f"the way of {name}", off, tolerance, "mu of CoulombFriction between the plates")
 
 
+def wedge_of_free_plates(route: Route) -> None:
+    """A disc slides without friction down a wedge that gives way: the wedge has the acceleration
+    m g sin α cos α/(M + m sin²α) and does not turn."""
+    d = route.draw("wedge of free plates")
+    radius, g, slope = d.between(0.08, 0.12), d.g(), d.between(0.35, 0.6)
+    plate, width, mass = d.disc(radius), d.between(0.9, 1.3), d.between(0.5, 1.5)
+    wedge = Plate.polygon([(0.0, 0.0), (width, 0.0), (0.0, width * tan(slope))], mass * plate.mass)
+    start = StartPose(0.25 * width + radius * sin(slope), 0.75 * width * tan(slope) + radius * cos(slope))
+    other = FreePlate(wedge, StartPose(width / 3.0, width * tan(slope) / 3.0), "wedge")
+    share = 1.0 / (mass + sin(slope) ** 2)
+    # A quarter of the slope, of which the disc has three.
+    duration = sqrt(0.5 * width / cos(slope) / (g * sin(slope) * (mass + 1.0) * share))
+    effects = Gravity(g), Unilateral(), Flight(), Impact(0.0, "moreau")
+    run = route.simulate(Case(LEVEL, plate, effects, start, duration=duration, others=(other,)))
+    own, rate = run.motion.plate("wedge"), -g * sin(slope) * cos(slope) * share
+    suspect = "the corners or the mass of the polygon, or g"
+    hold("wedge of free plates", "vx of the wedge", own.vx - rate * run.motion.t, 2.0 * run.kick, suspect)
+    turns = width * own.theta
+    hold("wedge of free plates", "the turn of the wedge", turns, run.kick * run.step + 1e-3 * radius, suspect)
+
+
 LAWS: dict[str, Law] = {
     law.__name__: law
-    for law in (collision_of_free_plates, friction_of_free_plates, row_of_free_plates, pile_of_free_plates)
+    for law in (
+        collision_of_free_plates,
+        friction_of_free_plates,
+        row_of_free_plates,
+        pile_of_free_plates,
+        wedge_of_free_plates,
+    )
 }

@@ -54,6 +54,7 @@ def of_case(change: Callable[[Case], Case] = lambda case: case, spoil=lambda cas
         routes=("native",),
         SLIP_LAWS=("native",),
         SEVERAL_PLATES=("native",),
+        FREE_POLYGONS=("native",),
         refuses=lambda case, route: None,
         ladder=lambda case, route: (Setting.of(), Setting.of()),
         build=lambda case, route, setting: case,

@@ -90,6 +90,7 @@ FREE_PLATES = [
         "restitution of Impact",
         effect(Impact, lambda e: replace(e, restitution=e.restitution**2)),
     ),
+    case_mutant("mass of a free polygon 5 % too large", "wedge_of_free_plates", "mass of the", _with_plate(_heavy)),
     case_mutant(
         "a pile without friction between plates",
         "pile_of_free_plates",

@@ -54,7 +54,7 @@ def test_the_collection_has_the_size_it_should():
 
 
 # Laws whose scene takes the reference more than a second.
-_LONG = ("pile_of_free_plates",)
+_LONG = "pile_of_free_plates", "wedge_of_free_plates"
 
 
 def _families() -> list:
