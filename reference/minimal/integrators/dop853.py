@@ -23,6 +23,7 @@ from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
 from ..scales import frequency
 from ..series import EPS
+from .direct_solver import DirectDOP853
 from .first_step import SHORTER
 from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks
 from .step_zeros import FINE, NODES, first_zero, growing_gaps, guard_at, guards_at_nodes, never_opens, weights
@@ -113,12 +114,13 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
     def rhs(time, state):
         return rates(time, state.tolist(), parameters)
 
-    rtol = max(rtol, 1e-13)
-    atol = rtol * _scales(phase, t, y)
+    rtol, often = max(rtol, 1e-13), frequency(phase, t, y)
+    atol = rtol * _scales(phase, often, len(y))
     if end <= t or not np.isfinite(atol).all():
         return _end_event(phase, [t], [], Event(None if end <= t else BREAKDOWN, t, tuple(y)), 1)
-    first = _first_step(phase, rhs, t, y, end, rtol, atol)
-    solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
+    # A flight is integrated over its estimated duration, often by one step: a constant force needs no more.
+    first = end - t if phase.regime == FLIGHT else _first_step(often, rhs, t, y, end, rtol, atol)
+    solver = DirectDOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
     tries = shorter = 0
@@ -160,21 +162,21 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
             return _end_event(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
 
 
-def _first_step(phase: Phase, rhs, t: float, y, end: float, rtol: float, atol: np.ndarray) -> float:
-    """The first step to try, s: SciPy's rule (Hairer, Nørsett & Wanner, II.4), but in the motion's time scale.
+def _first_step(often: float, rhs, t: float, y, end: float, rtol: float, atol: np.ndarray) -> float:
+    """The first step to try, s: SciPy's rule (Hairer, Nørsett & Wanner, II.4), but in the motion's time scale, of
+    frequency `often` (1/s).
 
     The rule takes the eighth root of a rate, and so depends on the unit of time: in microseconds the step was so short
     that a slip that grows with the square of time was still rounding at its end.
     """
-    # A flight is integrated over its estimated duration, often by one step: a constant force needs no more.
-    often = 0.0 if phase.regime == FLIGHT else frequency(phase, t, y)
     if not often > 0.0:
         return end - t
     state = np.array(y, dtype=float)
     rates, scale = np.array(rhs(t, state)), atol + rtol * np.abs(state)
     probe = min(PROBE / often, end - t)
     change = (np.array(rhs(t + probe, state + probe * rates)) - rates) / (often * probe)
-    fastest = max(float(np.sqrt(np.mean((row / (often * scale)) ** 2))) for row in (rates, change))
+    # NumPy's mean without its preparation, which takes longer than the sum.
+    fastest = max(sqrt(np.add.reduce((row / (often * scale)) ** 2) / len(row)) for row in (rates, change))
     # Their hundredth of the tolerance, for a motion of any scale, would be a step more in each phase.
     step = fastest**-0.125 if 0.0 < fastest < np.inf else PROBE
     return min(step / often, end - t)
@@ -206,7 +208,7 @@ def _step(solver: DOP853, phase: Phase, rtol: float) -> int:
 
 def _restart(solver: DOP853, piece: DenseOutput, rhs, end: float, rtol: float, atol: np.ndarray) -> DOP853:
     """The solver at the start of its last step, which is to be shorter."""
-    again = DOP853(rhs, piece.t_old, piece.y_old, end, rtol=rtol, atol=atol, first_step=SHORTENED * piece.h)
+    again = DirectDOP853(rhs, piece.t_old, piece.y_old, end, rtol=rtol, atol=atol, first_step=SHORTENED * piece.h)
     again.nfev += solver.nfev
     return again
 
@@ -223,12 +225,12 @@ def _dense_output(solver: DOP853) -> DenseOutput:
     return piece
 
 
-def _scales(phase: Phase, t, y) -> np.ndarray:
-    """Sizes of the components: the plate's own size for the parameters, and the speed at which it is covered."""
-    often = frequency(phase, t, y)
+def _scales(phase: Phase, often: float, count: int) -> np.ndarray:
+    """Sizes of the `count` components: the plate's own size for the parameters, and the speed at which it is covered,
+    as often as that (1/s)."""
     friction = phase.case.effect(CoulombFriction)
     # One contact and flights have at most as many variables; the phases of several contacts have more.
-    is_carried = len(y) > MOST_OF_ONE and (has_belt(phase.case) or often > 0.0)
+    is_carried = count > MOST_OF_ONE and (has_belt(phase.case) or often > 0.0)
     if (friction and friction.by_speed) or is_carried:
         # A belt may begin without speed and acceleration, and a slip under friction by a formula begins so at its cone;
         # of a plate that several contacts carry, a frequency may be all rounding: gravity gives the speed that it may
@@ -236,7 +238,7 @@ def _scales(phase: Phase, t, y) -> np.ndarray:
         pull = sqrt(phase.case.weight / (phase.case.plate.mass * phase.size))
         often = pull if often < STILL * pull else often
     often = often or 1.0  # without force and motion any speed would do
-    return np.array([*phase.lengths, *(size * often for size in phase.lengths)][: len(y)])
+    return np.array([*phase.lengths, *(size * often for size in phase.lengths)][:count])
 
 
 def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, evaluations: int, cuts: int) -> Segment:
@@ -266,7 +268,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
     whole, start = piece.t - piece.t_old, piece.t_old
     if whole <= 0.0 or when <= start:
         return piece, Event(guard, start, tuple(piece.y_old.tolist()))
-    again = DOP853(rhs, start, piece.y_old, when, rtol=rtol, atol=atol, first_step=when - start)
+    again = DirectDOP853(rhs, start, piece.y_old, when, rtol=rtol, atol=atol, first_step=when - start)
     pieces: list[DenseOutput] = []
     while again.status == "running" and len(pieces) < MOST_LOOKED_AT:
         again.step()

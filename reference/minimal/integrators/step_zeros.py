@@ -91,11 +91,12 @@ def first_zero(
         at_nodes[index, np.abs(at_nodes[index]) <= rounding] = rounding
     fine = at_nodes @ _TO_FINE.T
     # Most guards of most steps are far from zero compared with how much they change.
-    near = ~(fine.min(axis=1) > 0.1 * (at_nodes.max(axis=1) - at_nodes.min(axis=1)))
+    lowest = np.minimum.reduce(fine, axis=1).tolist()
+    near = [i for i, row in enumerate(at_nodes.tolist()) if not lowest[i] > 0.1 * (max(row) - min(row))]
     earliest = None
     # A gap that is open at the start may close and open again before the first place of the grid.
     open_at_start = {index for index, _ in open_gaps(phase, piece.t_old, piece.y_old.tolist())} if first else ()
-    for index in np.flatnonzero(near).tolist():
+    for index in near:
         least = rounding if names[index] in growing else 0.0
         when = _zero_of_one(phase, piece, index, fine[index], first and index not in open_at_start, least)
         if when is not None and (earliest is None or when < earliest[1]):
