@@ -62,7 +62,7 @@ class ElementSearch:
     def __init__(self, case: Case):
         self.case, self.reach = case, case.plate.reach
         self.pairs = [
-            _Pair(first, second, MeetingSearch(geometry))
+            _Pair(first, second, MeetingSearch(geometry, case.weight / case.plate.mass))
             for first in elements(case.track)
             for second in elements(case.plate.outline)
             if (geometry := _geometry(case, first, second)) is not None

@@ -65,7 +65,7 @@ class Landings:
     @cached_property
     def search(self) -> MeetingSearch:
         """The search by boxes, with its count of work."""
-        return MeetingSearch(Geometry.of_case(self.case))
+        return MeetingSearch(Geometry.of_case(self.case), self.case.weight / self.case.plate.mass)
 
     def start_impact(self, segment: Segment) -> Landing:
         """The impact of a start in contact with a closing velocity, also if gravity pulls the plate off its track; its

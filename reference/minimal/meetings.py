@@ -9,7 +9,7 @@ meeting, and Newton's method finds it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, cos, hypot, sin
+from math import atan2, cos, hypot, isnan, nan, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +18,13 @@ from .boxes import Bounds, Boxes, Cores, Geometry
 from .curve_pieces import HIGH, LOW, REACH, TooMuch, X, Y
 from .windows import EPS, Windows
 
-# Limit on boxes in one motion: half a minute.
-MOST_BOXES = 10_000_000
-# Cost of Newton's method in one box, in units of boxes that are processed together.
-ONE_BY_ONE = 100
+# Work is counted in boxes that are bounded and divided among many others, about 3 µs each. A round takes as long as so
+# many more, however few its boxes are, and so does Newton's method in one box (on one core, 1.6 ms and 1 ms in 5,000
+# rounds).
+ROUND, ONE_BY_ONE = 500, 300
+# Limit on the work of one motion's search, six seconds, before the plate has moved, and for each time in which it moves
+# by its size, or would fall by it: a long motion may take longer, one that hardly goes on may not.
+MOST_WORK = 2_000_000
 # Boxes processed together: a hundred megabytes.
 TOGETHER = 60_000
 # Fewer boxes than these are halved once more before they are bounded: the bounds of twice as many take hardly longer.
@@ -44,13 +47,15 @@ class Meeting(NamedTuple):
 class MeetingSearch:
     """The search for first meetings of one track and one outline, or point; counts its work."""
 
-    def __init__(self, geometry: Geometry):
-        self.geometry = geometry
-        self.count = 0
+    def __init__(self, geometry: Geometry, fall: float):
+        """`fall`: the acceleration (m/s²) of a free plate by its weight."""
+        self.geometry, self.fall = geometry, fall
+        self.work, self.limit, self.since = 0, 0.0, nan
 
     def first(self, motion: Windows, cores: Sequence[Cores] = ()) -> Meeting | None:
         """The first meeting in the windows outside all cores, to the accuracy of their polynomials; None if there is
         none. Raises TooMuch."""
+        self._extend_limit(motion)
         earliest: Meeting | None = None
         todo = [self._first_boxes(motion)]
         while todo:
@@ -63,7 +68,7 @@ class MeetingSearch:
                 order = np.argsort(boxes.start, kind="stable")
                 todo += [boxes.some(part) for part in reversed(np.array_split(order, 2))]
                 continue
-            self._spend(boxes.number)
+            self._spend(ROUND + boxes.number)
             box_bounds = self.geometry.bounds(motion, boxes)
             for some_cores in cores:
                 box_bounds = self._outside(boxes, box_bounds, some_cores)
@@ -78,9 +83,16 @@ class MeetingSearch:
                 todo.append(parts)
         return earliest
 
+    def _extend_limit(self, motion: Windows) -> None:
+        """Extend the limit on work by the plate's motion since the first search."""
+        start, size = float(motion.start[0]), self.geometry.reach
+        self.since = start if isnan(self.since) else self.since
+        rate = max(float(motion.speed[0]) / size + float(motion.spin[0]), sqrt(self.fall / size))
+        self.limit = max(self.limit, MOST_WORK * (1.0 + rate * (start - self.since)))
+
     def _spend(self, boxes: int) -> None:
-        self.count += boxes
-        if self.count > MOST_BOXES:
+        self.work += boxes
+        if self.work > self.limit:
             raise TooMuch
 
     def _first_boxes(self, motion: Windows) -> Boxes:
@@ -128,6 +140,7 @@ class MeetingSearch:
 
     def _locate(self, motion: Windows, boxes: Boxes, k: int) -> Meeting | None:
         """The meeting in one box by Newton's method; None if it does not find it there."""
+        self._spend(ONE_BY_ONE)
         low, high = self._corners(boxes, k)
         wide = high - low
         at = 0.5 * (low + high)

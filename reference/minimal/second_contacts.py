@@ -57,7 +57,7 @@ def until_second_contact(case: Case, solution: Solution) -> tuple[Solution, Meet
         return _until_entry(case, solution, touching), None
     if not touching or fits_everywhere(case, touching):
         return solution, None
-    search = MeetingSearch(Geometry.of_case(case))
+    search = MeetingSearch(Geometry.of_case(case), case.weight / case.plate.mass)
     for lot, motion, around in _lots(case, touching):
         try:
             meeting = search.first(motion, [around])

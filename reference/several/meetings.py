@@ -74,9 +74,12 @@ def gaps(contact: Case, states: np.ndarray, k: int) -> np.ndarray:
 
 def search_of(contact: PairCase) -> MeetingSearch:
     """The search for meetings of a pair; a corner is a point."""
+    whole = contact.whole
     if _is_corner(contact):
-        return MeetingSearch(Geometry(Pieces(contact.track), None, 0.0, contact.whole.plate.reach))
-    return MeetingSearch(Geometry.of_case(contact))
+        geometry = Geometry(Pieces(contact.track), None, 0.0, whole.plate.reach)
+    else:
+        geometry = Geometry.of_case(contact)
+    return MeetingSearch(geometry, whole.weight / whole.plate.mass)
 
 
 def _is_corner(contact: PairCase) -> bool:

@@ -140,7 +140,7 @@ def test_landings_whose_pair_of_points_is_not_found_are_found_by_boxes_or_the_mo
     assert motion.status == "completed"
     # Boxes are narrowed to rounding; what rounds differently grows over a dozen impacts.
     assert [t.time for t in motion.transitions] == pytest.approx(expected, abs=1e-11)
-    monkeypatch.setattr(meetings, "MOST_BOXES", 1000)
+    monkeypatch.setattr(meetings, "MOST_WORK", 1000)
     motion = reference.simulate(case)
     assert motion.status == "unfinished" and motion.reason.startswith("The search for landings reached the limit")
     assert [t.time for t in motion.transitions] == pytest.approx(expected[: len(motion.transitions)], abs=1e-11)

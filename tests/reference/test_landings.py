@@ -35,7 +35,10 @@ from reference.contact_frame.advancement import Search
 from reference.contact_frame.equations import ContactScene
 from reference.contact_frame.second_contacts import Overlaps
 from reference.contact_frame.steps import MOST_STEPS, StepFailure
+from reference.minimal import meetings
+from reference.minimal.boxes import Geometry
 from reference.minimal.meetings import MeetingSearch
+from reference.minimal.windows import windows
 from tests.scenes.event_times import agree_as_known, events
 from tests.scenes.motions import energy
 from tests.scenes.ripples import SIZE, G, closest, rippled
@@ -406,6 +409,30 @@ def test_few_boxes_are_halved_twice_in_a_round(monkeypatch):
     monkeypatch.setattr(MeetingSearch, "_complete_boxes", lambda *args: rounds.append(1) or complete(*args))
     reference.simulate(replace(rippled(651).case, duration=0.002))
     assert len(searches) > 10 and len(rounds) < 20 * len(searches)
+
+
+def test_the_limit_on_a_search_is_one_for_each_size_that_the_plate_moves():
+    """A plate 1 mm above its track, that moves by its size in 20 ms, or falls by it in 3 ms."""
+    case, pace = over_ripples(*RIPPLES[FALLING]), 5.0 / SIZE
+    for fall, rate in ((G, pace), (9e4 * SIZE, 300.0)):
+        search = MeetingSearch(Geometry.of_case(case), fall)
+        for start in (1.0, 1.02):
+            edges = np.array([start, start + 1e-3])
+            motion = windows(lambda t: np.array([5.0 * (t - 1.0), 0.101 + 0.0 * t, 0.0 * t]), edges, SIZE)
+            before = search.work
+            assert search.first(motion) is None
+            assert search.work >= before + meetings.ROUND
+            # A window's speed is a difference of places over a millisecond.
+            assert search.limit == pytest.approx(meetings.MOST_WORK * (1.0 + rate * (start - 1.0)), rel=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [270, 522, 651])
+def test_a_flight_that_hardly_goes_on_is_unfinished(seed):
+    """Nine impacts in a millisecond, with a search of 60 ms after each, or a landing that no box excludes: these took
+    more than 20 s of CPU time, 522 up to a `breakdown`."""
+    motion = reference.simulate(rippled(seed).case)
+    assert motion.status == "unfinished" and "search for" in motion.reason and len(motion.transitions) > 40
 
 
 def test_no_second_contact_is_searched_where_the_plate_fits_its_whole_track(monkeypatch):
