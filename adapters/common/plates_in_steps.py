@@ -22,7 +22,8 @@ from .plate_contacts import with_plates
 @dataclass(frozen=True)
 class PlatesRecord:
     """The record of a run: rows (x, y, theta, vx, vy, omega) of every plate at every step of `h` s, shape (n, plates,
-    6), `steps` + 1 if it is complete. `rough`, `lever`, `rounding` and `rest` are those of `half_steps.StepRecord`."""
+    6), `steps` + 1 if it is complete. `rough`, `lever`, `rounding` and `rest` are those of `half_steps.StepRecord`;
+    `wider` (m): by how much the engine's discs are larger than the case's, whose outlines slip where they roll."""
 
     case: Case
     h: float
@@ -32,6 +33,7 @@ class PlatesRecord:
     lever: float = 0.0
     rounding: float = float(np.finfo(float).eps)
     rest: float = 0.5
+    wider: float = 0.0
 
 
 def read(record: PlatesRecord) -> Trajectory:
@@ -59,8 +61,8 @@ def read(record: PlatesRecord) -> Trajectory:
 
 
 def _creep(record: PlatesRecord, motion: Trajectory, torsor: np.ndarray) -> float:
-    """The slip velocity (m/s) that remains where the engine sticks: along a direction that turns within a step, and
-    with a normal force that scatters from step to step (`half_steps` has the derivation)."""
+    """The slip velocity (m/s) that remains where the engine sticks: along a direction that turns within a step, with a
+    normal force that scatters from step to step (`half_steps` has the derivation), and of discs that are wider."""
     case, friction = record.case, record.case.effect(CoulombFriction)
     creep, slips = 0.0, {name: columns.slip for name, columns in motion.contacts.items()}
     # A step with an impact or a lift-off, and its neighbours, have other forces.
@@ -80,4 +82,4 @@ def _creep(record: PlatesRecord, motion: Trajectory, torsor: np.ndarray) -> floa
         between = record.rows[:, contact.body, :2] - record.rows[:, contact.base, :2]
         turns = np.abs(np.diff(np.unwrap(np.arctan2(between[:, 1], between[:, 0]))))
         turn = max(turn, float(np.max(turns, initial=0.0, where=np.isfinite(np.diff(slips[contact.name])))))
-    return creep + 0.5 * speed * turn**2
+    return creep + 0.5 * speed * turn**2 + record.wider * float(np.abs(record.rows[..., 5]).max())

@@ -297,7 +297,8 @@ def read(model: PymunkModel) -> Trajectory:
     if guide and guide.problem:
         raise EngineFailure(f"The contact for pymunk could not be computed: {guide.problem}") from guide.problem
     if model.case.others:
-        return plates_in_steps.read(plates_in_steps.PlatesRecord(model.case, model.h, model.steps, rows))
+        wider = free_plates.wider(model.case, model.space)
+        return plates_in_steps.read(plates_in_steps.PlatesRecord(model.case, model.h, model.steps, rows, wider=wider))
     contacts, load = guide.contacts if guide else None, np.array(drive.rows) if drive else None
     record = half_steps.StepRecord(
         model.engine_case, model.h, model.steps, rows[:, 0], contacts, load=load, rough=model.rough

@@ -44,7 +44,7 @@ def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, list[py
         body.position, body.angle = (x - 0.5 * h * vx, y - 0.5 * h * vy), theta - 0.5 * h * omega
         body.velocity, body.angular_velocity = (vx, vy), omega
         bodies.append(body)
-        shapes.append(_shape(plate, body, 0.25 * native.lift(case, space)))
+        shapes.append(_shape(plate, body, wider(case, space)))
     for shape in shapes:
         # The engine multiplies the two shapes' coefficients.
         shape.friction, shape.elasticity = sqrt(mu), sqrt(restitution)
@@ -53,11 +53,16 @@ def build(case: Case, setting: Setting, h: float) -> tuple[pymunk.Space, list[py
     return space, bodies
 
 
-def _shape(plate: Plate, body: pymunk.Body, wider: float) -> pymunk.Shape:
-    """The plate's own shape. Plates that touch are detected only if they overlap, as a plate and its segment: a disc's
-    radius is `wider` (m)."""
+def wider(case: Case, space: pymunk.Space) -> float:
+    """By how much (m) discs are larger than the case's. Plates that touch are detected only if they overlap, as a plate
+    and its segment."""
+    return 0.25 * native.lift(case, space)
+
+
+def _shape(plate: Plate, body: pymunk.Body, more: float) -> pymunk.Shape:
+    """The plate's own shape; a disc's radius is larger by `more` (m)."""
     if plate.radius is not None:
-        return pymunk.Circle(body, plate.reach + wider)
+        return pymunk.Circle(body, plate.reach + more)
     return pymunk.Poly(body, [(corner.x, corner.y) for corner in circles(plate)])
 
 

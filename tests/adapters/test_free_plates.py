@@ -112,7 +112,9 @@ def test_a_disc_pushes_a_block_and_rolls_at_the_exact_time(name):
     one = several_contacts.only(motion, "disc/track")
     reader = several_contacts.ContactReader(case, "disc/track", several_contacts.gap_of(motion, "disc/track"))
     (change,) = reader(case, one).transitions
-    assert change.before is Mode.SLIP_BACKWARD and change.time == pytest.approx(rolls, abs=motion.t[1])
+    # pymunk's disc is 1.9e-8 m wider than the case's, which slips by 5e-7 m/s where the engine's rolls.
+    assert (change.before, change.after) == (Mode.SLIP_BACKWARD, Mode.ROLL)
+    assert change.time == pytest.approx(rolls, abs=motion.t[1])
 
 
 @pytest.mark.parametrize("name,gap,speeds", [
