@@ -21,7 +21,7 @@ from .storage import source_code
 
 _LONGEST_VERSION = 100
 # The worker groups of calls that name several engines, and of engines that are not installed.
-_SEVERAL, _ABSENT = "several engines", "absent engines"
+SEVERAL, _ABSENT = "several engines", "absent engines"
 
 
 def names() -> tuple[str, ...]:
@@ -71,7 +71,7 @@ def groups_of(calls: Iterable[Iterable]) -> list[str]:
         mentions = sorted(named_in(call, lambda text: versions.split_version(text)[0] in engines))
         if len(mentions) == 1:
             return mentions[0] if is_installed(mentions[0]) else _ABSENT
-        return _SEVERAL if mentions else ""
+        return SEVERAL if mentions else ""
 
     return [group(call) for call in calls]
 

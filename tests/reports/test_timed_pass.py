@@ -102,6 +102,19 @@ def test_parts_of_a_run_are_their_contestant_s(engines, tmp_path, monkeypatch):
         assert {key: value.engine for key, value in found.items()} == {one.key: one.setting["cost"] for one in who}
 
 
+@pytest.mark.parametrize("ask", [timed_pass._cold_starts, timed_pass._parts, timed_pass.time_together])
+def test_cases_with_other_engines_are_timed_in_the_same_worker(ask, engines, monkeypatch):
+    groups = []
+    whole = CallsHere.each
+    record = lambda *given, group=None, **how: groups.append(group) or whole(*given, group=group, **how)  # noqa: E731
+    monkeypatch.setattr(CallsHere, "each", record)
+    with calls() as made:
+        for solvers in (["reference"], ["pymunk", "reference"], ["exudyn"], ["pymunk@7.0.0"]):
+            who = [one for one in WHO if one.solver in solvers] or [WHO[2]._replace(solver=solvers[0])]
+            ask(*((who, 1.0, 1.0, made) if ask is timed_pass.time_together else (made, who, 1.0)))
+    assert groups[0] and groups == [groups[0]] * 3 + ["pymunk@7.0.0"]
+
+
 # --- what is kept under which key -------------------------------------------------------------------------------------
 
 AB = [
