@@ -69,7 +69,7 @@ def disc_pushes_block(
     w, h = positive("width of disc_pushes_block", width), positive("height of disc_pushes_block", height)
     high = positive("r of disc_pushes_block", r)
 
-    def placed(along: float, above: float, omega: float = 0.0, theta: float = 0.0) -> StartPose:
+    def pose_on_slope(along: float, above: float, omega: float = 0.0, theta: float = 0.0) -> StartPose:
         return StartPose(
             along * cos(angle) + above * sin(angle), above * cos(angle) - along * sin(angle), theta, omega=omega
         )
@@ -78,7 +78,7 @@ def disc_pushes_block(
         track=line(angle),
         plate=Plate.rectangle(w, h, m_block),
         effects=contact_with_impacts(mu, g),
-        start=placed(0.0, 0.5 * h, theta=-angle),
+        start=pose_on_slope(0.0, 0.5 * h, theta=-angle),
         duration=duration,
-        others=(FreePlate(disc(r, m), placed(-0.5 * w - high, high, omega=-spin), "disc"),),
+        others=(FreePlate(disc(r, m), pose_on_slope(-0.5 * w - high, high, omega=-spin), "disc"),),
     )

@@ -73,8 +73,8 @@ def placed_plates(
     """The free plates of a case at some times, by x, y and θ of each at these times, for `drawn_scene.draw`."""
     results = []
     for other, columns in zip(case.others if case else (), poses, strict=True):
-        placed = [Instant(x, y, theta, np.nan, shade) for x, y, theta, shade in zip(*columns, shades, strict=True)]
-        results.append((case.scene._replace(outline=other.plate.outline), placed))
+        instants = [Instant(x, y, theta, np.nan, shade) for x, y, theta, shade in zip(*columns, shades, strict=True)]
+        results.append((case.scene._replace(outline=other.plate.outline), instants))
     return results
 
 

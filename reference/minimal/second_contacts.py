@@ -108,16 +108,16 @@ def _meeting(
     def poses(times: np.ndarray) -> np.ndarray:
         return states(times)[:3]
 
-    found = search.first(poses, edges, _next_to_contact(case, segment))
-    if found is None:
+    meeting = search.first(poses, edges, _next_to_contact(case, segment))
+    if meeting is None:
         return None
-    pair = Entry(found.first, found.second, found.xi1, found.xi2)
+    pair = Entry(meeting.first, meeting.second, meeting.xi1, meeting.xi2)
     try:
-        time = _zero(lambda t: piece_gap(pair, *poses(np.array([t]))[:, 0].tolist()).gap, found.time, brentq)
+        time = _zero(lambda t: piece_gap(pair, *poses(np.array([t]))[:, 0].tolist()).gap, meeting.time, brentq)
     except (DoesNotFit, ValueError):
-        time = found.time  # no simple touch: accurate to the search only
+        time = meeting.time  # no simple touch: accurate to the search only
     # At the end of the phase the contact itself reaches the end of its piece.
-    return (time, found.xi1) if time < until * (1.0 - END) else None
+    return (time, meeting.xi1) if time < until * (1.0 - END) else None
 
 
 def _next_to_contact(case: Case, segment: Segment) -> set[tuple[int, int]]:

@@ -60,8 +60,8 @@ def impacts(rows: Sequence[dict[str, Any]], settings: Mapping[tuple, str]) -> di
     mine = [row for row in rows if settings.get((row["solver"], row["route"])) == str(row["setting"])]
     keys = list(dict.fromkeys((row["solver"], row["route"]) for row in mine if row["solver"] != REFERENCE))
     # Each route has its own numbers, as its own impacts count; the truth's times are the same in all.
-    found = {(row["solver"], row["route"], _instant(row)): row for row in mine if isfinite(row["reference_time"])}
-    true = {_instant(row): row for row in found.values()} if keys else {}
+    by_instant = {(row["solver"], row["route"], _instant(row)): row for row in mine if isfinite(row["reference_time"])}
+    true = {_instant(row): row for row in by_instant.values()} if keys else {}
     return {
         "routes": [{"solver": solver, "route": route, "switch": switch(solver, route)} for solver, route in keys],
         "rows": [
@@ -69,7 +69,7 @@ def impacts(rows: Sequence[dict[str, Any]], settings: Mapping[tuple, str]) -> di
                 "what": f"impact at {contact}" if contact else "at rest",
                 "time": f"{time:.6g}",
                 "swing": f"{true[is_rest, time, contact]['reference_swing']:.4g}" if contact else "",
-                "cells": [_impact_cell(found.get((*key, (is_rest, time, contact)))) for key in keys],
+                "cells": [_impact_cell(by_instant.get((*key, (is_rest, time, contact)))) for key in keys],
             }
             for is_rest, time, contact in sorted(true)
         ],

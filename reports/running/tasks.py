@@ -59,16 +59,16 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
         reason = refusal(module, case, route)
         if reason:
             return Offer(route, (), "unsupported", legible(reason), part)
-        offered = tuple(islice(getattr(module, knobs)(case, route), _MOST_SETTINGS + 1))
+        settings = tuple(islice(getattr(module, knobs)(case, route), _MOST_SETTINGS + 1))
         if knobs == "ladder" and hasattr(module, "default_grid"):
             first = tuple(islice(module.default_grid(case, route), _MOST_SETTINGS))
-            if first[:1] != offered[:1]:
+            if first[:1] != settings[:1]:
                 raise ValueError("its default_grid does not begin with the first setting of its ladder")
-            offered = (*first, *offered[1:])
-        if len(offered) > _MOST_SETTINGS:
+            settings = (*first, *settings[1:])
+        if len(settings) > _MOST_SETTINGS:
             raise ValueError(f"it has more than {_MOST_SETTINGS} settings")
         one_only = legible(refusal_of_several_contacts(module, case, route))
-        return Offer(route, tuple(map(_plain, offered)), our_part=part, one_contact_only=one_only)
+        return Offer(route, tuple(map(_plain, settings)), our_part=part, one_contact_only=one_only)
     except (Exception, SystemExit) as problem:
         return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}", part)
 
