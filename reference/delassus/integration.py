@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from cases import Case
+from cases import Case, DoesNotFit
 from cases.contact_pairs import PairCase, pairs
 from cases.overlap import first_overlap
 
@@ -172,9 +172,17 @@ class PhaseIntegration(PlateState):
         return min(hop, self.case.duration - self.t) if 0.0 < hop < SHORT * self.case.duration else None
 
     def is_lost(self, phase: SeveralContactPhase, before: float, look: float, dense) -> bool:
-        """Whether an open contact's points are no longer surely the nearest ones: the clearance has fallen, or they
-        have moved farther between two looks than their rate allows."""
-        earlier, now = phase.pairs(before, dense(before)), phase.pairs(look, dense(look))
+        """Whether an open contact's points are no longer surely the nearest ones: the clearance has fallen, they have
+        moved farther between two looks than their rate allows, or there are none any more. Raises DoesNotFit where a
+        closed contact, or one that is watched always, has none."""
+        earlier = phase.pairs(before, dense(before))
+        try:
+            now = phase.pairs(look, dense(look))
+        except DoesNotFit:
+            if all(contact.is_closed or is_watched_always(contact.case) for contact in phase.contacts):
+                raise
+            phase.closed_pairs(look, dense(look))
+            return True
         for contact, was, pair in zip(phase.contacts, earlier, now, strict=True):
             if contact.is_closed or is_watched_always(contact.case):
                 continue

@@ -263,12 +263,14 @@ LIMIT, TRANSITION = 20.0, 0.05
 
 
 def check(seed: int) -> None:
-    """One random flight: it is answered in time, and a disc touches its track where it lands and nowhere before."""
+    """One random flight: it is answered in time, if not to its end, and a disc touches its track where it lands and
+    nowhere before."""
     scene = rippled(seed)
     begun = time.process_time()
     motion = reference.simulate(scene.case)
     assert time.process_time() - begun < LIMIT + TRANSITION * len(motion.transitions), seed
-    assert motion.status in ("completed", "landing", "second_contact", "no_fit", "track_end"), (seed, motion.status)
+    endings = ("completed", "landing", "second_contact", "no_fit", "track_end", "unfinished")
+    assert motion.status in endings and motion.reason, (seed, motion.status)
     at = motion.transitions[0].time if motion.transitions else float(motion.t[-1])
     _energy(scene.case, motion, at, seed)
     if motion.transitions:
@@ -349,6 +351,8 @@ def agree(seed: int) -> None:
     if len(one.contact_names) > 1:  # the second formulation of one contact ends where a second one begins
         last = len(theirs) - 1
         ours = [*ours[:last], *((time, "second_contact") for time, _ in ours[last : last + 1])]
+    if one.status == "unfinished":  # they agree as far as it goes
+        ours, theirs = ours[:-1], theirs[: len(ours) - 1]
     assert agree_as_known(case, one, ours, theirs), seed
 
 

@@ -31,7 +31,9 @@ from cases.library import line
 from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
 from reference.delassus import complementarity
-from reference.delassus.contacts import PlateDynamics, frictions, pair_at
+from reference.delassus.contacts import PlateDynamics, frictions, open_pair_at, pair_at
+from reference.delassus.motion import Simulation
+from reference.delassus.phase import SeveralContactPhase, WatchedContact
 from reference.paper.bodies import BodyContact, solve_bodies
 from reference.several.decision import DecisionInstant, decide
 from reference.several.geometry import project
@@ -130,6 +132,31 @@ def test_a_disc_rocks_in_a_valley_and_comes_to_rest():
     times = motion.t[jumps]
     rest = times[-1] + (times[-1] - times[-2]) * factor / (1 - factor)
     assert last.time == pytest.approx(rest, abs=1e-3 * (last.time - times[-1]))
+
+
+def test_an_open_contact_whose_nearest_points_vanish_within_a_step_is_lost():
+    """Where a disc rolls up one flank of a groove, its point nearest to the other one passes the sharp bottom, where
+    there is none: the second formulation ended as `breakdown` if no look came before."""
+    radius = 0.5
+    track = groove(radians(25), 0.01)
+    case = case_in(track, Start(-0.3), CoulombFriction(1.0), radius=radius)
+    pair = pairs(case)[0]
+
+    def touching(s: float) -> np.ndarray:
+        """The disc at rest that touches the left flank at a parameter."""
+        return np.array([*(track.point(s) + radius * np.array(track.normal(s))), 0.0, 0.0, 0.0, 0.0])
+
+    near = (0.2, 0.0)  # on the right flank, and followed from where it touches both
+    for s in np.linspace(-0.211, -0.470, 250):
+        now = open_pair_at(pair, touching(s), near)
+        near = now.xi1, now.xi2
+    motion = Simulation(case, 0.0, touching(-0.470), 1e-12)
+    motion.clearances = {"open": now.clearance}
+    phase = SeveralContactPhase(motion.dynamics, [WatchedContact("open", pair, near, Mode.FLIGHT)])
+    with pytest.raises(DoesNotFit):
+        open_pair_at(pair, touching(-0.475), near)
+    assert motion.is_lost(phase, 0.0, 1.0, lambda t: touching(-0.470 - 0.005 * t))
+    assert not motion.is_lost(phase, 0.0, 1.0, lambda t: touching(-0.470))
 
 
 def test_without_friction_the_speed_along_the_next_flank_is_kept():
