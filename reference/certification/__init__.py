@@ -1,6 +1,6 @@
 """Certified truth with error bars: independent solutions of a case (witnesses) and the values on which they agree."""
 
-from .agreement import contradiction
+from .agreement import contradiction, is_within_bars
 from .bars import Bar
 from .certificate import Certificate, NotCertified, certify
 from .proof_kind import PROVED, WITNESSED
@@ -16,6 +16,7 @@ __all__ = [
     "WITNESSED",
     "certify",
     "contradiction",
+    "is_within_bars",
     "stored_or_new",
     "read",
     "write",

@@ -54,6 +54,16 @@ def contradiction(case: Case, certificate: Certificate, motion: Trajectory, coar
     return ""
 
 
+def is_within_bars(case: Case, certificate: Certificate, motion: Trajectory) -> bool:
+    """Whether the motion has the certificate's events, and all values within its error bars: then they agree whatever
+    the motion's own error is."""
+    events, certified = _events(motion), (certificate.status, [row[:2] for row in certificate.transitions])
+    return events == certified and all(
+        abs(each.motion - each.certified.value) <= each.certified.bar
+        for each in _value_pairs(case, certificate, motion, motion)
+    )
+
+
 def _events(motion: Trajectory) -> tuple[str, list]:
     return motion.status, [(event.before, event.after) for event in motion.transitions]
 

@@ -32,7 +32,8 @@ def friction_sensitivity(case: Case, truth: Trajectory, scales: Mapping[str, Sca
     if friction is None:
         return 0.0
     others = (with_friction(case, mu=part * friction.mu) for part in (1.0 + CHANGE, 1.0 - CHANGE))
-    motions = [reference.simulate(other, rtol=1e-12) for other in others]
+    # At the truth's tolerance, for which its equations are compiled.
+    motions = [reference.simulate(other, rtol=1e-13) for other in others]
     if len(scales) > 1:
         return max(
             several_contacts.judge(case, motion, truth, scales, truth.transitions).score.off for motion in motions

@@ -16,7 +16,16 @@ import cases
 import reference
 from cases import Mode
 from reference.__main__ import main
-from reference.certification import TRUTH, Bar, DamagedTruth, contradiction, read, stored_or_new, truth_file
+from reference.certification import (
+    TRUTH,
+    Bar,
+    DamagedTruth,
+    contradiction,
+    is_within_bars,
+    read,
+    stored_or_new,
+    truth_file,
+)
 from reports import export
 from reports.running import tasks
 from reports.running.storage import fingerprint
@@ -137,7 +146,10 @@ def said(certificate, label=LABEL) -> str:
     """What of a certificate the motion contradicts."""
     case = cases.load(label)
     motion, coarser = (reference.simulate(case, rtol=rtol) for rtol in (1e-13, 1e-12))
-    return contradiction(case, certificate, motion, coarser)
+    contradicted = contradiction(case, certificate, motion, coarser)
+    # What is within the bars is not compared with the coarser motion.
+    assert not (contradicted and is_within_bars(case, certificate, motion))
+    return contradicted
 
 
 def changed(which: int, **how):
@@ -165,6 +177,15 @@ def test_every_kept_certificate_and_motion_agree(method):
         case = cases.load(label)
         motions = [reference.simulate(case, rtol=rtol, method=method) for rtol in (1e-13, 1e-12)]
         assert contradiction(case, certificate, *motions) == "", label
+
+
+def test_the_papers_motion_is_within_its_bars_and_a_changed_one_is_not():
+    case, kept = cases.load(LABEL), read()[LABEL]
+    motion = reference.simulate(case, rtol=1e-13)
+    assert is_within_bars(case, kept, motion)
+    bar = kept.transitions[0][2]
+    assert not is_within_bars(case, changed(0, time=moved(bar, 3.0 * bar.bar)), motion)
+    assert not is_within_bars(case, replace(kept, status="lift_off"), motion)
 
 
 def test_a_changed_digit_is_contradicted():
