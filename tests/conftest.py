@@ -119,6 +119,18 @@ def _store(tmp_path_factory):
     options._OPTIONS["jobs"]["default"] = "1"
 
 
+@pytest.fixture(autouse=True, scope="module")
+def _default_method(request):
+    """In the quick tests a motion for which no method is named is DOP853's, except in files marked `taylor`: the Taylor
+    method's equations are compiled, which takes longer than most of these motions. The slow tests have the default."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.config.option.markexpr == QUICK[0] and not request.node.get_closest_marker("taylor"):
+            from reference import solve
+
+            patch.setattr(solve, "METHODS", ("dop853",))
+        yield
+
+
 @pytest.fixture(scope="session")
 def without_figures() -> Callable:
     """In `with without_figures():` a report is made without its figures, which are half of what a small one costs: for

@@ -119,7 +119,7 @@ def test_a_disc_pushes_a_block_and_rolls_at_the_exact_time(name):
 
 @pytest.mark.parametrize("name,gap,speeds", [
     ("pymunk", 0.01, (0.0, 0.0, 1.0)),
-    ("pymunk", 0.0, (-1 / 3, 2 / 3, 2 / 3)),  # Moreau's law, as derived in test_bodies
+    ("pymunk", 0.0, (-1 / 3, 2 / 3, 2 / 3)),  # Moreau's law, as derived in test_impacts_of_bodies
     ("box2d", 0.01, (0.0, 0.0, 1.0)),
     ("box2d", 0.0, (-0.118, 0.236, 0.882)),  # measured: its own law
 ])  # fmt: skip

@@ -33,8 +33,7 @@ from cases.library import line
 from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
 from tests.scenes.motions import work_done
-
-from .test_supports import agree, compare_with_matrix, events, random_case, simulated, slow
+from tests.scenes.supports import agree, compare_with_matrix, events, random_case, simulated, slow
 
 G = 9.81
 INELASTIC = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")

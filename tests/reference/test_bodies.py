@@ -3,87 +3,20 @@
 Discs of radius r; the angle φ of a contact is that of the line of centres from the vertical, to the right.
 """
 
-from functools import lru_cache
 from itertools import product
-from math import acos, atan2, cos, inf, pi, sin, sqrt
+from math import acos, atan2, cos, inf, sin, sqrt
 
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
-from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
-from cases.library import ellipse, hill, line
+from cases import Case, Curve, Mode, Plate
+from cases.library import ellipse
 from reference.delassus import complementarity
 from reference.delassus.bodies import BodiesSystem, ContactOfBodies, bodies_system
-from reference.paper.bodies import BodiesSolution, BodyContact, solve_bodies
-from reference.several.impact import Inertia, NoImpact, impact_of_all
-
-G = 9.81
-LINE = line()
-STILL = 1e-9  # a slip velocity below this is none: states are given to rounding, with speeds of 0.1 to 5 m/s
-
-
-@lru_cache(maxsize=256)
-def body(plate: Plate, track: Curve = LINE, mu: float = 0.0, down: float = -pi / 2) -> Case:
-    """A plate with weight in that direction, and friction where it lies on that track."""
-    friction = (CoulombFriction(mu),) if mu else ()
-    return Case(track, plate, (Gravity(G, down), Unilateral(), *friction), Start(0.0, 0.0), 1.0)
-
-
-class Pile:
-    """Discs (radius, mass, x, y, vx, vy, ω) with closed contacts: (base, body), base None: the level floor y = 0."""
-
-    def __init__(self, discs, contacts, mus, down: float = -pi / 2, inertias=None):
-        inertias = inertias or [None] * len(discs)
-        self.plates = [disc(r, m, inertia) for (r, m, *_), inertia in zip(discs, inertias, strict=True)]
-        self.states = [(x, y, 0.3 * i, vx, vy, omega) for i, (_, _, x, y, vx, vy, omega) in enumerate(discs)]
-        self.bodies = [body(plate, down=down) for plate in self.plates]
-        self.contacts, self.mus, self.radii = contacts, mus, [r for r, *_ in discs]
-
-    def pair(self, k: int) -> Case:
-        base, own = self.contacts[k]
-        return body(self.plates[own], LINE if base is None else hill(self.radii[base]), self.mus[k])
-
-    def parameters(self, k: int) -> tuple[float, float, float, float]:
-        """(ξ₁, ξ₂) of a contact and their rates."""
-        base, own = self.contacts[k]
-        x, y, theta, vx, vy, omega = self.states[own]
-        if base is None:
-            return x, -pi / 2 - theta, vx, -omega  # along a level line; the lowest point of the circle
-        bx, by, base_theta, bvx, bvy, base_omega = self.states[base]
-        (dx, dy), (dvx, dvy) = (x - bx, y - by), (vx - bvx, vy - bvy)
-        phi, rate = atan2(dx, dy), (dvx * dy - dvy * dx) / (dx * dx + dy * dy)
-        # `hill` counts from its top to the right in the base's frame, the circle from its own x axis.
-        return phi + base_theta, -pi / 2 - phi - theta, rate + base_omega, -rate - omega
-
-    def literal(self, modes) -> BodiesSolution:
-        """The paper's matrix in those modes."""
-        contacts = [
-            BodyContact(self.pair(k), mode, self.parameters(k), own, base)
-            for k, ((base, own), mode) in enumerate(zip(self.contacts, modes, strict=True)) if mode is not Mode.FLIGHT
-        ]  # fmt: skip
-        return solve_bodies(self.bodies, contacts, [(0.0, *state) for state in self.states])
-
-    def frames(self) -> BodiesSystem:
-        """The contacts' frames."""
-        contacts = [
-            ContactOfBodies(self.pair(k), *self.parameters(k)[:2], own, base)
-            for k, (base, own) in enumerate(self.contacts)
-        ]
-        return bodies_system(self.bodies, contacts, 0.0, self.states)
-
-
-def on_top(phi: float, spins=(0.0, 0.0), speed: float = 0.0, rate: float = 0.0, masses=(1.0, 1.0), radii=(0.5, 0.4)):
-    """Two discs: the lower one on the floor with that speed, the upper one on it at φ with φ̇ = `rate`."""
-    far = sum(radii)
-    x, y = far * sin(phi), radii[0] + far * cos(phi)
-    upper = radii[1], masses[1], x, y, speed + far * rate * cos(phi), -far * rate * sin(phi), spins[1]
-    return (radii[0], masses[0], 0.0, radii[0], speed, 0.0, spins[0]), upper
-
-
-BOTH = ((None, 0), (0, 1))
-
+from reference.paper.bodies import BodyContact, solve_bodies
+from tests.scenes.piles import BOTH, STILL, G, Pile, body, on_top, random_pile
 
 # --- two discs --------------------------------------------------------------------------------------------------------
 
@@ -262,20 +195,6 @@ def _problem(system: BodiesSystem):
     return system.delassus, system.free, slips, system.mu, system.stick
 
 
-def _random_pile(seed: int) -> Pile:
-    """A disc on a disc on the floor, in motion with closed contacts, on an incline; one slip in three is zero."""
-    numbers = np.random.default_rng(seed)
-    radii, masses = numbers.choice([0.2, 0.5, 0.9], 2), numbers.uniform(0.3, 3.0, 2)
-    phi, speed, rate = numbers.uniform(-1.2, 1.2), numbers.uniform(-2.0, 2.0), numbers.uniform(-1.5, 1.5)
-    spins, down = numbers.uniform(-5.0, 5.0, 2), float(numbers.uniform(-2.2, -0.9))
-    if numbers.random() < 1 / 3:
-        spins[0] = -speed / radii[0]
-    if numbers.random() < 1 / 3:
-        spins[1] = -(sum(radii) * rate + spins[0] * radii[0]) / radii[1]
-    discs = on_top(float(phi), tuple(spins.tolist()), speed, rate, tuple(masses.tolist()), tuple(radii.tolist()))
-    return Pile(discs, BOTH, tuple(numbers.uniform(0.05, 1.2, 2).tolist()), down)
-
-
 def _enumerate(pile: Pile, system: BodiesSystem) -> list[np.ndarray]:
     """The accelerations of all consistent modes by the paper's matrix, each motion once."""
     count, motions = len(system.mu), list[np.ndarray]()
@@ -310,7 +229,7 @@ def _compare(seeds) -> dict[str, int]:
     these are one motion, it is found. Returns how many states have one, several or none, and how many contacts open."""
     counts = {"one": 0, "several": 0, "none": 0, "open": 0}
     for seed in seeds:
-        pile = _random_pile(seed)
+        pile = random_pile(seed)
         system = pile.frames()
         count = len(system.mu)
         assert np.abs(system.velocities[:count]).max() < 1e-12  # the gaps stay zero
@@ -326,8 +245,8 @@ def _compare(seeds) -> dict[str, int]:
 
 
 def test_both_formulations_agree_at_random_states_of_two_bodies():
-    counts = _compare(range(60))
-    assert counts["one"] > 50 and counts["open"] > 5, counts
+    counts = _compare(range(40))
+    assert counts["one"] > 33 and counts["open"] > 3, counts
 
 
 @pytest.mark.slow
@@ -339,7 +258,7 @@ def test_both_formulations_agree_at_two_thousand_states_of_two_bodies():
 def test_the_contacts_move_along_both_bodies_as_their_centres_do():
     """ξ̈₁ = φ̈ + ω̇₁ and ξ̈₂ = −φ̈ − ω̇₂, as `Pile.parameters` has the rates; φ̈ from the accelerations of the centres."""
     for seed in range(10):
-        pile = _random_pile(seed)
+        pile = random_pile(seed)
         solution = pile.literal((Mode.SLIP_FORWARD, Mode.SLIP_BACKWARD))
         lower, upper = solution.q1_ddot
         dx, dy = (b - a for a, b in zip(pile.states[0][:2], pile.states[1][:2], strict=True))
@@ -393,100 +312,3 @@ def _rates(pair: Case, xi1: float, xi2: float, spin: float, slip: float) -> tupl
     bend, own = float(pair.track.curvature(xi1)), float(pair.plate.outline.curvature(xi2))
     along = (own * slip - spin) / (own - bend)
     return along / float(pair.track.speed(xi1)), (along - slip) / float(pair.plate.outline.speed(xi2))
-
-
-# --- impacts ----------------------------------------------------------------------------------------------------------
-
-
-class Touch:
-    """What the law of impact needs of a contact."""
-
-    def __init__(self, system: BodiesSystem, k: int, restitution: float):
-        self.lift_row, self.slip_row = system.rows[k], system.rows[len(system.mu) + k]
-        self.mu, self.restitution = float(system.mu[k]), restitution
-
-
-def cradle(speeds, touching, restitution: float = 1.0, law: str = "moreau", mu: float = 0.0) -> np.ndarray:
-    """Speeds after an impact of equal discs in a row at the contacts `touching`, (left, right) each."""
-    # Contacts as of a body on the right of its base.
-    discs = [(0.5, 1.0, float(i), 0.5, v, 0.0, 0.0) for i, v in enumerate(speeds)]
-    system = Pile(discs, tuple(touching), (mu,) * len(touching)).frames()
-    inertia = Inertia(np.tile([1.0, 1.0, 8.0], len(discs)), np.tile([1.0, 1.0, sqrt(0.125)], len(discs)))
-    before = np.array([value for disc_ in discs for value in disc_[4:]])
-    touched = [Touch(system, k, restitution) for k in range(len(touching))]
-    return impact_of_all(law, inertia, before, touched, 1.0).velocity.reshape(-1, 3)
-
-
-def test_newtons_cradle_passes_its_momentum_on_by_pairs():
-    """Discs a gap apart collide two at a time: the last one has all momentum and energy, for one and two at once."""
-    for first, last in (((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)), ((1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 1.0))):
-        speeds, impacts = list(first), 0
-        while any(a > b for a, b in zip(speeds, speeds[1:], strict=False)):
-            i = max(i for i in range(3) if speeds[i] > speeds[i + 1])
-            after = cradle(speeds, [(i, i + 1)])
-            assert np.abs(after[:, 1:]).max() < 1e-14
-            assert after[:, 0].sum() == pytest.approx(sum(speeds), abs=1e-15)
-            speeds, impacts = np.round(after[:, 0], 15).tolist(), impacts + 1
-        assert speeds == pytest.approx(last, abs=1e-14)
-        assert impacts == (3 if sum(first) == 1.0 else 4)
-
-
-@pytest.mark.parametrize("law", ["moreau", "newton", "poisson"])
-def test_three_discs_that_touch_part_otherwise(law):
-    """At once, e = 1: each contact rebounds as it closed (Newton, Moreau), or both impulses are doubled (Poisson).
-
-    The first contact closes with 1 and opens with 1, the second stays closed: v = (−1/3, 2/3, 2/3). Momentum and energy
-    are conserved, as they are by (0, 0, 1), which engines give that solve pair after pair."""
-    after = cradle((1.0, 0.0, 0.0), [(0, 1), (1, 2)], law=law)[:, 0]
-    assert after == pytest.approx([-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0], abs=1e-12)
-    assert (after.sum(), after @ after) == pytest.approx((1.0, 1.0), abs=1e-12)
-
-
-@pytest.mark.parametrize("restitution", [0.0, 0.4])
-def test_an_impact_of_two_discs_is_central(restitution):
-    """v₁ = (1 − e)/2, v₂ = (1 + e)/2 for equal masses; the energy falls by (1 − e²)/4."""
-    after = cradle((1.0, 0.0), [(0, 1)], restitution)[:, 0]
-    assert after == pytest.approx([0.5 * (1.0 - restitution), 0.5 * (1.0 + restitution)], abs=1e-14)
-
-
-def _compare_impacts(seeds) -> dict[str, int]:
-    """Random impacts of a disc on a disc on the floor, with friction and two restitutions, by Moreau's law: enumeration
-    and the complementarity problem. Returns how many have one solution, and how many of these stick or open somewhere.
-    """
-    counts = {"one": 0, "not one": 0, "sticks": 0, "opens": 0}
-    for seed in seeds:
-        numbers = np.random.default_rng(seed)
-        pile = _random_pile(seed)
-        speeds = numbers.uniform(-1.0, 1.0, (2, 3)) * (1.0, 1.0, 4.0) - [[0.0, 1.0, 0.0], [0.0, 2.0, 0.0]]
-        pile.states = [(*state[:3], *speed) for state, speed in zip(pile.states, speeds.tolist(), strict=True)]
-        system, restitution = pile.frames(), numbers.uniform(0.0, 1.0, 2)
-        lifts, slips = system.velocities[:2], system.velocities[2:]
-        if lifts.max() >= 0.0:
-            continue
-        free = np.concatenate([(1.0 + restitution) * lifts, slips])
-        impulses = complementarity.solutions(system.delassus, free, [None, None], system.mu, system.mu)
-        inertia = Inertia(system.inverse, np.ones(6))
-        touched = [Touch(system, k, float(e)) for k, e in enumerate(restitution)]
-        try:
-            outcome = impact_of_all("moreau", inertia, speeds.ravel(), touched, float(np.abs(speeds).max()))
-        except NoImpact:
-            counts["not one"] += 1
-            continue
-        (impulse,) = impulses
-        after = speeds.ravel() + system.inverse * (system.rows.T @ impulse)
-        assert outcome.velocity == pytest.approx(after, abs=1e-9), seed
-        counts["one"] += 1
-        counts["sticks"] += bool((outcome.slip == 0.0).any())
-        counts["opens"] += bool((impulse[:2] == 0.0).any())
-    return counts
-
-
-def test_impacts_of_two_bodies_with_friction_solve_the_complementarity_problem():
-    counts = _compare_impacts(range(120))
-    assert min(counts["one"], counts["sticks"]) > 60 and counts["not one"] == 0, counts
-
-
-@pytest.mark.slow
-def test_many_impacts_of_two_bodies_with_friction_solve_the_complementarity_problem():
-    counts = _compare_impacts(range(5000))
-    assert min(counts["one"], counts["sticks"]) > 2500 and counts["opens"] > 1, counts

@@ -32,8 +32,7 @@ from cases.library import line
 from cases.moving_frame import relative_case
 from reference.certification.witnesses import _by_second
 from reports.judging.residuals import energy_residual
-
-from .test_supports import agree, compare_with_matrix, events, simulated, slow
+from tests.scenes.supports import agree, compare_with_matrix, events, simulated, slow
 
 G = 9.81
 EFFECTS = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
@@ -54,6 +53,7 @@ def box(width: float, height: float, mu: float, *more, duration: float = 1.0) ->
     return Case(line(), Plate.rectangle(width, height, 1.0), effects, Start(0.0, xi2=0.5 * width), duration)
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_a_box_slips_where_the_table_s_acceleration_exceeds_friction(method):
     amplitude, rate, mu = 0.05, 9.0, 0.2
@@ -69,6 +69,7 @@ def test_a_box_slips_where_the_table_s_acceleration_exceeds_friction(method):
     assert times[2:] == pytest.approx([end, end], abs=END_OF_REST)
 
 
+@pytest.mark.sampled(2, first=1)
 @METHODS
 def test_a_slender_box_tips_where_the_table_s_acceleration_exceeds_its_slenderness(method):
     amplitude, rate, width, height = 4.0 / 144.0, 12.0, 0.1, 0.4
@@ -80,6 +81,7 @@ def test_a_slender_box_tips_where_the_table_s_acceleration_exceeds_its_slenderne
     assert motion.transitions[0].contact == "plate/track 2"
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_a_rest_ends_where_a_load_grows_too_large(method):
     """The same without a drive: the second formulation rested at that instant again and again."""
@@ -128,6 +130,7 @@ def test_the_papers_matrix_gives_the_same_accelerations_and_forces():
     assert sum(map(len, compare_with_matrix([relative_case(shaken(0)), relative_case(shaken(3))]))) >= 4
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize(
     ("friction", "omega"), [(CoulombFriction(0.4), -8.0), (PerfectlyRough(), -4.0)], ids=["slips", "rolls"]
 )
@@ -149,6 +152,7 @@ def in_v(*more, mu: float = 0.3, duration: float = 0.6) -> Case:
     return Case(line(pi / 6), disc(0.5, 1.0), effects, start, duration, supports=(right,))
 
 
+@pytest.mark.sampled(2, first=1)
 @METHODS
 def test_a_disc_leaves_one_side_of_a_v_that_is_driven_too_hard(method):
     """Without friction the disc stays in a V of angle α as long as the acceleration is below g tan α."""
@@ -178,6 +182,7 @@ def test_a_drive_with_further_plates_is_rejected():
         replace(case, effects=(*case.effects, Drive(x="0.1*sin(t)")))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("change", "ratio"), [({}, 0.2), (dict(mu=0.8, width=0.075), 0.075 / 0.2)])
 def test_the_box_of_the_catalogue_rests_until_its_known_time(change, ratio):
     motion = reference.simulate(cases.load("box_on_shaken_table", **change))

@@ -14,9 +14,11 @@ from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Load, Mo
 from cases.library import line
 from cases.mechanics import energy
 from tests.scenes.still_plates import random_scene
+from tests.scenes.supports import agree, compare_with_matrix, events, simulated, slow
 
 from .test_belts_and_supports import METHODS, motion_by
-from .test_supports import agree, compare_with_matrix, events, simulated, slow
+
+pytestmark = pytest.mark.taylor
 
 G, R = 9.81, 0.5
 LEFT, RIGHT = 0.5, 0.3

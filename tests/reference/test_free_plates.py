@@ -113,7 +113,7 @@ def test_a_disc_leaves_a_free_disc_at_the_exact_time(masses):
 @pytest.mark.slow
 def test_an_impact_goes_through_a_row_of_discs():
     """Apart, each passes its speed on to the next. Touching, e = 1 between whole impulses: −1/3, 2/3, 2/3, as derived
-    in test_bodies. The first contact closes after 0.3 m/(1 m/s)."""
+    in test_impacts_of_bodies. The first contact closes after 0.3 m/(1 m/s)."""
     apart = reference.simulate(row(gap=0.01, e=1.0))
     assert [t.time for t in apart.transitions] == pytest.approx([0.3, 0.31], abs=1e-14)
     assert _speeds(apart) == pytest.approx([0.0, 0.0, 1.0], abs=1e-13)
@@ -392,6 +392,7 @@ def test_the_motion_of_a_plate_that_is_not_there():
         reference.simulate(on_top(duration=0.01)).plate("disc3")
 
 
+@pytest.mark.slow
 def test_ranges_of_forces_at_rest_are_computed_once_for_all_contacts_and_times(monkeypatch):
     """They are four linear programs a contact, and depend on nothing that changes at rest."""
     case, calls, ranges = cases.load("pile_of_discs"), [], plate_columns.forces.ranges

@@ -12,7 +12,7 @@ from reference.certification import certify
 from reference.certification.witnesses import _by_second
 from reference.delassus import bodies_motion
 from tests.reference.test_free_plates import random_scene
-from tests.reference.test_supports import FREE, G, agree, random_case, slow, with_restitution
+from tests.scenes.supports import FREE, G, agree, random_case, slow, with_restitution
 
 SLOPE, LEAN, FLOOR, WALL, RADIUS, WAY, SPEED = 0.2, 0.35, 0.3, 0.5, 0.1, 0.3, 1.0
 
@@ -51,6 +51,7 @@ def check_wall(transitions: tuple[Transition, ...]) -> None:
     assert transitions[-1] is wall[-1]
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_impacts_on_a_wall_after_rests_on_the_floor_end_in_the_exact_time(method):
     motion = reference.simulate(disc_between_floor_and_wall(), rtol=1e-13, method=method)
@@ -58,6 +59,7 @@ def test_impacts_on_a_wall_after_rests_on_the_floor_end_in_the_exact_time(method
     check_wall(motion.transitions)
 
 
+@pytest.mark.slow
 def test_the_second_formulation_ends_them_in_the_exact_time():
     second = _by_second(disc_between_floor_and_wall(), "second", 1e-13)
     assert second.status == "completed"

@@ -39,9 +39,9 @@ from reference.several.geometry import places
 from reference.several.regimes import join, several_phase
 from tests.scenes.agreement import check_several_contacts
 from tests.scenes.rolling_resistance import random_scene
+from tests.scenes.supports import compare_with_matrix
 
 from .test_belts_and_supports import METHODS, motion_by
-from .test_supports import compare_with_matrix
 
 G, R = 9.81, 0.2
 INELASTIC = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")

@@ -38,7 +38,7 @@ from reference.paper.bodies import BodyContact, solve_bodies
 from reference.several.decision import DecisionInstant, decide
 from reference.several.geometry import project
 from reference.several.regimes import SeveralRegime, join, several_phase
-from tests.reference.test_supports import random_case
+from tests.scenes.supports import random_case
 
 G = 9.81
 
@@ -110,6 +110,7 @@ def test_a_disc_held_in_a_valley_begins_to_turn_under_a_growing_moment(mu):
     assert np.diff(ranges, axis=0)[0, 1] < 1e-4 * np.diff(ranges, axis=0)[0, 0]  # the forces become unique at the limit
 
 
+@pytest.mark.slow
 def test_a_disc_rocks_in_a_valley_and_comes_to_rest():
     # In a symmetric valley every hand-over is at the same pose. Angular momentum about the new contact gives the
     # factor (1 + 2 cos 2α)/3 of the spin, with the flanks' inclination α there; between two of them energy is kept.
@@ -401,6 +402,7 @@ def _step_through(case: Case, h: float) -> np.ndarray:
     return q
 
 
+@pytest.mark.slow
 def test_a_time_stepper_without_events_converges_to_the_motion():
     radius, duration = 0.5, 1.2  # one hand-over at 0.639 s
     case = case_in(groove(radians(20), 0.05), Start(-0.6), CoulombFriction(1.0), radius=radius, duration=duration)

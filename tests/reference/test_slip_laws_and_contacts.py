@@ -14,9 +14,9 @@ from cases.mechanics import energy
 from tests.scenes.motions import work_done
 from tests.scenes.several_laws import random_scene
 from tests.scenes.slip_laws import HYPERBOLIC, PEAK, STRIBECK, G
+from tests.scenes.supports import agree, compare_with_matrix, simulated, slow
 
 from .test_belts_and_supports import METHODS, motion_by
-from .test_supports import agree, compare_with_matrix, simulated, slow
 
 # The second formulation takes a second of CPU time for it, and ten for narrower laws.
 WIDE_LAW = "0.15 + 0.15*exp(-v/0.5)"
