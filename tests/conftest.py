@@ -122,9 +122,11 @@ def _store(tmp_path_factory):
 @pytest.fixture(autouse=True, scope="module")
 def _default_method(request):
     """In the quick tests a motion for which no method is named is DOP853's, except in files marked `taylor`: the Taylor
-    method's equations are compiled, which takes longer than most of these motions. The slow tests have the default."""
+    method's equations are compiled, which takes longer than most of these motions. The slow tests, and tests of
+    somebody's own cases, have the default."""
+    is_quick = request.config.option.markexpr == QUICK[0] and not request.config.own_cases
     with pytest.MonkeyPatch.context() as patch:
-        if request.config.option.markexpr == QUICK[0] and not request.node.get_closest_marker("taylor"):
+        if is_quick and not request.node.get_closest_marker("taylor"):
             from reference import solve
 
             patch.setattr(solve, "METHODS", ("dop853",))

@@ -28,7 +28,7 @@ ROUTES = {
 EACH = pytest.mark.parametrize(("name", "route"), ROUTES)
 
 
-@pytest.mark.sampled(2, first=1)
+@pytest.mark.sampled(4, first=1)
 @EACH
 def test_disc_in_a_bowl_that_swings_and_shakes_converges_to_the_reference(name, route):
     """A track that turns about a point off its centre, shaken along both axes."""
@@ -83,6 +83,7 @@ def test_belt_on_a_driven_table_in_box2d_and_pymunk():
     assert off(case, play("box2d", "native", case, 4))[0] < 5e-3
 
 
+@pytest.mark.slow
 def test_belt_in_a_drum_that_turns():
     """The surface velocity is that of the contact, along its own tangent, in addition to the turning track's."""
     turning = (Gravity(9.81), CoulombFriction(0.3), Unilateral(), Drive(angle="0.3*sin(3*t)"), Belt(0.5))

@@ -80,10 +80,10 @@ def test_perfectly_rough_disc_rolls_down_any_incline(name, route, tolerance, eff
     assert np.median(moved.friction_force) == pytest.approx(friction, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "route", "tolerance"), [
     ("exudyn", "integrator", 1e-5), ("pymunk", "assisted", 1e-6), ("pymunk", "native", 1e-3),
 ])  # fmt: skip
-@pytest.mark.sampled(3, first=1)
 def test_perfectly_rough_disc_rolls_in_a_circle_as_the_reference_does(name, route, tolerance):
     case = Case(circle(1.0), DISC, (G, PerfectlyRough(), PUSH), Start(-2.6), 1.5)
     assert off(case, play(name, route, case))[0] < tolerance
@@ -135,7 +135,7 @@ LOADED = {
     ("exudyn", "native", 2e-4), ("exudyn", "integrator", 2e-4),
     ("pymunk", "assisted", 2e-4), ("pymunk", "native", 5e-3),
 ])  # fmt: skip
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 def test_load_of_time_and_velocity_moves_the_plate_as_it_moves_the_reference(name, route, tolerance, scene):
     case = LOADED[scene]
     if engine(name).refuses(case, route):
@@ -214,6 +214,7 @@ def test_dropped_disc_bounces_with_its_restitution(name, route, e):
     assert np.abs(moved.y - exact.y).max() < 4e-3
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("e", [0.0, 0.6])
 @pytest.mark.parametrize(("name", "route"), ROUTES)
 def test_friction_of_an_impact_turns_spin_into_speed(name, route, e):

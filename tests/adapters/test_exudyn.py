@@ -187,7 +187,7 @@ def test_rounding_of_the_penetration_ends_no_rung(route):
     assert off[-1] < off[0] < 1e-3 * exact
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("route", exudyn.routes)
 @pytest.mark.parametrize("slope", [0.1, atan(0.3) - 0.02, atan(0.3) + 0.02, 0.6])
 def test_disc_rolls_down_an_incline_up_to_tan_equal_three_mu_and_slips_beyond(route, slope):

@@ -15,6 +15,7 @@ def measured() -> Case:
     return Case(track, disc(0.1, 1.0), (Gravity(9.81), CoulombFriction(0.2), Unilateral()), Start(0.5), 0.5)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name, route", [("pymunk", "native"), ("pymunk", "assisted"), ("exudyn", "integrator")])
 def test_an_engine_on_a_spline_converges_to_the_reference(name, route):
     engine = pytest.importorskip(name) and lookup.engine(name)

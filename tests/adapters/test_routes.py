@@ -132,7 +132,7 @@ WITHIN = {("exudyn", "native"): 1e-7, ("exudyn", "integrator"): 1e-5,
            ("pymunk", "native"): 5e-5, ("pymunk", "assisted"): 2e-8}  # fmt: skip
 
 
-@pytest.mark.sampled(2, first=1)
+@pytest.mark.sampled(4, first=1)
 @pytest.mark.parametrize(("name", "route"), WITHIN)
 def test_finest_rung_reaches_what_the_route_can(name, route, accuracy):
     pytest.importorskip(f"adapters.{name}")
@@ -161,6 +161,7 @@ def test_exudyn_converges_with_the_square_of_the_step_and_the_inverse_of_the_sti
     assert order(of_stiffness, stiffness) == pytest.approx(-1.0, abs=0.3)
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize(("route", "expected", "rungs"), [("native", 1.0, (4, 5, 6)), ("assisted", 2.0, (1, 2, 3, 4))])
 def test_pymunk_converges_with_its_order_of_the_step(route, expected, rungs):
     adapter = pytest.importorskip("adapters.pymunk")
@@ -173,7 +174,7 @@ def test_pymunk_converges_with_its_order_of_the_step(route, expected, rungs):
 @pytest.mark.parametrize(("name", "route", "rungs"), [
     ("exudyn", "native", (1, 3, 8)), ("exudyn", "integrator", (1, 3, 7)), ("pymunk", "assisted", (1, 3, 5)),
 ])  # fmt: skip
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(3)
 def test_four_transitions_none_missed_and_none_invented(name, route, rungs, accuracy):
     adapter = pytest.importorskip(f"adapters.{name}")
     case = cases.load("disc_in_circle", mu=0.2)

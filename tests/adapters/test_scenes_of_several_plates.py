@@ -150,6 +150,7 @@ def _simulated(engine, label: str, h: float):
     return engine.read(model)
 
 
+@pytest.mark.sampled(2)
 @RUNNING
 def test_drake_and_mujoco_run_a_disc_on_a_free_disc(engine):
     """It leaves after 0.444077645 s, derived in tests/reference/test_free_plates.py; the floor has no friction."""
@@ -172,6 +173,7 @@ def of_another(engine, change):
     )  # fmt: skip
 
 
+@pytest.mark.sampled(2, first=1)
 @RUNNING
 def test_drake_and_mujoco_hold_a_pile(engine):
     assert {v.outcome for v in judge(engine, ["pile_of_free_plates"])} == {"kept"}

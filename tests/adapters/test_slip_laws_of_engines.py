@@ -52,7 +52,7 @@ def without_law(case: Case) -> Case:
     )
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("scene", SCENES)
 def test_pymunks_own_contacts_have_friction_by_the_slip_speed(scene):
     pytest.importorskip("adapters.pymunk")

@@ -46,7 +46,7 @@ def from_poses(case: Case, truth: Trajectory, count: int = 1201) -> Trajectory:
     return support_contacts.with_supports(case, poses, 1e-9)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     "label",
     ["rocking_block", "rod_in_bowl", "block_into_bowl", "ladder_at_wall", "round_ladder_at_wall", "disc_spinning_in_v"],

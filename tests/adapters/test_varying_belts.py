@@ -26,6 +26,7 @@ ROUTES = {
 EACH = pytest.mark.parametrize(("name", "route"), ROUTES)
 
 
+@pytest.mark.sampled(3)
 @EACH
 def test_a_disc_that_rolls_has_a_third_of_its_belts_speed(name, route):
     """m v̇ = T, J ω̇ = r T and v + r ω = u(t) with J = m r²/2 give v = u/3, while |u̇|/3 ≤ μ g."""

@@ -28,6 +28,8 @@ from tests.scenes.motions import (
     work_done,
 )
 
+pytestmark = pytest.mark.taylor
+
 FACTS = [*bowling_and_inclines.FACTS, *pendulums_and_hills.FACTS, *odd_plates.FACTS]
 SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
 
@@ -39,7 +41,7 @@ LOOKS, CLOSE_LOOKS = 60, 200
 def second(case: Case, times, looks: int = CLOSE_LOOKS) -> contact_frame.SecondMotion:
     """The second formulation with one contact."""
     if case.supports:
-        pytest.skip("supports: both formulations are compared in tests/reference/test_supports.py")
+        pytest.skip("supports: both formulations are compared in tests/reference/test_random_supports.py")
     if case.others:
         pytest.skip("several plates: both formulations are compared in tests/reference/test_free_plates.py")
     if touches_by_features(case):
@@ -101,7 +103,7 @@ def test_the_start_is_an_admissible_contact(any_case):
     assert start.slip == any_case.start.slip
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 def test_the_reference_runs_and_says_how_it_ended(any_case):
     motion = motion_of(any_case)
     assert motion.reason.endswith(".")
@@ -127,7 +129,7 @@ def apart(one: np.ndarray, other: np.ndarray, period: float | None) -> np.ndarra
 LONGEST = "hopping_rod"
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 def test_two_formulations_agree(any_case, accuracy, request):
     if any_case.label == LONGEST and not request.config.own_cases:
         pytest.skip("it takes nine seconds, and is a slow test of its own")
@@ -156,7 +158,7 @@ def check_agreement(case: Case, accuracy, looks: int) -> None:
         accuracy(**common, quantity=f"largest difference of xi{i + 1}", error=worst)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
     motion = motion_of(any_case)
     if any_case.effect(Flight) and any_case.effect(Drive):
@@ -193,13 +195,8 @@ def check_moved(case: Case, accuracy, looks: int) -> None:
     compare(case, second(moved, times * UNITS["time"], looks), times, accuracy, sign=-1.0, **SEEN)
 
 
-# Of the catalogue; of somebody's own file all are.
-MOVED = [cases.select(name)[0] for name in cases.names(hard=False)[1::12]]
-
-
-def test_the_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy, request):
-    if not request.config.own_cases and any_case not in MOVED:
-        pytest.skip("every twelfth case of the catalogue is moved here, and every one in a slow test")
+@pytest.mark.sampled(16, first=10)
+def test_the_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy):
     check_moved(any_case, accuracy, LOOKS)
 
 

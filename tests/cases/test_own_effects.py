@@ -125,6 +125,7 @@ def test_a_condition_ends_the_motion_with_its_status_and_sentence():
     assert reference.simulate(case).reason == "The spin reached the limit of the magnet."
 
 
+@pytest.mark.slow
 def test_a_magnet_holds_a_disc_on_an_accelerated_plate():
     """A disc rolls with a/3 on a plate with the acceleration a while a ≤ 3 μ (g + pull/m), and slides with
     μ (g + pull/m) on a faster one."""
@@ -213,6 +214,7 @@ def test_a_couple_lifts_an_ellipse_at_once_from_the_value_that_holds_its_weight(
         assert motion.status == status if part > 1.0 else not motion.transitions or end_of(motion) > 1e-4
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("across", [30.0, -30.0])
 @pytest.mark.parametrize("e", [0.0, 0.5])
 def test_bounces_are_those_of_the_weight_alone(across, e):

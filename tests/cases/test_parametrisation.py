@@ -41,6 +41,7 @@ def in_metres():
     return reference.simulate(thrown(TRACKS["parabola"]), rtol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("unit", UNITS)
 def test_an_ellipse_thrown_into_a_parabola_moves_alike_in_every_unit_of_the_parameters(unit, in_metres):

@@ -134,6 +134,7 @@ def test_on_a_full_disk_there_is_the_old_file_or_none(name, before, tmp_path, mo
     assert file.stat().st_size > 5000
 
 
+@pytest.mark.slow
 def test_a_command_on_a_full_disk_says_so_and_leaves_no_film(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(animation, "FRAMES_A_SECOND", 1)
     monkeypatch.chdir(tmp_path)

@@ -32,6 +32,8 @@ from reference.minimal.modes import FLIGHT, candidates, phase, phase_at, start_s
 from tests.scenes import bits
 from tests.scenes.moving import Adhesion, on_line
 
+pytestmark = pytest.mark.taylor
+
 G = 9.81
 needs_heyoka = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
 

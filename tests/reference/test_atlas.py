@@ -19,6 +19,8 @@ from reports.studies.stability import sensitivity
 from tests.authorities.paper_application import FIRST_TRANSITION
 from tests.scenes.hard import shifted_ellipse
 
+pytestmark = pytest.mark.taylor
+
 # A hard scene of a second or so takes the reference well below a second; on a busy machine, and with the derivation of
 # its equations, a few.
 PATIENCE = 60
@@ -104,7 +106,7 @@ def test_a_hard_case_says_what_makes_it_hard_and_what_is_right():
         assert "Source:" in entry.function.__doc__ and "Known exactly:" in entry.function.__doc__
 
 
-@pytest.mark.sampled(2, first=1)
+@pytest.mark.sampled(4, first=1)
 @pytest.mark.parametrize("case", variants())
 def test_the_reference_keeps_contact_and_energy_and_tells_numbers(case):
     motion = motion_of(case.label)
@@ -126,7 +128,7 @@ def test_the_reference_keeps_contact_and_energy_and_tells_numbers(case):
 LONGEST = {"rocking_to_rest[duration=20]", "many_swings[mu=1]"}
 
 
-@pytest.mark.sampled(2, first=1)
+@pytest.mark.sampled(8, first=1)
 @pytest.mark.parametrize(
     "case",
     [pytest.param(*one.values, marks=pytest.mark.slow, id=one.id) if one.id in LONGEST else one for one in variants()],
@@ -150,7 +152,7 @@ def test_methods_and_formulations_agree_on_what_happens(case):
         assert [t.time for t in second.transitions] == pytest.approx([t.time for t in best.transitions], abs=sure)
 
 
-@pytest.mark.sampled(2, first=1)
+@pytest.mark.sampled(4, first=1)
 @pytest.mark.parametrize("case", variants())
 def test_only_scenes_that_hang_on_the_last_bit_are_flagged(case):
     spread = last_bit(case.label)

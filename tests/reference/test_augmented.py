@@ -293,7 +293,7 @@ def _off(one, other) -> float:
     return max((abs(a.time - b.time) / max(1.0, a.time) for a, b in pairs), default=0.0)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("label", SAMPLE)
 def test_the_papers_matrix_makes_the_same_motion(label):
     case = cases.load(label)

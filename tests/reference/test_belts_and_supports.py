@@ -58,7 +58,7 @@ def disc_at_wall(speed, mirrored: bool = False, duration: float = 2.0) -> Case:
     return Case(line(), disc(R, 1.0), effects, StartPose(side * R, R), duration, supports=(wall,))
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @METHODS
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_a_belt_spins_a_disc_up_against_two_slipping_contacts(method, mirrored):
@@ -82,7 +82,7 @@ def test_a_belt_spins_a_disc_up_against_two_slipping_contacts(method, mirrored):
         assert (end.x, end.y, R * end.omega) == pytest.approx((side * R, R, -side * speed), abs=1e-12)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @METHODS
 @pytest.mark.parametrize("towards", [True, False])
 def test_a_disc_at_a_wall_slips_where_the_belt_accelerates_too_much(method, towards):
@@ -209,7 +209,7 @@ def test_a_belt_carries_a_block_to_a_stop_and_slips_below_it(method):
 # --- impacts ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @METHODS
 @pytest.mark.parametrize("mu", [0.2, None])
 def test_an_impact_slips_against_the_belt_of_a_support(method, mu):
@@ -273,6 +273,7 @@ def random_belts(seed: int) -> Case:
     return Case(case.track, case.plate, effects, start, 1.2, supports=(replace(wall, effects=own),))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", [11, 23, *slow(187, *range(11), 12, 13, 18)])
 def test_both_formulations_have_the_same_random_sequences_with_belts(seed):
     # 18: the two corners of a rod's end land within 3e-13 s, at 5e-12 m from each other's contact.

@@ -81,7 +81,7 @@ def test_a_gap_that_closes_for_microseconds_is_an_impact(lowest, after, method):
     assert transitions[0].time == pytest.approx(exact, abs=1e-10)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 @pytest.mark.parametrize("e", [0.3, 0.8])
 def test_bouncing_on_one_support_ends_at_the_limit_of_its_series(e, method):

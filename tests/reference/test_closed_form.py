@@ -15,9 +15,8 @@ from reference.paper import closed_form
 from tests.authorities.paper_application import FIRST_TRANSITION
 
 
-@pytest.mark.parametrize(
-    "mu", [0.2, *(pytest.param(mu, marks=pytest.mark.slow) for mu in FIRST_TRANSITION if mu != 0.2)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", FIRST_TRANSITION)
 def test_quadrature_reproduces_the_published_digits(mu):
     time, xi1, after = FIRST_TRANSITION[mu]
     # Decimal sizes here, binary ones in the solver: they differ by 1e-17.
@@ -33,10 +32,9 @@ def quadrature(mu: float) -> closed_form.FirstZero:
     return closed_form.sliding_disc_in_circle(1.5, 0.25, mu, 9.81, digits=16)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", reference.METHODS)
-@pytest.mark.parametrize(
-    "mu", [pytest.param(0.03, marks=pytest.mark.slow), 0.15, pytest.param(0.4, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("mu", [0.03, 0.15, 0.4])
 def test_first_transition_of_other_sliding_discs_is_the_quadratures(mu, method, accuracy):
     case = cases.load("disc_in_circle", R=1.5, r=0.25, mu=mu)
     exact = quadrature(mu)

@@ -12,7 +12,10 @@ import reference
 from reference.minimal.integrators import taylor
 from reference.minimal.modes import candidates, phase
 
-pytestmark = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
+pytestmark = [
+    pytest.mark.taylor,
+    pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed"),
+]
 
 
 @pytest.mark.parametrize(

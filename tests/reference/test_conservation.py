@@ -12,6 +12,8 @@ from cases import curves as c
 from cases.contact import find
 from tests.scenes.elliptic import ellipse_in_ellipse
 
+pytestmark = pytest.mark.taylor
+
 
 def mechanical_energy(case, state):
     gravity = case.effect(Gravity)

@@ -39,7 +39,7 @@ def on(track, plate, *effects, duration=1.5, **start):
     return Case(track, plate, (Gravity(G), *effects, Unilateral(), Flight()), Start(**start), duration)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("method", reference.solve.METHODS)
 @pytest.mark.parametrize("e", [0.0, 0.5])
 def test_fast_disc_leaves_the_table_and_bounces_on_the_floor(e, method):
@@ -215,7 +215,7 @@ def _lasting(transitions):
 
 
 # In the last one a second contact closes in the last part of a step, just before the phase of the first one ends.
-@pytest.mark.sampled(3, first=2)
+@pytest.mark.sampled(6, first=2)
 @pytest.mark.parametrize(("seed", "belt"), [(0, False), (1, True), (2, False), (3, False), (4, True), (185, True)])
 def test_both_formulations_agree_on_random_throws(seed, belt):
     compare(random_throw(seed, belt))

@@ -31,6 +31,8 @@ from cases import (
 from reference import contact_frame
 from reference.sweeping import sweep
 
+pytestmark = pytest.mark.taylor
+
 G, R = 9.81, 0.1
 # Both integrators' step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14.
 EXACT = 1e-12
@@ -177,6 +179,7 @@ def test_energy_is_conserved_over_corners_without_slip():
     assert np.ptp(energy) <= {"taylor": 1, "dop853": 5}[reference.METHODS[0]] * EXACT * np.abs(energy).max()
 
 
+@pytest.mark.slow
 def test_piece_boundaries_of_a_smooth_curve_change_nothing():
     """A circle cut into arcs that join without corners: the motion of the paper's disc is the same."""
     whole = on(library.circle(1.0), disc(R, 1.0), CoulombFriction(0.2), xi1=-pi, duration=2.0)
@@ -219,7 +222,7 @@ def random_polygon(seed):
 
 
 # In the last two a second corner enters a bowl by less than samples of its sides show, or next to another edge.
-@pytest.mark.sampled(3, first=1)
+@pytest.mark.sampled(6, first=1)
 @pytest.mark.parametrize("seed", [*range(5), 574, 663])
 def test_both_formulations_agree_on_random_polygons(seed):
     compare(random_polygon(seed))
@@ -236,6 +239,7 @@ def test_both_formulations_agree_on_a_thousand_random_polygons():
     assert not failures
 
 
+@pytest.mark.sampled(3, first=2)
 @pytest.mark.parametrize(
     "effects",
     [

@@ -17,6 +17,8 @@ from reference.minimal.integrators import taylor
 from reference.minimal.integrators.segment import blocks
 from reference.minimal.modes import Regime, phase, start_state
 
+pytestmark = pytest.mark.taylor
+
 needs_heyoka = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
 
 

@@ -19,6 +19,7 @@ CURVES = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", CURVES)
 def test_no_curvature_or_speed_is_beyond_its_bounds(name):
     """Ranges of every length: a bound from five samples of a range with many ripples was 60 times too small."""

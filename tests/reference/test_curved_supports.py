@@ -99,7 +99,7 @@ def falls(angle: float, until: float, length: float, share: float) -> float:
         return float(mp.quad(slow, mp.linspace(0, mp.sqrt(start - end), 6)))
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 @pytest.mark.parametrize(("rolls", "share"), [(False, 1.0), (True, 2.0 / 3.0)])
 def test_a_disc_in_a_bowl_meets_a_hill_at_the_time_of_a_quadrature(method, rolls, share):
@@ -296,7 +296,7 @@ def period_on_hill(angle: float) -> float:
         return 4.0 * float(mp.quad(slow, mp.linspace(0, mp.sqrt(start), 4)))
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(3, first=1)
 @pytest.mark.parametrize("method", [*reference.METHODS, "second"])
 def test_a_plank_rocks_on_a_hill_with_the_period_of_a_quadrature(method):
     period = period_on_hill(0.4)

@@ -119,7 +119,7 @@ def test_a_plate_of_any_size_bounces_like_one_of_a_metre(size):
     assert [t.time / sqrt(size) for t in other.transitions] == pytest.approx([t.time for t in one.transitions])
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     "make",
     [

@@ -20,6 +20,8 @@ from reference.certification.truth_file import stored_or_new
 from reference.minimal.integrators import dop853
 from reference.minimal.modes import candidates, phase, start_state
 
+pytestmark = pytest.mark.taylor
+
 METHODS = reference.METHODS
 RADIUS, G = 0.1, 9.81
 
@@ -102,7 +104,7 @@ def test_over_a_step_it_slips_and_rolls_again():
             assert [t.after for t in found] == [t.after for t in second.transitions]
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("width", [0.1, 1e-2, 1e-3, 1e-5])
 def test_a_pulse_of_a_load_is_felt(width):
     """A force F exp(-((t - 1.3)/w)²) along a level line without friction leaves F w √π / m behind."""

@@ -14,7 +14,7 @@ from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Load, Mo
 from cases.library import line
 from cases.mechanics import energy
 from tests.scenes.still_plates import random_scene
-from tests.scenes.supports import agree, compare_with_matrix, events, simulated, slow
+from tests.scenes.supports import agree, compare_with_matrix, events, simulated
 
 from .test_belts_and_supports import METHODS, motion_by
 
@@ -71,6 +71,7 @@ def test_two_planes_with_friction_hold_it_by_a_range_of_forces():
         assert at.normal_range[:, 0] == pytest.approx([min(e[k] for e in ends), max(e[k] for e in ends)], rel=1e-9)
 
 
+@pytest.mark.sampled(2, first=1)
 @METHODS
 def test_a_load_pulls_it_from_the_wall_where_it_exceeds_friction(method):
     """It rests while the load to the right, 8 sin 4t − 3, is below μ m g."""
@@ -141,7 +142,8 @@ def test_the_energy_closes_with_the_work_of_friction_and_load():
 # --- both formulations, the paper's matrix, and engines ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", [1, *slow(*range(4, 60))])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, *range(4, 60)])
 def test_both_formulations_have_the_same_random_sequences(seed):
     agree(random_scene(seed), 1e-9)
 

@@ -30,6 +30,8 @@ from tests.reference.test_two_formulations import bouncing, check_agreement, out
 from tests.scenes.elliptic import ellipse_in_ellipse
 from tests.scenes.ripples import rippled
 
+pytestmark = pytest.mark.taylor
+
 
 def dragged(case, arm, stiffness):
     """The scene on a spring, in a wind that comes and goes, with rolling resistance."""
@@ -323,7 +325,7 @@ def test_energy_does_not_grow_in_what_was_found(name):
 LONGEST = ("bouncing in a growing pull", "two spells of bouncing")
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.slow) if name in LONGEST else name for name in SCENES]
 )
@@ -331,7 +333,7 @@ def test_both_formulations_agree_on_what_was_found(name):
     assert check_agreement(SCENES[name]) is False  # the same sequence, not one excused as ill-conditioned
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("name", SCENES)
 def test_all_methods_agree_on_what_was_found(name):
     first, *others = [
@@ -340,6 +342,7 @@ def test_all_methods_agree_on_what_was_found(name):
     assert all(other == first for other in others)
 
 
+@pytest.mark.slow
 def test_a_slip_that_vanishes_by_a_factor_of_its_own_when_bouncing_ends():
     """Scene 1104 on belts: the slip after an impact shrinks by 0.29 besides 0.593, the bounces' factor, so that nothing
     is a polynomial of their speeds. The first formulation's limit was 2.1e-11 s early; the second's had a slip left
@@ -356,7 +359,7 @@ def test_a_slip_that_vanishes_by_a_factor_of_its_own_when_bouncing_ends():
     assert motion.transitions[-1].time == rest and second.transitions[-1].time == rest
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", [taylor, dop853])
 def test_one_of_three_contacts_opens_more_slowly_than_its_rate_is_rounded(integrator):
     """Flight 651 over ripples: the force of the third contact has vanished, and its gap's rate grows to 2e-13 m/s in

@@ -11,6 +11,8 @@ from cases.library import line, superellipse
 from reference import simulate
 from reference.minimal.integrators import taylor
 
+pytestmark = pytest.mark.taylor
+
 GROUND = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
 THIRD = sp.Rational(1, 3)
 
@@ -35,6 +37,7 @@ SCENES = {
 LONGER = ("a third inside a cosine", "its square", "a sixth root")
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
 @pytest.mark.parametrize(
     "case",

@@ -199,6 +199,7 @@ def _maker(pair):
 # --- both formulations ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_both_formulations_agree_over_an_edge():
     _compare(over_the_edge(2.0, 1.2, 0.0))  # it leaves at the corner at once
 

@@ -245,6 +245,7 @@ def test_a_dropped_half_disc_is_certified():
     assert all(time.bar <= EXACT for _, _, time, _ in certificate.transitions)
 
 
+@pytest.mark.slow
 def test_a_slip_that_vanishes_next_to_a_wall_without_a_gap_is_no_paradox():
     """The plate rocks into the corner of track and wall, each time 0.0025 of the last, and stops 1e-14 m from the
     wall."""

@@ -16,6 +16,8 @@ from cases.expressions import PARAMETER
 from reference.minimal.integrators import taylor
 from tests.scenes.elliptic import elliptic_scenes, examples, numbers
 
+pytestmark = pytest.mark.taylor
+
 OTHER_HAND = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
 
 
@@ -54,7 +56,7 @@ def test_units_of_length_change_no_digit(length, method):
 
 
 @given(length=numbers(1e-3, 1e3), pull=numbers(1e-3, 1e3))
-@examples(10, 10)
+@examples(4, 10)
 def test_times_scale_with_the_root_of_length_over_gravity(length, pull):
     ours, modes, motion = times(scene())
     unit = sqrt(length / pull)

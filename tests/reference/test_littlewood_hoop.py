@@ -125,7 +125,7 @@ def test_coulomb_friction_of_any_strength_slips_where_a_rough_hoop_is_lost():
     assert early[0] == pytest.approx(early[2], rel=1e-1)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("mu", [0.1, 0.2, 0.5, 1.0, 3.0])
 def test_with_finite_friction_a_hoop_let_go_at_the_top_slips_and_does_not_hop(mu):
     # Butler's objection: the friction that rolling takes outgrows its cone before the normal force vanishes.

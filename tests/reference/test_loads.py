@@ -15,6 +15,8 @@ from reference.minimal.integrators import dop853, taylor
 from reference.minimal.modes import candidates, phase
 from tests.scenes.limits import cpu_limit
 
+pytestmark = pytest.mark.taylor
+
 G, RADIUS = 9.81, 0.1
 EVERY = (*reference.METHODS, "augmented")
 
@@ -231,7 +233,8 @@ def test_a_narrow_lift_ends_the_contact(width, methods):
         assert (motion.status, float(motion.t[-1])) == ("lift_off", pytest.approx(exact, abs=1e-12)), method
 
 
-@pytest.mark.parametrize("width", [slowly(0.05), 1e-4])
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [0.05, 1e-4])
 @FORMULATIONS
 def test_a_narrow_press_is_felt_by_friction(width, methods):
     """While it slides, v dv = -μ (g - fy/m) dx: a press of -A exp(-((x-0.5)/w)²) takes μ A w √π more."""
@@ -255,6 +258,7 @@ def trampoline() -> Case:
     return Case(line(), disc(RADIUS, 1.0), (Gravity(G), load, Unilateral(), Flight()), start, 2.0)
 
 
+@pytest.mark.slow
 def test_a_trampoline_in_the_air_throws_the_plate_back():
     """Energy bounds how deep the disc falls, and it never lands. The default method was a metre too high after two
     seconds."""
@@ -311,7 +315,7 @@ SOME = {
 }
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", SOME)
 @pytest.mark.parametrize("rtol", [slowly(1e-3), 1e-5, slowly(1e-7), slowly(1e-9), slowly(1e-11), 1e-13])
 def test_the_default_is_as_accurate_as_its_tolerance_or_as_dop853(name, rtol):
@@ -341,6 +345,7 @@ def test_springs_and_dampers_cost_no_check():
         assert now.checks_load and now.checks_steps, formula
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_a_load_that_is_too_fast_ends_with_a_status_or_is_right(method, monkeypatch):
     """A brake of a nanometre per second needs steps of a nanosecond once it holds, at 1 s, unless a step ends there at
@@ -364,6 +369,7 @@ def test_a_load_without_a_value_ends_with_a_status():
         assert float(motion.x[-1]) == pytest.approx(2.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_function_may_overflow_where_the_load_vanishes():
     """exp(300 (2 - x)) is no double at x = -0.4, to which the wall has thrown the disc back. The Taylor method goes on
     without force; Python's exp raises an error, which ends DOP853's motion with a status."""
@@ -375,6 +381,7 @@ def test_a_function_may_overflow_where_the_load_vanishes():
         assert float(motion.x[-1]) < -0.36 and float(motion(motion.t[-1]).vx) == pytest.approx(-2.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_sweep_feels_what_simulate_feels():
     """Scenarios whose load has to be checked are not moved in waves."""
 

@@ -11,7 +11,7 @@ from cases import Case, CoulombFriction, Gravity, Plate, Start, Trajectory, Unil
 from cases.library import circle, cosine, ellipse, line, parabola
 from reference.minimal.integrators import taylor
 
-pytestmark = pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")
+pytestmark = [pytest.mark.taylor, pytest.mark.skipif(not taylor.AVAILABLE, reason="heyoka is not installed")]
 
 G = 9.81
 # Rounding of times (in durations) and of poses (in radii of gyration) of a motion that amplifies it.

@@ -169,7 +169,7 @@ def by_moreau(case: Case) -> Case:
     return replace(case, effects=tuple(replace(e, law="moreau") if isinstance(e, Impact) else e for e in case.effects))
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", ["tumbling_ellipse", "disc_off_ramp", "bouncing_disc", "hopping_hoop"])
 def test_both_formulations_agree_in_whole_motions(name):
     case = by_moreau(cases.load(name))

@@ -38,7 +38,7 @@ def test_there_are_48_sets():
     assert len(SETS) == 48 and len({data.name for data in SETS}) == 48
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize(
     "data",
     [data if i % 3 == 0 else pytest.param(data, marks=pytest.mark.slow) for i, data in enumerate(SETS)],
@@ -71,7 +71,7 @@ def test_a_plate_moves_on_every_set(data):
     assert motion.t[-1] > 0.0
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("data", SETS[::7], ids=lambda data: data.name)
 def test_both_formulations_agree_on_such_data(data):
     case = scene(data)

@@ -29,7 +29,7 @@ def record_of(label: str, digits: int = 10, transitions: int | None = None) -> d
     return json.loads(prove(cases.load(label), digits, transitions).as_json())
 
 
-@pytest.mark.sampled(3, first=2)
+@pytest.mark.sampled(10, first=5)
 @pytest.mark.parametrize(
     "label",
     [

@@ -55,7 +55,7 @@ QUICK = [
 ]
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("label", [*QUICK, *(pytest.param(label, marks=pytest.mark.slow) for label in SLOW)])
 def test_whole_sequence_is_proved_inside_the_witnessed_bars(label):
     proof, truth = prove(cases.load(label)), read()[label]

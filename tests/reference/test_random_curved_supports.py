@@ -108,6 +108,7 @@ def test_both_formulations_bounce_alike_on_curved_supports(seed):
     agree(case, 5e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seeds", "least"), [((28,), 5), pytest.param((1, 2, 4, 5, 6, 8), 9, marks=pytest.mark.slow)])
 def test_the_papers_matrix_on_curved_supports_gives_the_same_accelerations_and_forces(seeds, least):
     assert sum(map(len, compare_with_matrix(map(random_curved, seeds)))) >= least

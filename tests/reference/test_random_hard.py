@@ -43,6 +43,7 @@ def check_many(count: int, seed: int) -> Counter:
     return flagged
 
 
+@pytest.mark.slow
 def test_both_formulations_agree_on_a_few_hard_random_scenes():
     assert sum(check_many(5, seed=1).values()) == 0
 

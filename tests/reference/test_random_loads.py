@@ -74,12 +74,13 @@ def test_moment_far_in_the_tail_of_tanh_is_constant():
     check(463)
 
 
+@pytest.mark.slow
 def test_second_formulation_follows_a_flight_to_five_thousand_kilometres():
     """A force that grows with the speed drives the disc away from its line: no search for landings is needed there."""
     check(550, second=True)
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(10, first=5)
 @pytest.mark.parametrize("seed", [333, 422, 831, 1139, 1323, 1374])
 def test_plates_that_a_load_spins_up_to_1e8_rad_per_s_and_more(seed):
     """The speed of the centre is a difference of speeds up to 1e14 m/s, and the angle has its own rounding: neither is
@@ -104,12 +105,13 @@ def test_narrow_loads_keep_their_digits_in_the_equations(seed):
     check(seed)
 
 
+@pytest.mark.slow
 def test_fast_fall_does_not_hide_a_narrow_moment():
     """A force that grows with the height drives the disc to 3e6 m/s; its moment changes within 0.003 rad."""
     check(2038)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_motions_under_random_loads(seed):
     check(seed)

@@ -16,6 +16,7 @@ SINGLE_EFFECTS = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.sampled(3)
 @EACH
 def test_formulations_agree_on_random_scenes(family):
     for case in random_scenes(family, seed=11, number=1):
@@ -29,6 +30,7 @@ def test_formulations_agree_on_two_thousand_random_scenes(family):
         check_same_sequence(case, literal=number % 20 == 0)
 
 
+@pytest.mark.sampled(3)
 @EACH
 @pytest.mark.parametrize("number", [1, pytest.param(12, marks=pytest.mark.slow)])
 def test_work_of_friction_belt_and_drive_is_the_energy_gained(family, number):

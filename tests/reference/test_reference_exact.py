@@ -10,6 +10,8 @@ import reference
 from cases import Mode
 from tests.authorities.paper_application import FIRST_TRANSITION, SEQUENCE
 
+pytestmark = pytest.mark.taylor
+
 # DOP853's own bound is 1e-13 relative, accumulated over some dozens of steps; the Taylor method's is rounding.
 METHOD_TOLERANCE = {"dop853": 1e-12, "taylor": 1e-14}
 

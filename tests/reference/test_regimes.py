@@ -31,6 +31,8 @@ from reference.minimal.elimination import Elimination
 from reference.minimal.modes import Regime, phase
 from tests.scenes.elliptic import ellipse
 
+pytestmark = pytest.mark.taylor
+
 
 def valley(depth: float) -> Curve:
     return Curve(lambda s: (s, -depth * c.cos(2 * s)), domain=(-3, 3))
@@ -197,6 +199,7 @@ def test_without_heyoka_everything_works_and_says_once_which_method_it_used():
     assert run.stderr.count("dop853") == 1
 
 
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_a_loose_tolerance_does_not_change_what_follows_a_transition(method):
     # An elliptic plate in a cosine valley: its slip reverses, and a coarse motion must not mistake that for a lift-off.

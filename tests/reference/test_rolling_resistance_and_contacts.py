@@ -105,7 +105,7 @@ def forces_in_v(sense: float) -> tuple[np.ndarray, float]:
     )
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(6)
 @METHODS
 @pytest.mark.parametrize("omega", [25.0, -25.0])
 def test_a_disc_that_spins_in_a_v_is_stopped_by_friction_and_couples_of_both_contacts(method, omega):
@@ -208,6 +208,7 @@ def test_a_wall_that_is_not_touched_changes_nothing():
 # --- two formulations, and the paper's matrix -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_both_formulations_agree_on_a_random_scene_that_rests():
     """One of the random scenes; the slow tests have more."""
     motion = check_several_contacts(random_scene(QUICK))

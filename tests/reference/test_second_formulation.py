@@ -164,6 +164,7 @@ def test_spring_and_damper_make_a_rolling_disc_a_damped_oscillator():
     assert answer.motions[0] == pytest.approx(v0 / omega * np.exp(-decay * t) * np.sin(omega * t), abs=TIGHT)
 
 
+@pytest.mark.slow
 def test_torsion_spring_swings_a_frictionless_disc_through_several_turns():
     # J θ̈ = −κ θ: a swing of some ten radians, so that θ has to be the continuous angle.
     case = on_line(*GRIP, Load(moment="-0.04*theta"), omega=20.0, duration=4.0)
@@ -362,6 +363,7 @@ def test_a_plate_that_flies_past_the_end_of_an_open_track_falls():
     assert answer.motions[1, 0] < -1
 
 
+@pytest.mark.slow
 def test_every_landing_is_a_touch_and_no_pose_before_it_overlaps():
     rng = np.random.default_rng(7)
     plate = Plate(ellipse(0.12, 0.05), 1.0, 0.003)

@@ -51,6 +51,7 @@ def test_leading_sign_ignores_what_is_below_its_error():
     assert Series([0.0, 0.0], [0.0, 0.0]).leading() == (0, 2)
 
 
+@pytest.mark.sampled(4, first=2)
 @pytest.mark.parametrize("name", ["disc_in_circle", "disc_on_line", "ellipse_in_circle", "disc_in_cosine"])
 @given(values=st.lists(numbers(-1.5, 1.5), min_size=4, max_size=4), time=numbers(0.0, 3.0))
 @settings(max_examples=25, deadline=None)

@@ -67,7 +67,7 @@ def held(track: Curve, radius: float, low: float = 0.2) -> tuple[float, float]:
     return -s, float(track.tangent_angle(s))
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(2, first=1)
 @pytest.mark.parametrize("method", reference.METHODS)
 def test_a_disc_that_spins_in_a_valley_stops_when_both_contacts_have_used_its_momentum(method):
     # Friction μN at both contacts; the sum S of the normal forces balances the weight: S (1 + μ²) cos α = m g. Then
@@ -296,6 +296,7 @@ def test_forces_that_lemkes_method_takes_for_none_hold_a_plate():
         assert complementarity.least_rate(matrix, free, *law, every, 1e-12) == pytest.approx(least, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_block_rests_under_a_load_of_roundings():
     effects = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.3), Load(fx="7e-11*sin(3*t)")
     case = Case(line(), Plate.rectangle(0.6, 0.4, 1.0), effects, StartPose(0.0, 0.2), 1.0)
@@ -303,6 +304,7 @@ def test_a_block_rests_under_a_load_of_roundings():
     assert (motion.status, motion.end, motion.transitions) == ("completed", 1.0, ())
 
 
+@pytest.mark.slow
 def test_the_papers_matrix_with_a_block_for_each_contact_gives_the_same_accelerations_and_forces():
     numbers, both = 0, 0
     for seed in range(60):

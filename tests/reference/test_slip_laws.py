@@ -21,6 +21,8 @@ from tests.reference.test_two_formulations import check_agreement
 from tests.scenes.motions import energy, in_other_units, mirrored, work_done
 from tests.scenes.slip_laws import GAUSSIAN, HYPERBOLIC, PEAK, STRIBECK, G, random_scene, sliding_disc
 
+pytestmark = pytest.mark.taylor
+
 
 def simulate_all(case: Case, rtol: float = 1e-13):
     """The motion by every method of the reference, the second formulation last."""
@@ -50,7 +52,7 @@ def test_slip_under_viscous_friction_decays_exponentially():
         assert motion(t).friction_force == pytest.approx(-(mu + c * motion(t).slip) * G, abs=1e-12)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC, GAUSSIAN, PEAK])
 def test_slip_ends_where_the_quadrature_says(mu):
     """t = ∫ dv/(3 μ(v) g) from 0 to v₀, by mpmath in parts at the places where μ changes."""
@@ -108,6 +110,7 @@ def test_all_methods_agree_in_a_circle(mu, mu_static):
         assert [t.time for t in other.transitions] == pytest.approx([t.time for t in first.transitions], abs=2e-11)
 
 
+@pytest.mark.slow
 def test_both_formulations_agree_on_random_scenes():
     rng = np.random.default_rng(34)
     assert sum(check_agreement(random_scene(rng)) for _ in range(3)) == 0

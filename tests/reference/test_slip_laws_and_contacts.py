@@ -94,7 +94,7 @@ def test_a_belt_takes_a_block_along_when_the_quadrature_says(method, mu):
     assert track_times(motion) == pytest.approx([quadrature(mu, b, peak)], abs=1e-12)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.slow
 @METHODS
 @pytest.mark.parametrize(("mu", "static"), SLIP_STICK)
 def test_a_block_held_by_a_spring_on_a_belt_sticks_and_slips_as_a_particle(method, mu, static):
@@ -142,6 +142,7 @@ def disc_at_wall(b: float, end: float = 2.0) -> Case:
     return Case(line(), disc(R, 1.0), effects, StartPose(R, R), end, supports=(wall,))
 
 
+@pytest.mark.sampled(2)
 @METHODS
 def test_each_contact_has_the_coefficient_of_its_own_slip(method):
     """With u = r ω the slips are b − u on the belt and u at the wall: F₁ = μ₁ N₁, N₂ = P + F₁, F₂ = μ₂ N₂,
@@ -185,6 +186,7 @@ def test_both_formulations_have_the_same_random_sequences(seed):
     agree(random_scene(seed), 1e-9)
 
 
+@pytest.mark.slow
 def test_the_papers_matrix_gives_the_same_accelerations_and_forces():
     scenes = disc_at_wall(0.4), block(STRIBECK, Belt("0.3 + sin(3*t)"), slope=0.1), random_scene(3)
     modes = compare_with_matrix(scenes)

@@ -10,6 +10,8 @@ from cases.library import line
 from reference import contact_frame
 from reference.minimal import assembly
 
+pytestmark = pytest.mark.taylor
+
 GRIP = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
 
 
@@ -38,6 +40,7 @@ def agree(case, bound, rtol=1e-11):
     return motion
 
 
+@pytest.mark.slow
 def test_motions_on_splines_of_a_cosine_converge_to_the_motion_on_the_cosine():
     """The forces hold the curvature, which converges with order 4; where only heights matter it is 6."""
     exact = Curve(("s", "-0.3*cos(2*s)"), domain=(-3, 3))
@@ -89,6 +92,7 @@ def test_the_end_of_an_open_spline_ends_the_motion():
     assert motion.status == "track_end" and motion(motion.t[-1]).xi1 == pytest.approx(track.domain[1], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_closed_spline_as_an_outline_rolls_through_many_turns():
     """The points of a circle: the motion of a disc, to the error of the interpolation."""
     angle = np.linspace(0.0, 2 * np.pi, 80, endpoint=False)
@@ -120,6 +124,7 @@ def test_a_plate_that_is_dropped_lands_on_a_spline():
     assert agree(dropped, 1e-9).transitions
 
 
+@pytest.mark.slow
 def test_a_second_contact_on_a_spline_ends_the_motion_where_both_formulations_find_it():
     """A disc rolls against a step with a foot of a smaller radius than its own: it meets the step there first."""
     x = np.linspace(-1.5, 1.5, 90)

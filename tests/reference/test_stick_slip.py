@@ -122,7 +122,7 @@ def test_viscous_friction_damps_the_slip_as_the_closed_form_says():
         assert [t.after for t in motion.transitions[:2]] == [Mode.SLIP_FORWARD, Mode.ROLL]
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", [STRIBECK, HYPERBOLIC])
 def test_a_falling_law_sustains_stick_and_slip_without_static_friction(mu):
     """Where dμ/dv < 0 a steady slide is unstable: stick and slip alternate. Both formulations agree in every instant,

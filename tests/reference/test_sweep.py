@@ -12,6 +12,8 @@ from reference.paper.application import rolls_beyond, slip_end
 from reference.sweeping import plan, table
 from reference.sweeping.table import ARROW, BAD
 
+pytestmark = pytest.mark.taylor
+
 # Families with a mode, an end or an effect each that the others have not, and what is drawn of them. The last two
 # differ in their curves from scenario to scenario.
 FAMILIES = {

@@ -24,6 +24,8 @@ from reference.solve import METHODS
 from tests.reference.test_sweep import FAMILIES as SWEPT
 from tests.scenes import bits
 
+pytestmark = pytest.mark.taylor
+
 # One of each kind of motion: slip and roll, an outline that is no disc, flight and impacts, rest, a load in time.
 FAMILIES = ["disc_in_circle[mu=0.2]", "ellipse_in_circle", "bouncing_disc", "disc_rolling_to_rest", "driven_disc"]
 THREADS = 4
@@ -63,10 +65,12 @@ def test_motions_are_the_same_in_threads():
     same_in_threads([partial(bits.of_case, cases.load(label)) for label in FAMILIES], rounds=3)
 
 
+@pytest.mark.slow
 def test_the_second_integrator_is_the_same_in_threads():
     same_in_threads([partial(bits.of_case, cases.load(label), "dop853") for label in FAMILIES], rounds=1)
 
 
+@pytest.mark.slow
 def test_samples_read_in_one_thread_while_another_simulates():
     chosen = [cases.load("disc_in_circle", mu=mu) for mu in (0.01, 0.1, 0.2)]
     alone = [bits.of_case(case) for case in chosen]
@@ -89,6 +93,7 @@ def test_samples_read_in_one_thread_while_another_simulates():
         assert set(answers) == {one}
 
 
+@pytest.mark.slow
 def test_certificates_and_sweeps_are_the_same_in_threads():
     certificates = [partial(bits.of_certificate, "disc_on_line[mu=0.1]")]
     sweeps = [partial(bits.of_sweep, name, SWEPT[name]) for name in ("disc_in_circle", "disc_on_spring")]

@@ -30,6 +30,8 @@ from reports import export
 from reports.running import tasks
 from reports.running.storage import fingerprint
 
+pytestmark = pytest.mark.taylor
+
 LABEL = "disc_in_circle[mu=0.2]"
 
 

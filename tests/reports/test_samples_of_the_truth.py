@@ -50,7 +50,7 @@ def judged(label: str, folder) -> Run | None:
     return judge_external(row, case, motion_file.trajectory_of(case, table), truth, motion_table.columns_of(table))
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("label", [*QUICK, *(pytest.param(label, marks=pytest.mark.slow) for label in SLOW)])
 def test_true_poses_are_the_truth(label, tmp_path):
     run = judged(label, tmp_path)
