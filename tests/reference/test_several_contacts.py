@@ -373,6 +373,13 @@ def test_an_impact_with_two_outcomes_is_certified():
     assert certificate.status == "not_unique" and certificate.end.bar < 1e-13 and certificate.transitions == ()
 
 
+@pytest.mark.slow
+def test_a_contact_whose_nearest_points_vanish_in_a_groove_is_lost():
+    """The second formulation ended as `breakdown` at the first impact, as the flank that the disc leaves has no nearest
+    points between two looks of a step."""
+    assert _agree(cases.load("disc_rocking_in_groove", r=0.1, rounding=0.002, duration=0.6), 1e-12) == 2
+
+
 # --- an independent time stepper --------------------------------------------------------------------------------------
 
 
