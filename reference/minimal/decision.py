@@ -45,13 +45,14 @@ def decide(
     return None
 
 
-def follows(case: Case, candidate: Phase, t: float, y: Sequence[float], error: float) -> bool:
-    """Whether the candidate's conditions hold just after t along its own motion."""
-    quick = _by_value(candidate, t, y, error)
-    return _by_series(candidate, t, y, error) if quick is None else quick
+def follows(case: Case, candidate: Phase, t: float, y: Sequence[float], error: float, still: float = 0.0) -> bool:
+    """Whether the candidate's conditions hold just after t along its own motion. A slip of less than `still` (m/s) has
+    vanished: the state does not show its error if surfaces move that it is a difference to."""
+    quick = _by_value(candidate, t, y, error, still)
+    return _by_series(candidate, t, y, error, still=still) if quick is None else quick
 
 
-def _by_value(candidate: Phase, t, y, error) -> bool | None:
+def _by_value(candidate: Phase, t, y, error, still: float) -> bool | None:
     """The decision from values alone if they are far from zero; None if a derivative must decide."""
     system, parameters = candidate.system, candidate.parameters
     y = state_in(candidate, y)
@@ -60,7 +61,7 @@ def _by_value(candidate: Phase, t, y, error) -> bool | None:
         # For a velocity that has just vanished, the sign of its rate decides. (All other conditions are forces per
         # mass, and so is this rate.)
         fastest = max([abs(u) / unit for u, unit in zip(y[system.positions :], candidate.lengths, strict=False)])
-        bound = vanishes(error) * candidate.size * fastest
+        bound = max(vanishes(error) * candidate.size * fastest, still)
         if any([abs(values[place]) <= bound for place in system.rated]):
             rates = system.condition_rates_of_numbers(t, y, parameters)
             for place, rate in zip(system.rated, rates, strict=True):
@@ -85,10 +86,10 @@ def close(error: float) -> float:
     return 1e6 * max(error, series.EPS)
 
 
-def _by_series(candidate: Phase, t, y, error, positive: frozenset[str] = frozenset()) -> bool:
+def _by_series(candidate: Phase, t, y, error, positive: frozenset[str] = frozenset(), still: float = 0.0) -> bool:
     """Whether the conditions hold, but those that are known to be positive."""
     for order in (QUICK, ORDER):
-        signs = _leading_signs(candidate, t, y, error, order)
+        signs = _leading_signs(candidate, t, y, error, order, still)
         signs = {name: sign for name, sign in signs.items() if name not in positive}
         has_zero = any(sign == 0 for sign in signs.values())
         if not has_zero or any(sign < 0 for sign in signs.values()):
@@ -98,7 +99,7 @@ def _by_series(candidate: Phase, t, y, error, positive: frozenset[str] = frozens
     return all(sign > 0 if name in velocities else sign >= 0 for name, sign in signs.items())
 
 
-def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
+def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0) -> dict[str, int]:
     y = state_in(candidate, y)
     # Velocities have an error of `error` times the largest of them, so that a small one does not count as exact.
     positions = candidate.system.positions
@@ -112,6 +113,7 @@ def _leading_signs(candidate: Phase, t, y, error, order: int) -> dict[str, int]:
     if gaps:  # of poses: not in the units of forces
         lengths = [abs(_value(gap)) for gap in gaps.values()]
         rounding |= dict.fromkeys(gaps, AT_BOUND * (candidate.size + abs(y[0]) + abs(y[1]) + max(lengths)))
+    rounding |= dict.fromkeys(velocities, still)
     return {name: series.sign(v, rounding.get(name, 0.0)) for name, v in values.items()}
 
 

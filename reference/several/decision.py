@@ -230,14 +230,14 @@ def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error:
     """Whether the conditions of a regime hold just after the instant along its own motion."""
     if not now.touching:
         return True  # a gap of rounding that closes is an impact, at once
-    size = abs(now.state[0]) + abs(now.state[1]) + case.plate.reach
+    size, still = abs(now.state[0]) + abs(now.state[1]) + case.plate.reach, STILL * now.speed
     near = [at.gap <= NEAR * size and not is_away for at, is_away in zip(now.places, now.away, strict=True)]
     is_touched = any(mode is Mode.FLIGHT and close for mode, close in zip(regime_of(phase).modes, near, strict=True))
     if is_touched or regime_of(phase).guides:
         # A gap, or what a row lacks, has no size with which its value can be compared.
         apart = {k for k, at in enumerate(now.places) if k not in now.touching and at.gap > TOUCHES * size}
-        return _by_series(phase, now.time, now.state, error, frozenset(f"gap:{k}" for k in apart))
-    return follows(case, phase, now.time, now.state, error)
+        return _by_series(phase, now.time, now.state, error, frozenset(f"gap:{k}" for k in apart), still)
+    return follows(case, phase, now.time, now.state, error, still)
 
 
 def _has_forces(phase: SeveralPhase, now: DecisionInstant) -> bool:

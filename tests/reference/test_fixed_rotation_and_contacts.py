@@ -142,6 +142,13 @@ def test_the_energy_closes_with_the_work_of_friction_and_load():
 # --- both formulations, the paper's matrix, and engines ---------------------------------------------------------------
 
 
+def test_a_slip_vanishes_where_a_belt_turns_under_a_plate_that_is_still():
+    """The rounding of this slip shows in no speed of the plate, only in the belts' speeds. By DOP853 the motion ended
+    there, as `accumulation`."""
+    motion = reference.simulate(random_scene(1), rtol=1e-10, method="dop853")
+    assert (motion.status, len(motion.transitions)) == ("completed", 4)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, *range(4, 60)])
 def test_both_formulations_have_the_same_random_sequences(seed):
