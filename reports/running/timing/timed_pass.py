@@ -150,23 +150,24 @@ def _entrants_by_case(selection: Collection[Key], experiment: Experiment) -> lis
 
 
 def _cold_starts(alone: Calls, entrants: Sequence[Contestant], share: float) -> list[CallResult]:
-    return _ask(alone, _EXTRA_STEP, cold_start.first_calls, entrants, share, _KEEP)
+    limit, group = share + PATIENCE, _group(entrants)
+    return alone.all(_EXTRA_STEP, cold_start.first_calls, [(entrants, share)], limit=limit, keep=_KEEP, group=group)
 
 
 def _parts(alone: Calls, entrants: Sequence[Contestant], share: float) -> list[CallResult]:
-    return _ask(alone, _EXTRA_STEP, time_breakdown.parts_of_all, entrants, share, _KEEP)
+    limit, group = share + PATIENCE, _group(entrants)
+    return alone.all(
+        _EXTRA_STEP, time_breakdown.parts_of_all, [(entrants, share)], limit=limit, keep=_KEEP, group=group
+    )
 
 
-def _ask(
-    alone: Calls, step: str, function: Callable, entrants: Sequence[Contestant], budget: float, keep: StorePolicy
-) -> list[CallResult]:
-    """The answer of one call with contestants of one process (`_by_version`).
+def _group(entrants: Sequence[Contestant]) -> str:
+    """The worker of contestants of one process (`_by_version`).
 
-    All unversioned solvers share a worker, whichever of them a case has: another one would import the engines again,
-    and a process in which other modules are imported is another process to be timed in."""
+    All unversioned solvers share one, whichever of them a case has: another one would import the engines again, and a
+    process in which other modules are imported is another process to be timed in."""
     name = entrants[0].solver
-    group = name if split_version(name)[1] else SEVERAL
-    return alone.all(step, function, [(entrants, budget)], limit=budget + PATIENCE, keep=keep, group=group)
+    return name if split_version(name)[1] else SEVERAL
 
 
 def _measure(ask: Callable[..., list[CallResult]], entrants: Sequence[Contestant], budget: float) -> dict[Key, Any]:
@@ -216,7 +217,9 @@ def time_together(
         measurements = [pair for pairs, _ in results for pair in pairs]
         return measurements, [pair for _, pairs in results for pair in pairs]
     keep = _KEEP._replace(of=lambda entrants, _: _content(entrants, share))
-    (answer,) = _ask(alone, "timings", clock.time_all, entrants, budget, keep)
+    (answer,) = alone.all(
+        "timings", clock.time_all, [(entrants, budget)], limit=budget + PATIENCE, keep=keep, group=_group(entrants)
+    )
     if answer.outcome == "done":
         return _in_order([(entrants, answer)])
     culprits = _culprits(entrants, alone)
