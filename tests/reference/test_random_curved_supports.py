@@ -1,5 +1,6 @@
 """Random scenes on curved supports: both formulations have one sequence, and the paper's matrix the same forces."""
 
+from collections.abc import Callable
 from math import cos, sin
 
 import numpy as np
@@ -63,6 +64,14 @@ def random_hill(seed: int, e: float = 0.0) -> Case:
     return Case(hill(float(size), 0.0, 0.0), plate, effects, start, 1.5, supports=(support,))
 
 
+def _scene_that_fits(scene: Callable[..., Case], *numbers: float) -> Case:
+    """A random scene; the test is skipped if the plate overlaps a support where it begins."""
+    try:
+        return scene(*numbers)
+    except DoesNotFit:
+        pytest.skip("the plate overlaps a support where it begins")
+
+
 # 2, 26: rounded blocks whose arcs touch again after they were far from the curve. 16: a corner passes the centre of a
 # bowl. 28: an impact closes both contacts at once, after which no series goes on.
 @pytest.mark.sampled(8)
@@ -74,11 +83,8 @@ def test_both_formulations_have_the_same_sequences_on_curved_supports(seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(300))
 def test_both_formulations_have_the_same_sequences_of_many_curved_scenes(seed):
-    try:
-        case = random_curved(seed)
-    except DoesNotFit:
-        pytest.skip("the plate overlaps a support where it begins")
-    agree(case, 5e-6)  # two corners that hit alternately end within that, as on straight supports
+    # Two corners that hit alternately end within that, as on straight supports.
+    agree(_scene_that_fits(random_curved, seed), 5e-6)
 
 
 @pytest.mark.slow
@@ -90,22 +96,14 @@ def test_both_formulations_have_the_same_sequences_on_hills(seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100))
 def test_both_formulations_have_the_same_sequences_of_many_scenes_on_hills(seed):
-    try:
-        case = random_hill(seed)
-    except DoesNotFit:
-        pytest.skip("the plate overlaps a support where it begins")
-    agree(case, 5e-6)
+    agree(_scene_that_fits(random_hill, seed), 5e-6)
 
 
 # 5: two corners hit two supports alternately, ever faster. One comes to rest while the other one is low in a hop.
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [5, *range(0, 100, 2)])
 def test_both_formulations_bounce_alike_on_curved_supports(seed):
-    try:
-        case = random_curved(seed, 0.4)
-    except DoesNotFit:
-        pytest.skip("the plate overlaps a support where it begins")
-    agree(case, 5e-6)
+    agree(_scene_that_fits(random_curved, seed, 0.4), 5e-6)
 
 
 @pytest.mark.slow

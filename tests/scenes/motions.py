@@ -44,7 +44,8 @@ def motion_of(case: Case) -> Trajectory:
 
 @lru_cache(maxsize=256)
 def _motion_by(case: Case, method: str) -> Trajectory:
-    """`method` tells motions of the two defaults apart; an integral in the equations excludes the Taylor method."""
+    """`method` is part of the cache's key only, as files of tests have different default methods. It is not passed on:
+    the default falls back to DOP853 for equations with an integral, which the Taylor method rejects."""
     return reference.simulate(case, rtol=1e-12)
 
 
