@@ -1,11 +1,10 @@
 """The tasks of a worker: list the settings that a solver offers, find a case's truth, run one setting and judge it.
 
-Run times are measured here. Whatever a solver does short of ending the process becomes a record.
+Whatever a solver does short of ending the process becomes a record.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import islice
@@ -25,12 +24,11 @@ from ..judging.friction_sensitivity import friction_sensitivity
 from ..judging.null_motions import null_motions
 from ..judging.score import Scale, scale_of, score_and_reading
 from ..judging.slip_phases import Reading
-from . import reference_adapter
+from .clocked_run import run_on_clock
 from .names import legible
-from .processes.worker_process import reap, settle
-from .records import TRUTH_RTOL, Offer, Run, Truth, now
+from .processes.worker_process import settle
+from .records import TRUTH_RTOL, Offer, Run, Truth, is_truth, now
 from .solvers import NOT_INSTALLED, solver
-from .third_party import third_party
 from .true_motions import true_motion
 
 # Samples that a figure can show; of more, evenly spaced ones are kept.
@@ -190,6 +188,8 @@ def _evenly(motion: Trajectory) -> Trajectory:
 def perform(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
     """Run one setting of one route and judge it. Only `run` of the solver is timed.
 
+    The run that the others are compared with is the truth's motion, with the times measured when that was computed.
+
     Raises errors of the machine, which are not results and are not stored: ImportError, MemoryError, OSError.
     """
     row = Run(case.label, name, route, setting, rung, outcome="", when=now())
@@ -200,18 +200,26 @@ def perform(case: Case, name: str, route: str, setting: Setting, rung: int, trut
     except Exception as problem:
         return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {sentence(problem)}")
     assess = lambda row, motion: judge(row, case, motion, true_motion(case, truth.method), truth, laws)  # noqa: E731
+    if is_truth(row, truth):
+        return attempt(row, case, assess, lambda: true_motion(case, truth.method))
     return attempt(row, case, assess)
 
 
-def attempt(row: Run, case: Case, assess: Callable[[Run, Trajectory], Run]) -> Run:
+def attempt(
+    row: Run,
+    case: Case,
+    assess: Callable[[Run, Trajectory], Run],
+    clocked_motion: Callable[[], Trajectory] | None = None,
+) -> Run:
     """The row of a run: unsupported, crashed, or the result of `assess(row, motion)` for a sound motion.
 
-    Raises errors of the machine: ImportError, MemoryError, OSError.
+    `clocked_motion` returns the motion with its cost, in place of `run_on_clock`. Raises errors of the machine:
+    ImportError, MemoryError, OSError.
     """
     try:
         module = solver(row.solver)
         settle(row.solver)
-        motion = run_on_clock(module, case, row.route, row.setting)
+        motion = clocked_motion() if clocked_motion else run_on_clock(module, case, row.route, row.setting)
     except NotSupported as refusal:
         return replace(row, outcome="unsupported", reason=legible(refusal))
     except EngineFailure as failure:
@@ -229,28 +237,6 @@ def attempt(row: Run, case: Case, assess: Callable[[Run, Trajectory], Run]) -> R
 def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory:
     """The motion of one setting of one route, timed and not judged; raises all errors of the solver."""
     return run_on_clock(solver(name), case, route, setting)
-
-
-def run_on_clock(module: ModuleType, case: Case, route: str, setting: Setting) -> Trajectory:
-    """Build, run and read; only `run` is timed as a run, build and read count as set-up. Raises EngineFailure if the
-    engine's motion does not pass `adapters.gate`."""
-    with third_party():
-        began = time.perf_counter()
-        model = module.build(case, route, setting)
-        setup = time.perf_counter() - began
-        cpu, wall = time.process_time(), time.perf_counter()
-        module.run(model)
-        cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
-        began = time.perf_counter()
-        trajectory = module.read(model)
-        setup += time.perf_counter() - began
-    reap()
-    if getattr(module, "__name__", "") != reference_adapter.__name__:
-        trajectory = gate.motion(trajectory, case)
-    steps = trajectory.cost.steps or len(trajectory.t) - 1
-    if getattr(module, "TELLS_COST", False):
-        cpu = trajectory.cost.cpu_s
-    return replace(trajectory, cost=replace(trajectory.cost, cpu_s=cpu, wall_s=wall, setup_s=setup, steps=steps))
 
 
 def judge(

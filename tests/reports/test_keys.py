@@ -183,7 +183,7 @@ def test_a_key_tells_adapters_code_function_and_truths(monkeypatch, tmp_path):
         assert before != after and {k for k in before if before[k] != after[k]} == {changed}
     call = (case, "pymunk", "native", Setting.of(h=0.1), 1, TRUTH)
     made = Calls(versions=VERSIONS)
-    one, other = (made.key(function, call, experiment._KEEP_RUN) for function in (tasks.perform, tasks.run_on_clock))
+    one, other = (made.key(function, call, experiment._KEEP_RUN) for function in (tasks.perform, tasks.motion_of))
     assert {name for name in one if one[name] != other[name]} == {"function"}
     apart, whole = fingerprint.sources(tasks, experiment.TRUTHS_OWN), fingerprint.sources(tasks)
     assert apart != whole and run_key(case)["code"] == apart

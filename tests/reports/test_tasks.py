@@ -14,7 +14,7 @@ from reports.analysis import tables
 from reports.analysis.columns import Table
 from reports.page import text
 from reports.page.case_tables import error_text
-from reports.running import tasks
+from reports.running import clocked_run, tasks
 from reports.running.records import Run, first_error
 
 # --- one run and its verdict ------------------------------------------------------------------------------------------
@@ -140,7 +140,7 @@ def test_clock_is_around_run_alone(monkeypatch, line):
     """By a clock that building and running alone move on."""
     now = [0.0]
     clock = SimpleNamespace(process_time=lambda: now[0], perf_counter=lambda: now[0])
-    monkeypatch.setattr(tasks, "time", clock)
+    monkeypatch.setattr(clocked_run, "time", clock)
 
     def takes(seconds, result):
         def work(case):

@@ -7,8 +7,10 @@ import pytest
 
 import cases
 import reference
-from reports.running import true_motions
+from adapters import Setting
+from reports.running import tasks, true_motions
 from reports.running.processes import worker_process
+from reports.running.records import TRUTH_RTOL
 
 CASE = cases.load("disc_on_incline", slope=0.2)
 TIMES = np.linspace(0.0, CASE.duration, 11)
@@ -31,10 +33,21 @@ def in_worker(tmp_path, monkeypatch):
 def test_an_engine_s_worker_reads_the_motion_that_one_without_engines_computed(in_worker, tmp_path, monkeypatch):
     computed = in_worker("")
     assert [file.suffix for file in tmp_path.iterdir()] == [".motion"]
-    monkeypatch.setattr(reference, "simulate", None)  # whoever computes it again fails
+    monkeypatch.setattr(true_motions, "run_on_clock", None)  # whoever computes it again fails
     read = in_worker("exudyn")
     assert read.transitions == computed.transitions
     assert np.array(read(TIMES)).tobytes() == np.array(computed(TIMES)).tobytes()
+
+
+def test_the_reference_s_run_at_the_truth_s_tolerance_is_the_truth_s_motion(in_worker, monkeypatch):
+    truth, computed = tasks.find_truth(CASE), in_worker("")
+    monkeypatch.setattr(tasks, "run_on_clock", None)  # whoever makes the run again fails
+    true_motions.true_motion.cache_clear()  # as in another worker
+    run = tasks.perform(CASE, "reference", truth.method, Setting.of(rtol=TRUTH_RTOL), 6, truth)
+    assert (run.outcome, run.cost, run.distance.centre_max) == ("answered", computed.cost, 0.0)
+    assert run.cost.cpu_s > 0.0 and run.cost.setup_s > 0.0 and run.cost.steps > 0
+    again = reference.simulate(CASE, rtol=TRUTH_RTOL, method=truth.method)
+    assert np.array(computed(TIMES)).tobytes() == np.array(again(TIMES)).tobytes()
 
 
 def test_an_engine_s_worker_writes_no_motion(in_worker, tmp_path):
