@@ -54,6 +54,11 @@ class Corner:
         return self.domain
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """The same."""
+        return self.domain
+
+    @property
     def constants(self) -> tuple[float, float, float]:
         """What distinguishes it from another corner that turns to the same side: x, y and the angle of its start."""
         return self.x, self.y, self.start

@@ -276,6 +276,11 @@ class Curve:
 
     # --- the curve as a whole ---------------------------------------------------------------------------------------
 
+    @property
+    def ends(self) -> tuple[float, float] | None:
+        """The parameters of both ends of the curve; None if it is closed, or has no domain."""
+        return None if self.period else self.domain
+
     @derived
     def period(self) -> float | None:
         """The parameter's period of a closed curve, else None.

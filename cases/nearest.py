@@ -143,8 +143,8 @@ def _window(curve: Curve, middle: float, width: float) -> np.ndarray:
     """Parameters around one, as far as the curve goes."""
     count = int(2 * WINDOW * CLOSER) + 1
     low, high = middle - WINDOW * width, middle + WINDOW * width
-    if curve.domain is not None and not curve.period:
-        low, high = max(low, curve.domain[0]), min(high, curve.domain[1])
+    if curve.ends:
+        low, high = max(low, curve.ends[0]), min(high, curve.ends[1])
     return np.linspace(low, high, count)
 
 
@@ -154,8 +154,7 @@ def _at_an_end(case: Case, pair: Contact | _Guess) -> bool:
 
 
 def _ends(curve: Curve, parameter: float) -> bool:
-    domain = curve.domain
-    return domain is not None and not curve.period and not domain[0] < parameter < domain[1]
+    return curve.ends is not None and not curve.ends[0] < parameter < curve.ends[1]
 
 
 def _out_of_sight(case: Case, x: float, y: float) -> bool:

@@ -153,8 +153,8 @@ def _least_of_neighbours(near: np.ndarray, gap: np.ndarray) -> np.ndarray:
 def _closer(track: Curve, outline: Curve, around: CurveSamples, frame: PlateFrame, points: _Points) -> _Points:
     """The nearest of closer points around each one."""
     xi1 = points.xi1[:, None] + points.width[:, None] * np.linspace(-1.0, 1.0, 2 * CLOSER + 1)
-    if track.domain is not None and not track.period:
-        xi1 = np.clip(xi1, *track.domain)
+    if track.ends:
+        xi1 = np.clip(xi1, *track.ends)
     local = frame.local(track.point(xi1.ravel()).T)
     xi2, gap = (column.reshape(xi1.shape) for column in _feet(outline, around, local, around.stretches.nearest(local)))
     best = np.arange(len(xi1)), gap.argmin(axis=1)

@@ -37,6 +37,11 @@ class CurvePart(NamedTuple):
     features: Features | None = None
     period: None = None
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The parameters of its ends."""
+        return self.domain
+
 
 @dataclass(frozen=True, eq=False)
 class CurvePieces:

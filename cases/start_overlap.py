@@ -119,7 +119,7 @@ def _between(
         contact = geometry.find(track, outline, *pose, near)
     except DoesNotFit:
         return None
-    low, high = track.domain if track.domain is not None and not track.period else (-np.inf, np.inf)
+    low, high = track.ends or (-np.inf, np.inf)
     is_near = abs(contact.xi1 - near[0]) <= NEIGHBOURS * width and low <= contact.xi1 <= high
     return Overlap(-contact.gap, contact.xi1) if is_near else None
 

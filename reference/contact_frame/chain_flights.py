@@ -113,7 +113,7 @@ def _landing(course: MotionState, path: FlightCourse, time: float, entry: Entry)
         if abs(step) <= float(np.spacing(time)):
             break
         time = max(time + step, path.nodes[0][0])
-    if track.domain and not track.period and not track.domain[0] <= contact.xi1 <= track.domain[1]:
+    if track.ends and not track.ends[0] <= contact.xi1 <= track.ends[1]:
         return None
     course.t = time
     xi1, xi2, turns = course.unwind(body[2], contact.xi1, contact.xi2)

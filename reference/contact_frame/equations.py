@@ -178,7 +178,7 @@ class ContactScene:
     @property
     def ends(self) -> bool:
         """Whether the track has ends."""
-        return self.track.domain is not None and not self.track.period
+        return self.track.ends is not None
 
     def place(self, xi1: float, xi2: float) -> Place:
         if self.is_corner:

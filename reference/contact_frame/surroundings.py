@@ -150,6 +150,6 @@ class Surroundings:
 def _widen(curve: Curve, ends: Sequence[float], lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A range of a curve's parameter, widened on both sides by each of some lengths (m)."""
     low, high = ends[0] - lengths / float(curve.speed(ends[0])), ends[1] + lengths / float(curve.speed(ends[1]))
-    if curve.domain is not None and not curve.period:
-        low, high = np.maximum(low, curve.domain[0]), np.minimum(high, curve.domain[1])
+    if curve.ends:
+        low, high = np.maximum(low, curve.ends[0]), np.minimum(high, curve.ends[1])
     return low, high

@@ -137,7 +137,7 @@ def all_pairs(case: PairCase, body: Sequence[float] | np.ndarray, around: float)
             one = find(case, x, y, theta, (xi1, float(own[np.argmin(np.abs(off))])))
         except DoesNotFit:
             continue
-        if track.domain and not track.period and not track.domain[0] <= one.xi1 <= track.domain[1]:
+        if track.ends and not track.ends[0] <= one.xi1 <= track.ends[1]:
             continue
         if abs(one.gap) > NEAR * reach or not _faces(case, one.xi1, one.xi2, theta):
             continue

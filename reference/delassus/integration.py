@@ -16,7 +16,7 @@ from cases.overlap import first_overlap
 
 from ..contact_frame.dips import Dips
 from .contacts import all_pairs, is_watched_always, pair_at
-from .phase import SeveralContactPhase
+from .phase import CURVE_ENDS, SeveralContactPhase
 from .plate_state import MOVES, TOUCHES, PlateState, SimulationEnd
 from .small_impacts import ImpactsOnTwoLevels
 from .steps import ResolvingDOP853, slips_allow
@@ -218,7 +218,8 @@ class PhaseIntegration(PlateState):
         )
         speed = max(self.speed, float(np.abs(self.body[self.half :]).max()), 1e-300)
         by_force = dict.fromkeys(("normal", "cone+", "cone-", "couple+", "couple-"), force)
-        return {"gap": 1e-2 * self.size(), "slip": speed, "rotation": speed, "turn": 1.0, "held": 1.0} | by_force
+        by_place = dict.fromkeys(("turn", "held", *CURVE_ENDS), 1.0)
+        return {"gap": 1e-2 * self.size(), "slip": speed, "rotation": speed} | by_place | by_force
 
     # --- contacts at other places -------------------------------------------------------------------------------------
 

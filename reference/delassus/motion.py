@@ -13,7 +13,7 @@ from .complementarity import least_rate, solutions
 from .contacts import PairState, friction_of, frictions, is_rough, is_watched_always, resists
 from .impact_simulation import ImpactSimulation
 from .integration import EPS, FORGOTTEN, DenseStep
-from .phase import NO_RATE, ROTATION, STICKS, SeveralContactPhase
+from .phase import CURVE_ENDS, NO_RATE, ROTATION, STICKS, SeveralContactPhase
 from .plate_state import MOVES, TOUCHES, SimulationEnd
 from .rough_contacts import pressing_forces, slips_at_rough_contact
 
@@ -226,6 +226,9 @@ class Simulation(ImpactSimulation):
         self.stuck = {c.name for c in self.contacts if c.mode in STICKS}
         self.turns = phase.turn != 0
         kinds = {kind for kind, _ in guards}
+        for kind in CURVE_ENDS:
+            if kind in kinds:
+                raise SimulationEnd(kind)
         if kinds == {"forget"}:
             self.contacts = [c for c in self.contacts if c.is_closed or is_watched_always(c.case)]
             self.settle()

@@ -30,6 +30,8 @@ NO_RATE = 1e-12
 SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 # The modes of contacts that do not slip, and the name under which the plate's rotation is compared with them.
 STICKS, ROTATION = (Mode.ROLL, Mode.REST), "rotation"
+# The kinds of guards at which a closed contact has reached an end of a curve; they are the statuses of the motion.
+CURVE_ENDS = ("track_end", "outline_end")
 
 
 class WatchedContact(NamedTuple):
@@ -170,6 +172,8 @@ class SeveralContactPhase:
                 values["normal", contact.name] = normal
             if contact.mode in SIGN:
                 values["slip", contact.name] = SIGN[contact.mode] * pair.slip
+            if contact.is_closed:
+                values |= _inside_ends(contact, pair)
         if self.turn:
             values["rotation", ROTATION] = self.turn * float(self.dynamics.turning_row @ y[len(y) // 2 :])
         elif self.turn == 0 and not self.is_carried:
@@ -208,3 +212,16 @@ class SeveralContactPhase:
         """`starts` a short time (s) later, when rates that begin at zero are more than rounding; empty if the plate
         goes on."""
         return self.starts(t + step, y if self.rests else y + step * self.rates(t, y)) or {}
+
+
+def _inside_ends(contact: WatchedContact, pair: PairState) -> dict[tuple[str, str], float]:
+    """How far a contact is inside the ends of its curves, in their parameters. A chain's arcs and edges end by
+    their turn, and a corner has no ends."""
+    curves = [("track_end", contact.case.track, pair.xi1)]
+    if contact.case.centre is None and contact.case.arc_range is None:
+        curves.append(("outline_end", contact.case.plate.outline, pair.xi2))
+    return {
+        (kind, contact.name): min(place - curve.ends[0], curve.ends[1] - place)
+        for kind, curve, place in curves
+        if curve.ends
+    }

@@ -70,7 +70,9 @@ def _structure(curve: Curve | CurvePart):
 
 def contact_system(law: Laws, kind: Kind, track: Curve | CurvePart, outline: Curve | CurvePart) -> System:
     """The equations of one kind of contact on parts of a case's curves, derived once per structure."""
-    return _in_contact(_structure(track), _structure(outline), (has_ends(track), has_ends(outline)), law, kind)
+    return _in_contact(
+        _structure(track), _structure(outline), (track.ends is not None, outline.ends is not None), law, kind
+    )
 
 
 def flight_system(case: Case) -> System:
@@ -226,11 +228,6 @@ def _ends(has_ends: tuple[bool, bool]) -> dict[str, Node]:
             low, high = symbol(f"{name}_low"), symbol(f"{name}_high")
             guards[f"{name}_start"], guards[f"{name}_end"] = variable - low, high - variable
     return guards
-
-
-def has_ends(curve: Curve | CurvePart) -> bool:
-    """Whether a curve has ends."""
-    return curve.domain is not None and curve.period is None
 
 
 def parameter_values(case: Case, numbers: dict[str, float], system: System) -> tuple[float, ...]:

@@ -23,7 +23,7 @@ from cases.geometry import velocity as velocity_on
 from cases.piece_case import PieceCase, has_pieces, neighbour, pieces_at
 from cases.pieces import CurvePart
 
-from .assembly import THETA, Kind, contact_system, flight_system, has_ends, parameter_values, sizes_of
+from .assembly import THETA, Kind, contact_system, flight_system, parameter_values, sizes_of
 from .effects import SLIP_SIGN, Laws, laws
 from .elimination import U1, U2, X1, X2
 from .system import System
@@ -320,8 +320,8 @@ def _first_pieces(case: Case) -> PieceCase:
 def _start_on(here: PieceCase, start: MotionPoint) -> tuple[float, float, float, float]:
     """(ξ₁, ξ₂, ξ̇₁, ξ̇₂) of a case's start on these pieces."""
     (low1, high1), (low2, high2) = (piece.span for piece in here.pieces)
-    xi1 = min(max(start.xi1 - here.first.shift, low1), high1) if has_ends(here.track) else start.xi1
-    xi2 = min(max(start.xi2 - here.second.shift, low2), high2) if has_ends(here.plate.outline) else start.xi2
+    xi1 = min(max(start.xi1 - here.first.shift, low1), high1) if here.track.ends else start.xi1
+    xi2 = min(max(start.xi2 - here.second.shift, low2), high2) if here.plate.outline.ends else start.xi2
     slip = start.slip + belt_speed(here, 0.0)
     motion = velocity_on(here.track, here.plate.outline, xi1, xi2, slip, start.omega)
     return xi1, xi2, motion.xi1_dot, motion.xi2_dot

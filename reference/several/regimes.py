@@ -96,7 +96,7 @@ def _structure(piece: Piece):
 
 def _has_ends(piece: Piece) -> bool:
     """Whether a contact may reach an end of a curve; a corner alone has none."""
-    return not isinstance(piece, Corner) and piece.domain is not None and piece.period is None
+    return not isinstance(piece, Corner) and piece.ends is not None
 
 
 def _sizes(piece: Piece, prefix: str) -> dict[str, float]:

@@ -148,6 +148,16 @@ def test_a_rough_disc_that_falls_between_a_bowl_and_a_smooth_wall_comes_to_rest(
     assert reference.simulate(case)(1.0).omega == 0.0
 
 
+def test_a_disc_that_rolls_over_the_end_of_a_shelf_ends_the_motion_there():
+    shelf = Curve(lambda s: (s, 0.6 + 0.05 * s**2), domain=(-1.0, 0.2))
+    supports = (Support(shelf, "shelf", (CoulombFriction(0.3),)),)
+    case = Case(line(0.0), disc(0.1, 1.0), INELASTIC, StartPose(-0.5, 0.73, vx=1.0), 1.5, supports=supports)
+    assert agree(case, 1e-12) == 2
+    motion, second = simulated(case), _by_second(case, "second", 1e-13)
+    assert motion.status == "track_end" and motion.t[-1] == pytest.approx(second.end, abs=1e-12)
+    assert motion.contact_columns("plate/shelf", motion.t[-1:]).xi1 == pytest.approx(0.2, abs=1e-12)
+
+
 # --- rods and blocks in bowls -----------------------------------------------------------------------------------------
 
 RADIUS, HALF, LOW = 2.0, 1.0, 0.02

@@ -73,9 +73,9 @@ def _scene_that_fits(scene: Callable[..., Case], *numbers: float) -> Case:
 
 
 # 2, 26: rounded blocks whose arcs touch again after they were far from the curve. 16: a corner passes the centre of a
-# bowl. 28: an impact closes both contacts at once, after which no series goes on.
+# bowl. 28: an impact closes both contacts at once, after which no series goes on. 77: the disc reaches the track's end.
 @pytest.mark.sampled(8)
-@pytest.mark.parametrize("seed", [1, 2, 5, 16, 19, 25, 28, 30])
+@pytest.mark.parametrize("seed", [1, 2, 5, 16, 19, 25, 28, 30, 77])
 def test_both_formulations_have_the_same_sequences_on_curved_supports(seed):
     agree(random_curved(seed), 1e-9)
 
