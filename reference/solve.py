@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
-from cases.contact import belt_speed, pose
+from cases.contact import belt_speed, pose, start_motion
 from cases.contact_limits import has_features, limitation, touches_by_features
+from cases.contact_pairs import pairs
 from cases.errors import between, unknown_name
 from cases.free_plates import names_of, start_poses
 from cases.moving_frame import in_fixed_frame, relative_case
@@ -157,6 +158,9 @@ def solve_supports(case: Case, rtol: float, integrate: Callable[..., Segment]):
 def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate, original: Case | None = None):
     """The motion without samples: (segments, transitions, (status, sentence)); from a second contact on by `several`,
     or cut there if that does not support the case, or the `original` whose relative case it is."""
+    other = _other_touch(case, regime)
+    if other is not None and integrate is not augmented_integrator.integrate and not limitation(original or case):
+        return _from_touches(case, other, rtol, integrate)
     solution, meeting = until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
     segments, transitions, (status, reason) = solution
     lies_flat = meeting is None and has_features(case) and _touches_with_features(case, status)
@@ -183,6 +187,22 @@ def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrat
         more, changes, ending = several.until_end(case, time, body, (xi1, xi2), mode, pair, rtol, integrate)
     transitions = [replace(event, contact=CONTACT) for event in transitions]
     return [*segments, *more], [*transitions, *changes], ending
+
+
+def _other_touch(case: Case, regime: Regime | None) -> tuple[float, float] | None:
+    """A further pair of points at which the plate touches its track in a start whose own contact opens at once."""
+    if regime is not None or not case.start.in_contact or has_features(case):
+        return None
+    begin = start_motion(case)
+    points = pairs(case)[0].touching_points(begin.x, begin.y, begin.theta)
+    return next((pair for pair in points if several.touches_at_start(case, pair)), None)
+
+
+def _from_touches(case: Case, other: tuple[float, float], rtol: float, integrate: Callable[..., Segment]):
+    """The motion of a plate that touches its track at its start's pair and another one; the first one opens."""
+    begin = start_motion(case)
+    body = begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega
+    return several.until_end(case, 0.0, body, (begin.xi1, begin.xi2), Mode.FLIGHT, other, rtol, integrate)
 
 
 def _touches_with_features(case: Case, status: str) -> bool:

@@ -380,6 +380,18 @@ def test_a_contact_whose_nearest_points_vanish_in_a_groove_is_lost():
     assert _agree(cases.load("disc_rocking_in_groove", r=0.1, rounding=0.002, duration=0.6), 1e-12) == 2
 
 
+def test_a_disc_that_a_load_lifts_off_one_flank_at_once_rolls_on_the_other_one():
+    # At rest N = m g cos α + F_x sin α, and a third of the load along the flank is friction.
+    alpha, radius, fx = radians(47), 0.2, 12.5
+    track = groove(alpha, 0.01)
+    xi1, slope = held(track, radius, low=0.05)
+    case = case_in(track, Start(xi1), CoulombFriction(0.5), Load(fx=fx), radius=radius, duration=0.2)
+    assert _agree(case, 1e-12) == 0
+    now = reference.simulate(case).contact_columns("plate/track 2", np.zeros(1))
+    assert now.normal_force == pytest.approx(G * cos(slope) + fx * sin(slope), rel=1e-12)
+    assert now.friction_force == pytest.approx((G * sin(slope) - fx * cos(slope)) / 3.0, rel=1e-12)
+
+
 # --- an independent time stepper --------------------------------------------------------------------------------------
 
 
