@@ -8,8 +8,8 @@ integrators: the variables of a mode (those that its constraints leave free), it
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple, cast
+from collections.abc import Sequence
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from .paper.augmented import (
     condition,
     fill,
     flight_acceleration,
+    parameter_accelerations,
     solution,
     uniqueness,
 )
@@ -84,12 +85,12 @@ class LiteralSystem:
             return [0.0] * len(y)  # at rest all rates are zero, whatever the forces
         try:
             equations = self.system_at(t, y)
-            accelerations = solution(equations).q2_ddot
+            accelerations = parameter_accelerations(equations)
         except np.linalg.LinAlgError:
             return [np.nan] * len(y)
         speeds = len(y) - self.positions
         angle = [equations.k.turning] if self.positions == 3 else []
-        return [*equations.k.q_dot, *angle, *accelerations[:speeds]]
+        return [*equations.k.q_dot.tolist(), *angle, *accelerations[:speeds]]
 
     def guards_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
         """The guards' values; NaN for those that need forces if the matrix is singular."""
@@ -100,12 +101,30 @@ class LiteralSystem:
             forces = solution(equations)
         except np.linalg.LinAlgError:
             forces = _NO_SOLUTION
-        return [_guard(self.phase, name, equations, forces, t) for name in self.guards]
+        contact = _Instant(self.phase.case, equations, forces, t)
+        return [_guard(self.phase, name, contact) for name in self.guards]
 
     def guards_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """The guards' values at many instants, states of shape (variables, n)."""
+        contact = self._contacts(times, states) if self.guards else None
+        if contact is not None:
+            return [_guard(self.phase, name, contact) for name in self.guards]
         columns = [self.guards_of_numbers(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
         return list(np.array(columns).T)
+
+    def _contacts(self, times: np.ndarray, states: np.ndarray) -> contact_forces.Contacts | None:
+        """(27) solved at many instants at once; None where it has to be solved one by one, as at a singular one."""
+        mode, side, turn = self.regime
+        if not len(times) or self.original is not None or self.regime == FLIGHT:
+            return None
+        if not contact_forces.fits(self.case, turn):
+            return None
+        instants = list(zip(times.tolist(), states.T.tolist(), strict=True))
+        full = [full_state(self.case, self.phase, t, y) for t, y in instants]
+        try:
+            return contact_forces.contacts(self.case, mode, full, side, turn, times.tolist())
+        except np.linalg.LinAlgError:
+            return None
 
     def load_quantities_of_arrays(self, times: np.ndarray, states: np.ndarray, parameters) -> list[np.ndarray]:
         """The load's quantities, which do not depend on the matrix."""
@@ -113,22 +132,13 @@ class LiteralSystem:
 
     def outputs_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """The contact quantities in the order of `ContactQuantities`, each of shape (n,)."""
-        columns = states.T.tolist()
-        in_contact = self.original is None and self.regime != FLIGHT
-        if columns and in_contact and contact_forces.fits(self.case, self.regime.turn):
-            full = [full_state(self.case, self.phase, t, y) for t, y in zip(times.tolist(), columns, strict=True)]
-            try:
-                return list(self._observed_at_once(times.tolist(), full))
-            except np.linalg.LinAlgError:
-                pass  # solved one by one below: those that are not singular have forces
-        rows = [self._observe(t, y) for t, y in zip(times.tolist(), columns, strict=True)]
+        contact = self._contacts(times, states)
+        if contact is not None:
+            slip = np.zeros(len(times)) if self.regime.mode in WITHOUT_SLIP else contact.slip
+            mass = self.case.plate.mass
+            return [slip, contact.theta_dot, contact.normal_force / mass, contact.friction_force / mass]
+        rows = [self._observe(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
         return list(np.array(rows).reshape(-1, len(ContactQuantities._fields)).T)
-
-    def _observed_at_once(self, times: Sequence[float], states: Sequence[Sequence[float]]) -> Iterator[np.ndarray]:
-        mode, side, turn = self.regime
-        contact, mass = contact_forces.contacts(self.case, mode, states, side, turn, times), self.case.plate.mass
-        yield np.zeros(len(states)) if self.regime.mode in WITHOUT_SLIP else contact.slip
-        yield from (contact.theta_dot, contact.normal_force / mass, contact.friction_force / mass)
 
     def _observe(self, t: float, y: Sequence[float]) -> ContactQuantities:
         equations = self.system_at(t, y)
@@ -141,39 +151,84 @@ class LiteralSystem:
         return ContactQuantities(slip, omega, forces.normal_force / mass, forces.friction_force / mass)
 
 
-def _guard(phase: Phase, name: str, equations: AugmentedSystem, forces: Solution, t: float) -> float:
-    """The value of one guard, positive while the mode lasts. Forces per mass, couples over mass and radius of
-    gyration."""
+class _Instant(NamedTuple):
+    """A contact at one instant, with the quantities of `contact_forces.Contacts`."""
+
+    case: Case
+    equations: AugmentedSystem
+    forces: Solution
+    time: float
+
+    @property
+    def xi1(self) -> float:
+        return float(self.equations.k.q[0])
+
+    @property
+    def xi2(self) -> float:
+        return float(self.equations.k.q[1])
+
+    @property
+    def slip(self) -> float:
+        return slip_velocity(self.equations.k, belt_of(self.case, self.time)[0])
+
+    @property
+    def theta_dot(self) -> float:
+        return self.equations.k.turning
+
+    @property
+    def normal_force(self) -> float:
+        return self.forces.normal_force
+
+    @property
+    def friction_force(self) -> float:
+        return self.forces.friction_force
+
+    @property
+    def couple(self) -> float:
+        return self.forces.couple
+
+    @property
+    def fit(self) -> float:
+        k = self.equations.k
+        return _bend(k.rp, k.rs) - _bend(k.Rp, k.Rs)
+
+    def uniqueness(self) -> float:
+        return uniqueness(self.equations)
+
+
+def _guard(phase: Phase, name: str, contact: Any) -> Any:
+    """The value of one guard, positive while the mode lasts, of an `_Instant` or of `contact_forces.Contacts`. Forces
+    per mass, couples over mass and radius of gyration."""
     case, regime, parts = phase.case, phase.regime, phase.parts
-    k, mass, size = equations.k, case.plate.mass, case.plate.gyration
+    mass, size = case.plate.mass, case.plate.gyration
     curve, _, end = name.partition("_")
     if curve in ("track", "outline"):
         track, outline = (case.track.part(parts[0]), case.plate.outline.part(parts[1]))
-        xi, domain = (k.q[0], track.domain) if curve == "track" else (k.q[1], outline.domain)
+        xi, domain = (contact.xi1, track.domain) if curve == "track" else (contact.xi2, outline.domain)
         assert domain is not None  # a curve without ends has no such guard
-        return float(xi - domain[0] if end == "start" else domain[1] - xi)
+        return xi - domain[0] if end == "start" else domain[1] - xi
     if name.startswith(OWN_END):
-        slip = 0.0 if equations.rolls else slip_velocity(k, belt_of(case, t)[0])
-        return _own_end(case, name.removeprefix(OWN_END), (t, slip, k.turning))
-    pressing = regime.side * forces.normal_force
+        slip = 0.0 if contact.equations.rolls else contact.slip
+        return _own_end(case, name.removeprefix(OWN_END), (contact.time, slip, contact.theta_dot))
+    pressing = regime.side * contact.normal_force
     if name == "normal_force":
         return pressing / mass
     if name == "slip":
-        return SLIP_SIGN[regime.mode] * slip_velocity(k, belt_of(case, t)[0])
+        return SLIP_SIGN[regime.mode] * contact.slip
     if name == "turn":
-        return (regime.turn or 0) * k.turning * size
+        return (regime.turn or 0) * contact.theta_dot * size
     if name == "fit":
-        return _bend(k.rp, k.rs) - _bend(k.Rp, k.Rs)
+        return contact.fit
     if name == "painleve":
-        return uniqueness(equations) - PAINLEVE_LEAST
+        return contact.uniqueness() - PAINLEVE_LEAST
     sense = 1.0 if end == "forward" else -1.0
     if curve == "cone":
         friction = case.effect(CoulombFriction)
         assert friction is not None
-        return (friction.stick * pressing + sense * forces.friction_force) / mass
+        return (friction.stick * pressing + sense * contact.friction_force) / mass
     resistance = case.effect(RollingResistance)
     assert curve == "couple" and resistance is not None
-    return (resistance.arm * pressing + sense * forces.couple) / (mass * size)
+    return (resistance.arm * pressing + sense * contact.couple) / (mass * size)
 
 
 def _own_end(case: Case, status: str, state: tuple[float, float, float]) -> float:
@@ -185,7 +240,8 @@ def _own_end(case: Case, status: str, state: tuple[float, float, float]) -> floa
 
 def _bend(p: np.ndarray, s: np.ndarray) -> float:
     """A curve's curvature from its first and second derivative, 1/m."""
-    return float((p[0] * s[1] - p[1] * s[0]) / np.hypot(*p) ** 3)
+    (p_x, p_y), (s_x, s_y) = p.tolist(), s.tolist()
+    return float((p_x * s_y - p_y * s_x) / np.hypot(p_x, p_y) ** 3)
 
 
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:

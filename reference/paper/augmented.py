@@ -27,7 +27,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Gravity, Load, Mode, RollingResistance
 from cases.own_effects import own_effects
 
-from .kinematics import I2, Kinematics, U, belt_of, kinematics, slip_velocity
+from .kinematics import Kinematics, U, belt_of, kinematics, slip_velocity
 
 # (30): the friction coefficient's sign is opposite to the slip velocity's.
 SIGN = {Mode.SLIP_FORWARD: -1.0, Mode.SLIP_BACKWARD: +1.0}
@@ -81,13 +81,10 @@ def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
 
     `motion` are the arguments of a load: (t, X₀, Y₀, θ, Ẋ₀, Ẏ₀, θ̇).
     """
-    F = np.zeros(3)
     gravity, load = case.effect(Gravity), case.effect(Load)
-    if gravity is not None:
-        F[:2] = case.plate.mass * np.array(gravity.vector)
-    if load is not None:
-        F += load.at(*(float(value) for value in motion))
-    return F
+    weight = (case.plate.mass * g for g in gravity.vector) if gravity is not None else (0.0, 0.0)
+    F = np.array([*weight, 0.0])
+    return F if load is None else F + load.at(*(float(value) for value in motion))
 
 
 def own_torsor(case: Case, k: Kinematics, time: float, slip: float) -> np.ndarray:
@@ -115,13 +112,23 @@ def sliding_column(k: Kinematics, mu: float, arm: float = 0.0) -> np.ndarray:
 
     `arm` is the couple per normal force of a rolling resistance; N = λ |R_p|.
     """
-    Rp_tilde = (I2 - mu * U) @ k.Rp
-    return np.array([*(U @ Rp_tilde), Rp_tilde @ k.turn @ k.r + arm * sqrt(k.Rp @ k.Rp)]).reshape(3, 1)
+    return np.array(_sliding_numbers(k, mu, arm)).reshape(3, 1)
+
+
+def _sliding_numbers(k: Kinematics, mu: float, arm: float) -> list[float]:
+    Rp_tilde = np.array([[1.0, mu], [-mu, 1.0]]) @ k.Rp
+    (x, y), (a, b), (r_x, r_y) = Rp_tilde.tolist(), (Rp_tilde @ k.turn).tolist(), k.r.tolist()
+    return [-y, x, a * r_x + b * r_y + arm * sqrt(k.Rp @ k.Rp)]
 
 
 def tangential_column(k: Kinematics) -> np.ndarray:
     """The column of the rolling plate's tangential multiplier, shape (3, 1): a force along R_p and its moment."""
-    return np.array([*k.Rp, (U @ k.turn @ k.r) @ k.Rp]).reshape(3, 1)
+    return np.array(_tangential_numbers(k)).reshape(3, 1)
+
+
+def _tangential_numbers(k: Kinematics) -> list[float]:
+    (Rp_x, Rp_y), (a, b) = k.Rp.tolist(), (U @ k.turn @ k.r).tolist()
+    return [Rp_x, Rp_y, a * Rp_x + b * Rp_y]
 
 
 # --- B, D and C -------------------------------------------------------------------------------------------------------
@@ -129,28 +136,33 @@ def tangential_column(k: Kinematics) -> np.ndarray:
 
 def constraints(k: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """B (3×3), D (3×2) of (23) from (8) and (9), and C (3,) of (25), where the third derivatives enter."""
+    B, D, C = _constraint_rows(k)
+    return np.array(B), np.array(D), np.array(C)
+
+
+def _constraint_rows(k: Kinematics) -> tuple[list[list[float]], list[list[float]], list[float]]:
     # Products of the derivatives p, s, t of the track (rows) with the outline's, rotated by θ (columns), all at once:
     # directly and with U between them (U² = −I₂). This is computed at every evaluation, so it has to be fast.
-    outline = k.turn @ np.array([k.r, k.rp, k.rs, k.rt]).T
-    track = np.array([k.Rp, k.Rs, k.Rt])
+    outline = k.turn @ np.concatenate((k.r, k.rp, k.rs, k.rt)).reshape(4, 2).T
+    track = np.concatenate((k.Rp, k.Rs, k.Rt)).reshape(3, 2)
     (_, S, p_s, _), (_, s_p, *_), _ = (track @ outline).tolist()
     (_, p_Up, G, p_Ut), (_, E, s_Us, _), (_, t_Up, *_) = (track @ U @ outline).tolist()
     (arm_x, rp_x, rs_x, _), (arm_y, rp_y, rs_y, _) = outline.tolist()
     (Rp_x, Rp_y), (Rs_x, Rs_y), _ = track.tolist()
     (u1, u2), w, turning = k.q_dot.tolist(), float(k.theta_dot), float(k.turning)
-    B = np.array([[1.0, 0.0, -arm_y], [0.0, 1.0, arm_x], [0.0, 0.0, -S]])
-    D = np.array([[-Rp_x, rp_x], [-Rp_y, rp_y], [E, G]])
+    B = [[1.0, 0.0, -arm_y], [0.0, 1.0, arm_x], [0.0, 0.0, -S]]
+    D = [[-Rp_x, rp_x], [-Rp_y, rp_y], [E, G]]
     # (25), the derivative of each coefficient by the product rule and (7).
     S_dot = u1 * s_p + turning * p_Up + u2 * p_s
     E_dot = u1 * t_Up - turning * s_p + u2 * s_Us
     G_dot = u1 * s_Us - turning * p_s + u2 * p_Ut
     along_x = u1**2 * Rs_x + w**2 * arm_x + 2.0 * w * u2 * rp_y - u2**2 * rs_x
     along_y = u1**2 * Rs_y + w**2 * arm_y - 2.0 * w * u2 * rp_x - u2**2 * rs_y
-    C = np.array([along_x, along_y, turning * S_dot - u1 * E_dot - u2 * G_dot])
+    C = [along_x, along_y, turning * S_dot - u1 * E_dot - u2 * G_dot]
     if k.track is not None:
         # With R(ξ₁, t): d/dt of ξ̇₁ R_p + W has ∂²R/∂t² and twice ξ̇₁ ∂R_p/∂t = ξ̇₁ α̇ U R_p; (9) has θ̇ − α̇.
-        C[:2] += k.W_dot + 2.0 * u1 * k.track.spin * (U @ k.Rp)
-        C[2] -= S * k.track.swing
+        further = (k.W_dot + 2.0 * u1 * k.track.spin * (U @ k.Rp)).tolist()
+        C = [along_x + further[0], along_y + further[1], C[2] - S * k.track.swing]
     return B, D, C
 
 
@@ -160,14 +172,22 @@ def rolling_row(k: Kinematics, belt: tuple[float, float] = (0.0, 0.0)) -> tuple[
     `belt` is the speed b of the track's surface (m/s) and its rate; (27) changes only on this row's right-hand side, by
     d(|R_p| b)/dt = |R_p| ḃ + b ξ̇₁ R_pᵀ R_s/|R_p|.
     """
-    rp = k.turn @ k.rp
-    u1, u2 = k.q_dot
-    S_dot = u1 * (k.Rs @ rp) + k.Rp @ (k.turning * (U @ rp) + u2 * (k.turn @ k.rs))
-    right = u2 * S_dot - 2 * u1**2 * (k.Rp @ k.Rs)
+    coefficients, right = _rolling_numbers(k, belt)
+    return np.array(coefficients), right
+
+
+def _rolling_numbers(k: Kinematics, belt: tuple[float, float]) -> tuple[list[float], float]:
+    (Rp_x, Rp_y), (Rs_x, Rs_y), (u1, u2) = k.Rp.tolist(), k.Rs.tolist(), k.q_dot.tolist()
+    (rp_x, rp_y), (rs_x, rs_y) = (k.turn @ k.rp).tolist(), (k.turn @ k.rs).tolist()
+    turning = float(k.turning)
+    rate_x, rate_y = u2 * rs_x - turning * rp_y, turning * rp_x + u2 * rs_y  # of θ r_p
+    S_dot = u1 * (Rs_x * rp_x + Rs_y * rp_y) + (Rp_x * rate_x + Rp_y * rate_y)
+    bend = Rp_x * Rs_x + Rp_y * Rs_y
+    right = u2 * S_dot - 2 * u1**2 * bend
     if belt != (0.0, 0.0):
-        P = np.hypot(*k.Rp)
-        right += P * belt[1] + belt[0] * u1 * (k.Rp @ k.Rs) / P
-    return np.array([k.Rp @ k.Rp, -(k.Rp @ rp)]), right
+        P = float(np.hypot(Rp_x, Rp_y))
+        right += P * belt[1] + belt[0] * u1 * bend / P
+    return [Rp_x * Rp_x + Rp_y * Rp_y, -(Rp_x * rp_x + Rp_y * rp_y)], right
 
 
 # --- (27) -------------------------------------------------------------------------------------------------------------
@@ -191,29 +211,36 @@ def assemble(
     case: Case, mode: Mode, k: Kinematics, motion: Sequence[float], side: int = 1, turn: int | None = None
 ) -> AugmentedSystem:
     """Assemble (27) from given kinematics, whether or not they fit the contact; `motion` as in `applied_torsor`."""
-    belt = belt_of(case, motion[0])
-    ratio = friction_ratio(case, mode, side, slip_velocity(k, belt[0]))
+    belt, friction, own = belt_of(case, motion[0]), case.effect(CoulombFriction), own_effects(case.effects)
+    slip = slip_velocity(k, belt[0]) if own or (friction is not None and friction.by_speed) else 0.0
+    ratio = friction_ratio(case, mode, side, slip)
     arm, rotation_fixed = resistance(case, mode, side, turn, float(k.turning))
     rolls = mode in WITHOUT_SLIP
-    size = 6 + rolls + rotation_fixed
-    matrix, right = np.zeros((size, size)), np.zeros(size)
-    matrix[:3, :3], right[:3] = mass_matrix(case), applied_torsor(case, motion)
-    if own_effects(case.effects):
-        right[:3] += own_torsor(case, k, motion[0], 0.0 if rolls else slip_velocity(k, belt[0]))
-    matrix[THETA_ROW, THETA_ROW] = matrix[THETA_ROW, THETA_ROW] if case.plate.turns else 0.0
-    matrix[3:6, :3], matrix[3:6, 3:5], right[3:6] = constraints(k)
-    matrix[:3, 5:6] = -sliding_column(k, ratio, arm)
+    torsor = applied_torsor(case, motion)
+    if own:
+        torsor += own_torsor(case, k, motion[0], 0.0 if rolls else slip)
+    # In lists of numbers: NumPy's assignments to parts of a matrix take as long as its solution.
+    B, D, C = _constraint_rows(k)
+    M, right = mass_matrix(case).tolist(), [*torsor.tolist(), *C]
+    M[THETA_ROW][THETA_ROW] = M[THETA_ROW][THETA_ROW] if case.plate.turns else 0.0
+    rows = [[*row, 0.0, 0.0, -value] for row, value in zip(M, _sliding_numbers(k, ratio, arm), strict=True)]
+    rows += [[*of_q1, *of_q2, 0.0] for of_q1, of_q2 in zip(B, D, strict=True)]
     if rolls:
-        matrix[:3, 6:7] = -tangential_column(k)
-        matrix[6, 3:5], right[6] = rolling_row(k, belt)
+        column = [*(-value for value in _tangential_numbers(k)), 0.0, 0.0, 0.0]
+        coefficients, rate = _rolling_numbers(k, belt)
+        rows = [[*row, value] for row, value in zip(rows, column, strict=True)]
+        rows.append([0.0, 0.0, 0.0, *coefficients, 0.0, 0.0])
+        right.append(rate)
     if rotation_fixed:
-        matrix[2, -1], matrix[-1, 2] = -1.0, 1.0
-        right[-1] = k.track.swing if k.track is not None else 0.0
+        rows = [[*row, -1.0 if number == THETA_ROW else 0.0] for number, row in enumerate(rows)]
+        rows.append([1.0 if number == THETA_ROW else 0.0 for number in range(len(rows) + 1)])
+        right.append(k.track.swing if k.track is not None else 0.0)
+    matrix, right_side = np.array(rows), np.array(right)
     if case.plate.turns:
-        return AugmentedSystem(matrix, right, k, ratio, arm, rolls, rotation_fixed)
-    moments = np.delete(matrix[THETA_ROW], THETA_ROW), float(right[THETA_ROW])
+        return AugmentedSystem(matrix, right_side, k, ratio, arm, rolls, rotation_fixed)
+    moments = np.delete(matrix[THETA_ROW], THETA_ROW), float(right_side[THETA_ROW])
     matrix = np.delete(np.delete(matrix, THETA_ROW, axis=0), THETA_ROW, axis=1)
-    return AugmentedSystem(matrix, np.delete(right, THETA_ROW), k, ratio, arm, rolls, True, moments)
+    return AugmentedSystem(matrix, np.delete(right_side, THETA_ROW), k, ratio, arm, rolls, True, moments)
 
 
 def friction_ratio(case: Case, mode: Mode, side: int, slip: float) -> float:
@@ -261,6 +288,12 @@ def solve_full_system(
 ) -> Solution:
     """Accelerations, multipliers and contact forces from (27); raises numpy.linalg.LinAlgError where it is singular."""
     return solution(fill(case, mode, state, side, turn, time))
+
+
+def parameter_accelerations(system: AugmentedSystem) -> list[float]:
+    """q̈₂ alone; raises numpy.linalg.LinAlgError if the system is singular."""
+    first = 3 if system.moments is None else 2  # without θ̈ it follows the first two
+    return np.linalg.solve(system.matrix, system.right)[first : first + 2].tolist()
 
 
 def solution(system: AugmentedSystem) -> Solution:

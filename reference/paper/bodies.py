@@ -18,7 +18,6 @@ tested against it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -175,4 +174,4 @@ def _kinematics(one: BodyContact, motions: Sequence[Sequence[float]]) -> Kinemat
     R0, q, q_dot = R - turn @ r, np.array([xi1, xi2]), np.array([xi1_dot, xi2_dot])
     R0_dot = xi1_dot * Rp - spin * (U @ turn @ r)
     k = Kinematics(q, q_dot, R, Rp, Rs, Rt, r, none, none, none, theta, turn, R0, spin, R0_dot, track)
-    return k if track is None else replace(k, R0_dot=R0_dot + k.W)
+    return k if track is None else k._replace(R0_dot=R0_dot + k.W)

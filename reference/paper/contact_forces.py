@@ -21,12 +21,27 @@ from .kinematics import I2, U, belt_of
 
 
 class Contacts(NamedTuple):
-    """Slip velocity (m/s), θ̇ (rad/s), normal and friction force (N), each of shape (n,)."""
+    """ξ₁ and ξ₂, slip velocity (m/s), θ̇ (rad/s), normal and friction force (N), the couple that resists the rotation
+    (N m), and by how much the outline is bent more than the track (1/m), each of shape (n,); the matrices of (27), and
+    their column of λ without friction and resistance, shapes (n, size, size) and (n, 3)."""
 
+    xi1: np.ndarray
+    xi2: np.ndarray
     slip: np.ndarray
     theta_dot: np.ndarray
     normal_force: np.ndarray
     friction_force: np.ndarray
+    couple: np.ndarray
+    fit: np.ndarray
+    matrix: np.ndarray
+    smooth_column: np.ndarray
+
+    def uniqueness(self) -> np.ndarray:
+        """`augmented.uniqueness` of each system, for a plate that can turn."""
+        smooth = self.matrix.copy()
+        smooth[:, :3, 5] = -self.smooth_column
+        without = np.linalg.det(smooth)
+        return np.divide(np.linalg.det(self.matrix), without, out=np.full(len(smooth), np.nan), where=without != 0.0)
 
 
 def fits(case: Case, turn: int | None) -> bool:
@@ -74,9 +89,7 @@ def contacts(
         motion = np.column_stack([times, R - arm, angles, velocity, w])
         right[:, :3] = [applied_torsor(case, row) for row in motion.tolist()]
     ratio, size = _ratios(case, mode, side, slip, first.ratio), np.sqrt(_dot(Rp, Rp))
-    Rp_tilde = _times(I2 - np.multiply.outer(ratio, U), Rp)  # (32), (33)
-    matrix[:, :2, 5] = -(Rp_tilde @ U.T)
-    matrix[:, 2, 5] = -(_dot((Rp_tilde[:, None, :] @ rotation)[:, 0], r) + first.arm * size)
+    matrix[:, :3, 5] = -_sliding_columns(_times(I2 - np.multiply.outer(ratio, U), Rp), rotation, r, first.arm * size)
     if first.rolls:
         matrix[:, :2, 6], matrix[:, 2, 6] = -Rp, -_dot(_times(U @ rotation, r), Rp)
         matrix[:, 6, 3], matrix[:, 6, 4] = _dot(Rp, Rp), -_dot(Rp, along)
@@ -86,7 +99,26 @@ def contacts(
     multipliers = _multipliers(matrix, right, case)
     normal = multipliers[:, 0] * size
     friction = multipliers[:, 1] * size if first.rolls else ratio * normal
-    return Contacts(slip, np.zeros(len(w)) if first.rotation_fixed else w, normal, friction)
+    couple = multipliers[:, -1] if first.rotation_fixed else first.arm * normal
+    theta_dot = np.zeros(len(w)) if first.rotation_fixed else w
+    smooth = _sliding_columns(Rp, rotation, r, 0.0)
+    fit = _bend(rp, rs) - _bend(Rp, Rs)
+    return Contacts(np.array(xi1), np.array(xi2), slip, theta_dot, normal, friction, couple, fit, matrix, smooth)
+
+
+def _sliding_columns(
+    Rp_tilde: np.ndarray, rotation: np.ndarray, r: np.ndarray, couple: np.ndarray | float
+) -> np.ndarray:
+    """Ã of (33) of each system, shape (n, 3); `couple`: that of a rolling resistance, per λ."""
+    moment = _dot((Rp_tilde[:, None, :] @ rotation)[:, 0], r) + couple
+    return np.column_stack([-Rp_tilde[:, 1], Rp_tilde[:, 0], moment])
+
+
+def _bend(p: np.ndarray, s: np.ndarray) -> np.ndarray:
+    """A curve's curvature from its first and second derivative, 1/m."""
+    # By Python's power, as in the integrator's guards: NumPy's of arrays rounds differently.
+    cubes = np.array([size**3 for size in np.hypot(p[:, 0], p[:, 1]).tolist()])
+    return (p[:, 0] * s[:, 1] - p[:, 1] * s[:, 0]) / cubes
 
 
 def _ratios(case: Case, mode: Mode, side: int, slip: np.ndarray, first: float) -> np.ndarray | float:

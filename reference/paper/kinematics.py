@@ -5,8 +5,8 @@ Lengths in metres; a dot is a time derivative. Everything here is literal: a tes
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from math import atan2, cos, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,7 @@ U = np.array([[0.0, -1.0], [1.0, 0.0]])  # (4)
 I2 = np.eye(2)  # (4)
 
 
-@dataclass(frozen=True)
-class Kinematics:
+class Kinematics(NamedTuple):
     """One instant of a plate in contact: (1)–(3) with rates that satisfy (8) and (9).
 
     `q` and `q_dot` are q₂ = (ξ₁, ξ₂) and its rate. Vectors have shape (2,), `turn` (the paper's matrix θ) (2, 2).
@@ -84,22 +83,29 @@ def kinematics_on(
     case: Case, xi1: float, xi2: float, xi1_dot: float, xi2_dot: float, track: TrackPlace | None
 ) -> Kinematics:
     """Same as `kinematics`, with the place of the track; None if it is fixed."""
+    # Matrices times vectors are NumPy's products; all else is written in numbers, which takes a fifth of the time of
+    # NumPy's functions on two numbers and rounds as they do.
     R, Rp, Rs, Rt = track_jet(case, xi1, track)  # (1)
     r, rp, rs, rt = np.array(case.plate.outline.jet(xi2)).reshape(4, 2)  # (2)
-    theta = atan2(Rp[1], Rp[0]) - atan2(rp[1], rp[0])  # (6), and of its two solutions the one with parallel tangents
+    (Rp_x, Rp_y), (Rs_x, Rs_y), (rp_x, rp_y) = Rp.tolist(), Rs.tolist(), rp.tolist()
+    theta = atan2(Rp_y, Rp_x) - atan2(rp_y, rp_x)  # (6), and of its two solutions the one with parallel tangents
     c, s = cos(theta), sin(theta)
     turn = np.array([[c, -s], [s, c]])  # (3)
-    arm, along, bent = turn @ r, turn @ rp, turn @ rs
+    arm, along = turn @ r, turn @ rp
+    (arm_x, arm_y), (along_x, along_y), (bent_x, bent_y) = arm.tolist(), along.tolist(), (turn @ rs).tolist()
     R0 = R - arm  # (5)
-    theta_dot = (xi1_dot * (Rs @ U @ along) + xi2_dot * (Rp @ U @ bent)) / (Rp @ along)  # (9)
-    R0_dot = xi1_dot * Rp - theta_dot * (U @ arm) - xi2_dot * along  # (8)
+    # (9), R_sᵀ U θ r_p = R_s,y (θ r_p)_x − R_s,x (θ r_p)_y; its divisor by NumPy, whose division by 0 raises nothing
+    theta_dot = xi1_dot * (Rs_y * along_x - Rs_x * along_y) + xi2_dot * (Rp_y * bent_x - Rp_x * bent_y)
+    theta_dot = float(theta_dot / (Rp @ along))
+    R0_dot_x = xi1_dot * Rp_x + theta_dot * arm_y - xi2_dot * along_x  # (8)
+    R0_dot = np.array([R0_dot_x, xi1_dot * Rp_y - theta_dot * arm_x - xi2_dot * along_y])
     q, q_dot = np.array([xi1, xi2]), np.array([xi1_dot, xi2_dot])
     k = Kinematics(q, q_dot, R, Rp, Rs, Rt, r, rp, rs, rt, theta, turn, R0, theta_dot, R0_dot, track)
     if track is None:
         return k
     # (8) and (9) gain the track's velocity: W on the right-hand side of (8), and θ̇ − α̇ in place of θ̇ in (9).
     theta_dot += track.spin
-    return replace(k, theta_dot=theta_dot, R0_dot=xi1_dot * Rp + k.W - theta_dot * (U @ arm) - xi2_dot * along)
+    return k._replace(theta_dot=theta_dot, R0_dot=xi1_dot * Rp + k.W - theta_dot * (U @ arm) - xi2_dot * along)
 
 
 def slip_vector(k: Kinematics) -> np.ndarray:
@@ -116,7 +122,9 @@ def slip_vector_of_plate(k: Kinematics) -> np.ndarray:
 def slip_velocity(k: Kinematics, belt: float = 0.0) -> float:
     """The slip velocity R_pᵀ v / |R_p|, whose sign is used in (13) and (14), in m/s; relative to a surface that runs
     with the speed `belt` along R_p."""
-    return float(k.Rp @ slip_vector(k) / np.hypot(*k.Rp)) - belt
+    (Rp_x, Rp_y), (u1, u2), (along_x, along_y) = k.Rp.tolist(), k.q_dot.tolist(), (k.turn @ k.rp).tolist()
+    along = Rp_x * (u1 * Rp_x - u2 * along_x) + Rp_y * (u1 * Rp_y - u2 * along_y)  # R_pᵀ v, of `slip_vector`
+    return float(along / np.hypot(Rp_x, Rp_y)) - belt
 
 
 def belt_of(case: Case, time: float) -> tuple[float, float]:

@@ -205,6 +205,11 @@ def check_at_once(case):
         for name, own, other in zip(ContactQuantities._fields, at_once, alone, strict=True):
             size = force if name in ("normal", "friction") else 1e-2
             assert np.all(np.abs(own - other) <= 1e-10 * size), name
+        guards_alone = zip(*(map(literal.guards_of_numbers, SEVERAL_TIMES, states.tolist())), strict=True)
+        guards_at_once = literal.guards_of_arrays(np.array(SEVERAL_TIMES), states.T)
+        for name, own, values in zip(literal.guards, guards_at_once, guards_alone, strict=True):
+            # Most are forces per mass (1 kg or 2 kg here), the others of order one.
+            assert np.all(np.abs(own - np.array(values)) <= 1e-10 * (1.0 + np.abs(values) + force)), name
 
 
 @given(scenes_with_effects())
