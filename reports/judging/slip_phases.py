@@ -221,76 +221,103 @@ def branch_zero(t: np.ndarray, y: np.ndarray, end: float) -> tuple[float, float]
     if gap <= 0.0:
         return None
     tau, limit = (t - t[-1]) / gap, (end - float(t[-1])) / gap + 1.0
-    trials = _trials(len(t))
-    # The last window and the earliest, whose zeros differ most; the one between them is rarely needed.
-    outer = _zeros(tau, y, [w for trial in trials for w in (trial.last, trial.earliest)], limit)
     best: tuple[float, float] | None = None
-    for trial, last, earliest in zip(trials, outer[::2], outer[1::2], strict=True):
-        if not abs(last - earliest) < (np.inf if best is None else best[1]):  # NaN where a window has no zero
-            continue
-        spread = float(np.ptp([last, earliest, *_zeros(tau, y, [trial.between], limit)]))
-        if isfinite(spread) and (best is None or spread < best[1]):
+    for last, between, earliest in _zeros(tau, y, limit).tolist():
+        spread = max(last, between, earliest) - min(last, between, earliest)
+        # NaN where a window has no zero.
+        if isfinite(last + between + earliest) and (best is None or spread < best[1]):
             best = (last, spread)
     if best is None:
         return _chord(t, y, end)
     return float(t[-1]) + best[0] * gap, best[1] * gap
 
 
-class _Window(NamedTuple):
-    """A polynomial's degree and the samples that it is fitted to: so many, ending so many before the last."""
+class _Windows(NamedTuple):
+    """The samples that polynomials are fitted to, for a branch of so many.
 
-    degree: int
-    width: int
-    shift: int
+    `groups`: the samples' indices, a row for each window, with −1 for none. `fits`: for each degree the windows that it
+    is fitted to, numbered through all groups, shape (n, 3): the last samples and two windows before them."""
 
-
-class _Trial(NamedTuple):
-    """The windows of one degree and width."""
-
-    last: _Window
-    between: _Window
-    earliest: _Window
+    groups: tuple[np.ndarray, ...]
+    fits: tuple[tuple[int, np.ndarray], ...]
 
 
 @lru_cache(maxsize=64)
-def _trials(count: int) -> tuple[_Trial, ...]:
-    """The trials for a branch of so many samples."""
-    trials = []
+def _windows(count: int) -> _Windows:
+    """The windows of a branch of so many samples. Those of few samples form one group, which is fitted in one call."""
+    widths = {}
     for degree in _DEGREES:
-        for width in {degree + 1 + spare for spare in _SPARE} | {count // part for part in _PARTS}:
-            earlier = max(2, width // 4)
-            if degree + 2 <= width <= count - earlier:
-                trials.append(_Trial(*(_Window(degree, width, shift) for shift in (0, max(1, width // 8), earlier))))
-    return tuple(trials)
+        sizes = {degree + 1 + spare for spare in _SPARE} | {count // part for part in _PARTS}
+        widths[degree] = [width for width in sizes if degree + 2 <= width <= count - max(2, width // 4)]
+    few = _DEGREES[-1] + 1 + max(_SPARE)
+    in_order = sorted({width for sizes in widths.values() for width in sizes})
+    groups = [[w for w in in_order if w <= few], *([w] for w in in_order if w > few)]
+    rows = {width: 3 * i + np.arange(3) for i, width in enumerate(in_order)}
+    fits = ((degree, np.array([rows[width] for width in sizes])) for degree, sizes in widths.items() if sizes)
+    return _Windows(tuple(_indices(count, group) for group in groups if group), tuple(fits))
 
 
-def _zeros(tau: np.ndarray, y: np.ndarray, windows: Sequence[_Window], limit: float) -> list[float]:
-    """First zero after the last sample of the polynomial fitted to each window; NaN if there is none.
+def _indices(count: int, widths: Sequence[int]) -> np.ndarray:
+    """The samples of each width's windows: the last, and those ending an eighth and a quarter of the width earlier."""
+    size = max(*widths, _DEGREES[-1] + 2)  # at least one for each column
+    result = np.full((3 * len(widths), size), -1)
+    for i, width in enumerate(widths):
+        for k, shift in enumerate((0, max(1, width // 8), max(2, width // 4))):
+            result[3 * i + k, :width] = np.arange(count - shift - width, count - shift)
+    return result
+
+
+def _zeros(tau: np.ndarray, y: np.ndarray, limit: float) -> np.ndarray:
+    """First zero after the last sample of each polynomial, shape (n, 3) as in `_Windows`; NaN if there is none.
 
     The zeros of all polynomials of a degree are computed in one call, as eigenvalues of their companion matrices."""
-    zeros = [nan] * len(windows)
-    powers: dict[tuple[int, int], np.ndarray] = {}
-    fits: dict[int, list[tuple[int, float, np.ndarray]]] = {}
-    for i, (degree, width, shift) in enumerate(windows):
-        stop = len(tau) - shift
-        span = -tau[stop - width]  # in windows, so that no unit of time counts
-        if (width, shift) not in powers:
-            powers[width, shift] = np.vander(tau[stop - width : stop] / span, _DEGREES[-1] + 1)
-        columns = powers[width, shift][:, _DEGREES[-1] - degree :]
-        coefficients = np.linalg.lstsq(columns, y[stop - width : stop], rcond=None)[0]
-        if coefficients.all():
-            fits.setdefault(degree, []).append((i, span, coefficients))
-        elif coefficients.any():  # of a lower degree, or with zeros at 0
-            zeros[i] = float(_first(np.roots(coefficients), span, limit))
-    for degree, rows in fits.items():
-        places, spans, coefficients = (np.array(column) for column in zip(*rows, strict=True))
-        companion = np.zeros((len(rows), degree, degree))
-        companion[:, 0] = -coefficients[:, 1:] / coefficients[:, :1]
-        below = np.arange(degree - 1)
-        companion[:, below + 1, below] = 1.0
-        firsts = _first(np.linalg.eigvals(companion), spans[:, None], limit)
-        for place, first in zip(places.tolist(), firsts.tolist(), strict=True):
-            zeros[place] = first
+    groups, fits = _windows(len(tau))
+    if not fits:
+        return np.empty((0, 3))
+    # In windows, so that no unit of time counts.
+    spans = np.concatenate([-tau[group[:, 0]] for group in groups])
+    factors = np.concatenate([_factors(tau, y, group) for group in groups])
+    return np.concatenate(
+        [_zeros_of(_fits(factors[rows.ravel()], degree), spans[rows.ravel()], limit) for degree, rows in fits]
+    ).reshape(-1, 3)
+
+
+def _factors(tau: np.ndarray, y: np.ndarray, samples: np.ndarray) -> np.ndarray:
+    """The triangular factors of the windows' powers of time, from the lowest on, and of y as the last column.
+
+    The leading part of a factor is that of the lower powers alone, so that it has the least-squares fits of all
+    degrees; rows of zeros, for windows of fewer samples, change nothing.
+    """
+    columns = np.ones((*samples.shape, _DEGREES[-1] + 2))
+    columns[..., 1] = tau[samples] / -tau[samples[:, :1]]
+    for power in range(2, _DEGREES[-1] + 1):
+        columns[..., power] = columns[..., power - 1] * columns[..., 1]
+    columns[..., -1] = y[samples]
+    columns[samples < 0] = 0.0
+    return np.asarray(np.linalg.qr(columns, mode="r"))
+
+
+def _fits(factors: np.ndarray, degree: int) -> np.ndarray:
+    """The least-squares polynomials of a degree, shape (n, degree + 1), from the highest power; 0 if there is none."""
+    fits = np.zeros((len(factors), degree + 1))
+    with np.errstate(all="ignore"):  # times that agree to rounding
+        for k in range(degree, -1, -1):
+            rest = np.sum(factors[:, k, k + 1 : degree + 1] * fits[:, k + 1 :], axis=1)
+            fits[:, k] = (factors[:, k, -1] - rest) / factors[:, k, k]
+    fits[~np.isfinite(fits).all(axis=1)] = 0.0
+    return fits[:, ::-1]
+
+
+def _zeros_of(fits: np.ndarray, spans: np.ndarray, limit: float) -> np.ndarray:
+    """First zeros of polynomials of one degree, in the unit of the spans."""
+    degree, zeros, is_full = fits.shape[1] - 1, np.full(len(fits), nan), fits.all(axis=1)
+    for k in np.flatnonzero(~is_full & fits.any(axis=1)):  # of a lower degree, or with zeros at 0
+        zeros[k] = _first(np.roots(fits[k]), spans[k], limit)
+    companion = np.zeros((int(is_full.sum()), degree, degree))
+    companion[:, 0] = -fits[is_full, 1:] / fits[is_full, :1]
+    below = np.arange(degree - 1)
+    companion[:, below + 1, below] = 1.0
+    zeros[is_full] = _first(np.linalg.eigvals(companion), spans[is_full, None], limit)
     return zeros
 
 
