@@ -5,6 +5,7 @@ Independent of solvers. `cases.geometry` has the mathematics, and documents resu
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,7 @@ __all__ = [
     "belt_speed",
     "clearance",
     "find",
+    "finder",
     "follow",
     "in_track_frame",
     "overlap",
@@ -93,6 +95,11 @@ def velocity(case: Case, xi1: float, xi2: float, slip: float, omega: float) -> M
 def find(case: Case, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
     """The pair of points where outline and track come closest, starting from the pair `near`."""
     return piece_contact.find(case.track, case.plate.outline, x, y, theta, near)
+
+
+def finder(case: Case) -> Callable[[float, float, float, tuple[float, float]], Contact]:
+    """`find` for a case, for many poses: a function of x, y, theta and near."""
+    return piece_contact.finder(case.track, case.plate.outline)
 
 
 def follow(case: Case, x, y, theta) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

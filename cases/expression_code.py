@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -47,21 +47,48 @@ def python_function(
     an argument is not computed. `functions` evaluates the elementary functions, by name: they decide whether arguments
     are floats, arrays or anything else. `or_nan`, for floats: all outputs are NaN where one of them has no value, in
     place of an exception."""
-    outputs = list(outputs)
     texts: dict[Node, str] = {}
-    names = []
-    for i, argument in enumerate(arguments):
-        names.append(f"a{i}")
+    names = [f"a{i}" for i in range(len(arguments))]
+    for name, argument in zip(names, arguments, strict=True):
         if isinstance(argument, Node):
-            texts[argument] = names[-1]
+            texts[argument] = name
         else:
-            texts.update({part: f"a{i}_{k}" for k, part in enumerate(argument)})
-    order = in_order(outputs, texts)
+            texts.update({part: f"{name}_{k}" for k, part in enumerate(argument)})
+    code = statements(texts, outputs)
     lines = [
-        f"    {', '.join(texts[part] if part in order else '_' for part in argument)}, = {name}"
+        f"{', '.join(texts[part] if part in code.order else '_' for part in argument)}, = {name}"
         for name, argument in zip(names, arguments, strict=True)
-        if not isinstance(argument, Node) and any(part in order for part in argument)
+        if not isinstance(argument, Node) and any(part in code.order for part in argument)
     ]
+    values = f"[{', '.join(code.values)}]"
+    if or_nan:
+        lines = [*lines, *code.lines, f"values = {values}"]
+        lines = ["    try:", *(f"        {line}" for line in lines), _or_nan(len(code.values))]
+    else:
+        lines = [f"    {line}" for line in [*lines, *code.lines, f"return {values}"]]
+    scope: dict[str, Any] = {"isfinite": math.isfinite, "nan": math.nan, **functions}
+    scope |= code.functions(functions)
+    exec("\n".join([f"def evaluate({', '.join(names)}):", *lines]), scope)
+    return scope["evaluate"]
+
+
+class Statements(NamedTuple):
+    """Expressions as Python code: the lines of assignments that they need, the text of each value, and all nodes in
+    them."""
+
+    lines: list[str]
+    values: list[str]
+    order: dict[Node, None]
+
+    def functions(self, functions: Mapping[str, Callable]) -> dict[str, Callable]:
+        """The functions of the integrals that the code calls; see `python_function` for `functions`."""
+        return _integral_functions(self.order, functions)
+
+
+def statements(arguments: Mapping[Node, str], outputs: Iterable[Node], variable: str = "v") -> Statements:
+    """The code that computes some outputs from arguments with these names; its own variables begin with `variable`."""
+    outputs, texts, lines = list(outputs), dict(arguments), list[str]()
+    order = in_order(outputs, texts)
     uses: dict[Node, int] = dict.fromkeys(order, 0)
     for current in [
         *(part for n in order if n not in texts and n.op not in ("number", "symbol") for part in n.args),
@@ -76,18 +103,10 @@ def python_function(
         if current.op != "number":
             depths[current] = 1 + max(depths[part] for part in current.args)
             if uses[current] > 1 or depths[current] > DEEPEST:
-                lines.append(f"    v{len(lines)} = {text}")
-                text, depths[current] = f"v{len(lines) - 1}", 0
+                lines.append(f"{variable}{len(lines)} = {text}")
+                text, depths[current] = f"{variable}{len(lines) - 1}", 0
         texts[current] = text
-    values = f"[{', '.join(texts[output] for output in outputs)}]"
-    if or_nan:
-        lines = ["    try:", *(f"    {line}" for line in [*lines, f"    values = {values}"]), _or_nan(len(outputs))]
-    else:
-        lines.append(f"    return {values}")
-    scope: dict[str, Any] = {"isfinite": math.isfinite, "nan": math.nan, **functions}
-    scope |= _integral_functions(order, functions)
-    exec("\n".join([f"def evaluate({', '.join(names)}):", *lines]), scope)
-    return scope["evaluate"]
+    return Statements(lines, [texts[output] for output in outputs], order)
 
 
 def _or_nan(count: int) -> str:

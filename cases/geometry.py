@@ -6,7 +6,7 @@ radians; (5), (6), (11), (12) are the paper's equations.
 
 from __future__ import annotations
 
-from math import cos, hypot, inf, nan, pi, sin, sqrt
+from math import inf, nan, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -15,34 +15,16 @@ from .chain import Chain, Element
 from .corner import Corner, Piece, turning
 from .curves import Curve
 from .errors import DoesNotFit
+from .pair_search import Contact, pair_search
 
 EPS = float(np.finfo(float).eps)
 
-# The most steps of Newton's method in `find`. A step turns neither tangent by more than LONGEST (rad), and is no longer
-# than that fraction of the plate, or STRAIGHTER times as long along a track that is straight there.
-MOST_STEPS, LONGEST, STRAIGHTER = 100, 0.5, 16.0
-# Relative rounding of a position (to its distance from the origin plus the plate's size) and of a parameter: the
-# formulas of pose and curve have about twenty roundings.
-ROUNDINGS = 4e-15
-# Steps below this many such roundings are tested for convergence: the last one or two of a search.
-CLOSE = 1e6
 # Two parameters of an outline closer than this, in units of a period over 2π, are the same one, found from both sides
 # of the seam: Newton's method leaves roundings.
 SAME = 1e-9
 # From this angle (rad) on, its cosine and sine come from the tangents: the angle's own rounding would turn the plate by
 # more than 1e-10. (A load may spin a disc to 1e14 rad.)
 MANY_TURNS = 1e6
-# Largest residual of the two contact conditions, relative as above and in radians, where Newton's steps do not
-# converge. The error of the gap is then its square.
-CONVERGENCE = 1e-12
-
-
-class Contact(NamedTuple):
-    """Contact parameters and the gap (m, negative where the plate overlaps its track)."""
-
-    xi1: float
-    xi2: float
-    gap: float
 
 
 class MotionPoint(NamedTuple):
@@ -208,71 +190,7 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
     in metres along the curves, so that the unit of a parameter changes nothing. Raises DoesNotFit if it does not
     converge, which a plate far from its track may cause.
     """
-    xi1, xi2 = near
-    c, s = cos(theta), sin(theta)
-    # A run of an engine calls this a hundred thousand times: look up constants before the loop.
-    track_jet, track_sizes, outline_jet, outline_sizes = track._jet, track.constants, outline._jet, outline.constants
-    reach, tightest = outline.sizes
-    rounding = ROUNDINGS * (abs(x) + abs(y) + reach)
-    close, far = (CLOSE * rounding) ** 2, (LONGEST * tightest) ** 2
-    for _ in range(MOST_STEPS):
-        X, Y, Xp, Yp, Xs, Ys, _, _ = track_jet(xi1, track_sizes)
-        u, v, up, vp, us, vs, _, _ = outline_jet(xi2, outline_sizes)
-        dx, dy = x + c * u - s * v - X, y + s * u + c * v - Y
-        rpx, rpy = c * up - s * vp, s * up + c * vp
-        rsx, rsy = c * us - s * vs, s * us + c * vs
-        pace1, pace2 = Xp * Xp + Yp * Yp, rpx * rpx + rpy * rpy
-        f, g = dx * Xp + dy * Yp, Xp * rpy - Yp * rpx
-        f1, f2 = dx * Xs + dy * Ys - pace1, rpx * Xp + rpy * Yp
-        g1, g2 = Xs * rpy - Ys * rpx, Xp * rsy - Yp * rsx
-        det = f1 * g2 - f2 * g1
-        if not (det > 0.0 or det < 0.0):  # zero, or not a number
-            raise _no_contact(x, y, near)
-        step1, step2 = (f * g2 - f2 * g) / det, (f1 * g - f * g1) / det
-        squared_step = step1 * step1 * pace1 + step2 * step2 * pace2
-        if squared_step > far:
-            # On a straight line Newton's method is exact over any distance.
-            furthest = STRAIGHTER * reach if track.features else inf
-            shorten = _shorten((step1, Xp, Yp, Xs, Ys), (step2, rpx, rpy, rsx, rsy), reach, furthest)
-            step1, step2 = shorten * step1, shorten * step2
-        xi1, xi2 = xi1 - step1, xi2 - step2
-        # Converged if a step moves both points by no more than a few roundings of positions and parameters.
-        if (
-            squared_step <= close
-            and sqrt(pace1) * (abs(step1) - ROUNDINGS * abs(xi1)) <= rounding
-            and sqrt(pace2) * (abs(step2) - ROUNDINGS * abs(xi2)) <= rounding
-        ):
-            break
-    else:
-        # Where the curves nearly coincide a rounding moves the pair by more than that: accept the pair if the residuals
-        # of both conditions are rounding.
-        P, p = sqrt(pace1), sqrt(pace2)
-        off = abs(f) / P <= CONVERGENCE * (abs(x) + abs(y) + reach + P * abs(xi1) + p * abs(xi2))
-        if not (off and abs(g) <= CONVERGENCE * P * p):
-            raise _no_contact(x, y, near)
-    # The last step changes the gap by its square.
-    return Contact(xi1, xi2, (dy * Xp - dx * Yp) / sqrt(pace1))
-
-
-def _shorten(along_track: tuple[float, ...], along_outline: tuple[float, ...], reach: float, furthest: float) -> float:
-    """The fraction of a step of Newton's method that stays in its region of convergence; `reach` (m) of the outline,
-    and the `furthest` step along the track (m).
-
-    `along_track`, `along_outline`: the step in the parameter, the first and the second derivative, in one frame.
-    """
-    (way1, radius1), (way2, radius2) = _way(*along_track), _way(*along_outline)
-    longest1, longest2 = min(max(radius1, reach), furthest), min(radius2, reach)
-    return min(1.0, LONGEST * longest1 / way1 if way1 else 1.0, LONGEST * longest2 / way2 if way2 else 1.0)
-
-
-def _way(step: float, xp: float, yp: float, xs: float, ys: float) -> tuple[float, float]:
-    """The length of a step of a curve's parameter, and the radius of curvature where it begins, m."""
-    speed, turn = hypot(xp, yp), abs(xp * ys - yp * xs)
-    return abs(step) * speed, speed**3 / turn if turn else inf
-
-
-def _no_contact(x: float, y: float, near: tuple[float, float]) -> DoesNotFit:
-    return DoesNotFit(f"no contact point near xi1 = {near[0]:.6g}, xi2 = {near[1]:.6g} for the pose ({x:.6g}, {y:.6g})")
+    return pair_search(track, outline)(x, y, theta, near)
 
 
 def slip_velocity(track: Curve, x, y, vx, vy, omega, xi1):

@@ -9,7 +9,7 @@ import sympy as sp
 
 from .derivation import in_one_thread
 from .expression_code import ON_ARRAYS, ON_FLOATS, python_function
-from .expression_graph import derivatives, from_sympy, symbol
+from .expression_graph import Node, derivatives, from_sympy, symbol
 from .expressions import PARAMETER
 
 # A curve's expressions with symbols for its sizes, and these symbols.
@@ -22,9 +22,14 @@ S = symbol(PARAMETER.name)
 @in_one_thread
 def jet_function(structure: Structure, on_arrays: bool) -> Callable:
     """A function (s, constants) -> eight rows of a structure, for floats or arrays."""
-    functions = ON_ARRAYS if on_arrays else ON_FLOATS
+    arguments, rows = jet_rows(structure)
+    return python_function(arguments, rows, ON_ARRAYS if on_arrays else ON_FLOATS)
+
+
+def jet_rows(structure: Structure) -> tuple[tuple[Node, list[Node]], list[Node]]:
+    """The parameter and the constants of a structure as nodes, and the eight rows that `jet_function` evaluates."""
     (x, y), symbols = structure
     rows = [from_sympy(x), from_sympy(y)]
     for _ in range(3):
         rows += derivatives(rows[-2:], S)
-    return python_function([S, [symbol(size.name) for size in symbols]], rows, functions)
+    return (S, [symbol(size.name) for size in symbols]), rows

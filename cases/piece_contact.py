@@ -7,6 +7,7 @@ track and a curve.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from math import cos, hypot, pi, sin
 from typing import NamedTuple
 
@@ -80,6 +81,13 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
     if not isinstance(track, Chain) and not isinstance(outline, Chain):
         return geometry.find(track, outline, x, y, theta, near)
     return find_from(track, outline, x, y, theta, Entry(_at(track, near[0]), _at(outline, near[1]), *near))
+
+
+def finder(track: Curve, outline: Curve) -> Callable[[float, float, float, tuple[float, float]], geometry.Contact]:
+    """`find` for two curves, for many poses and first guesses."""
+    if isinstance(outline, Corner) or isinstance(track, Chain) or isinstance(outline, Chain):
+        return partial(find, track, outline)
+    return geometry.pair_search(track, outline)
 
 
 def find_from(track: Curve, outline: Curve, x: float, y: float, theta: float, entry: Entry) -> geometry.Contact:

@@ -7,7 +7,7 @@ from math import hypot, inf, nan, pi
 import numpy as np
 
 from cases import Case, Flight, Impact
-from cases.contact import Contact, find, pose, start_motion
+from cases.contact import Contact, finder, pose, start_motion
 from cases.nearest import nearest
 
 LIFT_OFF_REASON = "The contact stopped pushing and the plate left its track."
@@ -29,6 +29,7 @@ class Follower:
 
     def __init__(self, case: Case):
         self.case, self.flies = case, case.effect(Flight) is not None
+        self._find = finder(case)
         start = start_motion(case)
         self.near = (start.xi1, start.xi2)
         self.size = case.plate.reach
@@ -39,14 +40,16 @@ class Follower:
     def __call__(self, x: float, y: float, theta: float) -> Contact:
         """The contact of a pose; raises one of BEYOND for a plate that has lost its track and may not fly."""
         if not self.flies:
-            return self._at(find(self.case, x, y, theta, self.near))
+            contact = self._find(x, y, theta, self.near)
+            self.near = contact[:2]
+            return contact
         x0, y0, theta0 = self.last_pose
         # No point of the plate has moved by more than this since.
         clearance = self.gap - hypot(x - x0, y - y0) - self.size * abs(theta - theta0)
         if clearance > FAR * self.size:
             return Contact(nan, nan, clearance)
         try:
-            contact = find(self.case, x, y, theta, self.near)
+            contact = self._find(x, y, theta, self.near)
             if contact.gap <= NEAR * self.size:
                 self.gap = 0.0
                 return self._at(contact)

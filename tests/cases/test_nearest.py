@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import reference
-from cases import Case, Curve, Flight, Gravity, Plate, Start, Unilateral, disc, library
+from cases import Case, Curve, DoesNotFit, Flight, Gravity, Plate, Start, Unilateral, disc, library, pair_search
 from cases.contact import find, start_motion
 from cases.curve_samples import SampleStretches
 from cases.nearest import nearest
@@ -26,6 +26,26 @@ def test_stretches_find_the_nearest_of_all_samples(count, far):
     np.testing.assert_allclose(apart[found, range(40)], apart.min(axis=0), rtol=1e-14)
     if far <= 1.0:  # from far away all are equally near, to rounding
         np.testing.assert_array_equal(found, apart.argmin(axis=0))
+
+
+@pytest.mark.parametrize("track", [library.cosine(0.3, 2.0), library.circle(1.0), library.line(0.2)])
+def test_the_search_written_for_two_formulas_has_the_digits_of_one_that_calls_the_curves(track):
+    plate = Curve(("0.2*cos(s)", "0.1*sin(s) + 0.01*cos(s)**2"), domain=(0.0, 2.0 * np.pi))
+    search = pair_search.pair_search(track, plate)
+    furthest = pair_search.STRAIGHTER * plate.sizes[0] if track.features else np.inf
+    generic = pair_search._search_maker(None, None)(track.jet, plate.jet, *plate.sizes, furthest)
+    random, found = np.random.default_rng(0), 0
+    for xi1, xi2, away, turn in random.uniform(-0.5, 0.5, (200, 4)).tolist():
+        (x, y), near = (track.point(xi1) + 0.3 * away).tolist(), (xi1, xi2)
+        try:
+            contact = generic(x, y, turn, near)
+        except DoesNotFit:
+            with pytest.raises(DoesNotFit):
+                search(x, y, turn, near)
+            continue
+        assert search(x, y, turn, near) == contact
+        found += 1
+    assert 50 < found
 
 
 @pytest.mark.parametrize("speed", [1e3, 1e17, 1e30])
