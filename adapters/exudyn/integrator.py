@@ -60,7 +60,7 @@ class PenaltyContact:
         self.belt = belt.at if belt else None
         self.rough = rough_friction(case) if case.effect(PerfectlyRough) else 0.0
         self.unilateral = case.effect(Unilateral) is not None
-        self.follower = Follower(case)
+        self.follower, self.track_jet = Follower(case), case.track.jet
         # Of the last evaluation. The engine asks for force and Jacobian of one state, two fifths of all evaluations.
         self.slip = case.start.slip
         self._last: tuple[tuple[float, ...], PenaltyState] | None = None
@@ -76,7 +76,7 @@ class PenaltyContact:
         xi1, xi2, gap = self.follower(x, y, theta)
         if isnan(xi1):
             return PenaltyState(xi1, xi2, 0.0, 0.0, 1.0, 0.0, gap, 0.0, 0.0, 0.0)
-        X, Y, Xp, Yp, _, _, _, _ = self.case.track.jet(xi1)
+        X, Y, Xp, Yp, _, _, _, _ = self.track_jet(xi1)
         speed = hypot(Xp, Yp)
         tx, ty, ax, ay = Xp / speed, Yp / speed, X - x, Y - y
         ux, uy = vx - omega * ay, vy + omega * ax
@@ -138,22 +138,35 @@ class PenaltyContact:
         N, ax, ay, tx, ty = touch.normal_force, touch.ax, touch.ay, touch.tx, touch.ty
         if N == 0.0 and self.unilateral:
             return np.zeros((3, 3))
-        tangent = (tx, ty, ax * ty - ay * tx)
-        normal = (-ty, tx, ax * tx + ay * ty)
+        turn_t, turn_n = ax * ty - ay * tx, ax * tx + ay * ty
         spring = by_pose * self.k + by_velocity * self.damping
         if self.rough:
-            viscous, row_axis = by_velocity * self.grip(touch) / self.vreg, normal
+            viscous, slope = by_velocity * self.grip(touch) / self.vreg, 0.0
         else:
             # A coefficient's own slope is neglected: friction changes faster by `vreg` than by any law it may follow.
             mu = self.coefficient(touch)
             viscous = by_velocity * mu * abs(N) / self.vreg if abs(touch.share) < 1.0 else 0.0
             slope = copysign(mu, N) * touch.share
-            row_axis = (normal[0] - slope * tangent[0], normal[1] - slope * tangent[1], normal[2] - slope * tangent[2])
-        # Two outer products; with NumPy they take four times as long.
+        p, q, r = -ty - slope * tx, tx - slope * ty, turn_n - slope * turn_t
+        # Two outer products, of (p, q, r) with the normal and of the tangent with itself. Written out, because loops
+        # take twice as long, and NumPy four times.
         return np.array(
             [
-                [spring * (p * n) + viscous * (t * other) for n, other in zip(normal, tangent, strict=True)]
-                for p, t in zip(row_axis, tangent, strict=True)
+                [
+                    spring * (p * -ty) + viscous * (tx * tx),
+                    spring * (p * tx) + viscous * (tx * ty),
+                    spring * (p * turn_n) + viscous * (tx * turn_t),
+                ],
+                [
+                    spring * (q * -ty) + viscous * (ty * tx),
+                    spring * (q * tx) + viscous * (ty * ty),
+                    spring * (q * turn_n) + viscous * (ty * turn_t),
+                ],
+                [
+                    spring * (r * -ty) + viscous * (turn_t * tx),
+                    spring * (r * tx) + viscous * (turn_t * ty),
+                    spring * (r * turn_n) + viscous * (turn_t * turn_t),
+                ],
             ]
         )
 

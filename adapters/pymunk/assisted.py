@@ -16,7 +16,7 @@ from typing import Any
 import pymunk
 from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
-from cases import Belt, Case, CoulombFriction, Curve, Load, Unilateral
+from cases import Belt, Case, CoulombFriction, Load, Unilateral
 from cases.contact import Contact, MotionPoint, start_motion
 from cases.mechanics import gravity
 
@@ -49,14 +49,12 @@ class ContactGuide:
         self._case, self._body, self._h = case, body, h
         self._belt = case.effect(Belt)
         self._bilateral = case.effect(Unilateral) is None
-        self._here, self._ahead = Follower(case), Follower(case)
+        self._here, self._ahead, self._track = Follower(case), Follower(case), case.track.jet
         self._before = _velocities(start_motion(case))
         gx, gy = gravity(case)
         self._gravity, self._drive = (float(gx), float(gy)), drive
         friction = case.effect(CoulombFriction)
         self._coefficient = friction.at if friction and friction.by_speed else None
-        # Gravity and load give the change of the velocities in the first, half step; later, the previous step does.
-        self._change: Torsor | None = None
 
     def pre_solve(self, arbiter: Arbiter, space: pymunk.Space, data: object) -> None:
         """Write contact point, normal and target normal velocity into the arbiter; release a plate off its track."""
@@ -71,10 +69,12 @@ class ContactGuide:
             arbiter.process_collision = False
 
     def _set_contact(self, arbiter: Arbiter) -> None:
-        (x, y), theta, h, track = self._body.position, self._body.angle, self._h, self._case.track
+        body, h = self._body, self._h
+        (x, y), theta, (now_vx, now_vy), now_omega = body.position, body.angle, body.velocity, body.angular_velocity
         contact = self._here(x, y, theta)
         self.contacts.append(contact)
-        vx, vy, omega = self._predict()
+        more_vx, more_vy, more_omega = self._predict(now_vx, now_vy, now_omega)
+        vx, vy, omega = now_vx + more_vx, now_vy + more_vy, now_omega + more_omega
         ahead = self._ahead(x + h * vx, y + h * vy, theta + h * omega)
         if isnan(contact.xi1) or isnan(ahead.xi1):
             # A collision that is skipped once is skipped for good; with this normal velocity it never pushes instead.
@@ -83,52 +83,38 @@ class ContactGuide:
             arbiter.surface_velocity = Vec2d(0.0, FREELY)
             return
         # Floats: the engine's vectors check types in every product and take twice the time.
-        X, Y, tx, ty = _frame(track, contact.xi1)
+        X, Y, tx, ty = self._frame(contact.xi1)
+        lever_x, lever_y = X - x, Y - y
         # With the predicted velocities the plate would be off the track by the gap: the target corrects for it.
-        ux, uy = vx - omega * (Y - y), vy + omega * (X - x)
+        ux, uy = vx - omega * lever_y, vy + omega * lever_x
         target = ux * -ty + uy * tx - ahead.gap / h
         # Slip and belt are those of the middle of the step; the engine uses its beginning, so it gets the change.
-        middle_x, middle_y, along_x, along_y = _frame(track, 0.5 * (contact.xi1 + ahead.xi1))
-        # The plate is there off the middle of its chord, by an eighth of the displacement by the step's change.
-        (ax, ay), half = self._bend(), 0.5 * h
-        lever_x, lever_y = middle_x - x - half * vx + ax, middle_y - y - half * vy + ay
-        change = (vx - omega * lever_y) * along_x + (vy + omega * lever_x) * along_y - (ux * tx + uy * ty)
+        middle_x, middle_y, along_x, along_y = self._frame(0.5 * (contact.xi1 + ahead.xi1))
+        # The plate is there off the middle of its chord, towards the inside of its path, by an eighth of the
+        # displacement by the step's change.
+        part, half = 0.125 * h if len(self.contacts) > 1 else 0.25 * h, 0.5 * h
+        far_x, far_y = middle_x - x - half * vx + part * more_vx, middle_y - y - half * vy + part * more_vy
+        change = (vx - omega * far_y) * along_x + (vy + omega * far_x) * along_y - (ux * tx + uy * ty)
         belt = self._belt.at(h * (len(self.contacts) - 0.5))[0] if self._belt else 0.0
         change -= belt
         velocity = Vec2d(change * tx - target * -ty, change * ty - target * tx)
         point, normal = Vec2d(X, Y), Vec2d(-ty, tx)
         # A bilateral guide pushes from the side that is needed; without a normal force there is no friction either, so
         # the free motion decides.
-        if self._bilateral and self._free(point).dot(normal) > target:
-            normal = -normal
+        if self._bilateral:
+            kick = h if len(self.contacts) > 1 else half
+            ax, ay, turn = self._accelerations()
+            spin = now_omega + kick * turn
+            free_x, free_y = now_vx + kick * ax - spin * lever_y, now_vy + kick * ay + spin * lever_x
+            if free_x * -ty + free_y * tx > target:
+                normal = Vec2d(ty, -tx)
         arbiter.contact_point_set = ContactPointSet(normal, (ContactPoint(point, point, 0.0),))
         arbiter.surface_velocity = velocity
         if self._coefficient:
-            arbiter.friction = self._coefficient(abs(self._slip_within(Vec2d(X, Y), Vec2d(tx, ty)) - belt))
-
-    def _slip_within(self, point: Vec2d, tangent: Vec2d) -> float:
-        """The velocity of the plate's point along the track in the middle of this step's change of velocity, as
-        predicted."""
-        assert self._change is not None, "the velocities were predicted before"
-        (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
-        more_x, more_y, more_turn = (0.5 * part for part in self._change)
-        omega += more_turn
-        ux, uy = vx + more_x - omega * (point.y - y), vy + more_y + omega * (point.x - x)
-        return ux * tangent.x + uy * tangent.y
-
-    def _bend(self) -> tuple[float, float]:
-        """The distance (m) of the path from the chord of this step, towards the inside of the path."""
-        assert self._change is not None, "the velocities were predicted before"
-        part = 0.125 * self._h if len(self.contacts) > 1 else 0.25 * self._h
-        return part * self._change[0], part * self._change[1]
-
-    def _free(self, point: Vec2d) -> Vec2d:
-        """The velocity of the plate's point there after this step without a contact force."""
-        (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
-        kick = self._h if len(self.contacts) > 1 else 0.5 * self._h
-        ax, ay, turn = self._accelerations()
-        omega += kick * turn
-        return Vec2d(vx + kick * ax - omega * (point.y - y), vy + kick * ay + omega * (point.x - x))
+            # By the slip in the middle of this step's change of velocity, as predicted.
+            spin = now_omega + 0.5 * more_omega
+            slip_x, slip_y = now_vx + 0.5 * more_vx - spin * lever_y, now_vy + 0.5 * more_vy + spin * lever_x
+            arbiter.friction = self._coefficient(abs(slip_x * tx + slip_y * ty - belt))
 
     def _accelerations(self) -> Torsor:
         """The accelerations by gravity and load, without the contact."""
@@ -137,26 +123,21 @@ class ContactGuide:
         (fx, fy, moment), plate = self._drive.torsor(), self._case.plate
         return self._gravity[0] + fx / plate.mass, self._gravity[1] + fy / plate.mass, moment / plate.inertia
 
-    def _predict(self) -> tuple[float, float, float]:
-        """The velocities after this step, from their change in the previous one."""
-        (vx, vy), omega = self._body.velocity, self._body.angular_velocity
-        if len(self.contacts) > 1:
-            ratio = 2.0 if len(self.contacts) == 2 else 1.0
-            before = self._before
-            self._change = (ratio * (vx - before[0]), ratio * (vy - before[1]), ratio * (omega - before[2]))
-        self._before = (vx, vy, omega)
-        if self._change is None:
+    def _predict(self, vx: float, vy: float, omega: float) -> Torsor:
+        """The change of these velocities in this step: that in the previous one."""
+        number, before, self._before = len(self.contacts), self._before, (vx, vy, omega)
+        if number == 1:
             ax, ay, turn = self._accelerations()
-            self._change = 0.5 * self._h * ax, 0.5 * self._h * ay, 0.5 * self._h * turn
-        change = self._change
-        return vx + change[0], vy + change[1], omega + change[2]
+            return 0.5 * self._h * ax, 0.5 * self._h * ay, 0.5 * self._h * turn
+        # The first step is a half one.
+        ratio = 2.0 if number == 2 else 1.0
+        return ratio * (vx - before[0]), ratio * (vy - before[1]), ratio * (omega - before[2])
 
-
-def _frame(track: Curve, xi1: float) -> tuple[float, float, float, float]:
-    """The track's point and unit tangent."""
-    X, Y, tx, ty, _, _, _, _ = track.jet(xi1)
-    length = hypot(tx, ty)
-    return X, Y, tx / length, ty / length
+    def _frame(self, xi1: float) -> tuple[float, float, float, float]:
+        """The track's point and unit tangent."""
+        X, Y, tx, ty, _, _, _, _ = self._track(xi1)
+        length = hypot(tx, ty)
+        return X, Y, tx / length, ty / length
 
 
 def _velocities(start: MotionPoint) -> tuple[float, float, float]:
