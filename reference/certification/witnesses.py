@@ -141,12 +141,8 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
         return _plates_witness(case, name, rtol)
     if touches_by_features(case):
         return _supports_witness(case, name, rtol)
-    # The simulation that counts contacts comes last: it takes longest.
-    if not limitation(case) and delassus.touches_at_start(case) and _has_several_contacts(case):
-        begin = start_motion(case)
-        body = np.array([begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega])
-        mode = delassus.mode_of(case, begin.slip, begin.omega)
-        return _several_witness(case, name, rtol, (), (0.0, body, (begin.xi1, begin.xi2), mode))
+    if not limitation(case) and delassus.touches_at_start(case):
+        return _from_touches(case, name, rtol)
     answer = contact_frame.solve(case, rtol=rtol, steps_per_turn=STEPS_PER_TURN, overlaps=True)
     if answer.status == contact_frame.STOPS["elsewhere"] and not limitation(case):
         return _by_delassus(case, name, rtol, answer)
@@ -160,6 +156,21 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
         return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
 
     return Witness(name, answer.transitions, answer.status, answer.end, states)
+
+
+def _from_touches(case: Case, name: str, rtol: float) -> Witness:
+    """The second formulation of a plate that touches its track in several places in its start."""
+    from .. import delassus
+
+    begin = start_motion(case)
+    body = np.array([begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega])
+    mode = delassus.mode_of(case, begin.slip, begin.omega)
+    witness = _several_witness(case, name, rtol, (), (0.0, body, (begin.xi1, begin.xi2), mode))
+    if _has_several_contacts(case):
+        return witness
+    # The other contacts open at once, and a contact that is the only one has no name.
+    unnamed = (replace(event, contact="") if event.contact == CONTACT else event for event in witness.transitions)
+    return witness._replace(transitions=tuple(unnamed))
 
 
 def _by_delassus(case: Case, name: str, rtol: float, first) -> Witness:

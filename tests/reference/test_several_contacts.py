@@ -1,5 +1,6 @@
 """A plate with several contacts: exact motions, and agreement of two formulations that share no code."""
 
+from dataclasses import replace
 from functools import lru_cache
 from math import cos, radians, sin, tan
 
@@ -390,6 +391,16 @@ def test_a_disc_that_a_load_lifts_off_one_flank_at_once_rolls_on_the_other_one()
     now = reference.simulate(case).contact_columns("plate/track 2", np.zeros(1))
     assert now.normal_force == pytest.approx(G * cos(slope) + fx * sin(slope), rel=1e-12)
     assert now.friction_force == pytest.approx((G * sin(slope) - fx * cos(slope)) / 3.0, rel=1e-12)
+
+
+# In 60 the disc may roll on its own contact or be held by both: the second formulation ends as `not_unique`, and the
+# first one compares the motions of its own contact only.
+@pytest.mark.sampled(60)
+@pytest.mark.parametrize("seed", [seed for seed in range(80) if seed != 60])
+def test_both_formulations_have_one_motion_of_a_disc_that_begins_on_two_flanks(seed):
+    case, _ = _random_state(seed)
+    # In 67 a series of impacts amplifies roundings to 2e-11 s.
+    _agree(replace(case, duration=0.1), 1e-10)
 
 
 # --- an independent time stepper --------------------------------------------------------------------------------------
