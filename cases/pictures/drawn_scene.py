@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgba
 
 from .layout import DrawnScene, Instant, along_line, drawn_curves, place_outline
 from .style import FORCE, PLATE, TRACK
@@ -33,14 +35,24 @@ def draw(
     flying = np.where(np.isfinite(xi1), np.nan, path)
     if np.isfinite(flying).any():
         ax.plot(*flying, color=PLATE, linewidth=0.9, linestyle=(0, (2, 1.5)))
-    for scene_of_one, instant in [(one, pose) for one, poses in ((scene, instants), *others) for pose in poses]:
-        corners, spoke = place_outline(scene_of_one, instant)
-        edge, inside = 0.4 + 0.6 * instant.shade, 0.08 + 0.22 * instant.shade
-        ax.fill(*corners, facecolor=(PLATE, inside), edgecolor=(PLATE, edge), linewidth=0.9)
-        ax.plot(*spoke, color=PLATE, linewidth=0.9, alpha=edge)
-        if np.isfinite(instant.xi1):
-            ax.plot(*scene.track.point(float(instant.xi1)), marker="o", markersize=3, color=FORCE)
+    _draw_plates(ax, [(one, pose) for one, poses in ((scene, instants), *others) for pose in poses])
+    contacts = [float(pose.xi1) for poses in (instants, *(poses for _, poses in others)) for pose in poses]
+    touching = np.array([scene.track.point(s) for s in contacts if np.isfinite(s)]).reshape(-1, 2)
+    ax.plot(*touching.T, linestyle="", marker="o", markersize=3, color=FORCE)
     finish(ax, scene)
+
+
+def _draw_plates(ax: Any, plates: Sequence[tuple[DrawnScene, Instant]]) -> None:
+    """Draw outlines and spokes, as one artist each: of many, Matplotlib computes the limits again and again."""
+    placed = [place_outline(*one) for one in plates]
+    shades = [pose.shade for _, pose in plates]
+    edges = [to_rgba(PLATE, 0.4 + 0.6 * shade) for shade in shades]
+    insides = [to_rgba(PLATE, 0.08 + 0.22 * shade) for shade in shades]
+    look: dict[str, Any] = dict(edgecolors=edges, linewidths=0.9)
+    spokes = [np.transpose(spoke) for _, spoke in placed]
+    outlines = [np.transpose(corners) for corners, _ in placed]
+    ax.add_collection(PolyCollection(outlines, facecolors=insides, joinstyle="miter", **look))
+    ax.add_collection(LineCollection(spokes, capstyle="projecting", zorder=2, **look))
 
 
 def finish(ax: Any, scene: DrawnScene) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.lines import Line2D
 
 from ..chain import Chain
 from ..curves import Curve
@@ -123,8 +124,9 @@ def _scene(ax: Any, scene: DrawnScene, motion: Any, times: np.ndarray, state: An
 def mark_transitions(ax: Any, transitions: Sequence, first_mode: str | None, span, width: float = 0.0) -> None:
     """Draw lines at the transitions and, if `width` (of the axis, in points) is positive, the modes in words."""
     times = [t.time for t in transitions]
-    for time in times:
-        ax.axvline(time, color=FAINT, linewidth=0.7, zorder=0.5)
+    # One path for all: for each line of its own, Matplotlib would compute the limits of the axes.
+    places, heights = np.repeat(times, 3), np.tile([0.0, 1.0, np.nan], len(times))
+    ax.add_artist(Line2D(places, heights, transform=ax.get_xaxis_transform(), color=FAINT, linewidth=0.7, zorder=0.5))
     if not width:
         return
     edges = [float(span[0]), *times, float(span[1])]

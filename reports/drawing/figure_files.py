@@ -109,10 +109,12 @@ def picture(
     from matplotlib import pyplot as plt
 
     from .style import STYLE
+    from .svg_canvas import SvgCanvas
 
     text, dots, sheet = StringIO(), BytesIO(), BytesIO()
     # Whether text stays text is decided when a file is written, which may be after the figure's own style has ended.
     with plt.rc_context(STYLE):
+        SvgCanvas(figure)
         box = figure.bbox_inches if has_margins else _laid_out(figure)
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches=box)
         if png:
@@ -147,7 +149,8 @@ def _laid_out(figure: Figure) -> Bbox:
     engine = figure.get_layout_engine()
     if engine:
         engine.execute(figure)
-        figure.set_layout_engine("none")
+        # With an engine, Matplotlib would draw the figure once more before it is written; print lays it out again.
+        figure.set_layout_engine("none" if writes_pdf() else None)
     pad = rcParams["savefig.pad_inches"]
     return figure.get_tightbbox().padded(3.0 * pad, pad)
 

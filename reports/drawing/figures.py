@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import product
 from math import isfinite, nan
 from typing import NamedTuple
 
@@ -35,6 +36,7 @@ from ..running.records import (
 )
 from .figure_files import FigureContent, file_name, picture
 from .panels import blank_panels
+from .plain_ticks import grid, plain_ticks
 from .style import FAINT, POINTS, STYLE, TRUTH, LineStyles, logarithmic
 
 # Smallest error on a logarithmic axis: below the rounding of doubles of order one.
@@ -48,6 +50,8 @@ _FEW, _DOT = 100, 3.0
 _ERRORS_SHOWN, _WINDOW = 3.0, (0.02, 0.1)
 # Height of a line of text, as a fraction of the axis next to it.
 _LINE = 0.075
+# Height of a title on axes without labels above them, so that these are not measured.
+_TITLE = 1.0
 
 
 def _quantities(case: Case) -> list[tuple[str, str, str, str]]:
@@ -149,7 +153,7 @@ def _envelope(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _log_error(ax: Axes, runs: list[Run], name: str, looks: LineStyles) -> list[tuple[float, Run]]:
-    """Draw |difference| of each run; returns the last value of each line, for labels."""
+    """Draw |difference| of each run on a logarithmic axis; returns the last value of each line, for labels."""
     ends = []
     for run in runs:
         off = run.off[name]
@@ -159,7 +163,6 @@ def _log_error(ax: Axes, runs: list[Run], name: str, looks: LineStyles) -> list[
         ax.plot(t, size, **looks.line(run.solver, run.route), linewidth=1.0)
         if np.any(np.isfinite(size)):
             ends.append((float(size[np.isfinite(size)][-1]), run))
-    logarithmic(ax, "y")
     return ends
 
 
@@ -214,6 +217,7 @@ def headline(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     near.set_ylim(*_range_inside(window, [(truth.samples["t"], truth.samples["slip"]), *(pair[1:] for pair in slips)]))
     near.set_title("the first transition (grey above)", loc="left")
     _mark_transitions(near, truth)
+    logarithmic(below, "y")
     ends = _log_error(below, runs, "slip", looks)
     _mark_transitions(below, truth)
     below.set_ylabel("error / (m/s)")
@@ -304,12 +308,11 @@ def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
     for column in axes.T:
         column[-1].set_xlabel("time / s")
         times, (begin, end) = column[-1].get_xticks(), column[-1].get_xlim()
-        for ax in column[:-1]:  # lines without the objects of an axis, which take a third of the figure's time
+        plain_ticks(column[-1])
+        for ax in column[:-1]:
             ax.xaxis.set_visible(False)
-            ax.vlines(
-                [time for time in times if begin <= time <= end], 0.0, 1.0, transform=ax.get_xaxis_transform(),
-                colors=STYLE["grid.color"], linewidth=STYLE["grid.linewidth"], zorder=0.5,
-            )  # fmt: skip
+            grid(ax, "x", [time for time in times if begin <= time <= end])
+            plain_ticks(ax, "y")
     handles, names = axes[0][0].get_legend_handles_labels()
     figure.legend(
         handles, names, loc="lower center", bbox_to_anchor=(0.545, 0.945), ncols=3, title=case.label,
@@ -341,10 +344,14 @@ def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure | No
         look, marker = looks.line(solver, route), looks.marker(solver, route)
         ax.plot([p.steps for p in ladder], [p.error for p in ladder], **look)
         ax.plot([], [], **look, marker=marker, markersize=6, label=f"{solver}, {route}")
-        for steps, size, run in points:
-            hollow = "white" if is_default(run) else look["color"]
-            shape = marker if usable(run) else "x"
-            ax.plot(steps, size, marker=shape, markersize=6, color=look["color"], markerfacecolor=hollow)
+        for is_usable, hollow in product((True, False), (False, True)):  # one artist for marks of one look
+            marks = [(p.steps, p.error) for p in points if (usable(p.run), is_default(p.run)) == (is_usable, hollow)]
+            shape, face = marker if is_usable else "x", "white" if hollow else look["color"]
+            if marks:
+                ax.plot(
+                    *zip(*marks, strict=True), linestyle="", marker=shape, markersize=6, color=look["color"],
+                    markerfacecolor=face,
+                )  # fmt: skip
     logarithmic(ax, "xy")
     if bar > 0.0:
         ax.axhspan(_SMALLEST / 10, bar, color="#eeeeee", zorder=0)
@@ -353,7 +360,8 @@ def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure | No
     ax.set_ylim(max(low, _SMALLEST / 3), high)
     ax.set_xlabel("steps")
     ax.set_ylabel("error of the first transition's time / s" if has_transitions else "largest error of the centre / m")
-    ax.set_title(case.label, loc="left", fontweight="bold")
+    ax.set_title(case.label, loc="left", fontweight="bold", y=_TITLE)
+    plain_ticks(ax)
     if ax.get_legend_handles_labels()[0]:
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
@@ -385,5 +393,6 @@ def scene(experiment: Experiment, case: Case) -> Figure:
     others = [[np.interp(times, own["t"], own[name]) for name in ("x", "y", "theta")] for own in further]
     plates = placed_plates(case, others, [shade for _, shade in shades])
     drawn_scene.draw(ax, case.scene, np.array([x, y]), xi1, poses, plates)
-    ax.set_title(case.label, loc="left", fontweight="bold")
+    ax.set_title(case.label, loc="left", fontweight="bold", y=_TITLE)
+    plain_ticks(ax)
     return figure

@@ -146,8 +146,10 @@ def _simplify(words: Sequence[str]) -> list[str]:
     return [*path, *end]
 
 
-# A segment: a path of two points, as a line of a grid; and a mark that repeats a segment, as the ticks of an axis do.
+# A segment: a path of two points, as a line of a grid; a path of several; and a mark that repeats a segment, as the
+# ticks of an axis do.
 _SEGMENT = re.compile(r'<path d="M(-?[\d.]+) ?(-?[\d.]+)l(-?[\d.]+) ?(-?[\d.]+)"([^>]*)/>')
+_SEGMENTS = re.compile(r'<path d="((?:M-?[\d.]+ ?-?[\d.]+l-?[\d.]+ ?-?[\d.]+){2,})"([^>]*)/>')
 _MARK = re.compile(r'<use xlink:href="#([^"]*)" x="([^"]*)" y="([^"]*)"/>')
 _MARKER = re.compile(r'<path id="([^"]*)" d="M0 0(l[-\d. ]+)" (class="[^"]*")/>')
 # What Matplotlib writes between the lines and marks of an axis, over which none of them is drawn.
@@ -195,6 +197,7 @@ def _join_segments(svg: str) -> str:
     parts: list[str] = []
     paths: dict[str, int] = {}  # attributes of the segments since the last other element, and their path's place
     ends: dict[str, _Point] = {}  # and where that path ends
+    svg = _SEGMENTS.sub(lambda m: "".join(f'<path d="M{one}"{m[2]}/>' for one in m[1].split("M")[1:]), svg)
     for element in _ELEMENT.findall(_MARK.sub(as_segment, svg)):
         segment = _SEGMENT.fullmatch(element)
         if segment is None:

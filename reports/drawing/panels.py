@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
 from .figure_files import writes_pdf
+from .palette import logarithmic
 
 # Fixed margins with room for all labels: automatic layout, or a search for the bounding box, would take a third of the
 # figure's time.
@@ -19,7 +20,8 @@ _PLACES = {"left": 0.1, "right": 0.99, "bottom": 0.04, "top": 0.93, "wspace": 0.
 
 
 def blank_panels(rows: int, **look: Any) -> tuple[Figure, np.ndarray]:
-    """A figure of so many rows of two panels with a common time axis, as if it were new; the next call empties it.
+    """A figure of so many rows of two panels with a common time axis, the right ones logarithmic, as if it were new;
+    the next call empties it.
 
     `look`: the size of the figure, and what else `Figure` takes."""
     if writes_pdf():
@@ -35,7 +37,10 @@ def blank_panels(rows: int, **look: Any) -> tuple[Figure, np.ndarray]:
 @lru_cache(maxsize=1)
 def _panels(rows: int, look: tuple) -> tuple[Figure, np.ndarray]:
     figure = Figure(**dict(look))  # not by pyplot, which closes its figures
-    return figure, figure.subplots(rows, 2, sharex=True, squeeze=False, gridspec_kw=_PLACES)
+    axes = figure.subplots(rows, 2, sharex=True, squeeze=False, gridspec_kw=_PLACES)
+    for ax in axes[:, 1]:
+        logarithmic(ax, "y")
+    return figure, axes
 
 
 def _empty(ax: Axes) -> None:
@@ -43,8 +48,7 @@ def _empty(ax: Axes) -> None:
     for artist in (*ax.lines, *ax.collections, *ax.texts, *ax.patches):
         artist.remove()
     ax.set_prop_cycle(None)
-    ax.set_yscale("linear")
     ax.dataLim = Bbox.null()
-    # Matplotlib takes these for the limits of axes without data, which follow later data.
+    # Matplotlib takes these for the limits of axes without data, which follow later data; logarithmic: with a margin.
     ax.set_xlim(0.0, 1.0, emit=False, auto=True)
-    ax.set_ylim(0.0, 1.0, auto=True)
+    ax.set_ylim(*((0.0, 1.0) if ax.get_yscale() == "linear" else (10.0**-0.05, 10.0**1.05)), auto=True)

@@ -69,7 +69,7 @@ def test_a_picture_has_the_quantities_that_were_asked_for_and_a_line_at_each_tra
     assert [ax.get_ylabel() for ax in picture.axes[1:]] == [plots.LABELS[name] for name in ("slip", "x", "y")]
     drawn = picture.axes[1].lines[0].get_xydata()
     assert np.allclose(drawn, MOTION.to_frame()[["t", "slip"]])
-    at = {line.get_xdata()[0] for line in picture.axes[1].lines[1:]}
+    at = {time for line in picture.axes[1].lines[1:] for time in line.get_xdata()}
     assert at == {t.time for t in MOTION.transitions}
     for ending in ("svg", "pdf", "png"):
         picture.savefig(tmp_path / f"motion.{ending}")

@@ -75,7 +75,7 @@ def test_the_headline_shows_default_settings_not_the_finest():
     # The first transition, 40 ms late, lies within the second panel.
     low, high = near.get_xlim()
     assert low < EVENT.time < EVENT.time + 0.04 < high < 1.0
-    (error,) = [line.get_ydata() for line in below.lines if len(line.get_ydata()) > 2]
+    (error,) = [line.get_ydata() for line in below.lines if len(line.get_ydata()) > 3]
     assert np.nanmax(error) == pytest.approx(0.04)
 
 
@@ -118,6 +118,13 @@ def test_panels_are_emptied_between_two_cases(after):
     as_new = drawn(after)
     assert drawn(20.0) != as_new
     assert drawn(after) == as_new
+
+
+def test_a_map_of_many_cells_is_an_image_in_a_figure_of_paths():
+    figure, ax = plt.subplots()
+    ax.pcolormesh(np.arange(21.0), np.arange(21.0), np.arange(400.0).reshape(20, 20), rasterized=True)
+    svg = picture(figure, "map", "", "", "").svg
+    assert svg.count("<image ") == 1 and svg.count("<path") < 50
 
 
 @pytest.mark.sampled(3)

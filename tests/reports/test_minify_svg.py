@@ -61,6 +61,13 @@ def test_lines_of_a_grid_are_one_path_and_nothing_else_is():
     )
 
 
+def test_a_path_of_several_segments_is_joined_as_they_are():
+    one = '<path d="M1 9l0-8M2 9l0-8" class="c1"/>'
+    assert minify_svg._join_segments(one) == '<path d="M1 9v-8m1 0v8" class="c1"/>'
+    curves = '<path d="M1 9l0-8 1 1M2 9l0-8" class="c1"/>'
+    assert minify_svg._join_segments(curves) == curves
+
+
 _TENTHS = st.integers(-9999, 9999).map(lambda value: value / 10)
 
 
