@@ -28,9 +28,17 @@ from cases.contact import start_motion
 from cases.library import ellipse
 
 G, SIZE = 9.81, 0.1
+FLYING = (Unilateral(), Flight(), Impact(0.0))
 BASES, SHAPES = ("line", "slope", "valley", "ring", "endless"), ("disc", "ellipse", "lobes")
 # Samples of the track to a wavelength, and times to a flight from which Newton's method goes on.
 SAMPLES, TIMES = 32, 24
+
+
+def over_ripples(height: float, length: float, gap: float, g: float = 0.0) -> Case:
+    """A disc at 5 m/s that sinks at 2 mm/s over y = height cos(2 pi x/length), from a gap over a crest."""
+    track = Curve(("s", f"{height!r}*cos({2 * np.pi / length!r}*s)"), (-1, 1))
+    effects = (*FLYING, Gravity(g)) if g else FLYING
+    return Case(track, disc(0.1, 1.0), effects, Start(0.0, gap=gap, slip=5.0, gap_rate=-0.002), 0.05)
 
 
 class Rippled(NamedTuple):
