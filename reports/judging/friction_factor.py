@@ -10,6 +10,8 @@ from cases import Belt, Case, CoulombFriction, Drive, RollingResistance, Traject
 from cases.contact import belt_speed
 from cases.mechanics import applied_forces, energy, gravity, kinetic_energy
 
+from .distances import even_samples
+
 # Below this fraction of a case's largest kinetic energy, the work of friction is not used: errors of an engine's
 # energy are as large.
 _LEAST_LOSS = 1e-3
@@ -34,10 +36,15 @@ def friction_factor(case: Case, motion: Trajectory, truth: Losses, end: float) -
 
     NaN where the losses are unknown, and where friction takes almost nothing from the truth or from the motion.
     """
-    if not 0.0 < truth.by_law < np.inf:  # NaN too
+    if not is_defined(case, motion, truth):
         return np.nan
     own = _losses_of_any(case, motion, end)
     return own.actual / own.by_law if _LEAST_SLIP * truth.by_law < own.by_law < np.inf else np.nan
+
+
+def is_defined(case: Case, motion: Trajectory, truth: Losses) -> bool:
+    """Whether friction takes something from the truth, and the losses of the motion may be known."""
+    return 0.0 < truth.by_law < np.inf and _has_losses(case, motion)  # not NaN
 
 
 def losses_of_truth(case: Case, truth: Trajectory) -> Losses:
@@ -51,18 +58,12 @@ def _losses_of_any(case: Case, motion: Trajectory, end: float) -> Losses:
     """The losses of a motion, which is sampled only if they can be known."""
     if not _has_losses(case, motion):
         return INDETERMINATE
-    return losses(case, motion if motion.dense is None else _at_even_times(motion), end)
+    return losses(case, motion if motion.dense is None else even_samples(motion), end)
 
 
 def _has_losses(case: Case, motion: Trajectory) -> bool:
     """Whether the losses follow from the momentum: with Coulomb friction, a track at rest and one contact."""
     return case.effect(CoulombFriction) is not None and case.effect(Drive) is None and len(motion.contact_names) == 1
-
-
-def _at_even_times(motion: Trajectory) -> Trajectory:
-    """A dense motion at evenly spaced times, close enough for a relative error of 1e-4 with the trapezoidal rule."""
-    times = np.linspace(motion.t[0], motion.t[-1], 4001)
-    return Trajectory(t=times, **motion(times)._asdict())
 
 
 def losses(case: Case, motion: Trajectory, end: float) -> Losses:

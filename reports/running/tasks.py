@@ -19,7 +19,7 @@ from cases import Case, CaseError, NotSupported, Trajectory, Transition
 from reference.certification import Certificate, NotCertified, contradiction, is_within_bars, stored_or_new
 
 from ..judging import distances, grades, impacts, ledger, several_contacts, transitions, validation
-from ..judging.friction_factor import friction_factor
+from ..judging.friction_factor import friction_factor, is_defined
 from ..judging.friction_sensitivity import friction_sensitivity
 from ..judging.null_motions import null_motions
 from ..judging.score import Scale, scale_of, score_and_reading
@@ -245,7 +245,10 @@ def judge(
     """The row of a sound trajectory compared with the truth: score, grade and its reason, ledger, distances. `laws`:
     the effects that the solver models by another law than the case's; the reason names them first."""
     assert truth.scale is not None, "a case with a truth has a scale"
-    off = distances.differences(trajectory, motion, case)
+    # Of a dense motion both its distances and its friction need samples, which take long by the paper's matrix.
+    is_sampled = trajectory.dense is not None and is_defined(case, trajectory, truth.scale.losses)
+    even = distances.even_samples(trajectory) if is_sampled else None
+    off = distances.differences(trajectory, motion, case, even=even)
     reading: Reading | several_contacts.SeveralJudgement
     if truth.contact_scales:
         reading = several_contacts.judge(case, trajectory, motion, truth.contact_scales, truth.transitions, off)
@@ -255,7 +258,7 @@ def judge(
         scored, reading = score_and_reading(case, trajectory, motion, truth.scale, off)
         gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t), initial=0.0))
         scale, paired = truth.scale, ledger.match(truth.transitions, reading.transitions, gap)
-    friction = friction_factor(case, trajectory, scale.losses, scale.end)
+    friction = friction_factor(case, even or trajectory, scale.losses, scale.end)
     distance = distances.distance(off)
     begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
     remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
