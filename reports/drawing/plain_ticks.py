@@ -26,8 +26,9 @@ _ZORDER = 0.5
 _ROUNDING = 1e-9
 
 
-def plain_ticks(ax: Axes, which: str = "xy") -> None:
+def plain_ticks(ax: Axes, which: str = "xy", has_x_labels: bool = True) -> None:
     """Draw the ticks of axes ("x", "y" or both) in place of Matplotlib's; to be called last, when limits are final.
+    `has_x_labels`: the horizontal axis has texts.
 
     A figure that is also for print keeps Matplotlib's, which change with its size."""
     if writes_pdf():
@@ -36,7 +37,10 @@ def plain_ticks(ax: Axes, which: str = "xy") -> None:
         axis = ax.xaxis if name == "x" else ax.yaxis
         places, texts, offset = _ticks(axis)
         grid(ax, name, places)
-        (_draw_below if name == "x" else _draw_left)(ax, places, texts, axis.get_label_text(), offset)
+        label = axis.get_label_text()
+        if name == "x" and not has_x_labels:
+            texts, offset, label = [""] * len(places), "", ""
+        (_draw_below if name == "x" else _draw_left)(ax, places, texts, label, offset)
         axis.set_visible(False)
 
 
@@ -87,7 +91,8 @@ def _draw_below(ax: Axes, places: Sequence[float], texts: Sequence[str], label: 
     _marks(ax, places, np.zeros(len(places)), TICKDOWN, transform)
     beside = transform + _points(ax, 0.0, -away)
     for place, text in zip(places, texts, strict=True):
-        ax.text(place, 0.0, text, transform=beside, ha="center", va="top")
+        if text:
+            ax.text(place, 0.0, text, transform=beside, ha="center", va="top")
     away += _LINE_HEIGHT * rcParams["font.size"]
     if offset:
         shift = _points(ax, 0.0, -away - _OFFSET_PAD)

@@ -19,6 +19,7 @@ from ..judging.grades import LEVELS, percent
 from ..running.names import REFERENCE
 from ..running.records import Experiment
 from .figure_files import FigureEntry, file_name, save
+from .plain_ticks import plain_ticks
 from .style import STYLE, LineStyles, logarithmic, looks_of
 
 _WORDS = (
@@ -80,7 +81,7 @@ def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, A
     for ax, quantity in zip(axes.flat, quantities, strict=False):
         _panel(ax, of_quantity[quantity,], looks)
         title, axis_label = _TITLES[quantity]
-        ax.set_title(title, loc="left")
+        ax.set_title(title, loc="left", y=1.0)
         ax.set_ylabel(axis_label)
     for ax in axes.flat[len(quantities) :]:
         ax.set_axis_off()
@@ -89,6 +90,8 @@ def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, A
         if last is not None:
             axes.flat[last].set_xlabel("CPU time of a whole call / s")
             axes.flat[last].tick_params(labelbottom=True)
+    for place, ax in enumerate(axes.flat[: len(quantities)]):  # below others, the common axis has no labels
+        plain_ticks(ax, has_x_labels=place + columns >= len(quantities))
     # A route may have errors in some panels only.
     by_name = {name: handle for ax in axes.flat for handle, name in zip(*ax.get_legend_handles_labels(), strict=True)}
     names, handles = list(by_name), list(by_name.values())
@@ -108,9 +111,7 @@ def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: LineStyles) -> Non
         sizes = [nan if p["below_floor"] else p["absolute_error"] for p in ladder]
         ax.plot([p["call_s"] for p in ladder], sizes, **look)
         ax.plot([], [], **look, marker=looks.marker(solver, route), markersize=5, label=f"{solver}, {route}")
-        for p in group:
-            if not p["below_floor"]:
-                _point(ax, p, look["color"], looks.marker(solver, route))
+        _points(ax, [p for p in group if not p["below_floor"]], look["color"], looks.marker(solver, route))
         times_in_band = [p["call_s"] for p in group if p["below_floor"]]
         if times_in_band:
             ax.plot(min(times_in_band), band, marker="v", color=look["color"], markersize=7, clip_on=False, zorder=5)
@@ -125,12 +126,16 @@ def _panel(ax: Axes, points: Sequence[dict[str, Any]], looks: LineStyles) -> Non
         )  # fmt: skip
 
 
-def _point(ax: Axes, p: dict[str, Any], colour: str, marker: str) -> None:
-    face = "white" if p["setting"].is_default else colour
-    ax.plot(
-        p["call_s"], p["absolute_error"], marker=marker, markersize=5, color=colour, markerfacecolor=face,
-        alpha=0.35 if p["disturbed"] else 1.0,
-    )  # fmt: skip
+def _points(ax: Axes, points: Sequence[dict[str, Any]], colour: str, marker: str) -> None:
+    """Draw the points of a route, those of one look as one artist."""
+    for (is_default, is_disturbed), group in work_precision.groups(
+        [p | {"is_default": p["setting"].is_default} for p in points], "is_default", "disturbed"
+    ).items():
+        ax.plot(
+            [p["call_s"] for p in group], [p["absolute_error"] for p in group], linestyle="", marker=marker,
+            markersize=5, color=colour, markerfacecolor="white" if is_default else colour,
+            alpha=0.35 if is_disturbed else 1.0,
+        )  # fmt: skip
 
 
 def summary(rows: Sequence[dict[str, Any]], looks: LineStyles) -> Figure:
