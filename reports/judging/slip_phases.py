@@ -299,11 +299,10 @@ def _factors(tau: np.ndarray, y: np.ndarray, samples: np.ndarray) -> np.ndarray:
 
 def _fits(factors: np.ndarray, degree: int) -> np.ndarray:
     """The least-squares polynomials of a degree, shape (n, degree + 1), from the highest power; 0 if there is none."""
-    fits = np.zeros((len(factors), degree + 1))
-    with np.errstate(all="ignore"):  # times that agree to rounding
-        for k in range(degree, -1, -1):
-            rest = np.sum(factors[:, k, k + 1 : degree + 1] * fits[:, k + 1 :], axis=1)
-            fits[:, k] = (factors[:, k, -1] - rest) / factors[:, k, k]
+    size = degree + 1
+    powers, right, fits = factors[:, :size, :size], factors[:, :size, -1], np.zeros((len(factors), size))
+    is_regular = np.diagonal(powers, axis1=1, axis2=2).all(axis=1)  # not so for times that agree to rounding
+    fits[is_regular] = np.linalg.solve(powers[is_regular], right[is_regular, :, None])[..., 0]
     fits[~np.isfinite(fits).all(axis=1)] = 0.0
     return fits[:, ::-1]
 
