@@ -7,7 +7,7 @@ from math import hypot, inf, nan, pi
 import numpy as np
 
 from cases import Case, Flight, Impact
-from cases.contact import Contact, finder, pose, start_motion
+from cases.contact import Contact, finder, start_motion
 from cases.nearest import nearest
 
 LIFT_OFF_REASON = "The contact stopped pushing and the plate left its track."
@@ -72,7 +72,8 @@ class Follower:
 def _with_turns(case: Case, contact: Contact, theta: float) -> Contact:
     """The contact with whole turns added to its parameters, so that (6) gives θ itself."""
     xi1, xi2, gap = contact
-    turns = round((float(pose(case, xi1, xi2)[2]) - theta) / (2 * pi))
+    angle = float(case.track.tangent_angle(xi1) - case.plate.outline.tangent_angle(xi2))
+    turns = round((angle - theta) / (2 * pi))
     if case.plate.outline.period:
         return Contact(xi1, xi2 + turns * case.plate.outline.period, gap)
     return Contact(xi1 - turns * (case.track.period or 0.0), xi2, gap)

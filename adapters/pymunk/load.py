@@ -32,16 +32,17 @@ class LoadInSteps:
     def torsor(self) -> Torsor:
         """(F_x, F_y, M) at the body's present pose, in N and N m; zero after an error of the formula."""
         (x, y), (vx, vy), omega = self._body.position, self._body.velocity, self._body.angular_velocity
+        number, (before_x, before_y, before) = len(self.rows), self._before
         # The first velocities are the start's, the second half a step away from them.
-        part = (0.0, 1.0)[len(self.rows)] if len(self.rows) < 2 else 0.5
-        vx, vy, omega = (now + part * (now - b) for now, b in zip((vx, vy, omega), self._before, strict=True))
+        part = 0.5 if number > 1 else float(number)
+        vx, vy, omega = vx + part * (vx - before_x), vy + part * (vy - before_y), omega + part * (omega - before)
         try:
-            fx, fy, moment = self._at(self._h * len(self.rows), x, y, self._body.angle, vx, vy, omega)
+            fx, fy, moment = self._at(self._h * number, x, y, self._body.angle, vx, vy, omega)
         except (ArithmeticError, ValueError) as problem:
             self.problem = self.problem or problem
             return 0.0, 0.0, 0.0
         if not (isfinite(fx) and isfinite(fy) and isfinite(moment)):
-            self.problem = self.problem or ValueError(f"it is not finite at t = {self._h * len(self.rows):.6g} s")
+            self.problem = self.problem or ValueError(f"it is not finite at t = {self._h * number:.6g} s")
             return 0.0, 0.0, 0.0
         return fx, fy, moment
 
