@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import tempfile
 from collections import Counter
 from collections.abc import Callable
@@ -67,15 +68,31 @@ def chosen_cases(names: tuple[str, ...]) -> list[Case]:
     return [case for name in names for case in cases.select(name)]
 
 
+def pytest_ignore_collect(collection_path, config):
+    """A file of which no test would run is not imported: that is half of what collecting costs each process. A file
+    that the command line names is collected."""
+    if collection_path.suffix != ".py":
+        return None
+    return holds_none(collection_path.read_text(encoding="utf-8"), config.option.markexpr) or None
+
+
+def holds_none(text: str, markexpr: str) -> bool:
+    """Whether a test file with that text has no test for the default marks, or for those of `make test-builds`."""
+    if markexpr == QUICK[0]:
+        return re.search(r"^pytestmark = \[?pytest\.mark\.builds\b", text, re.M) is not None
+    return markexpr == QUICK[1] and "mark.builds" not in text
+
+
 def pytest_pycollect_makeitem(collector, name, obj):
-    """With the default marks functions that are slow as a whole become no tests: with all their cases they were more
-    than half of all tests, which each process made only to leave them out."""
+    """With the marks of the quick tests functions that are slow as a whole become no tests: with all their cases they
+    were more than half of all tests, which each process made only to leave them out."""
     config = collector.config
-    if not isfunction(obj) or config.option.markexpr != QUICK[0] or config.own_cases:
+    if not isfunction(obj) or config.option.markexpr not in QUICK or config.own_cases:
         return None
     if any("::" in argument for argument in config.args):
         return None
-    return [] if any(mark.name in ("slow", "timed", "builds") for mark in getattr(obj, "pytestmark", ())) else None
+    others = ("slow", "timed", "builds") if config.option.markexpr == QUICK[0] else ("slow", "timed")
+    return [] if any(mark.name in others for mark in getattr(obj, "pytestmark", ())) else None
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest leaves out the slow tests
@@ -121,10 +138,10 @@ def _store(tmp_path_factory):
 
 @pytest.fixture(autouse=True, scope="module")
 def _default_method(request):
-    """In the quick tests a motion for which no method is named is DOP853's, except in files marked `taylor`: the Taylor
-    method's equations are compiled, which takes longer than most of these motions. The slow tests, and tests of
-    somebody's own cases, have the default."""
-    is_quick = request.config.option.markexpr == QUICK[0] and not request.config.own_cases
+    """In `make test` and `make test-builds` a motion for which no method is named is DOP853's, except in files marked
+    `taylor` and in other processes: the Taylor method's equations are compiled, which takes longer than most of these
+    motions. The slow tests, and tests of somebody's own cases, have the default."""
+    is_quick = request.config.option.markexpr in QUICK and not request.config.own_cases
     with pytest.MonkeyPatch.context() as patch:
         if is_quick and not request.node.get_closest_marker("taylor"):
             from reference import solve

@@ -1,8 +1,9 @@
-"""The mark `sampled`: of a claim over many cases the quick tests run a sample, the slow ones the others."""
+"""Which tests run: of a claim over many cases marked `sampled` the quick tests run a sample, the slow ones the others;
+which files hold no test for the marks chosen."""
 
 import pytest
 
-from tests.conftest import mark_outside_samples
+from tests.conftest import QUICK, holds_none, mark_outside_samples
 
 
 class Item:
@@ -43,3 +44,13 @@ def test_without_the_mark_all_cases_are_quick():
 def test_a_sample_of_a_collected_test_runs(number, request):
     whole = any("::" in argument for argument in request.config.args)
     assert whole or (request.node.get_closest_marker("slow") is None) == (number % 2 == 0)
+
+
+def test_only_files_without_a_test_for_the_marks_are_not_imported():
+    file = "import pytest\n\npytestmark = pytest.mark.builds\n\n\ndef test_a(): ...\n"
+    both = file.replace("pytest.mark.builds", "[pytest.mark.builds, pytest.mark.taylor]")
+    function = "import pytest\n\n\n@pytest.mark.builds\ndef test_a(): ...\n\n\ndef test_b(): ...\n"
+    without = "def test_b(): ...\n"
+    assert [holds_none(text, QUICK[0]) for text in (file, both, function, without)] == [True, True, False, False]
+    assert [holds_none(text, QUICK[1]) for text in (file, both, function, without)] == [False, False, False, True]
+    assert not any(holds_none(text, "not timed") for text in (file, both, function, without))

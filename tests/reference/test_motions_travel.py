@@ -18,7 +18,7 @@ from cases.curves import cos
 from reference.solve import METHODS
 from tests.scenes import bits
 
-pytestmark = pytest.mark.builds
+pytestmark = [pytest.mark.builds, pytest.mark.taylor]
 
 # Slip and roll, an outline that is no disc, flights and impacts that come to rest, a load, ends of all kinds, no step.
 LABELS = [

@@ -16,7 +16,7 @@ from reports import compare, export
 from reports.judging import diagnosis, residuals
 from reports.running import external_motions, tasks
 
-pytestmark = pytest.mark.builds
+pytestmark = [pytest.mark.builds, pytest.mark.taylor]
 
 NAME = "disc_in_circle[mu=0.1]"
 MOTION = reference.simulate(cases.load(NAME), rtol=1e-12)
