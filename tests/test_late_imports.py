@@ -11,6 +11,8 @@ import pytest
 import cases
 from cases import commands, registry
 
+pytestmark = pytest.mark.builds
+
 ROOT = Path(__file__).parents[1]
 
 

@@ -103,7 +103,7 @@ def test_the_start_is_an_admissible_contact(any_case):
     assert start.slip == any_case.start.slip
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(6)
 def test_the_reference_runs_and_says_how_it_ended(any_case):
     motion = motion_of(any_case)
     assert motion.reason.endswith(".")
@@ -129,7 +129,7 @@ def apart(one: np.ndarray, other: np.ndarray, period: float | None) -> np.ndarra
 LONGEST = "hopping_rod"
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(6)
 def test_two_formulations_agree(any_case, accuracy, request):
     if any_case.label == LONGEST and not request.config.own_cases:
         pytest.skip("it takes nine seconds, and is a slow test of its own")
@@ -158,7 +158,7 @@ def check_agreement(case: Case, accuracy, looks: int) -> None:
         accuracy(**common, quantity=f"largest difference of xi{i + 1}", error=worst)
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(6)
 def test_the_energy_that_is_gained_is_the_work_that_is_done(any_case, accuracy):
     motion = motion_of(any_case)
     if any_case.effect(Flight) and any_case.effect(Drive):

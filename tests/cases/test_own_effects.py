@@ -49,6 +49,8 @@ from tests.scenes.agreement import check_same_sequence
 from tests.scenes.motions import sampled
 from tests.scenes.moving import Adhesion, check_invariance, on_line
 
+pytestmark = pytest.mark.builds
+
 EXAMPLE = Path(__file__).parents[2] / "examples" / "magnetic_wheel"
 
 

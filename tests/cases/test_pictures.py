@@ -19,6 +19,8 @@ from reports import animate
 
 from ..full_disk import full_disk
 
+pytestmark = pytest.mark.builds
+
 CASE = cases.load("disc_in_circle", mu=0.2)
 MOTION = reference.simulate(CASE)
 

@@ -12,6 +12,8 @@ from reports.running.storage.result_store import Store
 
 from .called import work
 
+pytestmark = pytest.mark.builds
+
 LINE = cases.load("disc_on_line")
 
 

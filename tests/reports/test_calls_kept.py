@@ -11,6 +11,8 @@ from reports.running.processes.worker_process import CallResult
 from reports.running.storage.result_store import Store
 from reports.running.timing.phase_times import PhaseTime, PhaseTimes
 
+pytestmark = pytest.mark.builds
+
 LINE = cases.load("disc_on_line")
 KEEP = StorePolicy()
 

@@ -24,7 +24,7 @@ from reports.running.processes.workers import WorkerPool
 from reports.running.records import Run
 
 pytest.importorskip("distributed")
-pytestmark = pytest.mark.filterwarnings("ignore")  # Dask's own
+pytestmark = [pytest.mark.builds, pytest.mark.filterwarnings("ignore")]  # Dask's own
 
 
 # Functions that every process has: one that answers, raises, ends its process, hangs; and one that cannot travel.

@@ -26,6 +26,8 @@ from reports.sweeping.parameter_units import parameter_label
 
 from .test_work_precision import made
 
+pytestmark = pytest.mark.builds
+
 CASE = cases.load("disc_in_circle", mu=0.2)
 EVENT = Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL, "the slip velocity vanished")
 TIMES = np.linspace(0.0, 1.0, 201)

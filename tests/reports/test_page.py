@@ -22,6 +22,8 @@ from reports.page.fragments import short_percent, table, verbatim
 from reports.page.grade_map import engine_map
 from reports.running.records import Experiment, Truth
 
+pytestmark = pytest.mark.builds
+
 ROLLS = Truth(method="taylor", transitions=(Transition(0.5, Mode.SLIP_FORWARD, Mode.ROLL),), error_bars=(1e-15,))
 
 

@@ -16,6 +16,8 @@ from reports.running import tasks
 from reports.running.timing import cold_start, time_breakdown
 from reports.running.timing.clock import Contestant
 
+pytestmark = pytest.mark.builds
+
 CIRCLE = cases.load("disc_in_circle", mu=0.2)
 SETTING = Setting.of(h=1e-3, iterations=10)
 

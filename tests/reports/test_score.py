@@ -15,6 +15,8 @@ from reports.judging.grades import Grade, grade, sequence_note
 from tests.scenes import planted_engines as planted
 from tests.scenes.motions import sampled
 
+pytestmark = pytest.mark.builds
+
 PAPER = cases.load("disc_in_circle", mu=0.2)
 # Slip to roll and back; no disc; a landing.
 SAMPLE = (PAPER, cases.load("ellipse_on_line", mu=0.05), cases.load("disc_onto_incline", mu=0.1))

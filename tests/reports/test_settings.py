@@ -13,6 +13,8 @@ from reports.running.tasks import find_truth
 from reports.studies.settings import measure
 from reports.studies.settings.measure import SettingCell, beats, points
 
+pytestmark = pytest.mark.builds
+
 
 def cell(place: str, cpu: float, off: float, case: str = "a") -> SettingCell:
     return SettingCell(case, "engine", "native", place, Setting.of(h=cpu), "answered", cpu, off)

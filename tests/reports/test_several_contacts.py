@@ -36,6 +36,8 @@ from reports.judging.null_motions import null_motions
 from reports.page import case_tables, motions
 from reports.running.records import Truth
 
+pytestmark = pytest.mark.builds
+
 ROCKING = cases.load("disc_rocking_in_groove")
 
 

@@ -17,6 +17,8 @@ from reports.page.report_folder import of_report
 
 from .. import fake_adapter
 
+pytestmark = pytest.mark.builds
+
 ROOT = Path(__file__).parents[2]
 CASE = fake_adapter.CASE
 COMMANDS = {

@@ -8,6 +8,8 @@ import cases
 import reference
 from reports import compare
 
+pytestmark = pytest.mark.builds
+
 CASE = "disc_in_circle[mu=0.2]"
 STEP = 2e-3
 POSES, RATES = ("x", "y", "theta"), ("vx", "vy", "omega")
