@@ -72,8 +72,12 @@ class AugmentedSystem(NamedTuple):
 
 def mass_matrix(case: Case) -> np.ndarray:
     """M of (16)."""
+    return np.array(_mass_rows(case))
+
+
+def _mass_rows(case: Case) -> list[list[float]]:
     mass = case.plate.mass
-    return np.array([[mass, 0.0, 0.0], [0.0, mass, 0.0], [0.0, 0.0, case.plate.inertia]])
+    return [[mass, 0.0, 0.0], [0.0, mass, 0.0], [0.0, 0.0, case.plate.inertia]]
 
 
 def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
@@ -118,7 +122,7 @@ def sliding_column(k: Kinematics, mu: float, arm: float = 0.0) -> np.ndarray:
 def _sliding_numbers(k: Kinematics, mu: float, arm: float) -> list[float]:
     Rp_tilde = np.array([[1.0, mu], [-mu, 1.0]]) @ k.Rp
     (x, y), (a, b), (r_x, r_y) = Rp_tilde.tolist(), (Rp_tilde @ k.turn).tolist(), k.r.tolist()
-    return [-y, x, a * r_x + b * r_y + arm * sqrt(k.Rp @ k.Rp)]
+    return [-y, x, a * r_x + b * r_y + (arm * sqrt(k.Rp @ k.Rp) if arm else 0.0)]
 
 
 def tangential_column(k: Kinematics) -> np.ndarray:
@@ -204,7 +208,9 @@ def fill(
     """
     xi1, xi2, xi1_dot, xi2_dot = state[:4]
     k = kinematics(case, xi1, xi2, xi1_dot, xi2_dot, time)
-    return assemble(case, mode, k, (time, *k.R0, _angle(case, state, k), *k.R0_dot, k.theta_dot), side, turn)
+    return assemble(
+        case, mode, k, (time, *k.R0.tolist(), _angle(case, state, k), *k.R0_dot.tolist(), k.theta_dot), side, turn
+    )
 
 
 def assemble(
@@ -221,7 +227,7 @@ def assemble(
         torsor += own_torsor(case, k, motion[0], 0.0 if rolls else slip)
     # In lists of numbers: NumPy's assignments to parts of a matrix take as long as its solution.
     B, D, C = _constraint_rows(k)
-    M, right = mass_matrix(case).tolist(), [*torsor.tolist(), *C]
+    M, right = _mass_rows(case), [*torsor.tolist(), *C]
     M[THETA_ROW][THETA_ROW] = M[THETA_ROW][THETA_ROW] if case.plate.turns else 0.0
     rows = [[*row, 0.0, 0.0, -value] for row, value in zip(M, _sliding_numbers(k, ratio, arm), strict=True)]
     rows += [[*of_q1, *of_q2, 0.0] for of_q1, of_q2 in zip(B, D, strict=True)]
