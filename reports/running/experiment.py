@@ -22,12 +22,14 @@ from .ladder_selection import ladder_case
 from .processes.worker_process import CallResult
 from .records import Experiment, Offer, Run, Truth, gives_motion, now
 from .storage.fingerprint import truth_key
-from .tasks import find_truth, perform, survey
+from .tasks import find_truth, perform, survey, survey_of_cases
 from .time_limits import ASKING_SECONDS
 from .versions import split_version
 
 # A solver that did not answer for so many cases is not asked about the others, which would take as long.
 _MOST_SILENCES = 3
+# So many cases are asked about in one call: a second of an engine's answers, and enough calls for several workers.
+_CASES_TOGETHER = 32
 
 # Takes a case's name, a solver, its route and its ladder; returns the settings to run.
 Thin = Callable[[str, str, str, tuple[Setting, ...]], tuple[Setting, ...]]
@@ -83,7 +85,9 @@ def offers(
 ) -> dict[tuple[str, str], tuple[Offer, ...]]:
     """The settings (a ladder or a grid) of each solver for each case, by label and name.
 
-    Never stored: the calls are quick, and an engine may have been installed since."""
+    Never stored: the calls are quick, and an engine may have been installed since. A solver is asked about many cases
+    in one call, because what surrounds a call takes longer than its answer; if that call fails, about each alone."""
+    together = _offers_together(cases, solvers, calls, knobs)
 
     def silent(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
         if Counter(other[1] for other in slow)[call[1]] < _MOST_SILENCES:
@@ -91,10 +95,33 @@ def offers(
         return CallResult("timed_out", reason=f"not asked: {call[1]} had not answered for {_MOST_SILENCES} other cases")
 
     pairs = [(case, name) for case in cases for name in solvers]
-    requests = [(case, name, knobs) for case, name in pairs]
+    requests = [(case, name, knobs) for case, name in pairs if (case.label, name) not in together]
     limit = min(calls.limit, ASKING_SECONDS)
     answers = calls.all("survey", survey, requests, limit=limit, skip=silent, brief=True)
-    return {(case.label, name): _offers(answer, knobs) for (case, name), answer in zip(pairs, answers, strict=True)}
+    alone = {(call[0].label, call[1]): _offers(one, knobs) for call, one in zip(requests, answers, strict=True)}
+    by_key = together | alone
+    return {(case.label, name): by_key[case.label, name] for case, name in pairs}
+
+
+def _offers_together(
+    cases: Sequence[Case], solvers: Sequence[str], calls: Calls, knobs: str
+) -> dict[tuple[str, str], tuple[Offer, ...]]:
+    """The settings of each solver that can be asked about many cases in one call."""
+
+    def is_slow(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
+        reason = "not asked: about other cases it had not answered"
+        return CallResult("timed_out", reason=reason) if any(other[1] == call[1] for other in slow) else None
+
+    parts = [tuple(cases[i : i + _CASES_TOGETHER]) for i in range(0, len(cases), _CASES_TOGETHER)]
+    requests = [(part, name, knobs) for part in parts for name in solvers if len(part) > 1]
+    limit = min(calls.limit, ASKING_SECONDS)
+    answers = calls.all("survey", survey_of_cases, requests, limit=limit, skip=is_slow, brief=True)
+    done = [(call, answer.value) for call, answer in zip(requests, answers, strict=True) if answer.outcome == "done"]
+    return {
+        (case.label, name): of_routes
+        for (part, name, _), by_case in done
+        for case, of_routes in zip(part, by_case, strict=True)
+    }
 
 
 def _offers(answer: CallResult, knobs: str) -> tuple[Offer, ...]:

@@ -14,7 +14,9 @@ from reports.analysis import tables
 from reports.analysis.columns import Table
 from reports.page import text
 from reports.page.case_tables import error_text
-from reports.running import clocked_run, tasks
+from reports.running import clocked_run, experiment, tasks
+from reports.running.calls import Calls
+from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, first_error
 
 # --- one run and its verdict ------------------------------------------------------------------------------------------
@@ -175,6 +177,32 @@ def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, li
     monkeypatch.setattr(tasks, "solver", missing)
     (offer,) = tasks.survey(line[0], "fake")
     assert offer.outcome == "not_installed" and "fake" in offer.reason
+
+
+class InThisProcess(Calls):
+    """Makes calls here; those about the case `broken` end their process."""
+
+    broken: cases.Case | None = None
+
+    def each(self, step, function, arguments, **how):
+        self.made = [*getattr(self, "made", ()), *arguments]
+        for index, call in enumerate(arguments):
+            subjects = call[0] if isinstance(call[0], tuple) else call[:1]
+            died = any(case is self.broken for case in subjects)
+            yield index, CallResult("died", reason="gone") if died else CallResult("done", value=function(*call))
+
+
+def test_a_solver_that_fails_for_one_of_many_cases_is_asked_about_each_alone():
+    some = [cases.load("disc_in_circle", mu=mu) for mu in (0.1, 0.2, 0.3)]
+    usual, broken = InThisProcess(), InThisProcess()
+    broken.broken = some[1]
+    expected = {(case.label, "reference"): tasks.survey(case, "reference") for case in some}
+    assert experiment.offers(some, ["reference"], usual) == expected and len(usual.made) == 1
+    offers = experiment.offers(some, ["reference"], broken)
+    (failed,) = offers.pop((some[1].label, "reference"))
+    assert (failed.outcome, failed.reason) == ("crashed", "asking for its ladder: gone") and len(broken.made) == 4
+    assert list(offers) == [key for key in expected if key[0] != some[1].label]
+    assert offers.items() <= expected.items()
 
 
 # --- tables -----------------------------------------------------------------------------------------------------------
