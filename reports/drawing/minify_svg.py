@@ -78,6 +78,7 @@ def _group_texts(svg: str) -> str:
     return _TEXTS.sub(lambda m: f"<g {m[1]}>{m[0].replace(f' {m[1]}', '')}</g>", svg)
 
 
+_Point = tuple[float, float]
 # A path with at least this many points is a curve: its points are close to each other. Those this near (points, 1/72
 # inch) to the line between their neighbours are left out: lines are three to five times as wide.
 _CURVE, _NEAR = 30, 0.3
@@ -92,48 +93,46 @@ def _short(value: float, digits: int = 1) -> str:
 def _path(text: str, digits: int = 1) -> str:
     """A path rounded to so many digits, with relative coordinates, which take half the characters; of a curve only the
     points that its shape needs."""
-    words = re.findall(r"[A-Za-z]|-?[0-9.]+(?:e[-+]?[0-9]+)?", text)
-    if not set(filter(str.isalpha, words)) <= set("MLz"):
+    if re.search(r"[^-MLze\d\s.+]", text):  # Bézier curves
+        words = re.findall(r"[A-Za-z]|-?[0-9.]+(?:e[-+]?[0-9]+)?", text)
         return re.sub(
             r" (?=[A-Za-z-])|(?<=[A-Za-z]) ",
             "",
             " ".join(w if w.isalpha() else _short(float(w), digits) for w in words),
         )
-    if len(words) < 3 * _CURVE:
-        return _relative(words, digits)
-    starts = [place for place, word in enumerate(words) if word == "M"]
-    parts = [words[begin:end] for begin, end in zip(starts, [*starts[1:], len(words)], strict=True)]
-    return "".join(_relative(_simplify(part), digits) for part in parts)
+    parts = [
+        (part, [float(word) for word in part.replace("L", " ").replace("z", " ").split()]) for part in text.split("M")
+    ]
+    is_curve = sum(len(numbers) // 2 for _, numbers in parts) >= _CURVE
+    texts = []
+    for part, numbers in parts[1:]:
+        points = list(zip(numbers[::2], numbers[1::2], strict=True))
+        texts.append(_relative(_simplify(points) if is_curve else points, digits) + "z" * ("z" in part))
+    return "".join(texts)
 
 
-def _relative(words: Sequence[str], digits: int) -> str:
-    words_out, before, here = [], "", (0.0, 0.0)
-    for command, x, y in re.findall(r"(z|[ML])(?: ([^\sA-Za-z]\S*) (\S+))?", " ".join(words)):
-        if command == "z":
-            words_out.append("z")
-        else:
-            # Differences of rounded positions, so that rounding errors do not add up.
-            there = round(float(x), digits), round(float(y), digits)
-            shift = there if command == "M" else (there[0] - here[0], there[1] - here[1])
-            pair = f"{_short(shift[0], digits)} {_short(shift[1], digits)}".replace(" -", "-")
-            letter = "M" if command == "M" else "l" if before != "L" else "" if pair.startswith("-") else " "
-            words_out.append(letter + pair)
-            here = there
-        before = command
-    return "".join(words_out)
+def _relative(points: Sequence[_Point], digits: int) -> str:
+    """The text of a part of a path."""
+    texts, here = [], (0.0, 0.0)
+    for place, (x, y) in enumerate(points):
+        # Differences of rounded positions, so that rounding errors do not add up.
+        there = round(x, digits), round(y, digits)
+        pair = f"{_short(there[0] - here[0], digits)} {_short(there[1] - here[1], digits)}".replace(" -", "-")
+        texts.append(("M" if place == 0 else "l" if place == 1 else "" if pair.startswith("-") else " ") + pair)
+        here = there
+    return "".join(texts)
 
 
-def _simplify(words: Sequence[str]) -> list[str]:
-    """The words of a part of a path without the points near the line between their neighbours (Ramer, Douglas and
-    Peucker's method)."""
-    end = list(words[-1:]) if words[-1] == "z" else []
-    points = np.array([float(word) for word in words if not word.isalpha()]).reshape(-1, 2)
+def _simplify(points: Sequence[_Point]) -> Sequence[_Point]:
+    """A part of a path without the points near the line between their neighbours (Ramer, Douglas and Peucker's
+    method)."""
+    places = np.array(points)
     corners, spans = {0, len(points) - 1}, [(0, len(points) - 1)]
     while spans:
         first, last = spans.pop()
         if last - first < 2:
             continue
-        chord, others = points[last] - points[first], points[first + 1 : last] - points[first]
+        chord, others = places[last] - places[first], places[first + 1 : last] - places[first]
         # Most spans have few points, for which calls of np.clip and max take longer than their arithmetic.
         along = np.minimum(np.maximum(others @ chord / max(float(chord @ chord), 1e-12), 0.0), 1.0)
         distance = np.hypot(*(others - along[:, None] * chord).T)
@@ -142,8 +141,7 @@ def _simplify(words: Sequence[str]) -> list[str]:
             middle = first + 1 + farthest
             corners.add(middle)
             spans += [(first, middle), (middle, last)]
-    path = [word for i in sorted(corners) for word in ("L" if i else "M", *map(str, points[i]))]
-    return [*path, *end]
+    return [points[place] for place in sorted(corners)]
 
 
 # A segment: a path of two points, as a line of a grid; a path of several; and a mark that repeats a segment, as the
@@ -159,7 +157,6 @@ _ELEMENT = re.compile(rf"{_OF_AXIS.pattern}|<[^>]*>|[^<]+")
 
 # A class whose lines have dashes.
 _DASHED_CLASS = re.compile(r"\.(c\d+)\{[^}]*dasharray")
-_Point = tuple[float, float]
 
 
 def _pair(x: float, y: float) -> str:
