@@ -36,11 +36,11 @@ from cases import curves as c
 from cases.library import circle
 
 from ...running.calls import Calls, StorePolicy
+from ...running.clocked_run import run_on_clock
 from ...running.experiment import offers
 from ...running.names import REFERENCE
 from ...running.records import one_default
 from ...running.solvers import solver
-from ...running.tasks import run_on_clock
 from ...running.timing.clock import NO_TIMING, Contestant, Timing
 from ...running.timing.timed_pass import time_together
 

@@ -27,11 +27,12 @@ from ...judging import ledger
 from ...judging.grades import grade
 from ...judging.score import score
 from ...running.calls import Calls, StorePolicy
+from ...running.clocked_run import run_on_clock
 from ...running.experiment import find_truths, offers
 from ...running.processes.worker_process import CallResult
 from ...running.records import Offer, Truth
 from ...running.solvers import solver
-from ...running.tasks import reading_of, run_on_clock
+from ...running.tasks import reading_of
 from ...running.true_motions import true_motion
 
 QUANTITIES = {"first_transition_time": "s", "energy_lost": "J", "final_centre": "m"}

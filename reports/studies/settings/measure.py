@@ -18,11 +18,11 @@ from cases import Case, NotSupported
 from ...judging.grades import grade
 from ...judging.score import score
 from ...running.calls import Calls
+from ...running.clocked_run import run_on_clock
 from ...running.experiment import find_truths, offers
 from ...running.processes.worker_process import CallResult
 from ...running.records import Offer, Truth, one_default
 from ...running.solvers import solver
-from ...running.tasks import run_on_clock
 from ...running.true_motions import true_motion
 
 # Slip that ends, that begins, and that begins at once; on a line, in a circle and on a hill; with a turning load.

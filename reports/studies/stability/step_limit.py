@@ -15,8 +15,9 @@ from cases import Belt, Case, Gravity, Load, Trajectory, mechanics
 
 from ...judging import residuals
 from ...judging.validation import sound
+from ...running.clocked_run import run_on_clock
 from ...running.solvers import solver
-from ...running.tasks import run_on_clock, sentence
+from ...running.tasks import sentence
 
 # A scene without load cannot gain energy; a gain of a tenth of its energy scale is instability, not inaccuracy.
 BLOWN_UP = 0.1
