@@ -216,7 +216,9 @@ class SeveralContactPhase:
 
 def _inside_ends(contact: WatchedContact, pair: PairState) -> dict[tuple[str, str], float]:
     """How far a contact is inside the ends of its curves, in their parameters. A chain's arcs and edges end by
-    their turn, and a corner has no ends."""
+    their turn, and a corner has no ends. Free plates have none: an edge goes on as a corner."""
+    if not isinstance(contact.case, PairCase):
+        return {}
     curves = [("track_end", contact.case.track, pair.xi1)]
     if contact.case.centre is None and contact.case.arc_range is None:
         curves.append(("outline_end", contact.case.plate.outline, pair.xi2))
