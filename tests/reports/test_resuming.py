@@ -28,7 +28,8 @@ from reports.running.timing.clock import NO_TIMING, Contestant, Timing
 from .. import fake_adapter
 from .identical import identical
 
-pytestmark = pytest.mark.builds
+# Answers of this process are compared with those of another one to the last digit.
+pytestmark = [pytest.mark.builds, pytest.mark.taylor]
 
 ROOT = Path(__file__).parents[2]
 VERSIONS = {"pymunk": "7.2.0", "reference": "0.1.0"}
