@@ -53,9 +53,9 @@ class Start:
 
     def check(self, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> None:
         """Raise DoesNotFit or BadValue for an inadmissible contact, or a start that needs an effect the case lacks."""
-        xi1, domain = self.xi1, track.domain
-        if domain and not track.period and not domain[0] <= xi1 <= domain[1]:
-            raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({domain[0]:g}, {domain[1]:g})")
+        xi1, ends = self.xi1, track.ends
+        if ends and not ends[0] <= xi1 <= ends[1]:
+            raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({ends[0]:g}, {ends[1]:g})")
         self._check_effects(tuple(type(effect) for effect in effects))
         _check_place(self, track, outline)
 

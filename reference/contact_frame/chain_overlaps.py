@@ -114,12 +114,12 @@ class ChainOverlaps:
             foot = piece_gap(Entry(self.pieces.first, corner, float(near), corner.start), x, y, theta)
         except DoesNotFit:
             return inf
-        is_inside = track.period or track.domain is None or track.domain[0] <= foot.xi1 <= track.domain[1]
+        is_inside = track.ends is None or track.ends[0] <= foot.xi1 <= track.ends[1]
         return foot.gap if is_inside else inf
 
     def _on_pieces(self, z: np.ndarray) -> bool:
         """Whether the contact is on its pieces."""
         for piece, s in zip(self.pieces.pieces, z[:2].tolist(), strict=True):
-            if piece.domain is not None and not piece.period and not piece.domain[0] <= s <= piece.domain[1]:
+            if piece.ends and not piece.ends[0] <= s <= piece.ends[1]:
                 return False
         return True

@@ -343,8 +343,8 @@ def _guards(course: MotionState, now: ContactState) -> dict[str, Callable]:
         for i, end in enumerate(effect.ends()):
             guards[f"{OWN}{end.status}"] = partial(_own_end, effect, 3 + i)
     for name, curve, i in (("track", scene.track, 0), ("outline", scene.outline, 1)):
-        if curve.domain and not curve.period:
-            guards[name] = _inside(i, *curve.domain)
+        if curve.ends:
+            guards[name] = _inside(i, *curve.ends)
     return guards
 
 

@@ -204,7 +204,7 @@ class Landings:
     def _on_track(self, look: Look) -> bool:
         """Whether both points of a pair lie on their curves, and the plate on the track's left."""
         for curve, at in zip((self.case.track, self.case.plate.outline), look.pair, strict=True):
-            if curve.period is None and curve.domain is not None and not curve.domain[0] <= at <= curve.domain[1]:
+            if curve.ends and not curve.ends[0] <= at <= curve.ends[1]:
                 return False
         return look.facing
 

@@ -24,6 +24,8 @@ from .figure_files import writes_pdf
 _ZORDER = 0.5
 # Part of an axis by which a tick at its end may lie outside by rounding.
 _ROUNDING = 1e-9
+# Distance of the common factor from its axis, points, and the height of a line of text, font sizes: Matplotlib's.
+_OFFSET_PAD, _LINE_HEIGHT = 3.0, 1.0
 
 
 def plain_ticks(ax: Axes, which: str = "xy", has_x_labels: bool = True) -> None:
@@ -73,9 +75,9 @@ def _ticks(axis: Any) -> tuple[list[float], list[str], str]:
 def _draw_left(ax: Axes, places: Sequence[float], texts: Sequence[str], label: str, offset: str) -> None:
     transform, away = ax.get_yaxis_transform(), rcParams["ytick.major.size"] + rcParams["ytick.major.pad"]
     _marks(ax, np.zeros(len(places)), places, TICKLEFT, transform)
-    beside = transform + _points(ax, -away, 0.0)
+    label_transform = transform + _points(ax, -away, 0.0)
     for place, text in zip(places, texts, strict=True):
-        ax.text(0.0, place, text, transform=beside, ha="right", va="center_baseline")
+        ax.text(0.0, place, text, transform=label_transform, ha="right", va="center_baseline")
     if offset:
         ax.text(0.0, 1.0, offset, transform=ax.transAxes + _points(ax, 0.0, _OFFSET_PAD), ha="left", va="baseline")
     if label:
@@ -89,10 +91,10 @@ def _draw_left(ax: Axes, places: Sequence[float], texts: Sequence[str], label: s
 def _draw_below(ax: Axes, places: Sequence[float], texts: Sequence[str], label: str, offset: str) -> None:
     transform, away = ax.get_xaxis_transform(), rcParams["xtick.major.size"] + rcParams["xtick.major.pad"]
     _marks(ax, places, np.zeros(len(places)), TICKDOWN, transform)
-    beside = transform + _points(ax, 0.0, -away)
+    label_transform = transform + _points(ax, 0.0, -away)
     for place, text in zip(places, texts, strict=True):
         if text:
-            ax.text(place, 0.0, text, transform=beside, ha="center", va="top")
+            ax.text(place, 0.0, text, transform=label_transform, ha="center", va="top")
     away += _LINE_HEIGHT * rcParams["font.size"]
     if offset:
         shift = _points(ax, 0.0, -away - _OFFSET_PAD)
@@ -100,10 +102,6 @@ def _draw_below(ax: Axes, places: Sequence[float], texts: Sequence[str], label: 
     if label:
         shift = _points(ax, 0.0, -away - rcParams["axes.labelpad"])
         ax.text(0.5, 0.0, label, transform=ax.transAxes + shift, ha="center", va="top")
-
-
-# Distance of the common factor from its axis, points, and the height of a line of text, font sizes: Matplotlib's.
-_OFFSET_PAD, _LINE_HEIGHT = 3.0, 1.0
 
 
 def _marks(ax: Axes, x: Any, y: Any, marker: Any, transform: Transform) -> None:
