@@ -34,3 +34,27 @@ def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config
         from reports.engine_tests import tests
 
         items += tests(session, config)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Fail the session if an engine supported none of its cases: nothing of it was tested."""
+    if _refusing(session.config) and session.exitstatus == pytest.ExitCode.OK:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Name the engines that supported none of their cases."""
+    for engine in _refusing(config):
+        terminalreporter.write_line(f"slip-to-roll: {engine} supports none of the cases that were run", red=True)
+
+
+def _refusing(config: pytest.Config) -> list[str]:
+    """The engines that supported none of their cases."""
+    terminal = config.pluginmanager.get_plugin("terminalreporter")
+    if not config.getoption("--slip-to-roll-engine") or terminal is None:
+        return []
+    from reports.engine_tests import refusing
+
+    reports = (report for those in terminal.stats.values() for report in those)
+    return refusing(report for report in reports if isinstance(report, pytest.TestReport))

@@ -27,13 +27,15 @@ def parser() -> Parser:
         action="extend",
         help='cases: a name (all its variants) or "name[parameter=value,…]"; rows of others stay (default: all)',
     )
+    result.add_argument("--out", metavar="FILE", help="new file to write (default: truth.json of the clone)")
     result.add_argument("--jobs", metavar="N", help="number of parallel processes (default: one per core)")
     return result
 
 
 def main(argv: Sequence[str] | None = None, path: Path | None = None) -> int:
-    """Run the command on the file of certificates (default: that of the package); returns its exit status: 0, 1 if an
-    ordinary case has no certificate or a proof is incomplete, 2 for invalid arguments, 130 if it was interrupted."""
+    """Run the command on the file of certificates (default: that of the clone); returns its exit status: 0, 1 if an
+    ordinary case has no certificate or a proof is incomplete, 2 for invalid arguments, 130 if it was interrupted. The
+    file of an installed package stays as it was certified for the release."""
     words = list(sys.argv[1:] if argv is None else argv)
     if any(word == "--prove" or word.startswith("--prove=") for word in words):
         from .proofs import command
@@ -45,9 +47,26 @@ def main(argv: Sequence[str] | None = None, path: Path | None = None) -> int:
 def _rebuild(words: list[str], path: Path | None) -> int:
     options = parser().parse_args(words)
     jobs = _jobs(options.jobs)
-    from .certification import TRUTH, rebuild  # with SymPy, which help does not need
+    path = path or _path(options.out)
+    from .certification import rebuild  # with SymPy, which help does not need
 
-    return rebuild.certify_cases(options.only, jobs, path or TRUTH)
+    return rebuild.certify_cases(options.only, jobs, path)
+
+
+def _path(out: str | None) -> Path:
+    """The file to write: a new one, or that of the clone. Raises BadValue."""
+    if out is not None:
+        if Path(out).exists():
+            raise BadValue(f"{out} exists; give the name of a new file")
+        if not Path(out).parent.is_dir():
+            raise BadValue(f"there is no folder {Path(out).parent}; create it first")
+        return Path(out)
+    home = Path(__file__).resolve().parent
+    if not (home.parent / "pyproject.toml").exists():
+        raise BadValue("the certificates of an installed package are not changed; name a new file: --out mine.json")
+    from .certification import TRUTH
+
+    return TRUTH
 
 
 def _jobs(text: str | None) -> int:

@@ -36,8 +36,8 @@ COMMAND = "reports.build"
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status.
 
-    0; 1 if the report cannot be written; 2 for invalid arguments; 3 if the report is written but a case has no truth
-    or no solver could run a selected case; 130 if it was interrupted."""
+    0; 1 if the report cannot be written; 2 for invalid arguments; 3 if the report is written but a case has no truth,
+    no solver could run a selected case, or nothing ran; 130 if it was interrupted."""
     return status(COMMAND, _work, argv)
 
 
@@ -147,6 +147,7 @@ def _build(plan: BuildPlan) -> int:
     store.trim()
     print(_summary(plan, experiment, verdicts, study_results, left_out, calls))
     lacking = _without_truth(experiment) + (_run_by_nobody(experiment) if plan.is_selection else [])
+    lacking = lacking or _nothing_ran(experiment)
     for sentence in lacking:
         _say(f"{COMMAND}: {sentence}")
     if calls.interruptions:
@@ -180,6 +181,15 @@ def _run_by_nobody(experiment: Experiment) -> list[str]:
     done_cases |= {label for label, truth in experiment.truths.items() if truth.failure}
     first = {run.case: run for run in reversed(experiment.runs) if run.case not in done_cases}
     return [f"no solver could run {label}; {run.solver} {run.outcome}: {run.reason}" for label, run in first.items()]
+
+
+def _nothing_ran(experiment: Experiment) -> list[str]:
+    """A sentence where no run of the whole report has a motion, with what to install."""
+    from .running.solvers import missing_words
+
+    if any(run.outcome == "answered" for run in experiment.runs):
+        return []
+    return [". ".join(["nothing ran: no solver has a motion", *missing_words(experiment.versions)])]
 
 
 def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasurements:

@@ -10,7 +10,7 @@ import numpy as np
 
 from cases import Case, Trajectory
 
-from .bars import ULPS, Bar
+from .bars import METHOD_ULPS, Bar
 from .certificate import Certificate
 from .witnesses import EPS, states_of
 
@@ -27,12 +27,13 @@ class _ValuePair(NamedTuple):
     coarser: float
 
 
-def contradiction(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory) -> str:
-    """The first contradiction between motion and certificate, in a phrase; "" if there is none.
+def contradiction(case: Case, certificate: Certificate, motion: Trajectory, coarser: Trajectory, method: str) -> str:
+    """The first contradiction between a motion by that method and a certificate, in a phrase; "" if there is none.
 
     Modes and status must be the same. A time, a place or a sample may be off by the certificate's error bar plus the
     motion's own error. That error is estimated from `coarser`, the same motion at ten times the tolerance: the largest
-    difference between the two in values of that kind, plus the rounding of the largest of these values.
+    difference between the two in values of that kind, plus the method's own error (`METHOD_ULPS`) of the largest of
+    these values.
     """
     events, certified = _events(motion), (certificate.status, [row[:2] for row in certificate.transitions])
     if events != certified:
@@ -43,7 +44,7 @@ def contradiction(case: Case, certificate: Certificate, motion: Trajectory, coar
     for kind in dict.fromkeys(each.kind for each in pairs):
         same = [each for each in pairs if each.kind == kind]
         error = max(abs(each.motion - each.coarser) for each in same)
-        error += ULPS * EPS * max(abs(each.motion) for each in same)
+        error += METHOD_ULPS[method] * EPS * max(abs(each.motion) for each in same)
         for each in same:
             value, bar = each.certified
             if abs(each.motion - value) > bar + error:

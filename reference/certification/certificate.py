@@ -14,7 +14,7 @@ import numpy as np
 
 from cases import Case, CaseError, Mode
 
-from .bars import ULPS, Bar, Shares, ambiguity, bar, roundings, shares
+from .bars import METHOD_ULPS, Bar, Shares, ambiguity, bar, roundings, shares
 from .proof_kind import kinds
 from .witnesses import EPS, Witness, quantities, witnesses
 
@@ -75,28 +75,30 @@ def certify(case: Case) -> Certificate:
     method = "taylor" if "taylor 1e-12" in [witness.name for witness in able] else "dop853"
     moves = shares(case, times, method)
     _check_events(case, able, moves, method)
-    certificate = _certificate(case, able, missing, times, moves)
+    certificate = _certificate(case, able, missing, times, moves, METHOD_ULPS[method] * EPS)
     _check_bars(case, certificate, able, moves)
     return certificate
 
 
-def _certificate(case: Case, able: list[Witness], missing: list[str], times: np.ndarray, moves: Shares) -> Certificate:
+def _certificate(
+    case: Case, able: list[Witness], missing: list[str], times: np.ndarray, moves: Shares, rounding: float
+) -> Certificate:
     centre = able[0]
     states = [witness.states(times) for witness in able]
-    sample_roundings = roundings(case, centre, times)
+    sample_roundings = roundings(case, centre, times, rounding)
     gyration = case.plate.gyration
     transitions = []
     for i, same in enumerate(zip(*(witness.transitions for witness in able), strict=True)):
         first = same[0]
-        time = bar([t.time for t in same], ULPS * EPS * first.time + float(moves.times[i]))
+        time = bar([t.time for t in same], rounding * first.time + float(moves.times[i]))
         along = float(case.track.speed(first.xi1))
         size = max(abs(first.xi1), gyration / along if along else 1.0)  # at a corner the parameter is an angle
-        place = bar([t.xi1 for t in same], ULPS * EPS * size + float(moves.places[i]), case.track.period)
+        place = bar([t.xi1 for t in same], rounding * size + float(moves.places[i]), case.track.period)
         transitions.append((first.before, first.after, time, place))
     return Certificate(
         case=case.label,
         status=centre.status,
-        end=bar([witness.end for witness in able], ULPS * EPS * centre.end + moves.end),
+        end=bar([witness.end for witness in able], rounding * centre.end + moves.end),
         transitions=tuple(transitions),
         times=tuple(times.tolist()),
         samples={

@@ -58,7 +58,7 @@ def damage(path: Path, labels: Sequence[str]) -> DamagedTruth:
     again = f"python -m reference{f' --only {only}' if only else ''}"
     return DamagedTruth(
         f"{path.name} is damaged: the digest of {some} does not fit the numbers; "
-        f"restore the file, or certify again with `{again}`"
+        f"restore the file (install the package again); in a clone, `{again}` certifies again"
     )
 
 
@@ -80,8 +80,8 @@ def sound(path: Path) -> tuple[dict[str, Certificate], list[str]]:
                 damaged_labels.append(str(row["case"]))
     except (OSError, ValueError, AttributeError, KeyError, TypeError, RecursionError) as problem:
         raise DamagedTruth(
-            f"{path.name} cannot be read ({type(problem).__name__}: {problem}); restore the file, or certify all cases "
-            "again with `python -m reference`"
+            f"{path.name} cannot be read ({type(problem).__name__}: {problem}); restore the file (install the package "
+            "again); in a clone, `python -m reference` certifies all cases again"
         ) from problem
     return certificates, damaged_labels
 

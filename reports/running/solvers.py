@@ -104,21 +104,22 @@ def missing_words(versions: Mapping[str, str]) -> list[str]:
     """A line for each solver that is not installed, and the command that installs those that are extras."""
     missing = {name: text.partition(": ")[2] for name, text in versions.items() if is_missing(text)}
     lines = [f"{name}: {NOT_INSTALLED.replace('_', ' ')} (it needs {needs})" for name, needs in missing.items()]
-    packages = sorted({package for needs in missing.values() if (package := _package(needs))})
-    if packages:
-        lines.append(f"pip install {' '.join(packages)} adds {'them' if len(packages) > 1 else 'it'}")
+    extras = dict(sorted(pair for needs in missing.values() if (pair := _extra(needs))))
+    if extras:
+        them, names, packages = "them" if len(extras) > 1 else "it", " ".join(extras), " ".join(extras.values())
+        lines.append(f'make report EXTRAS="{names}" adds {them}; without make: pip install {packages}')
     return lines
 
 
-def _package(module: str) -> str:
-    """The package of an extra of this suite that contains a module; "" if none does."""
+def _extra(module: str) -> tuple[str, str] | None:
+    """The extra of this suite whose package contains a module, with that package; None if no extra has it."""
     try:
         needs = requires("slip-to-roll") or []
     except PackageNotFoundError:
-        return ""
-    result = [re.fullmatch(r"([\w-]+).*;.*extra\s*==.*", need) for need in needs]
-    own = {match[1].replace("-", "_"): match[1] for match in result if match}
-    return own.get(module.partition(".")[0], "")
+        return None
+    result = [re.fullmatch(r"""([\w-]+).*;.*extra\s*==\s*['"]([\w-]+)['"].*""", need) for need in needs]
+    own = {match[1].replace("-", "_"): (match[2], match[1]) for match in result if match}
+    return own.get(module.partition(".")[0])
 
 
 def routes(name: str) -> tuple[str, ...]:

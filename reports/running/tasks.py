@@ -99,8 +99,10 @@ def find_truth(case: Case) -> Truth:
         "" if is_within_bars(case, certificate, motion) else _contradiction(case, certificate, motion, method)
     )
     if contradicted:
-        again = f'certify it again: python -m reference --only "{case.label}"' if known else "please report the scene"
-        return Truth(failure=f"{case.label}: {contradicted}; neither is used; {again}")
+        report = "please report the scene"
+        if known:
+            report = f'please report it with: python -m reference --only "{case.label}" --out certificate.json'
+        return Truth(failure=f"{case.label}: {contradicted}; neither is used; {report}")
     certified = certificate.transitions
     events = tuple(replace(event, time=row[2].value) for event, row in zip(motion.transitions, certified, strict=True))
     contact_scales = _contact_scales(case, motion, events)
@@ -126,7 +128,7 @@ def find_truth(case: Case) -> Truth:
 
 def _contradiction(case: Case, certificate: Certificate, motion: Trajectory, method: str) -> str:
     coarser = reference.simulate(case, rtol=10.0 * TRUTH_RTOL, method=method)
-    return contradiction(case, certificate, motion, coarser)
+    return contradiction(case, certificate, motion, coarser, method)
 
 
 def _contact_scales(case: Case, motion: Trajectory, events: tuple[Transition, ...]) -> dict[str, Scale]:

@@ -1,7 +1,6 @@
 """The pytest plugin in an empty folder, as an engine project uses it: a right engine, wrong ones, and wrong options."""
 
 import os
-import shutil
 import subprocess
 import sys
 from importlib.metadata import entry_points
@@ -23,11 +22,11 @@ PLUGIN = [] if [*entry_points(group="pytest11", name="slip_to_roll")] else ["-p"
 def project(tmp_path):
     """An empty folder with the starter engine, and a function that runs pytest there."""
 
-    def run(*words: str, change: tuple[str, str] = ("", "")):
-        text = ENGINE.read_text()
-        assert change[0] in text
-        (tmp_path / "my_engine").write_text(text.replace(*change) if change[0] else text)
-        shutil.copymode(ENGINE, tmp_path / "my_engine")
+    def run(*words: str, change: tuple[str, str] | None = ("", "")):
+        if change:
+            text = ENGINE.read_text()
+            assert change[0] in text
+            (tmp_path / "my_engine").write_text(text.replace(*change) if change[0] else text)
         (tmp_path / "my_engine").chmod(0o755)
         command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-ra", "-q", *PLUGIN, *words]
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -53,6 +52,28 @@ def test_friction_that_is_a_fifth_too_large_fails_with_the_reason(project):
     )
     assert status == 1 and "1 failed, 6 deselected" in out, out
     assert "of the error of ignoring friction" in out and "slip_forward -> roll" in out and "Traceback" not in out
+
+
+def test_an_engine_that_supports_no_case_is_not_green(project):
+    (project.folder / "my_engine").write_text("#!/bin/sh\nexit 3\n")
+    status, out = project(*OURS, change=None)
+    assert status == 1 and "7 skipped" in out and "my_engine supports none of the cases that were run" in out, out
+
+
+# The truth of these tests' process is taken away: what is then said of an engine that answers, and of one that refuses.
+NO_TRUTH = """
+import pytest
+from reports import engine_tests
+from reports.running.records import Truth
+engine_tests.find_truth = lambda case: Truth(failure="a reason")
+"""
+
+
+def test_a_missing_truth_is_an_error_of_the_suite_and_unsupported_comes_first(project):
+    (project.folder / "conftest.py").write_text(NO_TRUTH)
+    status, out = project(*OURS, "-k", "cone_holds or rolling_resistance")
+    assert status == 1 and "1 skipped, 5 deselected, 1 error" in out, out
+    assert "slip-to-roll has no truth of this case, which is no fault of the engine: a reason" in out, out
 
 
 @pytest.mark.slow
