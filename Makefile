@@ -24,8 +24,9 @@ quick: $(VENV)/installed $(WANTED)
 	$(BIN)/python -m reports.build --quick
 
 # Two processes on two cores: hardly a test waits, and each process imports and collects all tests, 9 s of CPU.
+JOBS ?= 2
 test: $(VENV)/installed
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
 
 # Tests of commands, stored files, figures and whole reports: scored, killed, resumed, given engines that fail; the page in
 # a browser. Three processes on two cores: many of them wait for a disk, a time limit or another process.
@@ -42,8 +43,8 @@ test-all: $(VENV)/installed
 matrix:
 	$(PYTHON) tests/matrix.py $(if $(ONLY),--only $(ONLY))
 
-# Tests that take seconds and detect a broken tree: the rooms, the direction of imports, exact values.
-SMOKE := tests/test_architecture.py tests/test_imports_within_rooms.py tests/reference/test_reference_exact.py
+# Tests that take seconds and detect a broken tree: exact values. `make check` has the rooms and their imports.
+SMOKE := tests/reference/test_reference_exact.py
 
 smoke: $(VENV)/installed
 	$(BIN)/python -m pytest -q $(SMOKE)
@@ -52,11 +53,12 @@ smoke: $(VENV)/installed
 walk: $(VENV)/installed
 	$(BIN)/python -m pytest -q -m "slow or not slow" tests/walk -k "readme or wheel"
 
-# Style and types, for contributors.
+# Style and types, for contributors: formatting, names, language, glossary, directions of imports. No answer is tested.
 check: $(VENV)/checkers
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/python -m pytest -q -m style tests/docs tests/test_*.py
 
 # Runs the gallery and stores its outputs in it, for readers without Jupyter. Run it when a figure changes.
 gallery: $(VENV)/documented

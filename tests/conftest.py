@@ -36,7 +36,7 @@ def pytest_addoption(parser, pluginmanager):
 settings.register_profile("same", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("other", deadline=None)
 # The default choice of pyproject.toml, and that of `make test-builds`.
-QUICK = ("not slow and not timed and not builds", "builds and not slow and not timed")
+QUICK = ("not slow and not timed and not builds and not style", "builds and not slow and not timed")
 
 
 def pytest_configure(config):
@@ -79,7 +79,7 @@ def pytest_ignore_collect(collection_path, config):
 def holds_none(text: str, markexpr: str) -> bool:
     """Whether a test file with that text has no test for the default marks, or for those of `make test-builds`."""
     if markexpr == QUICK[0]:
-        return re.search(r"^pytestmark = \[?pytest\.mark\.builds\b", text, re.M) is not None
+        return re.search(r"^pytestmark = \[?pytest\.mark\.(builds|style)\b", text, re.M) is not None
     return markexpr == QUICK[1] and "mark.builds" not in text
 
 
@@ -91,7 +91,7 @@ def pytest_pycollect_makeitem(collector, name, obj):
         return None
     if any("::" in argument for argument in config.args):
         return None
-    others = ("slow", "timed", "builds") if config.option.markexpr == QUICK[0] else ("slow", "timed")
+    others = ("slow", "timed", "builds", "style") if config.option.markexpr == QUICK[0] else ("slow", "timed")
     return [] if any(mark.name in others for mark in getattr(obj, "pytestmark", ())) else None
 
 

@@ -2,7 +2,7 @@
 
     python3 tests/matrix.py               # each environment: make quick, make test; the table goes to docs/install.md
     python3 tests/matrix.py --only 3.13   # only the environments whose name contains "3.13"
-    python3 tests/matrix.py --part        # for .ci/run: import, exact tests and a quick report, in two environments
+    python3 tests/matrix.py --part        # for .ci/run: make test in the newest other Python, without heyoka
 
 Each environment is a fresh clone of the last commit with an empty home folder. Its row is saved as soon as it ends, and
 the next call runs only environments that have no row of the last commit; `--fresh` runs all of them again. Where heyoka
@@ -42,7 +42,6 @@ LEFT_OUT = (
     "VIRTUAL_ENV", "PYTHONPATH", "PYTHONHOME", "PYTHONDONTWRITEBYTECODE", "MAKEFLAGS", "MFLAGS", "MAKELEVEL",
     "SLIP_TO_ROLL_CACHE",
 )  # fmt: skip
-EXACT = "tests/reference/test_reference_exact.py"
 HEYOKA = "import importlib.util as u; print(u.find_spec('heyoka') is not None)"
 
 
@@ -139,9 +138,9 @@ def whole(found: Sequence[Python]) -> list[Environment]:
 
 
 def part(found: Sequence[Python], own: tuple[int, ...]) -> list[Environment]:
-    """The Python of version `own` without heyoka, and the newest other one."""
-    chosen = [Environment(one, "current", False) for one in found if one.version[:2] == own[:2]]
-    return chosen + [Environment(one, "current", True) for one in found if one.version[:2] != own[:2]][-1:]
+    """The newest Python other than version `own`, without heyoka; where there is no other, that one."""
+    others = [one for one in found if one.version[:2] != own[:2]] or [*found]
+    return [Environment(one, "current", False) for one in others[-1:]]
 
 
 # --- one environment --------------------------------------------------------------------------------------------------
@@ -161,14 +160,8 @@ def commands(environment: Environment, pinned: Path, partly: bool) -> list[Comma
     make = ("make", f"PYTHON={environment.python.path}", f"CONSTRAINTS={pinned}")
     python = ".venv/bin/python"
     head = [Command("installation", (*make, ".venv/installed")), Command("heyoka", (python, "-c", HEYOKA))]
-    if partly:
-        return [
-            *head,
-            Command("import", (python, "-c", "import cases, reference, adapters, reports")),
-            Command("exact tests", (python, "-m", "pytest", "-q", EXACT)),
-            Command("quick report", (*make, "quick")),
-        ]
-    return [*head, Command("quick report", (*make, "quick")), Command("tests", (*make, "test"))]
+    jobs = ("JOBS=1",) if partly else ()  # .ci/run has something else for the other core
+    return [*head, Command("quick report", (*make, "quick")), Command("tests", (*make, *jobs, "test"))]
 
 
 def run(command: Command, clone: Path, home: Path, log: Path) -> Outcome:
@@ -275,7 +268,7 @@ def _git(*words: str) -> str:
 def main(argv: Sequence[str] | None = None, say: Callable[[str], None] = lambda line: print(line, flush=True)) -> int:
     """The command; returns its exit status."""
     parser = argparse.ArgumentParser(prog="make matrix", description=(__doc__ or "").partition("\n\n")[0])
-    parser.add_argument("--part", action="store_true", help="import, exact tests and a quick report, twice")
+    parser.add_argument("--part", action="store_true", help="one environment, for .ci/run")
     parser.add_argument("--python", nargs="+", type=Path, metavar="PATH", help="these interpreters and no others")
     parser.add_argument("--only", nargs="+", default=[""], metavar="TEXT", help="environments whose name contains one")
     parser.add_argument("--fresh", action="store_true", help="run environments again that have a row of this commit")

@@ -13,6 +13,8 @@ import pytest
 
 from reports.running.storage import source_code
 
+pytestmark = pytest.mark.style
+
 ROOT = Path(__file__).parent.parent
 ALLOWED = {
     "cases": set(),

@@ -16,6 +16,8 @@ import pytest
 from adapters import engines
 from adapters.lookup import NO_ADAPTERS
 
+pytestmark = pytest.mark.style
+
 ROOT = Path(__file__).parent.parent
 
 

@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.style
+
 ROOT = Path(__file__).parents[1]
 ROOMS = ("cases", "reference", "adapters", "reports")
 # Participles say what was done to a value and not what it is. In diffrax, BenchOpt, skyfield and SciPy's integrate they
@@ -66,8 +68,13 @@ def texts() -> dict[str, str]:
 @cache
 def words(text: str) -> list[str]:
     """All names and keywords of a source text, as often as they occur; read once for all tests."""
-    tokens = tokenize.generate_tokens(io.StringIO(text).readline)
-    return [token.string for token in tokens if token.type == tokenize.NAME]
+    result: list[str] = []
+    inside = 0  # from Python 3.12 on names in f-strings are tokens of their own: nowhere are they counted
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        inside += {"FSTRING_START": 1, "FSTRING_END": -1}.get(tokenize.tok_name[token.type], 0)
+        if token.type == tokenize.NAME and not inside:
+            result.append(token.string)
+    return result
 
 
 def identifiers(text: str) -> list[str]:
@@ -113,6 +120,10 @@ def test_few_names_are_participles():
 def test_a_participle_is_counted():
     fraction, those = participles(["told = found\nis_told = speed = left\nclass Measured: pass\n"])
     assert set(those) == {"told", "found", "Measured"} and fraction == 3 / 6
+
+
+def test_names_in_f_strings_count_on_no_python():
+    assert words("a = f'{told} {f\"{found}\"!r:>{width}}' + kept") == ["a", "kept"]
 
 
 def test_one_name_one_class():

@@ -12,6 +12,8 @@ import pytest
 
 from reports.analysis.columns import COLUMNS
 
+pytestmark = pytest.mark.style
+
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8")
 COLUMNS_HOME = "reports/analysis/columns.py"

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.style
+
 ROOT = Path(__file__).parents[2]
 # Its table is written from the adapters by `python -m reports.studies.meanings`.
 GENERATED = {"engine_parameters.md"}

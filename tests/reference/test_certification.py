@@ -12,6 +12,7 @@ from cases import Case, CoulombFriction, Curve, Gravity, Load, NotSupported, Sta
 from cases import curves as c
 from cases.effects import MOTION
 from cases.library import line
+from reference import __main__ as command
 from reference import contact_frame, simulate
 from reference.__main__ import main
 from reference.certification import certificate as certification
@@ -256,6 +257,9 @@ def test_help_and_mistakes_rebuild_nothing(kept, monkeypatch, capsys):
     with pytest.raises(SystemExit) as stopped:
         main(["--help"], kept)
     assert stopped.value.code == 0
+    assert main(["--out", str(kept)]) == 2 and f"{kept} exists; give the name of a new file" in capsys.readouterr().err
+    monkeypatch.setattr(command, "__file__", str(kept.parent / "site-packages" / "reference" / "__main__.py"))
+    assert main([]) == 2 and "an installed package are not changed" in capsys.readouterr().err
     for words in (["--only", "disc_on_lime"], ["--jobs", "many"], ["--jobs", "0"], ["--colour"], ["disc_on_line"]):
         assert main(words, kept) == 2
         assert capsys.readouterr().err.count("\n") == 1

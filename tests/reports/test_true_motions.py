@@ -8,6 +8,7 @@ import pytest
 import cases
 import reference
 from adapters import Setting
+from cases import lookup
 from reports.running import tasks, true_motions
 from reports.running.processes import worker_process
 from reports.running.records import TRUTH_RTOL
@@ -24,7 +25,7 @@ def in_worker(tmp_path, monkeypatch):
     def motion_in(group: str, case=CASE):
         monkeypatch.setattr(worker_process, "group", group)
         true_motions.true_motion.cache_clear()
-        return true_motions.true_motion(case, "taylor")
+        return true_motions.true_motion(case, reference.METHODS[0])
 
     yield motion_in
     true_motions.true_motion.cache_clear()
@@ -48,6 +49,14 @@ def test_the_reference_s_run_at_the_truth_s_tolerance_is_the_truth_s_motion(in_w
     assert run.cost.cpu_s > 0.0 and run.cost.setup_s > 0.0 and run.cost.steps > 0
     again = reference.simulate(CASE, rtol=TRUTH_RTOL, method=truth.method)
     assert np.array(computed(TIMES)).tobytes() == np.array(again(TIMES)).tobytes()
+
+
+@pytest.mark.sampled(8)
+@pytest.mark.parametrize("name", cases.names(hard=False))
+def test_every_case_of_the_default_report_has_a_truth_without_heyoka(name, monkeypatch):
+    monkeypatch.setattr(reference, "METHODS", ("dop853",))
+    for case in lookup.case_name(name).every():
+        assert tasks.find_truth(case).failure == ""
 
 
 def test_an_engine_s_worker_writes_no_motion(in_worker, tmp_path):
