@@ -10,6 +10,7 @@ from pathlib import Path
 from cases import BadValue
 from cases.command_line import Parser, status
 from cases.errors import whole
+from cases.version import in_clone
 
 
 def parser() -> Parser:
@@ -61,8 +62,7 @@ def _path(out: str | None) -> Path:
         if not Path(out).parent.is_dir():
             raise BadValue(f"there is no folder {Path(out).parent}; create it first")
         return Path(out)
-    home = Path(__file__).resolve().parent
-    if not (home.parent / "pyproject.toml").exists():
+    if not in_clone():
         raise BadValue("the certificates of an installed package are not changed; name a new file: --out mine.json")
     from .certification import TRUTH
 

@@ -13,6 +13,7 @@ from packaging.requirements import Requirement
 
 import adapters
 from adapters.interface import ReturnsOnce, returns_once
+from cases.version import in_clone
 
 from . import versions
 from .names import REFERENCE, legible
@@ -106,8 +107,8 @@ def missing_words(versions: Mapping[str, str]) -> list[str]:
     lines = [f"{name}: {NOT_INSTALLED.replace('_', ' ')} (it needs {needs})" for name, needs in missing.items()]
     extras = dict(sorted(pair for needs in missing.values() if (pair := _extra(needs))))
     if extras:
-        them, names, packages = "them" if len(extras) > 1 else "it", " ".join(extras), " ".join(extras.values())
-        lines.append(f'make report EXTRAS="{names}" adds {them}; without make: pip install {packages}')
+        make, pip = f'make report EXTRAS="{" ".join(extras)}"', f"pip install {' '.join(extras.values())}"
+        lines.append(f"{make if in_clone() else pip} adds {'them' if len(extras) > 1 else 'it'}")
     return lines
 
 

@@ -379,12 +379,14 @@ def test_a_report_of_failures_is_complete(failing):
     assert "1 call was ended from outside twice (runs, disc_on_line[mu=0.1] fake" in page
 
 
-def test_what_is_not_installed_is_a_line_and_the_command_that_adds_it():
+@pytest.mark.parametrize("in_clone", [True, False])
+def test_what_is_not_installed_is_a_line_and_the_command_that_adds_it(in_clone, monkeypatch):
+    monkeypatch.setattr(solvers, "in_clone", lambda: in_clone)
     versions = {"fine": "1.0", "box2d": "not_installed: pyb2d3", "ghost": "not_installed: no_such_engine"}
     lines = solvers.missing_words(versions)
     assert lines[:2] == ["box2d: not installed (it needs pyb2d3)", "ghost: not installed (it needs no_such_engine)"]
     # Without the suite's own metadata nobody knows its extras.
-    assert lines[2:] in ([], ['make report EXTRAS="box2d" adds it; without make: pip install pyb2d3'])
+    assert lines[2:] in ([], ['make report EXTRAS="box2d" adds it' if in_clone else "pip install pyb2d3 adds it"])
     assert solvers.missing_words({"fine": "1.0"}) == []
 
 
