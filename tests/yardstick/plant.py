@@ -1,0 +1,137 @@
+"""Plant the faults of `faults.toml` in a copy of the tree, one at a time, and record which test finds each.
+
+    python -m tests.yardstick.plant            # all faults; writes the column `result` into results.csv
+    python -m tests.yardstick.plant --check    # only whether each patch still applies, and its test passes without it
+    python -m tests.yardstick.plant r02 a05    # only these
+
+A fault is found if its test passes on the tree as it is and fails with the fault. Each run is a copy of one process that
+has imported the packages: to import them takes longer than most of the tests.
+"""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import os
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+FAULTS, RESULTS = HERE / "faults.toml", HERE / "results.csv"
+FOLDERS = ("cases", "reference", "adapters", "reports", "tests", "docs", "starter", "examples")
+# Seconds; the dearest test takes a tenth of it. A fault that makes its test hang is found.
+LIMIT = 300.0
+PACKAGES = ("numpy", "scipy.optimize", "scipy.integrate", "sympy", "mpmath", "pandas", "hypothesis", "pytest")
+
+
+class Fault(NamedTuple):
+    """A row of `faults.toml`: `behaviour` states it, `claim` is the row of docs/architecture.md that it breaks; in `file`
+    the text `before`, which stands there once, becomes `after`; `test` is expected to find it, with pytest's -k `only`."""
+
+    id: str
+    room: str
+    claim: str
+    behaviour: str
+    file: str
+    before: str
+    after: str
+    test: str
+    only: str = ""
+
+
+def faults() -> list[Fault]:
+    """All rows, in order."""
+    return [Fault(**row) for row in tomllib.loads(FAULTS.read_text(encoding="utf-8"))["fault"]]
+
+
+def patched(fault: Fault, text: str) -> str:
+    """The file's text with the fault; raises ValueError if the text before is not there exactly once."""
+    if text.count(fault.before) != 1:
+        raise ValueError(f"{fault.id}: {fault.file} has the text to replace {text.count(fault.before)} times; give it anew")
+    return text.replace(fault.before, fault.after)
+
+
+def run_test(tree: Path, fault: Fault) -> str:
+    """"passed", "failed" or "none" (the test is not there) in a copy of this process, which has the tree as its root."""
+    child = os.fork()
+    if child == 0:
+        os.setsid()
+        silent = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(silent, 1), os.dup2(silent, 2)
+        os.chdir(tree)
+        sys.path.insert(0, str(tree))
+        os.environ["PYTHONPATH"] = str(tree)
+        import pytest
+
+        chosen = ["-k", fault.only] if fault.only else []
+        os._exit(int(pytest.main(["-x", "-q", "-p", "no:xdist", "-p", "no:cacheprovider", "-m", "", *chosen, fault.test])))
+    until = time.monotonic() + LIMIT
+    while not (ended := os.waitpid(child, os.WNOHANG))[0]:
+        if time.monotonic() > until:
+            os.killpg(child, signal.SIGKILL)
+        time.sleep(0.05)
+    return {0: "passed", 4: "none", 5: "none"}.get(os.waitstatus_to_exitcode(ended[1]), "failed")
+
+
+def result_of(tree: Path, fault: Fault) -> str:
+    """What a fault's test says: "found" or "not found", or what keeps it from an answer."""
+    if (plain := run_test(tree, fault)) != "passed":
+        return f"without the fault: {plain}"
+    path = tree / fault.file
+    old, times = path.read_text(encoding="utf-8"), path.stat()
+    try:
+        path.write_text(patched(fault, old), encoding="utf-8")
+        return "found" if run_test(tree, fault) == "failed" else "not found"
+    finally:
+        path.write_text(old, encoding="utf-8")
+        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))  # Python's compiled files go by the time
+
+
+def read_results() -> dict[str, str]:
+    """The last result of each fault."""
+    with RESULTS.open(encoding="utf-8", newline="") as file:
+        return {row["id"]: row["result"] for row in csv.DictReader(file)}
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the command; status 1 if a fault that was found is found no more, or a patch does not apply."""
+    chosen = [fault for fault in faults() if fault.id in words or not set(words) - {"--check"}]
+    for fault in chosen:
+        patched(fault, (ROOT / fault.file).read_text(encoding="utf-8"))
+    if "--check" in words:
+        print(f"{len(chosen)} faults can be planted")
+        return 0
+    for package in PACKAGES:
+        importlib.import_module(package)
+    known = read_results() if RESULTS.exists() else {}
+    lost = []
+    with tempfile.TemporaryDirectory() as folder:
+        tree = Path(folder)
+        for name in FOLDERS:
+            shutil.copytree(ROOT / name, tree / name, symlinks=True)
+        for path in ROOT.iterdir():
+            if path.is_file():
+                shutil.copy2(path, tree / path.name)
+        for fault in chosen:
+            result = result_of(tree, fault)
+            lost += [fault.id] if known.get(fault.id) == "found" != result else []
+            known[fault.id] = result
+            print(f"{fault.id} {result}: {fault.behaviour}", flush=True)
+    with RESULTS.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["id", "result"])
+        writer.writerows([fault.id, known[fault.id]] for fault in faults() if fault.id in known)
+    print(f"found no more: {', '.join(lost)}" if lost else f"{list(known.values()).count('found')} of {len(known)} found")
+    return int(bool(lost))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
