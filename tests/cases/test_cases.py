@@ -23,6 +23,7 @@ from cases import (
     Trajectory,
     UnknownName,
     disc,
+    lookup,
     registry,
 )
 from cases import curves as c
@@ -225,3 +226,9 @@ def test_a_case_of_a_user_s_file_is_made_at_each_load(tmp_path, monkeypatch):
         radius.write_text(str(size))
         assert cases.load("reads_its_radius").parameters == {}
         assert cases.load("reads_its_radius").plate.outline.sizes[0] == pytest.approx(size)
+
+
+def test_changes_on_a_command_line_are_parameters_of_the_case():
+    name = lookup.case_name("disc_in_circle[xi1=0.5]")
+    assert name.label(["mu=0.3"]) == "disc_in_circle[xi1=0.5,mu=0.3]"
+    assert dict(name.one(["mu=0.3"]).parameters) == {"xi1": 0.5, "mu": 0.3}

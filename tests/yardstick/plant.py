@@ -1,11 +1,11 @@
 """Plant the faults of `faults.toml` in a copy of the tree, one at a time, and record which test finds each.
 
     python -m tests.yardstick.plant            # all faults; writes the column `result` into results.csv
-    python -m tests.yardstick.plant --check    # only whether each patch still applies, and its test passes without it
+    python -m tests.yardstick.plant --check    # only whether each patch still applies
     python -m tests.yardstick.plant r02 a05    # only these
 
-A fault is found if its test passes on the tree as it is and fails with the fault. Each run is a copy of one process that
-has imported the packages: to import them takes longer than most of the tests.
+A fault is found if its test passes on the tree as it is and fails with the fault. Each run is a copy of one process
+that has imported the packages: to import them takes longer than most of the tests.
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ PACKAGES = ("numpy", "scipy.optimize", "scipy.integrate", "sympy", "mpmath", "pa
 
 
 class Fault(NamedTuple):
-    """A row of `faults.toml`: `behaviour` states it, `claim` is the row of docs/architecture.md that it breaks; in `file`
-    the text `before`, which stands there once, becomes `after`; `test` is expected to find it, with pytest's -k `only`."""
+    """A row of `faults.toml`: `behaviour` states it, `claim` is the row of docs/architecture.md that it breaks; in
+    `file` the text `before`, which stands there once, becomes `after`; `test`, with pytest's -k `only`, is to find it.
+    """
 
     id: str
     room: str
@@ -52,15 +53,15 @@ def faults() -> list[Fault]:
     return [Fault(**row) for row in tomllib.loads(FAULTS.read_text(encoding="utf-8"))["fault"]]
 
 
-def patched(fault: Fault, text: str) -> str:
+def with_patch(fault: Fault, text: str) -> str:
     """The file's text with the fault; raises ValueError if the text before is not there exactly once."""
-    if text.count(fault.before) != 1:
-        raise ValueError(f"{fault.id}: {fault.file} has the text to replace {text.count(fault.before)} times; give it anew")
+    if (count := text.count(fault.before)) != 1:
+        raise ValueError(f"{fault.id}: {fault.file} has the text to replace {count} times; write `before` anew")
     return text.replace(fault.before, fault.after)
 
 
 def run_tests(tree: Path, nodes: Sequence[str], only: str = "", limit: float = LIMIT) -> str:
-    """"passed", "failed" or "none" (a test is not there, or pytest does not run) in a copy of this process, which has the tree as its root."""
+    """ "passed", "failed" or "none" (no such test, or pytest does not run) of a tree, in a copy of this process."""
     child = os.fork()
     if child == 0:
         status = 3
@@ -69,12 +70,12 @@ def run_tests(tree: Path, nodes: Sequence[str], only: str = "", limit: float = L
         finally:
             os._exit(status)
     until = time.monotonic() + limit
-    while not (ended := os.waitpid(child, os.WNOHANG))[0]:
+    while not (answer := os.waitpid(child, os.WNOHANG))[0]:
         if time.monotonic() > until:
             os.killpg(child, signal.SIGKILL)
         time.sleep(0.05)
-    # 1: a test fails, 2: its file cannot be imported; less than 0: ended by a signal. pytest itself gives the others.
-    exitcode = os.waitstatus_to_exitcode(ended[1])
+    # 1: a test fails, 2: its file cannot be imported; less than 0: ended by a signal; else pytest's own faults.
+    exitcode = os.waitstatus_to_exitcode(answer[1])
     return "passed" if exitcode == 0 else "failed" if exitcode in (1, 2) or exitcode < 0 else "none"
 
 
@@ -90,26 +91,26 @@ def _run_here(tree: Path, nodes: Sequence[str], only: str) -> int:
         del sys.modules[name]  # those of this tree
     import pytest
 
-    chosen = ["-k", only] if only else []
-    return int(pytest.main(["-x", "-q", "-p", "no:xdist", "-p", "no:cacheprovider", "-m", "", *chosen, *nodes]))
+    selection = ["-k", only] if only else []
+    return int(pytest.main(["-x", "-q", "-p", "no:xdist", "-p", "no:cacheprovider", "-m", "", *selection, *nodes]))
 
 
-def without_faults(tree: Path, chosen: Sequence[Fault]) -> dict[str, str]:
+def without_faults(tree: Path, selection: Sequence[Fault]) -> dict[str, str]:
     """What the tests say of the tree as it is, by fault: all at once, each alone if one of them does not pass."""
-    alike = dict.fromkeys(fault.test for fault in chosen if not fault.only)
-    together = run_tests(tree, list(alike), limit=LIMIT * len(chosen)) if alike else "passed"
+    alike = dict.fromkeys(fault.test for fault in selection if not fault.only)
+    together = run_tests(tree, list(alike), limit=LIMIT * len(selection)) if alike else "passed"
     return {
         fault.id: "passed" if together == "passed" and not fault.only else run_tests(tree, [fault.test], fault.only)
-        for fault in chosen
+        for fault in selection
     }
 
 
 def with_fault(tree: Path, fault: Fault) -> str:
-    """"found" or "not found" by the fault's test."""
+    """ "found" or "not found" by the fault's test."""
     path = tree / fault.file
     old, times = path.read_text(encoding="utf-8"), path.stat()
     try:
-        path.write_text(patched(fault, old), encoding="utf-8")
+        path.write_text(with_patch(fault, old), encoding="utf-8")
         return "found" if run_tests(tree, [fault.test], fault.only) == "failed" else "not found"
     finally:
         path.write_text(old, encoding="utf-8")
@@ -124,16 +125,16 @@ def read_results() -> dict[str, str]:
 
 def main(words: Sequence[str]) -> int:
     """Run the command; status 1 if a fault that was found is found no more, or a patch does not apply."""
-    chosen = [fault for fault in faults() if fault.id in words or not set(words) - {"--check"}]
-    for fault in chosen:
-        patched(fault, (ROOT / fault.file).read_text(encoding="utf-8"))
+    selection = [fault for fault in faults() if fault.id in words or not set(words) - {"--check"}]
+    for fault in selection:
+        with_patch(fault, (ROOT / fault.file).read_text(encoding="utf-8"))
     if "--check" in words:
-        print(f"{len(chosen)} faults can be planted")
+        print(f"{len(selection)} faults can be planted")
         return 0
     for package in PACKAGES:
         importlib.import_module(package)
-    known = read_results() if RESULTS.exists() else {}
-    lost = []
+    results = read_results() if RESULTS.exists() else {}
+    losses = []
     with tempfile.TemporaryDirectory() as folder:
         tree = Path(folder)
         for name in FOLDERS:
@@ -141,19 +142,20 @@ def main(words: Sequence[str]) -> int:
         for path in ROOT.iterdir():
             if path.is_file():
                 shutil.copy2(path, tree / path.name)
-        plain = without_faults(tree, chosen)
-        for fault in chosen:
+        plain = without_faults(tree, selection)
+        for fault in selection:
             sound = plain[fault.id] == "passed"
             result = with_fault(tree, fault) if sound else f"without the fault: {plain[fault.id]}"
-            lost += [fault.id] if known.get(fault.id) == "found" != result else []
-            known[fault.id] = result
+            losses += [fault.id] if results.get(fault.id) == "found" != result else []
+            results[fault.id] = result
             print(f"{fault.id} {result}: {fault.behaviour}", flush=True)
     with RESULTS.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["id", "result"])
-        writer.writerows([fault.id, known[fault.id]] for fault in faults() if fault.id in known)
-    print(f"found no more: {', '.join(lost)}" if lost else f"{list(known.values()).count('found')} of {len(known)} found")
-    return int(bool(lost))
+        writer.writerows([fault.id, results[fault.id]] for fault in faults() if fault.id in results)
+    count = list(results.values()).count("found")
+    print(f"found no more: {', '.join(losses)}" if losses else f"{count} of {len(results)} found")
+    return int(bool(losses))
 
 
 if __name__ == "__main__":

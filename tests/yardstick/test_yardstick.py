@@ -1,4 +1,4 @@
-"""The tables of the yardstick keep what they have: rows, tests that exist, patches that apply, values that stand in tests."""
+"""The tables of the yardstick keep what they have: rows, tests that exist, patches that apply, values in tests."""
 
 import csv
 import re
@@ -9,7 +9,7 @@ import pytest
 
 from tests.authorities.published import PUBLICATIONS
 
-from .plant import HERE, ROOT, faults, patched, read_results
+from .plant import HERE, ROOT, faults, read_results, with_patch
 
 pytestmark = pytest.mark.builds
 
@@ -31,7 +31,7 @@ def text(place: str) -> str:
     return re.sub(r"\s+", "", "".join(file.read_text(encoding="utf-8") for file in files))
 
 
-def missing(node: str) -> str:
+def absent(node: str) -> str:
     """The node if its file or its function is not there, else ""."""
     file, _, function = node.partition("::")
     path = ROOT / file
@@ -42,8 +42,8 @@ def test_every_fault_can_be_planted_and_names_a_test_that_exists():
     every = faults()
     assert len({fault.id for fault in every}) == len(every)
     for fault in every:
-        patched(fault, (ROOT / fault.file).read_text(encoding="utf-8"))
-    assert not [node for fault in every if (node := missing(fault.test))]
+        with_patch(fault, (ROOT / fault.file).read_text(encoding="utf-8"))
+    assert not [node for fault in every if (node := absent(fault.test))]
 
 
 def test_a_room_keeps_its_faults_and_each_has_a_result():
@@ -58,27 +58,27 @@ def test_each_claim_names_a_test_that_exists_or_none():
     claims = rows("claims.csv")
     tests = [row["test"] for row in claims if row["test"] != "none"]
     assert len(claims) >= CLAIMS and len(tests) >= WITH_TEST
-    assert not [node for test in tests if (node := missing(test))]
+    assert not [node for test in tests if (node := absent(test))]
     pages = {row["page"] for row in claims}
     assert len(pages) >= PAGES and all((ROOT / page).is_file() for page in pages)
 
 
 def test_each_value_from_outside_still_stands_in_the_tests():
-    values, published = rows("values.csv"), {float(n.value) for one in PUBLICATIONS for n in one.numbers}
+    values, numbers = rows("values.csv"), {float(n.value) for one in PUBLICATIONS for n in one.numbers}
     assert len(values) >= VALUES
-    lost = []
+    losses = []
     for row in values:
         if row["place"].endswith("published.py"):
-            stands = float(row["value"]) in published
+            stands = float(row["value"]) in numbers
         else:
             digits = re.sub(r"\s+", "", row["value"])
             if len(digits) < 6:  # a short number stands anywhere: next to its quantity
                 digits = re.sub(r"\s+", "", f'{row["quantity"]}",{digits},')
             stands = any(digits in text(place) for place in (row["place"], "tests") if Path(ROOT / place).exists())
-        lost += [] if stands else [row]
-    assert not lost
+        losses += [] if stands else [row]
+    assert not losses
 
 
 @pytest.mark.parametrize("node", ["tests/test_names.py::test_none", "tests/no_file.py", "tests/no_file.py::test_a"])
 def test_a_test_that_is_not_there_is_seen(node):
-    assert missing(node) == node
+    assert absent(node) == node
