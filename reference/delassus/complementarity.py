@@ -12,6 +12,8 @@ from math import inf
 
 import numpy as np
 
+from ..scales import inverse_mass_scale
+
 # Pivots of a problem of n variables: a multiple of n in practice.
 MOST_PIVOTS = 50
 # Entries below this part of the largest are roundings, and no pivots.
@@ -239,7 +241,22 @@ def solutions(
     least: np.ndarray | None = None,
 ) -> list[np.ndarray]:
     """Contact forces that satisfy Coulomb's law, one for each different set of rates among those found from several
-    covering vectors. Arguments as of `friction_problem`."""
+    covering vectors. Arguments as of `friction_problem`. They are computed in units of the plates' mass: pivots are
+    compared with those of the cones, which are ones."""
+    unit = inverse_mass_scale(delassus)
+    inside = None if least is None else least * unit
+    return [force / unit for force in _unscaled_solutions(delassus / unit, free, slips, mu, stick, inside)]
+
+
+def _unscaled_solutions(
+    delassus: np.ndarray,
+    free: np.ndarray,
+    slips: Sequence[float | None],
+    mu: np.ndarray,
+    stick: np.ndarray,
+    least: np.ndarray | None,
+) -> list[np.ndarray]:
+    """The same with a matrix whose largest diagonal entry is one."""
     matrix, right, to_forces = friction_problem(delassus, free, slips, mu, stick, least)
     size = np.abs(right).max(initial=0.0)
     scale = np.abs(delassus).max(initial=0.0)

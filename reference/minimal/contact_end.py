@@ -12,6 +12,7 @@ from cases.contact import belt_speed, clearance
 from cases.own_effects import own_effects
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
+from ..scales import approach_scale
 from .decision import Undecidable, decide
 from .effects import OWN_END
 from .elimination import Elimination
@@ -254,10 +255,10 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> 
     state = state_in(now, y)
     if not np.isfinite(m.free_approach):
         raise Undecidable
-    fastest = max(
-        (abs(u) / unit for u, unit in zip(state[now.system.positions :], now.lengths, strict=False)), default=0.0
-    )
-    scale = abs(m.normal) + abs(m.friction) + abs(m.slip_dot) + now.size * (abs(m.omega_dot) + fastest**2)
+    try:
+        scale = approach_scale(now, t, state)
+    except (ArithmeticError, ValueError) as problem:
+        raise Undecidable from problem
     # At a lift-off the normal force has vanished, to the location's error and the growth of the terms in it, or to the
     # relative `error` of the motion.
     if m.free_approach <= max(1e6 * LOCATION_ERROR, error) * scale:

@@ -45,14 +45,17 @@ def decide(
     return None
 
 
-def follows(case: Case, candidate: Phase, t: float, y: Sequence[float], error: float, still: float = 0.0) -> bool:
+def follows(
+    case: Case, candidate: Phase, t: float, y: Sequence[float], error: float, still: float = 0.0, weak: float = 0.0
+) -> bool:
     """Whether the candidate's conditions hold just after t along its own motion. A slip of less than `still` (m/s) has
-    vanished: the state does not show its error if surfaces move that it is a difference to."""
-    quick = _by_value(candidate, t, y, error, still)
-    return _by_series(candidate, t, y, error, still=still) if quick is None else quick
+    vanished: the state does not show its error if surfaces move that it is a difference to. So has a force per mass of
+    less than `weak` (m/s²): where all forces of the contacts vanish, they do not show it either."""
+    quick = _by_value(candidate, t, y, error, still, weak)
+    return _by_series(candidate, t, y, error, still=still, weak=weak) if quick is None else quick
 
 
-def _by_value(candidate: Phase, t, y, error, still: float) -> bool | None:
+def _by_value(candidate: Phase, t, y, error, still: float, weak: float) -> bool | None:
     """The decision from values alone if they are far from zero; None if a derivative must decide."""
     system, parameters = candidate.system, candidate.parameters
     y = state_in(candidate, y)
@@ -69,7 +72,7 @@ def _by_value(candidate: Phase, t, y, error, still: float) -> bool | None:
     if not all(map(isfinite, values)):
         raise Undecidable
     sizes = [abs(value) for value in values]
-    if sizes and min(sizes) <= close(error) * max(sizes):
+    if sizes and min(sizes) <= max(close(error) * max(sizes), weak):
         return None
     return not values or min(values) > 0.0
 
@@ -86,10 +89,12 @@ def close(error: float) -> float:
     return 1e6 * max(error, series.EPS)
 
 
-def _by_series(candidate: Phase, t, y, error, positive: frozenset[str] = frozenset(), still: float = 0.0) -> bool:
+def _by_series(
+    candidate: Phase, t, y, error, positive: frozenset[str] = frozenset(), still: float = 0.0, weak: float = 0.0
+) -> bool:
     """Whether the conditions hold, but those that are known to be positive."""
     for order in (QUICK, ORDER):
-        signs = _leading_signs(candidate, t, y, error, order, still)
+        signs = _leading_signs(candidate, t, y, error, order, still, weak)
         signs = {name: sign for name, sign in signs.items() if name not in positive}
         has_zero = any(sign == 0 for sign in signs.values())
         if not has_zero or any(sign < 0 for sign in signs.values()):
@@ -99,7 +104,23 @@ def _by_series(candidate: Phase, t, y, error, positive: frozenset[str] = frozens
     return all(sign > 0 if name in velocities else sign >= 0 for name, sign in signs.items())
 
 
-def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0) -> dict[str, int]:
+def vanishing(candidate: Phase, t: float, y: Sequence[float], error: float, weak: float) -> tuple[str, ...]:
+    """The conditions on forces of a phase that vanish and stay at zero along its motion: they are no events.
+
+    An integrator would find their roundings below zero; arguments as of `follows`."""
+    system = candidate.system
+    values = zip(system.conditions, system.conditions_of_numbers(t, y, candidate.parameters), strict=True)
+    velocities = system.condition_rates
+    names = [n for n, v in values if abs(v) <= weak and n not in velocities and not n.startswith("gap:")]
+    if not names:
+        return ()
+    signs = _leading_signs(candidate, t, y, error, ORDER, weak=weak)
+    return tuple(name for name in names if signs[name] == 0)
+
+
+def _leading_signs(
+    candidate: Phase, t, y, error, order: int, still: float = 0.0, weak: float = 0.0
+) -> dict[str, int]:
     y = state_in(candidate, y)
     # Velocities have an error of `error` times the largest of them, so that a small one does not count as exact.
     positions = candidate.system.positions
@@ -109,7 +130,8 @@ def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0
     velocities = candidate.system.condition_rates
     gaps = {name: value for name, value in values.items() if name.startswith("gap:")}
     forces = {name: value for name, value in values.items() if name not in velocities and name not in gaps}
-    rounding = dict.fromkeys(forces, AT_BOUND * max((abs(_value(force)) for force in forces.values()), default=0.0))
+    largest = AT_BOUND * max((abs(_value(force)) for force in forces.values()), default=0.0)
+    rounding = dict.fromkeys(forces, max(largest, weak))
     if gaps:  # of poses: not in the units of forces
         lengths = [abs(_value(gap)) for gap in gaps.values()]
         rounding |= dict.fromkeys(gaps, AT_BOUND * (candidate.size + abs(y[0]) + abs(y[1]) + max(lengths)))

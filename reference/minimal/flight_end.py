@@ -29,7 +29,7 @@ from .phase_end import (
     search_limit_ending,
     work_limit_ending,
 )
-from .scales import frequency
+from ..scales import frequency
 from .series import EPS
 
 # A rebound that rises by no more roundings of positions than this does not count: bouncing is over. Its limit is

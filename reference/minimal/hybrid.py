@@ -28,7 +28,7 @@ from .phase_end import (
     work_limit_ending,
 )
 from .piece_landing import PieceLandings
-from .scales import frequency
+from ..scales import frequency
 
 # Changes of regime accumulate if MANY of them follow each other within this part of the motion's time scale.
 NO_TIME = 1e-9

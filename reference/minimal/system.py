@@ -220,6 +220,29 @@ class System:
         ]
 
     @derived
+    def _approach_of_series(self):
+        """(t, y, parameters) -> [free approach] on `series.Series`, and the places of the named parameters that are
+        exponents; constants are computed from named parameters that are series, too."""
+        inner = in_order([self.outputs.free_approach])
+        exponents = {n.args[1] for n in inner if n.op == "**"}
+        names = self.parameters[: len(self.names)]
+        function = python_function([T, self.variables, names], [self.outputs.free_approach], series.FUNCTIONS)
+        return function, [name in exponents for name in names]
+
+    def approach_error(self, t: float, y: Sequence[float], parameters: Sequence[float]) -> float:
+        """The error of the outputs' `free_approach`, in units of the rounding that time, state, parameters and every
+        operation have (`reference.scales`). Raises ArithmeticError or ValueError if it has no finite value."""
+        function, are_exponents = self._approach_of_series
+
+        def rounded(value: float) -> series.Series:
+            return series.Series([value], [series.EPS * abs(value)])
+
+        names = parameters[: len(self.names)]
+        sizes = [v if fixed else rounded(v) for v, fixed in zip(names, are_exponents, strict=True)]
+        (value,) = function(rounded(t), [*map(rounded, y)], sizes)
+        return value.e[0] / series.EPS if isinstance(value, series.Series) else abs(value)
+
+    @derived
     def outputs_of_arrays(self):
         """(t, y, parameters) -> list in the order of `Elimination`, on arrays."""
         return self._compile("outputs", ON_ARRAYS)

@@ -17,9 +17,10 @@ import numpy as np
 from cases import Belt, Case, Mode
 
 from ..minimal.assembly import _MOTION
-from ..minimal.decision import Undecidable, _by_series, follows
+from ..minimal.decision import AT_BOUND, Undecidable, _by_series, follows, vanishing
 from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.elimination import T
+from ..scales import acceleration_scale, power_of_two
 from . import forces
 from .contact_law import STICKING, freedoms, slip_modes
 from .equations import COLUMNS, FIRST_COLUMN
@@ -34,6 +35,8 @@ SAME = 1e-7
 NEAR = 1e-9
 # Rows, in units of the radius of gyration, with a smaller singular value than this depend on each other.
 INDEPENDENT = 1e-9
+# Forces that stay at zero may have this many times the rounding that decides about them, before they count as changes.
+SLACK = 4.0
 # A load is balanced if the least weight is no more negative than its rounding.
 BALANCED = -1e-11
 
@@ -236,8 +239,25 @@ def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error:
     if is_touched or regime_of(phase).guides:
         # A gap, or what a row lacks, has no size with which its value can be compared.
         apart = {k for k, at in enumerate(now.places) if k not in now.touching and at.gap > TOUCHES * size}
-        return _by_series(phase, now.time, now.state, error, frozenset(f"gap:{k}" for k in apart), still)
-    return follows(case, phase, now.time, now.state, error, still)
+        positive = frozenset(f"gap:{k}" for k in apart)
+        return _by_series(phase, now.time, now.state, error, positive, still, weak_force(case, now))
+    return follows(case, phase, now.time, now.state, error, still, weak_force(case, now))
+
+
+def weak_force(case: Case, now: DecisionInstant) -> float:
+    """The force per mass (m/s²) below which that of a contact is rounding: of a contact that nothing presses, all are
+    that."""
+    return AT_BOUND * acceleration_scale(case, now.time, body_of(now.state))
+
+
+def with_slack(case: Case, now: DecisionInstant, regime: SeveralRegime, error: float) -> SeveralRegime:
+    """The regime with a slack for conditions on its forces that vanish all the time: of a box at the tie of sliding and
+    tipping, or a wall that a disc slides along without force."""
+    if regime.has_open_forces or not regime.closed:
+        return regime
+    weak = weak_force(case, now)
+    names = vanishing(several_phase(case, regime), now.time, now.state, error, weak)
+    return regime._replace(slack=tuple((name, power_of_two(SLACK * weak)) for name in names)) if names else regime
 
 
 def _has_forces(phase: SeveralPhase, now: DecisionInstant) -> bool:

@@ -14,6 +14,7 @@ resist; while they prevent it, the row ω̇ = 0 has the sum of their couples, at
 from __future__ import annotations
 
 from collections import namedtuple
+from dataclasses import replace
 from enum import Enum
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -110,15 +111,27 @@ class ContactForm(NamedTuple):
         return isinstance(self.friction, Coulomb)
 
 
-def several_system(forms: tuple[ContactForm, ...], law: Laws, rotation: Rotation = Rotation.FREE) -> System:
-    """The equations of contacts of those forms, derived once."""
-    return _several_system(forms, law, rotation)
+def several_system(
+    forms: tuple[ContactForm, ...], law: Laws, rotation: Rotation = Rotation.FREE, vanishing: tuple[str, ...] = ()
+) -> System:
+    """The equations of contacts of those forms, derived once; `vanishing`: guards that stay at zero, which have a slack
+    (a parameter, m/s²)."""
+    return _several_system(forms, law, rotation, vanishing)
 
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _several_system(forms: tuple[ContactForm, ...], law: Laws, rotation: Rotation) -> System:
-    return System(_equations(forms, law, rotation))
+def _several_system(
+    forms: tuple[ContactForm, ...], law: Laws, rotation: Rotation, vanishing: tuple[str, ...]
+) -> System:
+    equations = _equations(forms, law, rotation)
+    slack = {n: equations.guards[n] + symbol(slack_name(n)) for n in vanishing if n in equations.guards}
+    return System(replace(equations, guards=equations.guards | slack))
+
+
+def slack_name(guard: str) -> str:
+    """The name of the parameter that is a guard's slack."""
+    return f"slack of {guard}"
 
 
 def _contact(form: ContactForm, k: int) -> _ContactTerms:

@@ -26,9 +26,9 @@ from ..minimal.phase_end import (
     singular_ending,
     work_limit_ending,
 )
-from ..minimal.scales import frequency
+from ..scales import frequency
 from .contact_law import STICKING, freedoms
-from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time
+from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time, with_slack
 from .geometry import TOUCHES, places, project, without_velocity
 from .hops import SeriesEnd
 from .meetings import first_meeting, search_of
@@ -132,9 +132,10 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         numbers = tuple(watch.contact.number for watch in self.watches)
         away = tuple(watch.is_away for watch in self.watches)
         guides = tuple(used for used, name in zip(regime.guides, regime.names, strict=False) if name in names)
-        return SeveralRegime(
+        regime = SeveralRegime(
             modes, tuple(watch.name for watch in self.watches), limits, numbers, away, regime.rests, guides, regime.turn
         )
+        return with_slack(self.case, self.instant(), regime, error)
 
     def _end_bouncing(self, now: DecisionInstant) -> DecisionInstant:
         """The instant at which impacts that accumulate end, if they do; the same instant otherwise.
@@ -373,7 +374,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             stuck.add(name)
         now = places(self.contacts(), self.body, [watch.pair for watch in self.watches])
         closing = self.closing(now) - self.touching  # the event and an impact at the same instant
-        if kind == "normal" and not closing:
+        if kind == "normal" and not closing and guard not in dict(regime.slack):
             self.fixed = {name: (Mode.FLIGHT,)}
         self.settle(stuck, closing or None)
         return None

@@ -21,7 +21,7 @@ from ..minimal.effects import SLIP_SIGN, CoulombBySpeed, FixedSurface, Frictionl
 from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
 from .contact_law import STICKING, coefficients, resisting_arm
-from .equations import NO_ROWS, ContactForm, ContactRows, Rotation, several_system
+from .equations import NO_ROWS, ContactForm, ContactRows, Rotation, several_system, slack_name
 
 # An open contact is watched until the clearance of its curvatures falls below this part of its value when it was last
 # closed: its nearest points then move fast, and may soon be lost.
@@ -35,7 +35,8 @@ class SeveralRegime(NamedTuple):
     of a support and a feature of the outline; `away`: which of them are arcs turned away from their supports.
     `guides`: of contacts with more than three rows, some of them on belts, which normal and tangential rows determine
     the motion (`ContactForm.guides`); empty otherwise. `turn`: the sense of a rotation that closed contacts resist, 0
-    if they prevent it; None if none of them resists rolling.
+    if they prevent it; None if none of them resists rolling. `slack`: the conditions on forces that vanish all the
+    time, and how far below zero they may be (m/s²): their rounding.
     """
 
     modes: tuple[Mode, ...]
@@ -46,6 +47,7 @@ class SeveralRegime(NamedTuple):
     rests: bool = False
     guides: tuple[tuple[bool, bool], ...] = ()
     turn: int | None = None
+    slack: tuple[tuple[str, float], ...] = ()
 
     @property
     def has_open_forces(self) -> bool:
@@ -124,8 +126,8 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
     )  # fmt: skip
     turn = None if regime.rests else regime.turn
     rotation = Rotation.FREE if turn is None else Rotation.RESISTED if turn else Rotation.HELD
-    system = several_system(forms, laws(case), rotation)
-    values: dict[str, float] = {"tau": float(turn or 0)}
+    system = several_system(forms, laws(case), rotation, tuple(name for name, _ in regime.slack))
+    values: dict[str, float] = {"tau": float(turn or 0)} | {slack_name(name): size for name, size in regime.slack}
     for k, (mode, one) in enumerate(zip(regime.modes, contacts, strict=True)):
         sign, (mu, stick) = SLIP_SIGN.get(mode, 0.0), coefficients(one)
         values |= forms[k].surface.of_contact(k).values(one)

@@ -21,7 +21,7 @@ from cases.supports import has_belt
 
 from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
-from ..scales import frequency
+from ...scales import frequency
 from ..series import EPS
 from .direct_solver import DirectDOP853
 from .first_step import SHORTER

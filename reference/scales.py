@@ -1,0 +1,74 @@
+"""The scales with which quantities are compared, each with the reason why it cannot vanish with the quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import frexp, ldexp, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cases import Case, Gravity, Load
+
+if TYPE_CHECKING:
+    from .minimal.modes import Phase
+
+# --- time ---------------------------------------------------------------------------------------------------------
+
+
+def frequency(phase: Phase, t: float, y: Sequence[float]) -> float:
+    """How fast a state changes, 1/s: the largest of `frequencies`; 0 without motion and acceleration; infinite or NaN
+    if the state is not finite. Short and long are relative to it, never to the duration of the case."""
+    return max(frequencies(phase, t, y), default=0.0)
+
+
+def frequencies(phase: Phase, t: float, y: Sequence[float]) -> list[float]:
+    """How fast each position changes, 1/s: the larger of speed over size and √(acceleration over size)."""
+    rates = phase.system.rates_of_numbers(t, tuple(y), phase.parameters)
+    p = phase.system.positions
+    # A motion from rest covers its own size in √(size/acceleration).
+    return [
+        max(abs(u) / size, sqrt(abs(u_dot) / size))
+        for u, u_dot, size in zip(y[p:], rates[p:], phase.lengths, strict=False)
+    ]
+
+
+# --- accelerations ------------------------------------------------------------------------------------------------
+
+
+def approach_scale(phase: Phase, t: float, y: Sequence[float]) -> float:
+    """The size of what `Elimination.free_approach` is a sum of, m/s², at a state of the phase's own variables.
+
+    It is how far the sum would be off if time, state, parameters and each operation were off by one part in one. Where a
+    plate at rest is lifted, weight and load cancel: the sum, all forces of the contact and all accelerations vanish
+    together there, and this does not.
+    """
+    return phase.system.approach_error(t, y, phase.parameters)
+
+
+def acceleration_scale(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
+    """The size of what a contact force per mass is a sum of, m/s²: weight and load, each alone, as they may cancel, and
+    what turns the velocities of a plate (x, y, θ, vx, vy, ω). It vanishes only for a plate at rest without any of
+    these."""
+    plate, gravity, load = case.plate, case.effect(Gravity), case.effect(Load)
+    x, y, theta, vx, vy, omega = (float(v) for v in body)
+    fx, fy, moment = load.at(t, x, y, theta, vx, vy, omega) if load else (0.0, 0.0, 0.0)
+    applied = (abs(fx) + abs(fy) + abs(moment) / plate.gyration) / plate.mass
+    turning = (vx * vx + vy * vy) / plate.gyration + omega * omega * plate.reach
+    return (gravity.g if gravity else 0.0) + applied + turning
+
+
+def power_of_two(value: float) -> float:
+    """The power of two above a positive value: products with it add no rounding, and nearby values have the same."""
+    return ldexp(1.0, frexp(value)[1]) if value else 0.0
+
+
+# --- inverse masses -----------------------------------------------------------------------------------------------
+
+
+def inverse_mass_scale(delassus: np.ndarray) -> float:
+    """The size of a matrix from contact forces to rates, 1/kg: its largest diagonal entry, which is positive as each
+    contact can accelerate some plate; 1 without contacts. In units of it the matrix has no unit of mass. It is rounded
+    to a power of two, so that these units add no rounding."""
+    largest = float(np.abs(np.diag(delassus)).max(initial=0.0))
+    return power_of_two(largest) or 1.0
