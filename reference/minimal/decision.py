@@ -26,6 +26,9 @@ ORDER = 8
 # tan(slope) = mu a plate would neither stick nor slip.)
 AT_BOUND = 32 * series.EPS
 
+# An event's time is known to this part of it: two roundings of where a root was found, and as many in what has it.
+TIME_ROUNDING = 8 * series.EPS
+
 
 class Undecidable(ArithmeticError):
     """The numbers of a state or of its series in time are too large, too small or not finite."""
@@ -118,15 +121,17 @@ def vanishing(candidate: Phase, t: float, y: Sequence[float], error: float, weak
     return tuple(name for name in names if signs[name] == 0)
 
 
-def _leading_signs(
-    candidate: Phase, t, y, error, order: int, still: float = 0.0, weak: float = 0.0
-) -> dict[str, int]:
+def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0, weak: float = 0.0) -> dict[str, int]:
     y = state_in(candidate, y)
     # Velocities have an error of `error` times the largest of them, so that a small one does not count as exact.
     positions = candidate.system.positions
     fastest = max((abs(v) for v in y[positions:]), default=0.0)
     bounds = [error * abs(v) for v in y[:positions]] + [error * fastest for _ in y[positions:]]
     values = dict(zip(candidate.system.conditions, _values(candidate, t, y, bounds, order), strict=True))
+    if weak:
+        rates = candidate.system.condition_rates
+        orders = {name: 1 if name in rates else 2 if name.startswith("gap:") else 0 for name in values}
+        values = {name: _at_event(value, orders[name], weak, TIME_ROUNDING * t) for name, value in values.items()}
     velocities = candidate.system.condition_rates
     gaps = {name: value for name, value in values.items() if name.startswith("gap:")}
     forces = {name: value for name, value in values.items() if name not in velocities and name not in gaps}
@@ -137,6 +142,21 @@ def _leading_signs(
         rounding |= dict.fromkeys(gaps, AT_BOUND * (candidate.size + abs(y[0]) + abs(y[1]) + max(lengths)))
     rounding |= dict.fromkeys(velocities, still)
     return {name: series.sign(v, rounding.get(name, 0.0)) for name, v in values.items()}
+
+
+def _at_event(condition: Series | float, order: int, weak: float, late: float) -> Series | float:
+    """A condition with the errors of an event's instant: the time may be off by `late` (s), and a force per mass that
+    has vanished there by `weak` (m/s²), which is the coefficient `order` of its effect: of a force, a slip or a gap."""
+    if not isinstance(condition, Series):
+        return condition
+    slopes = [abs(a) for a in condition.derivative().c] + [0.0]
+    return Series(
+        condition.c,
+        [
+            e + late * slope + (weak if k == order else 0.0)
+            for k, (e, slope) in enumerate(zip(condition.e, slopes, strict=True))
+        ],
+    )
 
 
 def _value(condition: Series | float) -> float:

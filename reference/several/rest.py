@@ -12,6 +12,7 @@ import numpy as np
 from cases import Case, Load
 
 from ..minimal.integrators.segment import Segment
+from ..minimal.series import EPS
 from . import forces
 from .decision import limits_of_couples, load_at, margin_on_belts
 from .geometry import ContactPlace, places
@@ -19,6 +20,8 @@ from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
 
 # Looks at a load in time while it may end a rest, besides those that resolve its features.
 LOOKS = 64
+# A root is located to roundings of its time, the finest that SciPy allows, whatever the unit of time.
+SOONEST, FINEST = 1e-300, 4.0 * EPS
 # Looks in each step of a plate that belts move; the steps resolve the features of belts and loads.
 LOOKS_IN_STEP = 4
 
@@ -53,7 +56,7 @@ def limit_of_rest(
     last = start
     for look in looks[1:].tolist():
         if margin(look) < 0.0:
-            return float(brentq(margin, last, look, xtol=1e-15, rtol=8.9e-16)) if margin(last) > 0.0 else last
+            return float(brentq(margin, last, look, xtol=SOONEST, rtol=FINEST)) if margin(last) > 0.0 else last
         last = look
     return None
 
@@ -78,6 +81,6 @@ def limit_on_belts(segment: Segment) -> float | None:
     parts = np.arange(1, LOOKS_IN_STEP + 1) / LOOKS_IN_STEP
     for look in (steps[:-1, None] + np.diff(steps)[:, None] * parts).ravel().tolist():
         if margin(look) < 0.0:
-            return float(brentq(margin, last, look, xtol=1e-15, rtol=8.9e-16)) if margin(last) > 0.0 else last
+            return float(brentq(margin, last, look, xtol=SOONEST, rtol=FINEST)) if margin(last) > 0.0 else last
         last = look
     return None
