@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 # Number of evenly spaced times at which a motion with dense output is drawn and written.
 EVEN_TIMES = 1001
-# Changes listed in words; the text gives the total of a longer list.
-_MOST_CHANGES = 4
 # A contact that never slips faster than this part of the fastest speed sticks: what roundings of velocities leave.
 _NO_SLIP = 1e-9
 
@@ -39,16 +37,6 @@ class Mode(StrEnum):
     ROLL = "roll"
     REST = "rest"  # neither slips nor turns: held by friction and rolling resistance, or by an infinite inertia
     FLIGHT = "flight"
-
-
-_DOES = {
-    Mode.SLIDE: "slides without friction",
-    Mode.SLIP_FORWARD: "slides forward",
-    Mode.SLIP_BACKWARD: "slides backward",
-    Mode.ROLL: "rolls",
-    Mode.REST: "rests",
-    Mode.FLIGHT: "flies",
-}
 
 
 @dataclass(frozen=True)
@@ -358,19 +346,11 @@ class Trajectory:
         return notebook_html.of_motion(self)
 
     def in_words(self) -> str:
-        """The modes one after the other with their durations, and how the motion ends: "slides forward for 0.34 s,
-        then rolls to the end of 1 s". For a motion with unknown modes, the number of samples."""
-        end, changes = float(self.t[-1]), self.transitions
-        starts = [0.0, *(t.time for t in changes)]
-        modes = [self.first_mode or (changes[0].before if changes else None), *(t.after for t in changes)]
-        phases = [f"{_DOES[m]} for {b - a:.3g} s" for m, a, b in zip(modes, starts, starts[1:], strict=False) if m]
-        if len(phases) > _MOST_CHANGES:
-            phases = [*phases[:_MOST_CHANGES], f"… ({len(changes)} changes in all)"]
-        if self.status != Trajectory.status:
-            last = [f"{_DOES[modes[-1]]} until {end:.3g} s"] if modes[-1] and end > starts[-1] else []
-            return f"{', then '.join([*phases, *last]) or 'does not move'}; ends there: {self.status}. {self.reason}"
-        does = _DOES[modes[-1]] if modes[-1] else f"{len(self.t)} samples"
-        return ", then ".join([*phases, f"{does} to the end of {end:.3g} s"])
+        """What each contact does, one mode after the other with its duration, and how the motion ends: "slides forward
+        for 0.34 s, then rolls to the end of 1 s". For a motion with unknown modes, the number of samples."""
+        from .motion_words import in_words
+
+        return in_words(self)
 
     def times(self, count: int | None = None) -> np.ndarray:
         """Increasing times, s, for pictures and tables: `count` evenly spaced ones.

@@ -11,6 +11,7 @@ from cases import Case, Impact
 from cases.contact import pose
 from cases.piece_case import PieceCase, corners_meet, has_pieces, lies_flat, pieces_at
 
+from ..scales import frequency
 from .bouncing import Bounces
 from .contact_end import breakdown, contact_step, free_quantities, own_lift
 from .curve_pieces import TooMuch
@@ -29,7 +30,6 @@ from .phase_end import (
     search_limit_ending,
     work_limit_ending,
 )
-from ..scales import frequency
 from .series import EPS
 
 # A rebound that rises by no more roundings of positions than this does not count: bouncing is over. Its limit is

@@ -8,6 +8,7 @@ from cases import Case, DoesNotFit, Mode, Transition
 from cases.contact import start_motion
 from cases.piece_case import PieceCase, has_pieces
 
+from ..scales import frequency
 from .bouncing import Bounces
 from .contact_end import after_contact, leave
 from .decision import Undecidable, decide
@@ -28,7 +29,6 @@ from .phase_end import (
     work_limit_ending,
 )
 from .piece_landing import PieceLandings
-from ..scales import frequency
 
 # Changes of regime accumulate if MANY of them follow each other within this part of the motion's time scale.
 NO_TIME = 1e-9

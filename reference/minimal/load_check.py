@@ -16,9 +16,9 @@ from typing import Protocol
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ..scales import frequencies
 from .modes import FLIGHT, Phase
 from .rounding import roundings
-from ..scales import frequencies
 
 # Degree of the polynomial through a load: where it agrees to rounding, the next singularity of the load (in the complex
 # plane) is ten steps away, and the Taylor series of order 12 at the step's start is as accurate at its end.

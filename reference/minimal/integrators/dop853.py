@@ -19,9 +19,9 @@ from scipy.integrate import DOP853, DenseOutput
 from cases import CoulombFriction
 from cases.supports import has_belt
 
+from ...scales import frequency
 from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
-from ...scales import frequency
 from ..series import EPS
 from .direct_solver import DirectDOP853
 from .first_step import SHORTER
