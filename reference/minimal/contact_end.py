@@ -13,7 +13,7 @@ from cases.own_effects import own_effects
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
 from ..scales import approach_scale
-from .decision import Undecidable, decide
+from .decision import AT_BOUND, Undecidable, decide
 from .effects import OWN_END
 from .elimination import Elimination
 from .grazing import over_touch
@@ -208,7 +208,13 @@ BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_b
 def leave(
     case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str, error: float = LOCATION_ERROR
 ) -> Step:
-    """The step if no contact follows: flight, or the end of the motion."""
+    """The step if no contact follows: flight, or the end of the motion; the same contact if a plate is as light as
+    nothing, whose force is a rounding all the time."""
+    if case.effect(Unilateral) is not None and guard != "normal_force":
+        moves = senses(case, t, y, *slip_and_spin(case, t, y), LOCATION_ERROR)
+        floating = decide(case, t, y, LOCATION_ERROR, able(case, *moves), AT_BOUND * _approach_scale(case, t, y))
+        if floating:
+            return Step(segments, t, (y[0], y[1]), guard, tuple(y), floating)
     ending = _nothing_follows(case, t, y, error)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
         slip, omega = slip_and_spin(case, t, y)
@@ -251,14 +257,10 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> 
     """
     if case.effect(Unilateral) is None:
         return NO_MODE
-    now, m = phase_at(case, candidates(case)[-1], y), free_quantities(case, t, y)
-    state = state_in(now, y)
+    m = free_quantities(case, t, y)
     if not np.isfinite(m.free_approach):
         raise Undecidable
-    try:
-        scale = approach_scale(now, t, state)
-    except (ArithmeticError, ValueError) as problem:
-        raise Undecidable from problem
+    scale = _approach_scale(case, t, y)
     # At a lift-off the normal force has vanished, to the location's error and the growth of the terms in it, or to the
     # relative `error` of the motion.
     if m.free_approach <= max(1e6 * LOCATION_ERROR, error) * scale:
@@ -268,6 +270,15 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> 
             return LIFT_OFF
         return LIFTED if case.effect(Impact) else LANDING_END
     return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
+
+
+def _approach_scale(case: Case, t: float, y: Sequence[float]) -> float:
+    """The size of the terms of `free_approach` at a full state (m/s²). Raises Undecidable if it is not finite."""
+    now = phase_at(case, candidates(case)[-1], y)
+    try:
+        return approach_scale(now, t, state_in(now, y))
+    except (ArithmeticError, ValueError) as problem:
+        raise Undecidable from problem
 
 
 def free_quantities(case: Case, t: float, y: Sequence[float]) -> Elimination:

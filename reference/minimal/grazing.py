@@ -6,12 +6,13 @@ computed N dips below zero depends on the error of the integration.
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
 from .integrators.segment import Event, Segment
 from .modes import Phase, phase
+from .series import Series
 
 # Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.
 ORDER = 8
@@ -48,9 +49,22 @@ def over_touch(segment: Segment, guard: str, error: float, end: float) -> Segmen
     return Segment.of(now, np.array([t, t + lasts]), states, Event(None, t + lasts, tuple(last.tolist())), 1)
 
 
+def depth_of_dip(now: Phase, guard: str, t: float, y) -> float:
+    """How deep a condition that has reached zero at (t, y) falls below it, by its parabola; infinite if it does not
+    rise again."""
+    value, slope, bend = _series_of(now, guard, t, y, 2)[1][:3]
+    return slope * slope / (4.0 * bend) - value if bend > 0.0 else inf
+
+
 def _expand(now: Phase, guard: str, t: float, y) -> tuple[np.ndarray, list[float]]:
     """The coefficients in time of the state, shape (variables, ORDER + 1), and of the guard."""
     now = phase(now.case, now.regime, now.parts)  # whose system has series, whatever equations integrated the segment
-    state, conditions = now.system.expand(t, y, [0.0] * len(y), now.parameters, ORDER)
+    return _series_of(now, guard, t, y, ORDER)
+
+
+def _series_of(now: Phase, guard: str, t: float, y, order: int) -> tuple[np.ndarray, list[float]]:
+    """The same of a phase whose system has series, up to an order."""
+    state, conditions = now.system.expand(t, y, [0.0] * len(y), now.parameters, order)
     force = conditions[list(now.system.conditions).index(guard)]
-    return np.array([component.c for component in state]), list(force.c)
+    terms = force.c if isinstance(force, Series) else [force]
+    return np.array([component.c for component in state]), [*terms, *[0.0] * (order + 1 - len(terms))]

@@ -16,13 +16,13 @@ import numpy as np
 
 from cases import Belt, Case, Mode
 
-from ..minimal.assembly import _MOTION
+from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
 from ..minimal.decision import AT_BOUND, Undecidable, _by_series, follows, vanishing
 from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.elimination import T
 from ..scales import acceleration_scale, power_of_two
 from . import forces
-from .contact_law import STICKING, freedoms, slip_modes
+from .contact_law import STICKING, compliance, freedoms, slip_modes
 from .equations import COLUMNS, FIRST_COLUMN
 from .geometry import TOUCHES, TURNING_ROW, ContactPlace
 from .regimes import SeveralPhase, SeveralRegime, body_of, regime_of, several_phase
@@ -118,7 +118,8 @@ def consistent_motions(
                 continue
             regime = regime._replace(guides=guides if rows > most else ())
         phase = several_phase(case, regime)
-        if _is_consistent(case, now, phase, error) and _has_forces(phase, now):
+        is_regular = regime.has_open_forces or not _is_singular(case, now, regime)
+        if is_regular and _is_consistent(case, now, phase, error) and _has_forces(phase, now):
             rates = phase.system.rates_of_numbers(now.time, now.state, phase.parameters)
             motions.append((regime, np.array(rates[-3:])))
     if any(now.places[k].stick > now.places[k].mu for k in now.touching):
@@ -258,6 +259,28 @@ def with_slack(case: Case, now: DecisionInstant, regime: SeveralRegime, error: f
     weak = weak_force(case, now)
     names = vanishing(several_phase(case, regime), now.time, now.state, error, weak)
     return regime._replace(slack=tuple((name, power_of_two(SLACK * weak)) for name in names)) if names else regime
+
+
+def _is_singular(case: Case, now: DecisionInstant, regime: SeveralRegime) -> bool:
+    """Whether friction makes the rows of a regime depend on each other: its forces have no value, as those of a disc in
+    a groove of the angle of friction, if it slipped inward on both flanks."""
+    some = [(now.places[k], regime.modes[k]) for k in regime.closed]
+    limits = limits_of_friction([at for at, _ in some], [mode for _, mode in some], now.time, now.state)
+    rows, columns = list[np.ndarray](), list[np.ndarray]()
+    for (at, mode), limit in zip(some, limits, strict=True):
+        ratio = limit.ratio if isinstance(limit, forces.Slipping) else 0.0
+        rows.append(at.lift_row)
+        columns.append(at.lift_row + ratio * at.slip_row - (regime.turn or 0) * at.resisting_arm * TURNING_ROW)
+        if mode in STICKING:
+            rows.append(at.slip_row)
+            columns.append(at.slip_row)
+    if len(rows) < 2 or not any(isinstance(limit, forces.Slipping) for limit in limits):
+        return False
+    rows += [TURNING_ROW] if regime.turn == 0 else []
+    columns += [TURNING_ROW] if regime.turn == 0 else []
+    units = np.sqrt(compliance(case.plate))
+    some_rows, some_columns = ([units * row / np.linalg.norm(units * row) for row in each] for each in (rows, columns))
+    return bool(abs(np.linalg.det(np.array(some_rows) @ np.array(some_columns).T)) <= PAINLEVE_LEAST)
 
 
 def _has_forces(phase: SeveralPhase, now: DecisionInstant) -> bool:

@@ -12,6 +12,8 @@ from cases.contact_pairs import PairCase, pairs
 
 from ..minimal.bouncing import StraightStates
 from ..minimal.curve_pieces import TooMuch
+from ..minimal.decision import AT_BOUND
+from ..minimal.grazing import depth_of_dip
 from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
 from ..minimal.meetings import Meeting
 from ..minimal.phase_end import (
@@ -26,9 +28,9 @@ from ..minimal.phase_end import (
     singular_ending,
     work_limit_ending,
 )
-from ..scales import frequency
+from ..scales import acceleration_scale, frequency, power_of_two
 from .contact_law import STICKING, freedoms
-from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time, with_slack
+from .decision import SLACK, DecisionInstant, SeveralDecision, decide, depends_on_time, with_slack
 from .geometry import TOUCHES, places, project, without_velocity
 from .hops import SeriesEnd
 from .meetings import first_meeting, search_of
@@ -47,6 +49,8 @@ LOW_HOP = 1e-12
 FLIES = 4.0
 # Accelerations of gaps are differences of their speeds over this part of the motion's time scale.
 LOOK_AHEAD = 1e-6
+# Guards that are conditions on the force of one contact.
+OF_FORCES = ("normal", "cone_forward", "cone_backward")
 # Guards of the plate's rotation, which belong to all contacts that resist rolling.
 OF_ROTATION = ("turn", "couple_forward", "couple_backward")
 
@@ -70,6 +74,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         self.idle = self.work = 0
         self.fixed: dict[str, tuple[Mode, ...]] = {}
         self.begins = self.held_out = False
+        self.same: SeveralRegime | None = None
         self.searches = [(pair, search_of(pair)) for pair in pairs(case) if not pair.has_unique_points]
 
     # --- one phase ----------------------------------------------------------------------------------------------------
@@ -87,7 +92,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         self.settle(self.stuck, closing=self.touching)
 
     def _next_phase(self) -> Ending | None:
-        return self._phase(self._decide())
+        same, self.same = self.same, None
+        return self._phase(same or self._decide())
 
     def _decide(self) -> SeveralRegime:
         now = self.instant()
@@ -364,6 +370,11 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             return None
         if kind in ENDS:
             return ENDS[kind]
+        slack = self._slack_of_dip(segment, guard) if kind in OF_FORCES else 0.0
+        if slack:
+            self.settle(stuck)
+            self.same = regime._replace(slack=tuple((dict(regime.slack) | {guard: slack}).items()))
+            return None
         name = regime.names[int(number)]
         if kind == "gap":
             self.settle(stuck, closing={name})
@@ -378,6 +389,14 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             self.fixed = {name: (Mode.FLIGHT,)}
         self.settle(stuck, closing or None)
         return None
+
+    def _slack_of_dip(self, segment: Segment, guard: str) -> float:
+        """By how much (m/s²) a condition on a force may be negative where it touches zero and grows again within the
+        motion's accuracy, as in `minimal.grazing`; 0 if it falls."""
+        depth = depth_of_dip(segment.phase, guard, self.t, segment.event.state)
+        size = acceleration_scale(self.case, self.t, self.body)
+        within = max(self.rtol, LOCATION_ERROR) * size
+        return power_of_two(max(depth, SLACK * AT_BOUND * size)) if depth <= within else 0.0
 
     def _meet(self, contact: PairCase, meeting: Meeting) -> Ending | None:
         """A contact at a place that is not watched."""

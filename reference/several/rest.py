@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import isinf
 from typing import cast
@@ -14,7 +14,7 @@ from cases import Case, Load
 from ..minimal.integrators.segment import Segment
 from ..minimal.series import EPS
 from . import forces
-from .decision import limits_of_couples, load_at, margin_on_belts
+from .decision import BALANCED, limits_of_couples, load_at, margin_on_belts
 from .geometry import ContactPlace, places
 from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
 
@@ -41,8 +41,6 @@ def limit_of_rest(
 ) -> float | None:
     """When the closed contacts cannot balance the load any more, s; None if they can until the motion's end. `turn`: as
     in `SeveralRegime`."""
-    from scipy.optimize import brentq
-
     sticks, units = [one.stick for one in closed], forces.units_of(case.plate)
     couples = limits_of_couples(closed, turn)
 
@@ -53,19 +51,12 @@ def limit_of_rest(
     looks = np.linspace(start, end, LOOKS)
     if load is not None and load.features is not None:
         looks = np.union1d(looks, load.features.nodes(start, end))
-    last = start
-    for look in looks[1:].tolist():
-        if margin(look) < 0.0:
-            return float(brentq(margin, last, look, xtol=SOONEST, rtol=FINEST)) if margin(last) > 0.0 else last
-        last = look
-    return None
+    return _first_loss(margin, looks.tolist())
 
 
 def limit_on_belts(segment: Segment) -> float | None:
     """When the forces of contacts with more than three rows reach their limit in a segment, s; None if they do not.
     Raises numpy.linalg.LinAlgError where the rows come to contradict each other."""
-    from scipy.optimize import brentq
-
     phase = cast(SeveralPhase, segment.phase)
 
     def margin(t: float) -> float:
@@ -77,10 +68,20 @@ def limit_on_belts(segment: Segment) -> float | None:
         return value
 
     steps = np.unique(segment.times)
-    last = float(steps[0])
     parts = np.arange(1, LOOKS_IN_STEP + 1) / LOOKS_IN_STEP
-    for look in (steps[:-1, None] + np.diff(steps)[:, None] * parts).ravel().tolist():
-        if margin(look) < 0.0:
-            return float(brentq(margin, last, look, xtol=SOONEST, rtol=FINEST)) if margin(last) > 0.0 else last
-        last = look
+    looks = (steps[:-1, None] + np.diff(steps)[:, None] * parts).ravel()
+    return _first_loss(margin, [float(steps[0]), *looks.tolist()])
+
+
+def _first_loss(margin: Callable[[float], float], looks: list[float]) -> float | None:
+    """When a margin is lost, s; None if it is not at any of these times. One that touches zero is kept: it is known to
+    its rounding only."""
+    from scipy.optimize import brentq
+
+    held = looks[0]
+    for look in looks:
+        value = margin(look)
+        if value < BALANCED:
+            return float(brentq(margin, held, look, xtol=SOONEST, rtol=FINEST)) if margin(held) > 0.0 else held
+        held = look if value > 0.0 else held
     return None
