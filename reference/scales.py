@@ -33,6 +33,17 @@ def frequencies(phase: Phase, t: float, y: Sequence[float]) -> list[float]:
     ]
 
 
+# The largest speed of a surface in a step is that at so many instants inside it.
+LOOKS = 8
+
+
+def looks_between(times: np.ndarray) -> np.ndarray:
+    """Instants inside steps (s). The speeds of a motion are compared with the largest of them all: one that returns to
+    zero at the end of each step, as that of a belt which turns back, would vanish with the slip on it."""
+    parts = (np.arange(LOOKS) + 0.5) / LOOKS
+    return (times[:-1, None] + np.diff(times)[:, None] * parts).ravel()
+
+
 # --- accelerations ------------------------------------------------------------------------------------------------
 
 

@@ -133,6 +133,10 @@ def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0
     fastest = max((abs(v) for v in y[positions:]), default=0.0)
     bounds = [error * abs(v) for v in y[:positions]] + [error * fastest for _ in y[positions:]]
     values = dict(zip(candidate.system.conditions, _values(candidate, t, y, bounds, order), strict=True))
+    if still:  # a gap may open or close with a velocity of roundings
+        values = {
+            name: _with_rate(value, still) if name.startswith("gap:") else value for name, value in values.items()
+        }
     if weak:
         rates = candidate.system.condition_rates
         orders = {name: 1 if name in rates else 2 if name.startswith("gap:") else 0 for name in values}
@@ -147,6 +151,13 @@ def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0
         rounding |= dict.fromkeys(gaps, AT_BOUND * (candidate.size + abs(y[0]) + abs(y[1]) + max(lengths)))
     rounding |= dict.fromkeys(velocities, still)
     return {name: series.sign(v, rounding.get(name, 0.0)) for name, v in values.items()}
+
+
+def _with_rate(gap: Series | float, still: float) -> Series | float:
+    """A gap whose rate has a further error (m/s)."""
+    return (
+        Series(gap.c, [e + (still if k == 1 else 0.0) for k, e in enumerate(gap.e)]) if isinstance(gap, Series) else gap
+    )
 
 
 def _at_event(condition: Series | float, order: int, weak: float, late: float) -> Series | float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from cases import Case, Flight, Mode, Transition
 from cases.contact_pairs import PairCase, pairs
+from cases.supports import has_belt
 
 from ..minimal.bouncing import StraightStates
 from ..minimal.curve_pieces import TooMuch
@@ -28,7 +29,7 @@ from ..minimal.phase_end import (
     singular_ending,
     work_limit_ending,
 )
-from ..scales import acceleration_scale, frequency, power_of_two
+from ..scales import acceleration_scale, frequency, looks_between, power_of_two
 from .contact_law import STICKING, freedoms
 from .decision import SLACK, DecisionInstant, SeveralDecision, decide, depends_on_time, with_slack
 from .geometry import TOUCHES, places, project, without_velocity
@@ -329,6 +330,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         for watch, pair in zip(self.watches, pairs_of(state), strict=True):
             watch.pair = pair
         self.speed = max(self.speed, self.present_speed(), *map(self.belt_speed, segment.times.tolist()))
+        if has_belt(self.case):  # it may stop, or turn back, at both ends of a step
+            self.speed = max(self.speed, *map(self.belt_speed, looks_between(segment.times).tolist()))
 
     # --- events -------------------------------------------------------------------------------------------------------
 
