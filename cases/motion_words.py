@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
-from .contact import track_place
 from .contact_names import CONTACT
 from .moving_surface import Drive
 
-if TYPE_CHECKING:
-    from .trajectory import Trajectory
+Trajectory = Any  # of `cases.trajectory`, which has its words from here
 
 # Changes listed in words; the text gives the total of a longer list.
 MOST_CHANGES = 4
@@ -63,9 +61,9 @@ def _phases(motion: Trajectory, alone: Trajectory, name: str, is_cut: bool) -> s
     return ", then ".join([*phases, f"{does} to the end of {end:.3g} s"])
 
 
-def _verb(motion: Trajectory, contact: str, mode: Mode, start: float, end: float) -> str:
-    """What a plate does in a mode of contact from one time (s) to another: one that does not slip may also rest, or move
-    without turning."""
+def _verb(motion: Trajectory, contact: str, mode: str, start: float, end: float) -> str:
+    """What a plate does in a mode of contact from one time (s) to another: one that does not slip may also rest, or
+    move without turning."""
     if mode not in ("slide", "roll", "rest") or motion.dense is None:
         return VERBS[mode]
     moves = turns = False
@@ -80,8 +78,9 @@ def _verb(motion: Trajectory, contact: str, mode: Mode, start: float, end: float
 def _speeds(motion: Trajectory, times: np.ndarray) -> tuple[float, float]:
     """The largest speed (m/s) and rotation (rad/s) of a plate at some times, as its track sees it, which may move."""
     x, y, _, vx, vy, omega, *_ = motion(times)
-    if motion.case is not None and motion.case.effect(Drive) is not None:
-        *_, vx, vy, omega = track_place(motion.case, times).seen_from_track(x, y, vx, vy, omega)
+    drive = motion.case.effect(Drive) if motion.case is not None else None
+    if drive is not None:
+        *_, vx, vy, omega = drive.at_times(times).seen_from_track(x, y, vx, vy, omega)
     return float(np.hypot(vx, vy).max()), float(np.abs(omega).max())
 
 

@@ -4,25 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import frexp, ldexp, sqrt
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
 
 from cases import Case, Gravity, Load
 
-if TYPE_CHECKING:
-    from .minimal.modes import Phase
+
+class PhaseNumbers(Protocol):
+    """What scales need of a phase: its equations, their parameters, and the plate's size in units of each position."""
+
+    @property
+    def system(self) -> Any: ...
+    @property
+    def parameters(self) -> tuple[float, ...]: ...
+    @property
+    def lengths(self) -> tuple[float, ...]: ...
+
 
 # --- time ---------------------------------------------------------------------------------------------------------
 
 
-def frequency(phase: Phase, t: float, y: Sequence[float]) -> float:
+def frequency(phase: PhaseNumbers, t: float, y: Sequence[float]) -> float:
     """How fast a state changes, 1/s: the largest of `frequencies`; 0 without motion and acceleration; infinite or NaN
     if the state is not finite. Short and long are relative to it, never to the duration of the case."""
     return max(frequencies(phase, t, y), default=0.0)
 
 
-def frequencies(phase: Phase, t: float, y: Sequence[float]) -> list[float]:
+def frequencies(phase: PhaseNumbers, t: float, y: Sequence[float]) -> list[float]:
     """How fast each position changes, 1/s: the larger of speed over size and √(acceleration over size)."""
     rates = phase.system.rates_of_numbers(t, tuple(y), phase.parameters)
     p = phase.system.positions
@@ -47,11 +56,11 @@ def looks_between(times: np.ndarray) -> np.ndarray:
 # --- accelerations ------------------------------------------------------------------------------------------------
 
 
-def approach_scale(phase: Phase, t: float, y: Sequence[float]) -> float:
+def approach_scale(phase: PhaseNumbers, t: float, y: Sequence[float]) -> float:
     """The size of what `Elimination.free_approach` is a sum of, m/s², at a state of the phase's own variables.
 
-    It is how far the sum would be off if time, state, parameters and each operation were off by one part in one. Where a
-    plate at rest is lifted, weight and load cancel: the sum, all forces of the contact and all accelerations vanish
+    It is how far the sum would be off if time, state, parameters and each operation were off by one part in one. Where
+    a plate at rest is lifted, weight and load cancel: the sum, all forces of the contact and all accelerations vanish
     together there, and this does not.
     """
     return phase.system.approach_error(t, y, phase.parameters)

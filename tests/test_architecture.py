@@ -119,14 +119,15 @@ def test_an_arrow_upwards_is_seen(tmp_path, monkeypatch):
 
 
 # Parts of `reference`: each may import what stands beside it here. Two formulations and the paper's letters know
-# nothing of each other, or they could not witness for each other.
+# nothing of each other, or they could not witness for each other. Scales have units and roundings, and no law.
 PARTS = {
+    "scales": set(),
     "paper": set(),
-    "minimal": set(),
+    "minimal": {"scales"},
     "contact_frame": set(),
     "augmented_integrator": {"minimal", "paper"},
-    "several": {"minimal", "paper"},
-    "delassus": {"contact_frame"},
+    "several": {"minimal", "paper", "scales"},
+    "delassus": {"contact_frame", "scales"},
     "plates": {"minimal", "several"},
     "solve": {"minimal", "augmented_integrator", "several", "plates"},
     "narration": {"solve"},

@@ -245,10 +245,10 @@ def solutions(
     compared with those of the cones, which are ones."""
     unit = inverse_mass_scale(delassus)
     inside = None if least is None else least * unit
-    return [force / unit for force in _unscaled_solutions(delassus / unit, free, slips, mu, stick, inside)]
+    return [force / unit for force in _solutions_in_unit(delassus / unit, free, slips, mu, stick, inside)]
 
 
-def _unscaled_solutions(
+def _solutions_in_unit(
     delassus: np.ndarray,
     free: np.ndarray,
     slips: Sequence[float | None],

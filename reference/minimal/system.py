@@ -234,12 +234,12 @@ class System:
         operation have (`reference.scales`). Raises ArithmeticError or ValueError if it has no finite value."""
         function, are_exponents = self._approach_of_series
 
-        def rounded(value: float) -> series.Series:
+        def with_rounding(value: float) -> series.Series:
             return series.Series([value], [series.EPS * abs(value)])
 
         names = parameters[: len(self.names)]
-        sizes = [v if fixed else rounded(v) for v, fixed in zip(names, are_exponents, strict=True)]
-        (value,) = function(rounded(t), [*map(rounded, y)], sizes)
+        sizes = [v if is_exponent else with_rounding(v) for v, is_exponent in zip(names, are_exponents, strict=True)]
+        (value,) = function(with_rounding(t), [*map(with_rounding, y)], sizes)
         return value.e[0] / series.EPS if isinstance(value, series.Series) else abs(value)
 
     @derived

@@ -78,10 +78,10 @@ def _first_loss(margin: Callable[[float], float], looks: list[float]) -> float |
     its rounding only."""
     from scipy.optimize import brentq
 
-    held = looks[0]
+    last = looks[0]
     for look in looks:
         value = margin(look)
         if value < BALANCED:
-            return float(brentq(margin, held, look, xtol=SOONEST, rtol=FINEST)) if margin(held) > 0.0 else held
-        held = look if value > 0.0 else held
+            return float(brentq(margin, last, look, xtol=SOONEST, rtol=FINEST)) if margin(last) > 0.0 else last
+        last = look if value > 0.0 else last
     return None
