@@ -13,7 +13,7 @@ from cases.own_effects import own_effects
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
 from ..scales import approach_scale
-from .decision import AT_BOUND, Undecidable, decide
+from .decision import Undecidable, decide
 from .effects import OWN_END
 from .elimination import Elimination
 from .grazing import over_touch
@@ -208,13 +208,7 @@ BEGINS = {"cone_forward": 1, "cone_backward": -1, "couple_forward": 1, "couple_b
 def leave(
     case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str, error: float = LOCATION_ERROR
 ) -> Step:
-    """The step if no contact follows: flight, or the end of the motion; the same contact if a plate is as light as
-    nothing, whose force is a rounding all the time."""
-    if case.effect(Unilateral) is not None and guard != "normal_force":
-        moves = senses(case, t, y, *slip_and_spin(case, t, y), LOCATION_ERROR)
-        floating = decide(case, t, y, LOCATION_ERROR, able(case, *moves), AT_BOUND * _approach_scale(case, t, y))
-        if floating:
-            return Step(segments, t, (y[0], y[1]), guard, tuple(y), floating)
+    """The step if no contact follows: flight, or the end of the motion."""
     ending = _nothing_follows(case, t, y, error)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
         slip, omega = slip_and_spin(case, t, y)

@@ -35,20 +35,15 @@ class Undecidable(ArithmeticError):
 
 
 def decide(
-    case: Case,
-    t: float,
-    y: Sequence[float],
-    error: float,
-    among: Sequence[Regime] | None = None,
-    weak: float = 0.0,
+    case: Case, t: float, y: Sequence[float], error: float, among: Sequence[Regime] | None = None
 ) -> Regime | None:
     """The regime that follows from the state (ξ₁, ξ₂, ξ̇₁, ξ̇₂) at time t, or None if none is consistent.
 
     `error` is the relative error of the state (rounding at a start, the location's at an event): smaller values count
-    as zero and the next derivative decides; `weak` as of `follows`. Raises Undecidable if numbers are not finite.
+    as zero and the next derivative decides. Raises Undecidable if numbers are not finite.
     """
     for regime in candidates(case) if among is None else among:
-        if follows(case, phase_at(case, regime, y), t, y, error, weak=weak):
+        if follows(case, phase_at(case, regime, y), t, y, error):
             return regime
     return None
 
