@@ -20,6 +20,9 @@ from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
 from ..minimal.decision import AT_BOUND, Undecidable, _by_series, follows, vanishing
 from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.elimination import T
+from ..minimal.grazing import depth_of_dip
+from ..minimal.integrators.segment import Segment
+from ..minimal.phase_end import LOCATION_ERROR
 from ..scales import acceleration_scale, power_of_two
 from . import forces
 from .contact_law import STICKING, compliance, freedoms, slip_modes
@@ -259,6 +262,16 @@ def with_slack(case: Case, now: DecisionInstant, regime: SeveralRegime, error: f
     weak = weak_force(case, now)
     names = vanishing(several_phase(case, regime), now.time, now.state, error, weak)
     return regime._replace(slack=tuple((name, power_of_two(SLACK * weak)) for name in names)) if names else regime
+
+
+def slack_of_dip(case: Case, segment: Segment, guard: str, rtol: float) -> float:
+    """By how much (m/s²) a condition on a force, which has ended a segment, may be negative where it touches zero and
+    grows again within the motion's accuracy, as in `minimal.grazing`; 0 if it falls."""
+    event = segment.event
+    depth = depth_of_dip(segment.phase, guard, event.time, event.state)
+    size = acceleration_scale(case, event.time, body_of(event.state))
+    within = max(rtol, LOCATION_ERROR) * size
+    return power_of_two(max(depth, SLACK * AT_BOUND * size)) if depth <= within else 0.0
 
 
 def _is_singular(case: Case, now: DecisionInstant, regime: SeveralRegime) -> bool:

@@ -13,8 +13,6 @@ from cases.supports import has_belt
 
 from ..minimal.bouncing import StraightStates
 from ..minimal.curve_pieces import TooMuch
-from ..minimal.decision import AT_BOUND
-from ..minimal.grazing import depth_of_dip
 from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
 from ..minimal.meetings import Meeting
 from ..minimal.phase_end import (
@@ -29,9 +27,9 @@ from ..minimal.phase_end import (
     singular_ending,
     work_limit_ending,
 )
-from ..scales import acceleration_scale, frequency, looks_between, power_of_two
+from ..scales import frequency, looks_between
 from .contact_law import STICKING, freedoms
-from .decision import SLACK, DecisionInstant, SeveralDecision, decide, depends_on_time, with_slack
+from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time, slack_of_dip, with_slack
 from .geometry import TOUCHES, places, project, without_velocity
 from .hops import SeriesEnd
 from .meetings import first_meeting, search_of
@@ -373,7 +371,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             return None
         if kind in ENDS:
             return ENDS[kind]
-        slack = self._slack_of_dip(segment, guard) if kind in OF_FORCES else 0.0
+        slack = slack_of_dip(self.case, segment, guard, self.rtol) if kind in OF_FORCES else 0.0
         if slack:
             self.settle(stuck)
             self.same = regime._replace(slack=tuple((dict(regime.slack) | {guard: slack}).items()))
@@ -392,14 +390,6 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             self.fixed = {name: (Mode.FLIGHT,)}
         self.settle(stuck, closing or None)
         return None
-
-    def _slack_of_dip(self, segment: Segment, guard: str) -> float:
-        """By how much (m/s²) a condition on a force may be negative where it touches zero and grows again within the
-        motion's accuracy, as in `minimal.grazing`; 0 if it falls."""
-        depth = depth_of_dip(segment.phase, guard, self.t, segment.event.state)
-        size = acceleration_scale(self.case, self.t, self.body)
-        within = max(self.rtol, LOCATION_ERROR) * size
-        return power_of_two(max(depth, SLACK * AT_BOUND * size)) if depth <= within else 0.0
 
     def _meet(self, contact: PairCase, meeting: Meeting) -> Ending | None:
         """A contact at a place that is not watched."""

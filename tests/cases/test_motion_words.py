@@ -48,8 +48,8 @@ SCENES = {
     "disc between floor and wall": (
         Case(line(), disc(0.1, 1.0), (*BOUNCE, CoulombFriction(0.2)), Start(0.0, slip=2.0), 1.0, supports=(WALL,)),
         "plate/track: slides forward for 0.34 s, then rolls for 0.1 s, then flies for 0.0544 s, then slides backward "
-        "for 0.15 s, then rests to the end of 1 s; plate/wall: flies for 0.44 s, then slides backward for 0.204 s, then "
-        "rests to the end of 1 s",
+        "for 0.15 s, then rests to the end of 1 s; plate/wall: flies for 0.44 s, then slides backward for 0.204 s, "
+        "then rests to the end of 1 s",
     ),
 }
 
