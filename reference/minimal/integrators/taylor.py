@@ -16,7 +16,7 @@ from ..defect_check import Expansion, good_part
 from ..modes import Phase
 from ..system import System
 from .pool import IntegratorPool
-from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Segment
+from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Record, Segment
 
 try:
     import heyoka as hy
@@ -53,6 +53,9 @@ SHORTEST = 16
 # those of a hundred steps that a motion amplifies tenfold are then the tolerance. (On a sliver, with 1 in place of 0.1,
 # they were ten tolerances.) Forces have the error ROUNDING, as differences of terms up to 1000 times as large.
 DEFECT, ROUNDING = 0.1, 1e-12
+# The steps of a phase are kept as they are taken up to this many, half a millisecond's; of more, which would fill
+# memory, they are repeated when they are requested.
+MOST_KEPT = 128
 # The compiled loop returns after this many steps, so that it does not run forever towards a singularity.
 CHUNK = 1000
 
@@ -148,11 +151,10 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float, optimised: boo
     outcome = None if phase.checks_steps else integrators.call(_at_once, phase, t, y, end, tolerance)
     if outcome is None:
         return integrators.call(_one_by_one, phase, t, y, end, tolerance)
-    event, steps = outcome
+    event, steps, course = outcome
     # No closure, to spare the garbage collector.
-    return Segment(
-        phase, t, event, steps, steps, partial(_again, phase, t, y, end, tolerance, event.time, steps, optimised)
-    )
+    record = course or partial(_again, phase, t, y, end, tolerance, event.time, steps, optimised)
+    return Segment(phase, t, event, steps, steps, record)
 
 
 def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: float, steps: int, optimised: bool):
@@ -168,18 +170,34 @@ def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> S
     return integrators.call(_one_by_one, phase, t, y, end, QUADRUPLE_TOLERANCE)
 
 
-def _at_once(workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
-    """The event that ends the phase and the number of steps, by heyoka's own loop; None if its outcome is unclear."""
-    integrator = workspace.integrator
+def _at_once(
+    workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float
+) -> tuple[Event, int, TaylorSteps | None] | None:
+    """The event that ends the phase, the number of steps and, of few, the steps, by heyoka's own loop; None if its
+    outcome is unclear."""
+    integrator, coefficients = workspace.integrator, workspace.coefficients
     first = _leave(workspace, phase, t, y, end, tolerance)
     if first.guard:
         return None
-    outcome = int(integrator.step(min(end - first.time, first.longest))[0])
+    course = TaylorSteps([t], [], y)
+    if first.steps:
+        course.add(coefficients, first.time)
+    outcome = int(integrator.step(min(end - first.time, first.longest), True)[0])
     steps, guard, time = first.steps + 1, _guard(outcome, phase), integrator.time
+    if time > course.times[-1]:
+        course.add(coefficients, time)
     if guard is None and outcome not in (SUCCESS, TIME_LIMIT):
         return None
+
+    def keep(after) -> bool:
+        if len(course.coefficients) < MOST_KEPT:
+            course.add(coefficients, after.time)
+        return True
+
     while guard is None and time < end:
-        result, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
+        result, shortest, _, count, _, _ = integrator.propagate_until(
+            end, max_steps=CHUNK, callback=keep, write_tc=True
+        )
         outcome, time = int(result), integrator.time
         steps, guard = steps + count, _guard(outcome, phase)
         if guard is None and steps >= MOST_STEPS:
@@ -187,7 +205,7 @@ def _at_once(workspace: Workspace, phase: Phase, t: float, y, end: float, tolera
         is_known = guard is not None or outcome in (TIME_LIMIT, STEP_LIMIT)
         if shortest <= SHORTEST * ulp(time) or not is_known:
             return None
-    return Event(guard, time, tuple(workspace.state.tolist())), steps
+    return Event(guard, time, tuple(workspace.state.tolist())), steps, course if len(course.times) > steps else None
 
 
 def _guard(outcome: int, phase: Phase) -> str | None:
@@ -282,6 +300,25 @@ def _leave(workspace: Workspace, phase: Phase, t: float, y, end: float, toleranc
     first = leave(phase, coefficients if workspace.real is float else coefficients.astype(float), t, y, end, tolerance)
     workspace.set(first.time, first.state)
     return first
+
+
+class TaylorSteps:
+    """The steps of a phase as the integrator leaves them: times (one more than steps), and for each step the
+    coefficients (variables, powers); `y`: the state at its start. Called, it returns times and dense output, which
+    takes as long as a phase."""
+
+    __slots__ = ("times", "coefficients", "y")
+
+    def __init__(self, times: list[float], coefficients: list[np.ndarray], y):
+        self.times, self.coefficients, self.y = times, coefficients, y
+
+    def add(self, coefficients: np.ndarray, end: float) -> None:
+        """Add a step; its coefficients are copied."""
+        self.coefficients.append(coefficients.copy())
+        self.times.append(end)
+
+    def __call__(self) -> Record:
+        return np.array(self.times), _TaylorOutput(self.times, self.coefficients, self.y)
 
 
 class _TaylorOutput:

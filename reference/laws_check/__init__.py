@@ -1,0 +1,5 @@
+"""A check of motions by the laws of mechanics: it computes no motion, and needs none but the one that it checks."""
+
+from .broken_laws import BrokenLaw, check
+
+__all__ = ["BrokenLaw", "check"]

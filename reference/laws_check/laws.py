@@ -1,0 +1,243 @@
+"""The laws of mechanics at the samples of a motion: each gives the sizes of its defects, and the scale of each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Gravity, Impact, Load, Mode, Unilateral
+from cases.effects import MOTION
+from cases.expression_code import ON_ARRAYS, function_of
+from cases.free_plates import names_of, plates_of
+from cases.own_effects import CONTACT as AT_CONTACT
+from cases.own_effects import ContactEffect, own_effects
+
+from .samples import WEIGHTS, ContactSamples, MotionSamples
+
+# The sign of the slip in each mode that has one, and the modes without slip.
+SENSE = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
+STICKING = (Mode.ROLL, Mode.REST)
+
+
+class Defects(NamedTuple):
+    """How far a law is broken: its name, the place, the times (s), sizes in a unit, and their scales, all of one
+    shape or broadcast to it. A defect of a part of its scale is an error of the motion."""
+
+    law: str
+    place: str
+    times: np.ndarray
+    sizes: np.ndarray
+    scale: np.ndarray | float
+    unit: str
+
+
+class Sums(NamedTuple):
+    """Sums on each plate, arrays (steps, 5): of forces (complex, N) and moments (N m), NaN where they are not unique;
+    and the largest of the forces in each step, (steps,)."""
+
+    forces: list[np.ndarray]
+    moments: list[np.ndarray]
+    largest: list[np.ndarray]
+
+
+@lru_cache(maxsize=256)
+def _load(load: Load):
+    """(t, x, y, theta, vx, vy, omega) -> [fx, fy, moment] on arrays."""
+    return function_of(MOTION, load.expression, ON_ARRAYS)
+
+
+@lru_cache(maxsize=256)
+def _own(effect: ContactEffect):
+    """(t, slip, omega) -> [along, across, couple] on arrays."""
+    return function_of(AT_CONTACT, effect.formulas[:3], ON_ARRAYS)
+
+
+def sums(samples: MotionSamples) -> Sums:
+    """All forces on each plate: gravity, load, and those of the contacts as the motion has them."""
+    case, shape, gravity = samples.case, samples.times.shape, samples.case.effect(Gravity)
+    pull = complex(*gravity.vector) if gravity is not None else 0j
+    forces = [np.full(shape, plate.mass * pull) for plate in plates_of(case)]
+    moments = [np.zeros(shape) for _ in forces]
+    largest = [np.full(shape[0], plate.mass * abs(pull)) for plate in plates_of(case)]
+    load = case.effect(Load)
+    if load is not None:
+        one = samples.plates[0]
+        angle = np.unwrap(np.angle(one.turn).ravel()).reshape(shape)
+        fx, fy, moment = _load(load)(
+            samples.times, one.place.real, one.place.imag, angle, one.velocity.real, one.velocity.imag, one.spin
+        )
+        forces[0] = forces[0] + fx + 1j * np.asarray(fy)
+        moments[0] = moments[0] + moment
+        largest[0] = np.maximum(largest[0], np.abs(forces[0]).max(axis=1))
+    for contact in samples.contacts:
+        law, steps = contact.law, contact.steps
+        here = slice(None) if len(steps) == len(shape) and len(steps) == shape[0] else steps
+        couple = _couple(samples, contact, here)
+        force = (contact.friction + 1j * contact.normal) * contact.tangent
+        for effect in own_effects(law.effects):
+            along, across, more = _own(effect)(samples.times[here], contact.slip, samples.plates[0].spin[here])
+            force = force + (along + 1j * np.asarray(across)) * contact.tangent
+            couple = couple + more
+        for body, sign in ((law.body, 1.0), (law.base, -1.0)):
+            if body is not None:
+                arm = contact.base - samples.plates[body].place[here]
+                forces[body][here] += sign * force
+                moments[body][here] += sign * ((arm.conj() * force).imag + couple)
+                largest[body][here] = np.maximum(largest[body][here], np.abs(force).max(axis=1))
+    return Sums(forces, moments, largest)
+
+
+def _couple(samples: MotionSamples, contact: ContactSamples, here) -> np.ndarray | float:
+    """The couple of rolling resistance, N m; NaN where it prevents the rotation."""
+    arm = contact.law.arm
+    if not arm:
+        return 0.0
+    couple = -np.sign(samples.plates[contact.law.body].spin[here][:, 2:3]) * arm * contact.normal
+    couple[contact.modes == Mode.REST] = np.nan
+    return couple
+
+
+def motion_defects(samples: MotionSamples, total: Sums, reach: list[float], speed: float) -> Iterator[Defects]:
+    """Newton's law, and velocities as rates of poses, over each step: differences of its ends less integrals."""
+    case, length = samples.case, samples.length
+    end = samples.times[:, -1]
+    for name, plate, one, force, moment, most, size in zip(
+        names_of(case), plates_of(case), samples.plates, *total, reach, strict=True
+    ):
+        gain = (length / plate.mass) * (force @ WEIGHTS)
+        scale = speed + length * most / plate.mass
+        yield Defects("momentum", name, end, np.abs(one.velocity[:, -1] - one.velocity[:, 0] - gain), scale, "m/s")
+        if plate.turns:
+            spins = (length / plate.inertia) * (moment @ WEIGHTS)
+            off = np.abs(one.spin[:, -1] - one.spin[:, 0] - spins)
+            turning = length / plate.inertia * most * size
+            yield Defects("angular momentum", name, end, off, speed / size + turning, "rad/s")
+        way = np.abs(one.place[:, -1] - one.place[:, 0] - length * (one.velocity @ WEIGHTS))
+        yield Defects("velocity is the rate of the place", name, end, way, np.abs(one.place[:, 0]) + size + speed * length, "m")
+        angle = length * (one.spin @ WEIGHTS)
+        off = np.abs(one.turn[:, -1] - one.turn[:, 0] * np.exp(1j * angle))
+        yield Defects("spin is the rate of the angle", name, end, off, 1.0 + np.abs(angle), "rad")
+
+
+def contact_defects(samples: MotionSamples, contact: ContactSamples, speed: float, size: float) -> Iterator[Defects]:
+    """Signorini's and Coulomb's laws at a contact, and that it stays closed with the slip that the motion has. A contact
+    that closes within a series of impacts has no listed mode, and friction in its cone."""
+    law, name, normal, friction = contact.law, contact.law.name, contact.normal, contact.friction
+    times = samples.times[contact.steps]
+    pressure, force = np.abs(normal), _largest(samples, contact)
+    if samples.case.effect(Unilateral) is not None:
+        yield Defects("normal force presses", name, times, -normal, force, "N")
+    sense = np.array([SENSE.get(mode, 0.0) for mode in contact.modes])[:, None]
+    sticks = np.array([mode in STICKING for mode in contact.modes])[:, None]
+    slides = np.array([mode is Mode.SLIDE for mode in contact.modes])[:, None]
+    if (sense != 0.0).any():
+        kinetic = -sense * law.coefficient(contact.slip) * pressure
+        yield Defects("Coulomb's law in slip", name, times, np.where(sense, np.abs(friction - kinetic), 0.0), force, "N")
+        yield Defects("sense of slip", name, times, -sense * contact.slip, speed, "m/s")
+    if sticks.any():
+        yield Defects("no slip", name, times, np.where(sticks, np.abs(contact.slip), 0.0), speed, "m/s")
+    if np.isfinite(law.stick):
+        excess = np.where(sense, 0.0, np.abs(friction) - law.stick * pressure)
+        yield Defects("Coulomb's cone", name, times, excess, force, "N")
+    if slides.any():
+        yield Defects("no friction", name, times, np.where(slides, np.abs(friction), 0.0), force, "N")
+    if contact.point is contact.base:
+        return
+    yield Defects("contact is closed", name, times, np.abs(contact.point - contact.base), np.abs(contact.base) + size, "m")
+    moving = (_material(samples, contact, law.body) - _material(samples, contact, law.base)) * contact.tangent.conj()
+    slip = moving.real - (law.belt.at_arrays(times.ravel()).reshape(times.shape) if law.belt else 0.0)
+    yield Defects("contact stays closed", name, times, np.abs(moving.imag), speed, "m/s")
+    yield Defects("slip velocity", name, times, np.abs(slip - contact.slip), speed, "m/s")
+
+
+def _largest(samples: MotionSamples, contact: ContactSamples) -> float:
+    """The scale of a contact's forces, N: the largest of them, or a weight."""
+    gravity, mass = samples.case.effect(Gravity), plates_of(samples.case)[contact.law.body].mass
+    every = np.abs(contact.normal)
+    return max(float(np.max(every, where=np.isfinite(every), initial=0.0)), mass * gravity.g if gravity else 0.0)
+
+
+def _material(samples: MotionSamples, contact: ContactSamples, body: int | None) -> np.ndarray | complex:
+    """The velocity of a plate's point at a contact, complex, m/s; 0 of track and supports."""
+    if body is None:
+        return 0j
+    one, steps = samples.plates[body], contact.steps
+    return one.velocity[steps] + 1j * one.spin[steps] * (contact.base - one.place[steps])
+
+
+class Jumps(NamedTuple):
+    """The steps (k,) that begin with other velocities than the ones before them end with; the changes of all plates'
+    velocities and spins, (plates, k)."""
+
+    steps: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
+
+
+def jumps(samples: MotionSamples, reach: list[float], speed: float, part: float) -> Jumps:
+    """Where velocities jump by more than an error."""
+    following = np.flatnonzero(samples.is_next)
+    velocity = np.array([one.velocity[following, 0] - one.velocity[following - 1, -1] for one in samples.plates])
+    spin = np.array([one.spin[following, 0] - one.spin[following - 1, -1] for one in samples.plates])
+    large = (np.abs(velocity) + np.abs(spin) * np.array(reach)[:, None] > part * speed).any(axis=0)
+    return Jumps(following[large], velocity[:, large], spin[:, large])
+
+
+def continuity_defects(samples: MotionSamples, reach: list[float]) -> Iterator[Defects]:
+    """Poses are continuous from step to step."""
+    following = np.flatnonzero(samples.is_next)
+    times = samples.start[following]
+    for name, one, size in zip(names_of(samples.case), samples.plates, reach, strict=True):
+        off = np.abs(one.place[following, 0] - one.place[following - 1, -1])
+        yield Defects("place is continuous", name, times, off, np.abs(one.place[following, 0]) + size, "m")
+        off = np.abs(one.turn[following, 0] - one.turn[following - 1, -1])
+        yield Defects("angle is continuous", name, times, off, 1.0, "rad")
+
+
+def impact_defects(samples: MotionSamples, found: Jumps, reach: list[float], speed: float) -> Iterator[Defects]:
+    """Velocities jump in impacts only, whose impulses press, lie in the cone, and act at the contact."""
+    case, times = samples.case, samples.start[found.steps]
+    if case.effect(Impact) is None:
+        for b, name in enumerate(names_of(case)):
+            yield Defects("velocity is continuous", name, times, np.abs(found.velocity[b]), speed, "m/s")
+            yield Defects("spin is continuous", name, times, np.abs(found.spin[b]), speed / reach[b], "rad/s")
+        return
+    if len(samples.plates) > 1 or len(samples.contacts) > 1:
+        return
+    for contact in samples.contacts:
+        _, here, after = np.intersect1d(found.steps, contact.steps, return_indices=True)
+        if not len(here):
+            continue
+        plate, scale = case.plate, case.plate.mass * speed
+        impulse = plate.mass * found.velocity[0, here]
+        parts = impulse * contact.tangent[after, 0].conj()
+        yield Defects("impulse presses", contact.law.name, times[here], -parts.imag, scale, "N s")
+        if np.isfinite(contact.law.stick):
+            excess = np.abs(parts.real) - contact.law.stick * np.abs(parts.imag)
+            yield Defects("impulse in Coulomb's cone", contact.law.name, times[here], excess, scale, "N s")
+        if plate.turns and not contact.law.arm:
+            arm = contact.base[after, 0] - samples.plates[0].place[contact.steps[after], 0]
+            off = plate.inertia * found.spin[0, here] - (arm.conj() * impulse).imag
+            yield Defects("impulse acts at the contact", contact.law.name, times[here], np.abs(off), scale * reach[0], "N m s")
+
+
+def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:
+    """Energy is not created. Not where a load, a belt or an effect of the user's own may give some: there Newton's law
+    has the balance; and not by impacts of Newton's restitution, which may create some."""
+    case = samples.case
+    if case.effect(Load) is not None or any(c.law.belt or own_effects(c.law.effects) for c in samples.contacts):
+        return
+    gravity = case.effect(Gravity)
+    pull = complex(*gravity.vector) if gravity is not None else 0j
+    energy, scale = np.zeros(samples.times.shape), 0.0
+    for plate, one in zip(plates_of(case), samples.plates, strict=True):
+        moving = plate.mass * np.abs(one.velocity) ** 2 + (plate.inertia * one.spin**2 if plate.turns else 0.0)
+        energy += 0.5 * moving - plate.mass * (pull.conjugate() * one.place).real
+        scale += plate.mass * (speed**2 + abs(pull) * float(np.abs(one.place).max() + plate.reach))
+    yield Defects("energy is not created", "", samples.times[:, 1:], np.diff(energy, axis=1), scale, "J")
+    law = case.effect(Impact)
+    if law is None or law.law == "poisson" or law.restitution == 0.0:
+        yield Defects("energy is not created", "", samples.start[1:], energy[1:, 0] - energy[:-1, -1], scale, "J")

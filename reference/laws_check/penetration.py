@@ -1,0 +1,142 @@
+"""How deep plates lie in tracks, supports and each other, at the samples of a motion. A positive depth is an overlap.
+
+A disc and a convex polygon are exact. The outline of another plate is a polygon inside it, so that what it reports is
+real. (An open outline encloses nothing.) The track is looked at from its left side only where it is a straight line;
+where it is curved, a part of it lies inside the plate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Chain, Curve, Plate
+from cases.free_plates import names_of, plates_of
+from cases.line_or_circle import as_line
+from cases.overlap import first_overlap
+from cases.start_overlap import deepest_overlap
+from cases.supports import TRACK
+
+from .samples import MotionSamples, PlateSamples
+
+# Corners of the polygon inside a smooth outline, and the turn (rad) between those on a chain's arcs: it misses overlaps
+# of a thousandth of the plate's size.
+CORNERS, CHAIN_TURN = 96, 0.05
+# Poses in which a track lies inside a polygon, whose depth is measured: the first ones.
+MEASURED = 3
+
+
+class Depth(NamedTuple):
+    """Depths (m, negative: apart) of a pair of that name at times (s), of one shape."""
+
+    pair: str
+    times: np.ndarray
+    depths: np.ndarray
+
+
+@lru_cache(maxsize=256)
+def _corners(outline: Curve) -> np.ndarray | None:
+    """Corners (k,) of a polygon inside an outline, complex, in the plate's frame; None if it encloses nothing."""
+    if not outline.period:
+        return None
+    is_chain = isinstance(outline, Chain)
+    s = outline.vertices(CHAIN_TURN)[:-1] if is_chain else np.linspace(*outline.span, CORNERS, endpoint=False)
+    x, y = outline.point(s)
+    corners = x + 1j * y
+    return corners[np.abs(corners - np.roll(corners, 1)) > 0.0]
+
+
+@lru_cache(maxsize=256)
+def _line(curve: Curve) -> tuple[complex, complex] | None:
+    """A point and the direction of a straight line without ends; None for another curve."""
+    line = as_line(curve) if curve.domain is None else None
+    return None if line is None else (complex(*line.point), complex(*line.direction))
+
+
+def depths(samples: MotionSamples, is_proven: bool) -> Iterator[Depth]:
+    """The depths of all pairs; `is_proven`: plate and track touch nowhere but in their contact."""
+    case, names, plates = samples.case, names_of(samples.case), plates_of(samples.case)
+    curves = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
+    for name, plate, one in zip(names, plates, samples.plates, strict=True):
+        for base, curve in curves:
+            where = _apart(samples) if is_proven else slice(None)
+            times = samples.times[where]
+            if times.size:
+                posed = PlateSamples(*(row[where] for row in one))
+                yield from _in_curve(f"{name}/{base}", curve, plate, posed, times, samples.near.get(base))
+    for i in range(1, len(plates)):
+        for j in range(i):
+            depth = _in_plate((plates[i], samples.plates[i]), (plates[j], samples.plates[j]))
+            if depth is not None:
+                yield Depth(f"{names[i]}/{names[j]}", samples.times, depth)
+
+
+def _apart(samples: MotionSamples) -> np.ndarray:
+    """The numbers of the steps without contact."""
+    is_open = np.ones(len(samples.start), dtype=bool)
+    for contact in samples.contacts:
+        is_open[contact.steps] = False
+    return np.flatnonzero(is_open)
+
+
+def _in_curve(
+    pair: str, curve: Curve, plate: Plate, one: PlateSamples, times: np.ndarray, near: np.ndarray | None
+) -> Iterator[Depth]:
+    """A plate in a track or support."""
+    line, corners = _line(curve), _corners(plate.outline)
+    if line is not None:
+        point, direction = line
+        height = (np.conj(direction) * (one.place - point)).imag
+        if plate.radius is not None:
+            yield Depth(pair, times, plate.radius - height)
+        elif corners is not None:
+            lowest = (np.multiply.outer(np.conj(direction) * one.turn, corners)).imag.min(axis=-1)
+            yield Depth(pair, times, -height - lowest)
+        return
+    if corners is None or near is None:
+        return
+    rows = (one.place.real, one.place.imag, np.angle(one.turn))
+    x, y, theta = (np.ravel(row) for row in rows)
+    when, first = times.ravel(), 0
+    for _ in range(MEASURED):
+        overlap = first_overlap(curve, plate.outline, x[first:], y[first:], theta[first:], near)
+        if overlap is None:
+            return
+        number, xi1 = first + overlap[0], overlap[1]
+        deepest = deepest_overlap(curve, plate.outline, x[number], y[number], theta[number], xi1)
+        if deepest is not None:
+            yield Depth(pair, when[number : number + 1], np.array([deepest.depth]))
+        first = number + 1
+        if first >= len(x):
+            return
+
+
+def _in_plate(first: tuple[Plate, PlateSamples], second: tuple[Plate, PlateSamples]) -> np.ndarray | None:
+    """A disc in a disc or in a convex polygon; None for two polygons."""
+    (plate, one), (other, base) = sorted((first, second), key=lambda each: each[0].radius is None)
+    if plate.radius is None:
+        return None
+    if other.radius is not None:
+        return plate.radius + other.radius - np.abs(one.place - base.place)
+    centre = (one.place - base.place) * base.turn.conj()
+    return plate.radius - _distance(centre, _corners(other.outline))
+
+
+def _distance(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """The distance of points from a convex polygon, negative inside; complex."""
+    side = np.roll(corners, -1) - corners
+    length = np.abs(side)
+    offset = (points[..., None] - corners) * (side.conj() / length)
+    outside = -offset.imag
+    nearest = np.abs(offset - np.clip(offset.real, 0.0, length)).min(axis=-1)
+    inside = outside.max(axis=-1)
+    return np.where(inside <= 0.0, inside, nearest)
+
+
+def span_of(values: Sequence[np.ndarray]) -> np.ndarray:
+    """The finite ones of some parameters."""
+    every = np.concatenate([np.ravel(value) for value in values])
+    return every[np.isfinite(every)]

@@ -1,0 +1,202 @@
+"""A motion as samples: poses, velocities and contacts at five instants of each of its steps.
+
+A step lies between two knots of a motion's dense output. Its instants are the nodes of Lobatto's quadrature, which has
+both ends: it integrates polynomials of degree seven exactly. Plane vectors are complex numbers.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, CoulombFriction, Curve, Mode, PerfectlyRough, RollingResistance, State, Trajectory
+from cases.effects import Effect, one
+from cases.free_plates import names_of, plates_of
+from cases.moving_surface import Belt
+from cases.supports import TRACK, base_of, effects_at
+from cases.trajectory import CONTACT
+
+from ..minimal.phase_end import CAUSES
+
+# Nodes and weights of Lobatto's quadrature on [0, 1].
+_INNER = float(np.sqrt(3.0 / 7.0))
+NODES = 0.5 + 0.5 * np.array([-1.0, -_INNER, 0.0, _INNER, 1.0])
+WEIGHTS = np.array([1 / 20, 49 / 180, 16 / 45, 49 / 180, 1 / 20])
+# Knots closer than this many roundings of the motion's end are one.
+CLOSE = 16 * float(np.finfo(float).eps)
+
+
+class PlateSamples(NamedTuple):
+    """One plate, arrays (steps, 5): place and velocity of its centre of mass (complex, m and m/s), the direction of
+    its own x axis (complex, of length 1) and its spin (rad/s)."""
+
+    place: np.ndarray
+    turn: np.ndarray
+    velocity: np.ndarray
+    spin: np.ndarray
+
+
+class ContactLaw(NamedTuple):
+    """The laws at a contact of that name: the number of its plate, that of the plate on which it lies (None: track or
+    support), the curves that touch, and the effects."""
+
+    name: str
+    body: int
+    base: int | None
+    track: Curve
+    outline: Curve
+    effects: tuple[Effect, ...]
+    friction: CoulombFriction | None
+    is_rough: bool
+    arm: float
+    belt: Belt | None
+
+    @property
+    def stick(self) -> float:
+        """The coefficient that bounds friction without slip."""
+        return np.inf if self.is_rough else self.friction.stick if self.friction else 0.0
+
+    def coefficient(self, slip: np.ndarray):
+        """The coefficient of friction at slip velocities (m/s), an array of their shape or one number."""
+        return self.friction.at(np.abs(slip)) if self.friction else 0.0
+
+
+class ContactSamples(NamedTuple):
+    """One contact in the m steps in which it is closed, given by their numbers (m,): arrays (m, 5) of the point of its
+    base (complex, m) and the unit tangent there (complex), the slip velocity (m/s), normal and friction force (N, NaN
+    where they are not unique), and the point of its plate (complex, m), which is the base's where the pose is computed
+    from the contact's parameters. `modes`: of each step."""
+
+    law: ContactLaw
+    steps: np.ndarray
+    base: np.ndarray
+    tangent: np.ndarray
+    slip: np.ndarray
+    normal: np.ndarray
+    friction: np.ndarray
+    point: np.ndarray
+    modes: np.ndarray
+
+
+class MotionSamples(NamedTuple):
+    """The samples of a motion: starts and lengths of n steps (s), times (n, 5), plates in the order of the case's, and
+    contacts. `is_next`: which steps begin where the one before ends, (n,); `is_straight`: which are no solution of the
+    equations but the rest of a series of impacts, (n,); `near`: parameters of track and supports, by name, at which
+    plates touch them or are near. The `case` has a track at rest."""
+
+    case: Case
+    start: np.ndarray
+    length: np.ndarray
+    times: np.ndarray
+    plates: tuple[PlateSamples, ...]
+    contacts: tuple[ContactSamples, ...]
+    is_next: np.ndarray
+    is_straight: np.ndarray
+    near: dict[str, np.ndarray]
+
+
+@lru_cache(maxsize=512)
+def law_at(case: Case, name: str) -> ContactLaw:
+    """The laws at a contact of a case, by its name such as "plate/wall 2"."""
+    names, plates, base = names_of(case), plates_of(case), base_of(name)
+    body, effects = names.index(name.partition("/")[0]), effects_at(case, name)
+    on_plate = names.index(base) if base in names else None
+    curves = {"track": case.track} | {support.name: support.curve for support in case.supports}
+    resistance = one(effects, RollingResistance)
+    return ContactLaw(
+        name, body, on_plate, curves[base] if on_plate is None else plates[on_plate].outline, plates[body].outline,
+        effects, one(effects, CoulombFriction), one(effects, PerfectlyRough) is not None,
+        resistance.arm if resistance else 0.0, one(effects, Belt),
+    )  # fmt: skip
+
+
+def point_and_tangent(curve, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Points and unit tangents, complex, of a curve, an edge or a corner at parameters of any shape."""
+    if type(curve) is Curve:
+        x, y, dx, dy = curve.jets(s)[:4]
+        rate = dx + 1j * dy
+        return x + 1j * y, rate / np.abs(rate)
+    point, tangent = curve.point(s.ravel()), curve.tangent(s.ravel())
+    return (point[0] + 1j * point[1]).reshape(s.shape), (tangent[0] + 1j * tangent[1]).reshape(s.shape)
+
+
+def of_motion(case: Case, motion: Trajectory, most: int | None = None) -> MotionSamples:
+    """The samples of any motion with dense output of a case with a track at rest; of `most` steps, if it has more."""
+    end = float(motion.t[-1])
+    knots = np.unique([*motion.t, *(change.time for change in motion.transitions if 0.0 < change.time < end)])
+    knots = knots[np.insert(np.diff(knots) > CLOSE * end, 0, True)] if len(knots) else knots
+    start, length = knots[:-1], np.diff(knots)
+    if most is not None and len(start) > most:
+        some = np.unique(np.linspace(0, len(start) - 1, most).astype(int))
+        start, length = start[some], length[some]
+    times = start[:, None] + length[:, None] * NODES
+    # The end of a step is looked at from inside.
+    times[:, -1] = np.nextafter(start + length, -np.inf)
+    flat = times.ravel()
+    every = [_state(motion, name, flat) for name in motion.plate_names]
+    plates = tuple(_plate(state, times.shape) for state in every)
+    contacts = [_contact(case, motion, name, every[0], plates, times) for name in motion.contact_names]
+    end = start + length
+    is_next = np.insert(start[1:] == end[:-1], 0, False)
+    rests = [change.time for change in motion.transitions if change.cause == CAUSES["rest"]]
+    is_straight = np.isin(end, rests) if rests else np.zeros(len(start), dtype=bool)
+    near = {TRACK: [case.start.xi1]} | {support.name: [support.curve.span[0]] for support in case.supports}
+    for name in motion.contact_names:
+        if law_at(case, name).base is None:
+            near[base_of(name)] += _parameters(motion, name)
+    return MotionSamples(
+        case, start, length, times, plates, tuple(c for c in contacts if len(c.steps)), is_next, is_straight,
+        {name: np.array(values) for name, values in near.items()},
+    )  # fmt: skip
+
+
+def _parameters(motion: Trajectory, name: str) -> list[float]:
+    """The least and the greatest parameter of a track or support at which a contact is."""
+    columns = motion.contact_columns
+    if columns is None:
+        xi1 = motion.xi1
+    else:
+        xi1 = getattr(columns, "without_ranges", columns)(name, None).xi1
+    places = np.array([*xi1, *(change.xi1 for change in motion.transitions if change.contact in ("", name))])
+    places = places[np.isfinite(places)]
+    return [float(places.min()), float(places.max())] if len(places) else []
+
+
+def _state(motion: Trajectory, name: str, times: np.ndarray) -> State:
+    dense = motion.dense if name == motion.plate_names[0] else motion.plate(name).dense
+    return (dense or motion._interpolate)(times)
+
+
+def _plate(state: State, shape: tuple[int, ...]) -> PlateSamples:
+    x, y, theta, vx, vy, omega = (np.reshape(row, shape) for row in state[:6])
+    return PlateSamples(x + 1j * y, np.exp(1j * theta), vx + 1j * vy, omega)
+
+
+def _contact(
+    case: Case, motion: Trajectory, name: str, state: State, plates: tuple[PlateSamples, ...], times: np.ndarray
+) -> ContactSamples:
+    """One contact of a motion at the nodes of its steps."""
+    law, columns = law_at(case, name or CONTACT), motion.contact_columns
+    if columns is not None:
+        now = getattr(columns, "without_ranges", columns)(name, times.ravel())
+        own = [t for t in motion.transitions if t.contact == name]
+        first = motion.of(name).first_mode
+    else:
+        now, own, first = state, list(motion.transitions), motion.first_mode
+    rows = (now.slip, now.normal_force, now.friction_force, now.xi1, now.xi2)
+    slip, normal, friction, xi1, xi2 = (np.reshape(np.broadcast_to(row, times.size), times.shape) for row in rows)
+    changes = np.array([change.time for change in own])
+    modes = np.array([first or (own[0].before if own else Mode.FLIGHT), *(change.after for change in own)], dtype=object)
+    middle = times[:, 2]
+    mode = modes[np.searchsorted(changes, middle, side="right")]
+    steps = np.flatnonzero(np.isfinite(slip).all(axis=1))
+    slip, normal, friction, xi1, xi2 = (row[steps] for row in (slip, normal, friction, xi1, xi2))
+    base, tangent = point_and_tangent(law.track, xi1)
+    if law.base is not None:  # an outline runs with the other plate on its right
+        under = plates[law.base]
+        base = under.place[steps] + under.turn[steps] * base
+        tangent = -under.turn[steps] * tangent
+    point = plates[law.body].place[steps] + plates[law.body].turn[steps] * point_and_tangent(law.outline, xi2)[0]
+    return ContactSamples(law, steps, base, tangent, slip, normal, friction, point, mode[steps])
