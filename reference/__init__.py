@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .certification.certificate import certify
+    from .laws_check import BrokenLaw, check
     from .proofs.prover import prove
     from .solve import METHODS, simulate
     from .sweeping import sweep, sweep_chunks
 
-__all__ = ["METHODS", "certify", "prove", "simulate", "sweep", "sweep_chunks"]
+__all__ = ["METHODS", "BrokenLaw", "certify", "check", "prove", "simulate", "sweep", "sweep_chunks"]
 
 
 def __getattr__(name: str) -> Any:
@@ -21,6 +22,8 @@ def __getattr__(name: str) -> Any:
         from .certification.certificate import certify
 
         return certify
+    if name in ("BrokenLaw", "check"):
+        return getattr(import_module(".laws_check", __name__), name)
     if name == "prove":
         try:
             from .proofs.prover import prove

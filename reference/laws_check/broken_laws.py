@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +11,15 @@ from cases import BadValue, Case, Trajectory
 from cases.free_plates import plates_of
 from cases.moving_frame import in_track_frame, relative_case
 
+from ..minimal.phase_end import CAUSES
 from . import laws, penetration
-from .laws import Defects
-from .samples import ContactSamples, MotionSamples, of_motion
-from .tolerances import EXACT, PARTS
+from .laws import Defects, Jumps
+from .samples import ContactSamples, MotionSamples, of_motion, steps_of
+from .tolerances import INSIDE, part_of
+
+OVERLAP = "no overlap"
+# Steps whose forces five instants do not resolve are divided into so many parts, so many times, so many of them.
+DIVIDED, DIVISIONS, MOST_DIVIDED = 16, 3, 64
 
 
 @dataclass(frozen=True)
@@ -35,10 +40,16 @@ class BrokenLaw:
 
 
 def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLaw, ...]:
-    """The laws that a motion of a case breaks, the one that is broken most (in parts of its limit) first.
+    """The laws that a motion of a case breaks, overlaps first, then the one that is broken most (in parts of its
+    limit).
 
-    `motion`: a Trajectory with dense output, from any solver; `rtol`: its relative accuracy, of which a hundredfold is
-    no broken law. Of each step between two samples the laws are evaluated at five instants.
+    `motion`: a Trajectory with dense output, from any solver, with the modes of its contacts in its transitions;
+    `rtol`: its relative accuracy, of which a hundredfold is no broken law. Of each step between two samples the laws
+    are evaluated at five instants, and more closely where these do not resolve the forces: no overlap of any pair,
+    normal forces press, Coulomb's law, no slip in a roll, contacts stay closed, poses are continuous, velocities jump
+    in impacts only, whose impulse lies in the cone, energy is not created (where no load, belt or effect of a package
+    gives some), and momenta change by the forces. Forces that are not unique (NaN) are in no balance, and the modes
+    within a series of impacts that are not listed are not known.
     Raises BadValue for a motion without dense output.
     """
     if not isinstance(motion, Trajectory) or motion.dense is None:
@@ -48,57 +59,95 @@ def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLa
     if len(motion.t) < 2:
         return ()
     with np.errstate(all="ignore"):
-        return broken(of_motion(relative, seen), rtol)
+        return broken_by(relative, seen, *steps_of(motion), part_of(rtol))
 
 
-def broken(samples: MotionSamples, rtol: float, is_proven: bool = False) -> tuple[BrokenLaw, ...]:
-    """The laws that samples break; `is_proven`: curvatures exclude a second contact of plate and track."""
-    results = [law for defects in _defects(samples, rtol, is_proven) for law in _broken(defects, rtol)]
-    return tuple(sorted(results, key=lambda one: one.limit / one.size))
+def broken_by(
+    case: Case, motion: Trajectory, start: np.ndarray, length: np.ndarray, part: float
+) -> tuple[BrokenLaw, ...]:
+    """The laws that a motion breaks in steps with these starts and lengths (s), of a case with a track at rest; a
+    defect of this part of its scale is an error."""
+    samples = of_motion(case, motion, start, length)
+    results = list[BrokenLaw]()
+    for defects in _motion_defects(samples):
+        if _worst(defects, part) and (closer := _closer(case, motion, samples, defects, part)):
+            results.append(closer)
+    results += [one for defects in _other_defects(samples, part) if (one := _worst(defects, part))]
+    return tuple(sorted(results, key=lambda one: (one.law != OVERLAP, one.limit / one.size)))
 
 
-def _defects(samples: MotionSamples, rtol: float, is_proven: bool) -> Iterator[Defects]:
+def _closer(
+    case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, part: float
+) -> BrokenLaw | None:
+    """The broken law of some steps if it is broken also where these are divided: forces may change more quickly than
+    the nodes resolve."""
+    steps = np.flatnonzero(defects.sizes > part * defects.scale)
+    start, length, worst = samples.start[steps], samples.length[steps], None
+    for _ in range(DIVISIONS):
+        start = (start[:, None] + length[:, None] * (np.arange(DIVIDED) / DIVIDED)).ravel()
+        length = np.repeat(length / DIVIDED, DIVIDED)
+        again = of_motion(case, motion, start, length)
+        one = next(d for d in _motion_defects(again) if (d.law, d.place) == (defects.law, defects.place))
+        worst = _worst(one, INSIDE * part)
+        if worst is None:
+            return None
+        broken = one.sizes > INSIDE * part * one.scale
+        start, length = start[broken][:MOST_DIVIDED], length[broken][:MOST_DIVIDED]
+    return worst
+
+
+def _motion_defects(samples: MotionSamples) -> Iterator[Defects]:
+    """The defects of momenta and rates of poses in each step."""
     reach = [plate.reach for plate in plates_of(samples.case)]
-    speeds = [float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in zip(samples.plates, reach, strict=True)]
-    belts = [abs(float(v)) for c in samples.contacts if c.law.belt for v in c.law.belt.at_arrays(samples.times[:, 0])]
-    speed = max(*speeds, *belts, 0.0)
-    for one in laws.motion_defects(samples, laws.sums(samples), reach, speed):
+    for one in laws.motion_defects(samples, laws.sums(samples), reach, _speed(samples, reach)):
         yield one._replace(sizes=np.where(samples.is_straight, 0.0, one.sizes))
-    for contact in _solved(samples):
-        yield from laws.contact_defects(samples, contact, speed, max(reach))
-    yield from laws.continuity_defects(samples, reach)
-    part = EXACT + PARTS * rtol
+
+
+def _speed(samples: MotionSamples, reach: list[float]) -> float:
+    """The largest speed of the motion, m/s."""
+    speeds = [float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in zip(samples.plates, reach, strict=True)]
+    belts = [float(np.abs(c.law.belt.at_arrays(samples.times[:, 0])).max()) for c in samples.contacts if c.law.belt]
+    return max(*speeds, *belts, 0.0)
+
+
+def _other_defects(samples: MotionSamples, part: float) -> Iterator[Defects]:
+    reach = [plate.reach for plate in plates_of(samples.case)]
+    speed = _speed(samples, reach)
     found = laws.jumps(samples, reach, speed, part)
+    for contact in samples.contacts:
+        keep = ~samples.is_straight[contact.steps]
+        if keep.any():
+            law, *rows = contact
+            solved = contact if keep.all() else ContactSamples(law, *(row[keep] for row in rows))
+            yield from laws.contact_defects(samples, solved, speed, max(reach), _is_listed(samples, found, solved.steps))
+    yield from laws.continuity_defects(samples, reach)
     if len(found.steps):
         yield from laws.impact_defects(samples, found, reach, speed)
     yield from laws.energy_defects(samples, speed)
     size = max(float(np.abs(p.place).max()) + r for p, r in zip(samples.plates, reach, strict=True))
-    for depth in penetration.depths(samples, is_proven):
-        yield Defects("no overlap", depth.pair, depth.times, depth.depths, size, "m")
+    for depth in penetration.depths(samples, False):
+        yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, size, "m")
 
 
-def _solved(samples: MotionSamples) -> Iterator[ContactSamples]:
-    """The contacts in the steps that are solutions of the equations."""
-    for contact in samples.contacts:
-        keep = ~samples.is_straight[contact.steps]
-        if keep.all():
-            yield contact
-        elif keep.any():
-            law, *rows = contact
-            yield ContactSamples(law, *(row[keep] for row in rows))
+def _is_listed(samples: MotionSamples, found: Jumps, steps: np.ndarray) -> np.ndarray:
+    """Which of some steps have the modes that the transitions list: not those of a series of impacts that are not
+    listed, from the last transition before one of these to the end of the series."""
+    known = np.array([0.0, *(change.time for change in samples.transitions)])
+    rests = np.array([*(c.time for c in samples.transitions if c.cause == CAUSES["rest"]), np.inf])
+    unlisted = np.setdiff1d(samples.start[found.steps], known)
+    first = known[np.searchsorted(known, unlisted) - 1]
+    last = rests[np.searchsorted(rests, unlisted)]
+    start = samples.start[steps]
+    return ~((start[:, None] >= first) & (start[:, None] < last)).any(axis=1)
 
 
-def _broken(defects: Defects, rtol: float) -> Iterable[BrokenLaw]:
-    """The law, if a defect is larger than an error of the motion."""
-    part = EXACT + PARTS * rtol
+def _worst(defects: Defects, part: float) -> BrokenLaw | None:
+    """The law where it is broken most, if a defect is larger than an error of the motion."""
     limit = part * defects.scale
     if not (defects.sizes > limit).any():
-        return ()
+        return None
     limits = np.broadcast_to(limit, defects.sizes.shape)
     parts = np.where(defects.sizes > limits, defects.sizes / np.maximum(limits, np.finfo(float).tiny), 0.0)
     i = np.unravel_index(int(np.argmax(parts)), parts.shape)
-    return (
-        BrokenLaw(
-            defects.law, defects.place, float(defects.times[i]), float(defects.sizes[i]), defects.unit, float(limits[i])
-        ),
-    )
+    time, size = float(defects.times[i]), float(defects.sizes[i])
+    return BrokenLaw(defects.law, defects.place, time, size, defects.unit, float(limits[i]))

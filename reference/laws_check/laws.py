@@ -122,17 +122,20 @@ def motion_defects(samples: MotionSamples, total: Sums, reach: list[float], spee
         yield Defects("spin is the rate of the angle", name, end, off, 1.0 + np.abs(angle), "rad")
 
 
-def contact_defects(samples: MotionSamples, contact: ContactSamples, speed: float, size: float) -> Iterator[Defects]:
-    """Signorini's and Coulomb's laws at a contact, and that it stays closed with the slip that the motion has. A contact
-    that closes within a series of impacts has no listed mode, and friction in its cone."""
+def contact_defects(
+    samples: MotionSamples, contact: ContactSamples, speed: float, size: float, is_listed: np.ndarray
+) -> Iterator[Defects]:
+    """Signorini's and Coulomb's laws at a contact, and that it stays closed with the slip that the motion has. In
+    steps that are not listed the modes are not known, and friction lies in its cone."""
     law, name, normal, friction = contact.law, contact.law.name, contact.normal, contact.friction
     times = samples.times[contact.steps]
     pressure, force = np.abs(normal), _largest(samples, contact)
     if samples.case.effect(Unilateral) is not None:
         yield Defects("normal force presses", name, times, -normal, force, "N")
-    sense = np.array([SENSE.get(mode, 0.0) for mode in contact.modes])[:, None]
-    sticks = np.array([mode in STICKING for mode in contact.modes])[:, None]
-    slides = np.array([mode is Mode.SLIDE for mode in contact.modes])[:, None]
+    listed = is_listed[:, None]
+    sense = listed * np.array([SENSE.get(mode, 0.0) for mode in contact.modes])[:, None]
+    sticks = listed & np.array([mode in STICKING for mode in contact.modes])[:, None]
+    slides = listed & np.array([mode is Mode.SLIDE for mode in contact.modes])[:, None]
     if (sense != 0.0).any():
         kinetic = -sense * law.coefficient(contact.slip) * pressure
         yield Defects("Coulomb's law in slip", name, times, np.where(sense, np.abs(friction - kinetic), 0.0), force, "N")
@@ -150,7 +153,7 @@ def contact_defects(samples: MotionSamples, contact: ContactSamples, speed: floa
     moving = (_material(samples, contact, law.body) - _material(samples, contact, law.base)) * contact.tangent.conj()
     slip = moving.real - (law.belt.at_arrays(times.ravel()).reshape(times.shape) if law.belt else 0.0)
     yield Defects("contact stays closed", name, times, np.abs(moving.imag), speed, "m/s")
-    yield Defects("slip velocity", name, times, np.abs(slip - contact.slip), speed, "m/s")
+    yield Defects("slip velocity", name, times, np.where(listed, np.abs(slip - contact.slip), 0.0), speed, "m/s")
 
 
 def _largest(samples: MotionSamples, contact: ContactSamples) -> float:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Curve, Mode, PerfectlyRough, RollingResistance, State, Trajectory
+from cases import Case, CoulombFriction, Curve, Mode, PerfectlyRough, RollingResistance, State, Trajectory, Transition
 from cases.effects import Effect, one
 from cases.free_plates import names_of, plates_of
 from cases.moving_surface import Belt
@@ -26,6 +26,8 @@ NODES = 0.5 + 0.5 * np.array([-1.0, -_INNER, 0.0, _INNER, 1.0])
 WEIGHTS = np.array([1 / 20, 49 / 180, 16 / 45, 49 / 180, 1 / 20])
 # Knots closer than this many roundings of the motion's end are one.
 CLOSE = 16 * float(np.finfo(float).eps)
+# A contact that never slips faster than this part of the plate's speed sticks: what roundings of velocities leave.
+CREEP = 1e-9
 
 
 class PlateSamples(NamedTuple):
@@ -84,7 +86,7 @@ class MotionSamples(NamedTuple):
     """The samples of a motion: starts and lengths of n steps (s), times (n, 5), plates in the order of the case's, and
     contacts. `is_next`: which steps begin where the one before ends, (n,); `is_straight`: which are no solution of the
     equations but the rest of a series of impacts, (n,); `near`: parameters of track and supports, by name, at which
-    plates touch them or are near. The `case` has a track at rest."""
+    plates touch them or are near; `transitions`: those of the motion. The `case` has a track at rest."""
 
     case: Case
     start: np.ndarray
@@ -95,6 +97,7 @@ class MotionSamples(NamedTuple):
     is_next: np.ndarray
     is_straight: np.ndarray
     near: dict[str, np.ndarray]
+    transitions: tuple[Transition, ...] = ()
 
 
 @lru_cache(maxsize=512)
@@ -122,46 +125,52 @@ def point_and_tangent(curve, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return (point[0] + 1j * point[1]).reshape(s.shape), (tangent[0] + 1j * tangent[1]).reshape(s.shape)
 
 
-def of_motion(case: Case, motion: Trajectory, most: int | None = None) -> MotionSamples:
-    """The samples of any motion with dense output of a case with a track at rest; of `most` steps, if it has more."""
+def steps_of(motion: Trajectory, most: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Starts and lengths (s) of the steps of a motion between its samples and transitions; of `most`, if it has
+    more."""
     end = float(motion.t[-1])
     knots = np.unique([*motion.t, *(change.time for change in motion.transitions if 0.0 < change.time < end)])
-    knots = knots[np.insert(np.diff(knots) > CLOSE * end, 0, True)] if len(knots) else knots
+    knots = knots[np.insert(np.diff(knots) > CLOSE * end, 0, True)]
     start, length = knots[:-1], np.diff(knots)
     if most is not None and len(start) > most:
         some = np.unique(np.linspace(0, len(start) - 1, most).astype(int))
         start, length = start[some], length[some]
+    return start, length
+
+
+def of_motion(case: Case, motion: Trajectory, start: np.ndarray, length: np.ndarray) -> MotionSamples:
+    """The samples of some steps of any motion with dense output, of a case with a track at rest."""
     times = start[:, None] + length[:, None] * NODES
+    end = start + length
     # The end of a step is looked at from inside.
-    times[:, -1] = np.nextafter(start + length, -np.inf)
+    times[:, -1] = np.nextafter(end, -np.inf)
     flat = times.ravel()
     every = [_state(motion, name, flat) for name in motion.plate_names]
     plates = tuple(_plate(state, times.shape) for state in every)
-    contacts = [_contact(case, motion, name, every[0], plates, times) for name in motion.contact_names]
-    end = start + length
+    near = {TRACK: [case.start.xi1]} | {support.name: [support.curve.span[0]] for support in case.supports}
+    contacts = [_contact(case, motion, name, every[0], plates, times, near) for name in motion.contact_names]
     is_next = np.insert(start[1:] == end[:-1], 0, False)
     rests = [change.time for change in motion.transitions if change.cause == CAUSES["rest"]]
     is_straight = np.isin(end, rests) if rests else np.zeros(len(start), dtype=bool)
-    near = {TRACK: [case.start.xi1]} | {support.name: [support.curve.span[0]] for support in case.supports}
-    for name in motion.contact_names:
-        if law_at(case, name).base is None:
-            near[base_of(name)] += _parameters(motion, name)
+    for change in motion.transitions:
+        if np.isfinite(change.xi1) and base_of(change.contact or CONTACT) in near:
+            near[base_of(change.contact or CONTACT)].append(change.xi1)
     return MotionSamples(
         case, start, length, times, plates, tuple(c for c in contacts if len(c.steps)), is_next, is_straight,
-        {name: np.array(values) for name, values in near.items()},
+        {name: np.array(values) for name, values in near.items()}, motion.transitions,
     )  # fmt: skip
 
 
-def _parameters(motion: Trajectory, name: str) -> list[float]:
-    """The least and the greatest parameter of a track or support at which a contact is."""
-    columns = motion.contact_columns
-    if columns is None:
-        xi1 = motion.xi1
-    else:
-        xi1 = getattr(columns, "without_ranges", columns)(name, None).xi1
-    places = np.array([*xi1, *(change.xi1 for change in motion.transitions if change.contact in ("", name))])
-    places = places[np.isfinite(places)]
-    return [float(places.min()), float(places.max())] if len(places) else []
+def _only_mode(law: ContactLaw, slip: np.ndarray, speed: float) -> Mode:
+    """The mode of a contact that never changes it, of a plate of that speed (m/s)."""
+    largest = slip[np.nanargmax(np.abs(slip))] if np.isfinite(slip).any() else np.nan
+    if np.isnan(largest):
+        return Mode.FLIGHT
+    if law.friction is None and not law.is_rough:
+        return Mode.SLIDE
+    if abs(largest) > CREEP * speed:
+        return Mode.SLIP_FORWARD if largest > 0.0 else Mode.SLIP_BACKWARD
+    return Mode.ROLL
 
 
 def _state(motion: Trajectory, name: str, times: np.ndarray) -> State:
@@ -175,14 +184,15 @@ def _plate(state: State, shape: tuple[int, ...]) -> PlateSamples:
 
 
 def _contact(
-    case: Case, motion: Trajectory, name: str, state: State, plates: tuple[PlateSamples, ...], times: np.ndarray
-) -> ContactSamples:
-    """One contact of a motion at the nodes of its steps."""
+    case: Case, motion: Trajectory, name: str, state: State, plates: tuple[PlateSamples, ...], times: np.ndarray,
+    near: dict[str, list[float]],
+) -> ContactSamples:  # fmt: skip
+    """One contact of a motion at the nodes of its steps; its parameters are added to those that are near."""
     law, columns = law_at(case, name or CONTACT), motion.contact_columns
     if columns is not None:
         now = getattr(columns, "without_ranges", columns)(name, times.ravel())
         own = [t for t in motion.transitions if t.contact == name]
-        first = motion.of(name).first_mode
+        first = own[0].before if own else _only_mode(law, now.slip, float(np.abs(plates[law.body].velocity).max()))
     else:
         now, own, first = state, list(motion.transitions), motion.first_mode
     rows = (now.slip, now.normal_force, now.friction_force, now.xi1, now.xi2)
@@ -194,6 +204,8 @@ def _contact(
     steps = np.flatnonzero(np.isfinite(slip).all(axis=1))
     slip, normal, friction, xi1, xi2 = (row[steps] for row in (slip, normal, friction, xi1, xi2))
     base, tangent = point_and_tangent(law.track, xi1)
+    if law.base is None and len(steps):
+        near[base_of(law.name)] += [float(xi1.min()), float(xi1.max())]
     if law.base is not None:  # an outline runs with the other plate on its right
         under = plates[law.base]
         base = under.place[steps] + under.turn[steps] * base
