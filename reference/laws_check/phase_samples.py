@@ -141,9 +141,13 @@ def _contact(
     """The contact in all steps in which it is closed."""
     if not closed:
         return ()
-    numbers = np.concatenate(closed) if len(closed) > 1 else closed[0]
-    base, tangent, slip, normal, friction = (
-        np.concatenate(rows) if len(closed) > 1 else rows[0] for rows in list(zip(*columns, strict=True))[:5]
-    )
+    if len(closed) == 1:
+        numbers, rows = closed[0], columns[0]
+    else:
+        numbers = np.concatenate(closed)
+        order = np.argsort(numbers)
+        numbers = numbers[order]
+        rows = tuple(np.concatenate(parts)[order] for parts in zip(*columns, strict=True))
+    base, tangent, slip, normal, friction, _ = rows
     modes = np.array([steps[i].segment.phase.regime.mode for i in numbers.tolist()], dtype=object)
     return (ContactSamples(law_at(case, CONTACT), numbers, base, tangent, slip, normal, friction, base, modes),)
