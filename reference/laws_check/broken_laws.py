@@ -15,11 +15,11 @@ from ..minimal.phase_end import CAUSES
 from . import laws, penetration
 from .laws import Defects, Jumps
 from .samples import ContactSamples, MotionSamples, of_motion, steps_of
-from .tolerances import INSIDE, part_of
+from .tolerances import part_of
 
 OVERLAP = "no overlap"
-# Steps whose forces five instants do not resolve are divided into so many parts, so many times, so many of them.
-DIVIDED, DIVISIONS, MOST_DIVIDED = 16, 3, 64
+# Steps whose forces five instants do not resolve are divided into so many parts, so many times: the worst of them.
+DIVIDED, DIVISIONS, MOST_DIVIDED = 16, 3, 8
 
 
 @dataclass(frozen=True)
@@ -79,21 +79,22 @@ def broken_by(
 def _closer(
     case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, part: float
 ) -> BrokenLaw | None:
-    """The broken law of some steps if it is broken also where these are divided: forces may change more quickly than
-    the nodes resolve."""
-    steps = np.flatnonzero(defects.sizes > part * defects.scale)
-    start, length, worst = samples.start[steps], samples.length[steps], None
+    """The broken law of some steps if it is broken also with more instants: forces may change more quickly than five
+    resolve."""
+    parts, limit = 1, part * np.broadcast_to(defects.scale, defects.sizes.shape)
+    steps = np.flatnonzero(np.abs(defects.sizes) > limit)
+    sizes = defects.sizes[steps]
     for _ in range(DIVISIONS):
-        start = (start[:, None] + length[:, None] * (np.arange(DIVIDED) / DIVIDED)).ravel()
-        length = np.repeat(length / DIVIDED, DIVIDED)
-        again = of_motion(case, motion, start, length)
+        parts *= DIVIDED
+        steps = steps[np.argsort(-np.abs(sizes) / limit[steps])][:MOST_DIVIDED]
+        start = samples.start[steps, None] + samples.length[steps, None] * (np.arange(parts) / parts)
+        again = of_motion(case, motion, start.ravel(), np.repeat(samples.length[steps] / parts, parts))
         one = next(d for d in _motion_defects(again) if (d.law, d.place) == (defects.law, defects.place))
-        worst = _worst(one, INSIDE * part)
-        if worst is None:
+        sizes = one.sizes.reshape(-1, parts).sum(axis=1)
+        steps, sizes = (values[np.abs(sizes) > limit[steps]] for values in (steps, sizes))
+        if not len(steps):
             return None
-        broken = one.sizes > INSIDE * part * one.scale
-        start, length = start[broken][:MOST_DIVIDED], length[broken][:MOST_DIVIDED]
-    return worst
+    return _worst(defects._replace(times=defects.times[steps], sizes=sizes, scale=limit[steps] / part), part)
 
 
 def _motion_defects(samples: MotionSamples) -> Iterator[Defects]:
@@ -143,11 +144,12 @@ def _is_listed(samples: MotionSamples, found: Jumps, steps: np.ndarray) -> np.nd
 
 def _worst(defects: Defects, part: float) -> BrokenLaw | None:
     """The law where it is broken most, if a defect is larger than an error of the motion."""
+    sizes = np.abs(defects.sizes) if np.iscomplexobj(defects.sizes) else defects.sizes
     limit = part * defects.scale
-    if not (defects.sizes > limit).any():
+    if not (sizes > limit).any():
         return None
-    limits = np.broadcast_to(limit, defects.sizes.shape)
-    parts = np.where(defects.sizes > limits, defects.sizes / np.maximum(limits, np.finfo(float).tiny), 0.0)
+    limits = np.broadcast_to(limit, sizes.shape)
+    parts = np.where(sizes > limits, sizes / np.maximum(limits, np.finfo(float).tiny), 0.0)
     i = np.unravel_index(int(np.argmax(parts)), parts.shape)
-    time, size = float(defects.times[i]), float(defects.sizes[i])
+    time, size = float(defects.times[i]), float(sizes[i])
     return BrokenLaw(defects.law, defects.place, time, size, defects.unit, float(limits[i]))

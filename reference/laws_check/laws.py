@@ -24,7 +24,8 @@ STICKING = (Mode.ROLL, Mode.REST)
 
 class Defects(NamedTuple):
     """How far a law is broken: its name, the place, the times (s), sizes in a unit, and their scales, all of one
-    shape or broadcast to it. A defect of a part of its scale is an error of the motion."""
+    shape or broadcast to it. A defect of a part of its scale is an error of the motion. Negative sizes are none; those
+    of a step are complex, so that they can be added."""
 
     law: str
     place: str
@@ -95,7 +96,7 @@ def _couple(samples: MotionSamples, contact: ContactSamples, here) -> np.ndarray
     arm = contact.law.arm
     if not arm:
         return 0.0
-    couple = -np.sign(samples.plates[contact.law.body].spin[here][:, 2:3]) * arm * contact.normal
+    couple = -np.sign(samples.plates[contact.law.body].spin[here][:, 2:3]) * arm * np.abs(contact.normal)
     couple[contact.modes == Mode.REST] = np.nan
     return couple
 
@@ -109,17 +110,17 @@ def motion_defects(samples: MotionSamples, total: Sums, reach: list[float], spee
     ):
         gain = (length / plate.mass) * (force @ WEIGHTS)
         scale = speed + length * most / plate.mass
-        yield Defects("momentum", name, end, np.abs(one.velocity[:, -1] - one.velocity[:, 0] - gain), scale, "m/s")
+        yield Defects("momentum", name, end, one.velocity[:, -1] - one.velocity[:, 0] - gain, scale, "m/s")
         if plate.turns:
             spins = (length / plate.inertia) * (moment @ WEIGHTS)
-            off = np.abs(one.spin[:, -1] - one.spin[:, 0] - spins)
-            turning = length / plate.inertia * most * size
-            yield Defects("angular momentum", name, end, off, speed / size + turning, "rad/s")
-        way = np.abs(one.place[:, -1] - one.place[:, 0] - length * (one.velocity @ WEIGHTS))
-        yield Defects("velocity is the rate of the place", name, end, way, np.abs(one.place[:, 0]) + size + speed * length, "m")
+            turning = speed / size + length / plate.inertia * most * size
+            yield Defects("angular momentum", name, end, one.spin[:, -1] - one.spin[:, 0] - spins + 0j, turning, "rad/s")
+        way = one.place[:, -1] - one.place[:, 0] - length * (one.velocity @ WEIGHTS)
+        scale = np.abs(one.place[:, 0]) + size + speed * length
+        yield Defects("velocity is the rate of the place", name, end, way, scale, "m")
         angle = length * (one.spin @ WEIGHTS)
-        off = np.abs(one.turn[:, -1] - one.turn[:, 0] * np.exp(1j * angle))
-        yield Defects("spin is the rate of the angle", name, end, off, 1.0 + np.abs(angle), "rad")
+        off = np.angle(one.turn[:, -1] * one.turn[:, 0].conj() * np.exp(-1j * angle))
+        yield Defects("spin is the rate of the angle", name, end, off + 0j, 1.0 + np.abs(angle), "rad")
 
 
 def contact_defects(
@@ -208,8 +209,9 @@ def impact_defects(samples: MotionSamples, found: Jumps, reach: list[float], spe
             yield Defects("velocity is continuous", name, times, np.abs(found.velocity[b]), speed, "m/s")
             yield Defects("spin is continuous", name, times, np.abs(found.spin[b]), speed / reach[b], "rad/s")
         return
-    if len(samples.plates) > 1 or len(samples.contacts) > 1:
-        return
+    names = {change.contact for change in samples.transitions}
+    if len(samples.plates) > 1 or len(samples.contacts) > 1 or len(names) > 1 or case.supports:
+        return  # several contacts may share an impulse
     for contact in samples.contacts:
         _, here, after = np.intersect1d(found.steps, contact.steps, return_indices=True)
         if not len(here):

@@ -83,7 +83,7 @@ def _is_lawful(samples: MotionSamples, part: float) -> bool:
             arm = one.place[here] - contact.base
             couple = (acting.conj() * arm).imag
             if contact.law.arm:
-                couple -= np.sign(one.spin[here, 2:3]) * contact.law.arm * contact.normal
+                couple -= np.sign(one.spin[here, 2:3]) * contact.law.arm * np.abs(contact.normal)
                 couple[contact.modes == Mode.REST] = 0.0
             rates[2, here] += couple / plate.inertia
         if not _contact_is_lawful(contact, case.effect(Unilateral) is not None, part * force, part * speed):

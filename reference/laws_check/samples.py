@@ -174,8 +174,9 @@ def _only_mode(law: ContactLaw, slip: np.ndarray, speed: float) -> Mode:
 
 
 def _state(motion: Trajectory, name: str, times: np.ndarray) -> State:
-    dense = motion.dense if name == motion.plate_names[0] else motion.plate(name).dense
-    return (dense or motion._interpolate)(times)
+    if motion.plate_columns is not None:
+        return motion.plate_columns(name, times)
+    return (motion.dense or motion._interpolate)(times)
 
 
 def _plate(state: State, shape: tuple[int, ...]) -> PlateSamples:

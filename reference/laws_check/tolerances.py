@@ -11,9 +11,6 @@ from __future__ import annotations
 EXACT = 1e-7
 # In units of the integrator's relative tolerance, five times what was measured.
 PARTS = 100.0
-# Inside a step the dense output is less accurate than at its ends, where the integrator controls the error.
-INSIDE = 10.0
-
 
 def part_of(rtol: float) -> float:
     """The part of a scale up to which a defect is an error of a motion with that relative accuracy."""
