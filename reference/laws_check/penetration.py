@@ -66,7 +66,7 @@ def depths(samples: MotionSamples, is_proven: bool) -> Iterator[Depth]:
             times = samples.times[where]
             if times.size:
                 posed = PlateSamples(*(row[where] for row in one))
-                yield from _in_curve(f"{name}/{base}", curve, plate, posed, times, samples.near.get(base))
+                yield from in_curve(f"{name}/{base}", curve, plate, posed, times, samples.near.get(base))
     for i in range(1, len(plates)):
         for j in range(i):
             depth = _in_plate((plates[i], samples.plates[i]), (plates[j], samples.plates[j]))
@@ -82,7 +82,7 @@ def _apart(samples: MotionSamples) -> np.ndarray:
     return np.flatnonzero(is_open)
 
 
-def _in_curve(
+def in_curve(
     pair: str, curve: Curve, plate: Plate, one: PlateSamples, times: np.ndarray, near: np.ndarray | None
 ) -> Iterator[Depth]:
     """A plate in a track or support."""

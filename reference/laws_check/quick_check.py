@@ -10,19 +10,19 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from cases import Case, Gravity, Load, Mode, Trajectory, Unilateral
+from cases import Case, Gravity, Load, Trajectory, Unilateral
 from cases.contact_limits import touches_by_features
 from cases.own_effects import own_effects
+from cases.trajectory import CONTACT
 
 from ..minimal.curvature_proof import fits, fits_everywhere
 from ..minimal.integrators.segment import Segment
-from ..minimal.modes import FLIGHT
 from ..minimal.phase_end import Ending
 from . import broken_laws
 from .laws import SENSE, STICKING
-from .penetration import depths
-from .phase_samples import of_phases
-from .samples import WEIGHTS, MotionSamples
+from .penetration import in_curve
+from .phase_samples import FRICTION, NORMAL, PLACE, SPIN, TURN, VELOCITY, PhaseSamples, of_phases
+from .samples import WEIGHTS, ContactLaw, PlateSamples, law_at
 from .tolerances import part_of
 
 # The status of a motion that breaks a law.
@@ -39,7 +39,7 @@ def ending_by_laws(
     if not segments:
         return ending
     part = part_of(rtol)
-    if _has_one_contact(case, segments) and (samples := of_phases(case, segments)) and _is_lawful(samples, part):
+    if _has_one_contact(case, segments) and (samples := of_phases(case, segments)) and _is_lawful(case, samples, part):
         return ending
     start, length = _steps(segments)
     laws = broken_laws.broken_by(case, motion(), start, length, part)
@@ -66,76 +66,73 @@ def _steps(segments: Sequence[Segment]) -> tuple[np.ndarray, np.ndarray]:
     return start[some], length[some]
 
 
-def _is_lawful(samples: MotionSamples, part: float) -> bool:
+def _is_lawful(case: Case, samples: PhaseSamples, part: float) -> bool:
     """Whether a plate with at most one contact obeys all laws and its velocities never jump."""
-    case, (one,), length = samples.case, samples.plates, samples.length
-    plate, gravity = case.plate, case.effect(Gravity)
+    plate, gravity, length = case.plate, case.effect(Gravity), samples.length
     pull = complex(*gravity.vector) if gravity is not None else 0j
-    rates = np.empty((3, *samples.times.shape), dtype=complex)
-    rates[0], rates[1], rates[2] = pull, one.velocity, 1j * one.spin
-    speed, force = float(np.abs(one.velocity).max() + plate.reach * np.abs(one.spin).max()), plate.mass * abs(pull)
-    for contact in samples.contacts:
-        here = slice(None) if len(contact.steps) == len(length) else contact.steps
-        acting = (contact.friction + 1j * contact.normal) * contact.tangent
-        force = max(force, float(np.abs(acting).max()))
-        rates[0, here] += acting / plate.mass
-        if plate.turns:
-            arm = one.place[here] - contact.base
-            couple = (acting.conj() * arm).imag
-            if contact.law.arm:
-                couple -= np.sign(one.spin[here, 2:3]) * contact.law.arm * np.abs(contact.normal)
-                couple[contact.modes == Mode.REST] = 0.0
-            rates[2, here] += couple / plate.inertia
-        if not _contact_is_lawful(contact, case.effect(Unilateral) is not None, part * force, part * speed):
-            return False
-    gains = (rates @ WEIGHTS) * length
-    reach, longest = plate.reach, float(length.max())
-    swing = speed + longest * force / plate.mass
-    off = np.abs(one.velocity[:, -1] - one.velocity[:, 0] - gains[0])
-    far = np.abs(one.place[:, -1] - one.place[:, 0] - gains[1])
-    turned = np.abs(one.turn[:, -1] - one.turn[:, 0] * np.exp(1j * gains[2].imag))
-    spun = np.abs(one.spin[:, -1] - one.spin[:, 0] - gains[2].real)
-    size = float(np.abs(one.place).max()) + reach
-    turning = speed / reach + (longest * force * reach / plate.inertia if plate.turns else 0.0)
-    largest = np.array([off.max() / swing if swing else off.max(), far.max() / (size + speed * longest), turned.max(), spun.max() / turning if turning else spun.max()])
-    if not (largest <= part).all() or not _is_continuous(samples, part * size, part, part * speed, part * speed / reach):
+    motion, law = samples.motion, law_at(case, CONTACT)
+    contact, spin = samples.contact, motion[SPIN].real
+    force = (contact[FRICTION] + 1j * contact[NORMAL]) * samples.tangent
+    largest = max(float(np.abs(force).max()), plate.mass * abs(pull))
+    speed = float(np.abs(motion[VELOCITY]).max() + plate.reach * np.abs(spin).max())
+    size = float(np.abs(motion[PLACE]).max()) + plate.reach
+    if samples.is_closed.any() and not _contact_is_lawful(case, law, samples, part * largest, part * speed):
         return False
-    return _is_apart(samples, part * size)
+    rates = np.empty_like(motion)
+    rates[PLACE], rates[TURN], rates[VELOCITY], rates[SPIN] = motion[VELOCITY], motion[SPIN], force / plate.mass + pull, 0.0
+    if plate.turns:
+        couple = (force * (motion[PLACE] - samples.base).conj()).imag
+        if law.arm:
+            held = np.array([segment.phase.regime.turn == 0 for segment in samples.segments])[:, None]
+            couple = np.where(held, 0.0, -couple - np.sign(spin[:, 2:3]) * law.arm * np.abs(contact[NORMAL]))
+        else:
+            couple = -couple
+        rates[SPIN] = couple / plate.inertia
+    gains = (rates @ WEIGHTS) * length
+    changes = motion[:, :, -1] - motion[:, :, 0]
+    changes[TURN] = np.angle(motion[TURN, :, -1] * motion[TURN, :, 0].conj() * np.exp(-1j * gains[TURN].real))
+    gains[TURN] = 0.0
+    longest = float(length.max())
+    swing, turning = speed + longest * largest / plate.mass, speed / plate.reach
+    if plate.turns:
+        turning += longest * largest * plate.reach / plate.inertia
+    limits = part * np.array([size + speed * longest, 1.0 + longest * turning, swing, turning])
+    if not (np.abs(changes - gains) <= limits[:, None]).all():
+        return False
+    limits = part * np.array([size, 1.0, speed, speed / plate.reach])
+    jumps = np.abs(motion[:, 1:, 0] - motion[:, :-1, -1]) * samples.is_next
+    return not (jumps > limits[:, None]).any() and _is_apart(case, samples, part * size)
 
 
-def _contact_is_lawful(contact, presses: bool, force: float, speed: float) -> bool:
+def _contact_is_lawful(case: Case, law: ContactLaw, samples: PhaseSamples, force: float, speed: float) -> bool:
     """Signorini's and Coulomb's laws at one contact, to errors of forces (N) and speeds (m/s)."""
-    law, normal, slip = contact.law, contact.normal, contact.slip
-    modes = contact.modes.tolist()
+    slip, normal, friction = samples.contact
+    modes = [segment.phase.regime.mode for segment in samples.segments]
     sense = np.array([SENSE.get(mode, 0.0) for mode in modes])[:, None]
     sticks = np.array([mode in STICKING for mode in modes])[:, None]
-    pressure = normal if presses else np.abs(normal)
-    if not (normal.min() >= -force or not presses) or not (np.abs(slip) * sticks - sense * slip).max() <= speed:
+    if case.effect(Unilateral) is None:
+        normal = np.abs(normal)
+    if not normal.min() >= -force or not (np.abs(slip) * sticks - sense * slip).max() <= speed:
         return False
     if law.is_rough:
         return True
-    bound = law.stick * pressure * sticks
-    if law.friction is None:
-        return bool(np.abs(contact.friction).max() <= force)
-    return bool((np.abs(contact.friction + sense * (law.coefficient(slip) * pressure)) - bound).max() <= force)
+    excess = np.abs(friction + sense * law.coefficient(slip) * normal) - law.stick * sticks * normal
+    return bool(excess.max() <= force)
 
 
-def _is_continuous(samples: MotionSamples, length: float, angle: float, speed: float, spin: float) -> bool:
-    """Whether pose and velocities continue from step to step, to errors of them."""
-    (one,), following = samples.plates, samples.is_next[1:]
-    return all(
-        (np.abs(row[1:, 0] - row[:-1, -1]) * following).max(initial=0.0) <= limit
-        for row, limit in zip(one, (length, angle, speed, spin), strict=True)
-    )
-
-
-def _is_apart(samples: MotionSamples, length: float) -> bool:
+def _is_apart(case: Case, samples: PhaseSamples, length: float) -> bool:
     """Whether the plate overlaps its track nowhere by more than an error of places."""
-    case, track, outline = samples.case, samples.case.track, samples.case.plate.outline
+    track, outline = case.track, case.plate.outline
     if track.features is None:
         is_proven = fits(track, outline, *track.span)
     else:
         is_proven = (track.domain is not None or bool(track.period)) and fits_everywhere(case, ())
-    if is_proven and samples.contacts and len(samples.contacts[0].steps) == len(samples.start):
+    if is_proven and samples.is_closed.all():
         return True
-    return not any((depth.depths > length).any() for depth in depths(samples, is_proven))
+    steps = np.flatnonzero(~samples.is_closed) if is_proven else slice(None)
+    place, turn, velocity, spin = samples.motion[:, steps]
+    near = np.array([case.start.xi1, *(v for v in samples.near if np.isfinite(v))])
+    return all(
+        not (depth.depths > length).any()
+        for depth in in_curve(CONTACT, track, case.plate, PlateSamples(place, turn, velocity, spin.real), samples.times[steps], near)
+    )
