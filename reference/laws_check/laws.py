@@ -15,11 +15,14 @@ from cases.free_plates import names_of, plates_of
 from cases.own_effects import CONTACT as AT_CONTACT
 from cases.own_effects import ContactEffect, own_effects
 
-from .samples import WEIGHTS, ContactSamples, MotionSamples
+from .samples import WEIGHTS, ContactSamples, MotionSamples, PlateSamples
+from .tolerances import EPS, EXACT
 
 # The sign of the slip in each mode that has one, and the modes without slip.
 SENSE = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 STICKING = (Mode.ROLL, Mode.REST)
+# Eight roundings of an angle, in parts of an error of the motion.
+MANY = 8 * EPS / EXACT
 
 
 class Defects(NamedTuple):
@@ -120,7 +123,12 @@ def motion_defects(samples: MotionSamples, total: Sums, reach: list[float], spee
         yield Defects("velocity is the rate of the place", name, end, way, scale, "m")
         angle = length * (one.spin @ WEIGHTS)
         off = np.angle(one.turn[:, -1] * one.turn[:, 0].conj() * np.exp(-1j * angle))
-        yield Defects("spin is the rate of the angle", name, end, off + 0j, 1.0 + np.abs(angle), "rad")
+        yield Defects("spin is the rate of the angle", name, end, off + 0j, _turns(samples, one) + np.abs(angle), "rad")
+
+
+def _turns(samples: MotionSamples, one: PlateSamples) -> float:
+    """The scale of angles, rad: a radian, and many turns, whose roundings are large."""
+    return 1.0 + MANY * float(np.abs(one.spin).max()) * float(samples.times.max(initial=0.0))
 
 
 def contact_defects(
@@ -198,7 +206,7 @@ def continuity_defects(samples: MotionSamples, reach: list[float]) -> Iterator[D
         off = np.abs(one.place[following, 0] - one.place[following - 1, -1])
         yield Defects("place is continuous", name, times, off, np.abs(one.place[following, 0]) + size, "m")
         off = np.abs(one.turn[following, 0] - one.turn[following - 1, -1])
-        yield Defects("angle is continuous", name, times, off, 1.0, "rad")
+        yield Defects("angle is continuous", name, times, off, _turns(samples, one), "rad")
 
 
 def impact_defects(samples: MotionSamples, found: Jumps, reach: list[float], speed: float) -> Iterator[Defects]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from cases import Case, Gravity, Load, Trajectory, Unilateral
+from cases import Case, Curve, Gravity, Load, Trajectory, Unilateral
 from cases.contact_limits import touches_by_features
 from cases.own_effects import own_effects
 from cases.trajectory import CONTACT
@@ -21,6 +21,7 @@ from ..minimal.phase_end import Ending
 from . import broken_laws
 from .laws import SENSE, STICKING
 from .penetration import in_curve
+from .phase_instants import obeys_at_instants
 from .phase_samples import FRICTION, NORMAL, PLACE, SPIN, TURN, VELOCITY, PhaseSamples, of_phases
 from .samples import WEIGHTS, ContactLaw, PlateSamples, law_at
 from .tolerances import part_of
@@ -39,8 +40,12 @@ def ending_by_laws(
     if not segments:
         return ending
     part = part_of(rtol)
-    if _has_one_contact(case, segments) and (samples := of_phases(case, segments)) and _is_lawful(case, samples, part):
-        return ending
+    if _has_one_contact(case, segments):
+        if _is_proven_apart(case) and obeys_at_instants(case, segments, part):
+            return ending
+        samples = of_phases(case, segments)
+        if samples is not None and _is_lawful(case, samples, part):
+            return ending
     start, length = _steps(segments)
     laws = broken_laws.broken_by(case, motion(), start, length, part)
     if not laws:
@@ -51,6 +56,8 @@ def ending_by_laws(
 
 def _has_one_contact(case: Case, segments: Sequence[Segment]) -> bool:
     """Whether all phases have at most one contact, of smooth curves, and forces that are written on arrays."""
+    if type(case.track) is not Curve or type(case.plate.outline) is not Curve:
+        return False
     if case.others or case.effect(Load) is not None or own_effects(case.effects) or touches_by_features(case):
         return False
     return all(segment.phase.parts == (0, 0) and len(segment.phase.regime) == 3 for segment in segments)
@@ -120,13 +127,17 @@ def _contact_is_lawful(case: Case, law: ContactLaw, samples: PhaseSamples, force
     return bool(excess.max() <= force)
 
 
+def _is_proven_apart(case: Case) -> bool:
+    """Whether curvatures exclude that the plate touches its track elsewhere than in its contact."""
+    track = case.track
+    if track.features is None:  # a straight line is the same wherever the plate goes
+        return fits(track, case.plate.outline, *track.span)
+    return (track.domain is not None or bool(track.period)) and fits_everywhere(case, ())
+
+
 def _is_apart(case: Case, samples: PhaseSamples, length: float) -> bool:
     """Whether the plate overlaps its track nowhere by more than an error of places."""
-    track, outline = case.track, case.plate.outline
-    if track.features is None:
-        is_proven = fits(track, outline, *track.span)
-    else:
-        is_proven = (track.domain is not None or bool(track.period)) and fits_everywhere(case, ())
+    track, is_proven = case.track, _is_proven_apart(case)
     if is_proven and samples.is_closed.all():
         return True
     steps = np.flatnonzero(~samples.is_closed) if is_proven else slice(None)

@@ -7,6 +7,9 @@ singular, the rounding of forces is amplified to 8e-9. The error of a step of DO
 
 from __future__ import annotations
 
+import numpy as np
+
+EPS = float(np.finfo(float).eps)
 # Roundings of forces in ill-conditioned scenes, ten times what was measured.
 EXACT = 1e-7
 # In units of the integrator's relative tolerance, five times what was measured.

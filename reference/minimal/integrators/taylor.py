@@ -205,7 +205,7 @@ def _at_once(
         is_known = guard is not None or outcome in (TIME_LIMIT, STEP_LIMIT)
         if shortest <= SHORTEST * ulp(time) or not is_known:
             return None
-    return Event(guard, time, tuple(workspace.state.tolist())), steps, course if len(course.times) > steps else None
+    return Event(guard, time, tuple(workspace.state.tolist())), steps, course if course.times[-1] == time else None
 
 
 def _guard(outcome: int, phase: Phase) -> str | None:
@@ -240,7 +240,7 @@ def _one_by_one(
             elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
                 return _breakdown(phase, times, coefficients, y)
     event = Event(guard, float(integrator.time), tuple(float(v) for v in workspace.state))
-    return Segment.of(phase, np.array(times), _TaylorOutput(times, coefficients, y), event, len(coefficients))
+    return Segment.of(phase, np.array(times), TaylorOutput(times, coefficients, y), event, len(coefficients))
 
 
 def _step(workspace: Workspace, phase: Phase, longest, tolerance: float):
@@ -285,7 +285,7 @@ def _breakdown(phase: Phase, times, coefficients, y) -> Segment:
     # Towards a singularity the coefficients of quadruple precision outgrow doubles while the state is still finite.
     while steps > 1 and not np.all(np.isfinite(coefficients[steps - 1])):
         steps -= 1
-    states = _TaylorOutput(times[: steps + 1], coefficients[:steps], y)
+    states = TaylorOutput(times[: steps + 1], coefficients[:steps], y)
     last = times[steps]
     event = Event(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
     return Segment.of(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
@@ -318,10 +318,10 @@ class TaylorSteps:
         self.times.append(end)
 
     def __call__(self) -> Record:
-        return np.array(self.times), _TaylorOutput(self.times, self.coefficients, self.y)
+        return np.array(self.times), TaylorOutput(self.times, self.coefficients, self.y)
 
 
-class _TaylorOutput:
+class TaylorOutput:
     """Dense output from the steps' Taylor polynomials, t ↦ states (variables, n).
 
     Two arrays and no closures: with 10⁵ phases each object adds to the garbage collector's work.
@@ -350,7 +350,7 @@ class _TaylorOutput:
 
 
 @lru_cache(maxsize=16)
-def _rows(dense: _TaylorOutput, i: int) -> tuple[float, list[list[float]]]:
+def _rows(dense: TaylorOutput, i: int) -> tuple[float, list[list[float]]]:
     """The start of one step, and its polynomials from the highest power down, without vanishing powers."""
     own = dense.by_power[:, :, i]
     used = max(np.flatnonzero(own.any(axis=1)), default=0) + 1
