@@ -154,7 +154,8 @@ class _OneContact:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
-    """A motion, sampled at times `t` (increasing; two equal times mark both sides of a jump), arrays of one length.
+    """A motion, sampled at times `t` (increasing; two equal times mark both sides of a jump), read-only arrays of one
+    length.
 
     `x`, `y`, `theta`: pose of the centre of mass; `vx`, `vy`, `omega`: its velocities; `slip`: slip velocity along the
     track's tangent; `normal_force`, `friction_force`: along its left normal and tangent, NaN where a solver does not
@@ -298,11 +299,23 @@ class Trajectory:
         """A trajectory is pickled with its samples, and with its dense output if that can be pickled."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._protect()
+
+    def _protect(self) -> None:
+        """Make the samples read-only: a motion that is changed is another motion, with `dataclasses.replace`."""
+        for name in _SAMPLES:
+            values = np.asarray(getattr(self, name)).view()
+            values.flags.writeable = False
+            vars(self)[name] = values
+
     def __post_init__(self):
         length = len(self.t)
         for name in State._fields:
             if np.shape(getattr(self, name)) != (length,):
                 raise ValueError(f"{name} has shape {np.shape(getattr(self, name))}, t has ({length},)")
+        self._protect()
 
     def __call__(self, t) -> State:
         """The state at a time, or at each of an array (n,) of times; raises BadValue outside the motion's span and for

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -13,6 +14,7 @@ import pytest
 import cases
 import reference
 from cases import (
+    BadValue,
     Case,
     CoulombFriction,
     Curve,
@@ -31,6 +33,7 @@ from cases import (
 )
 from cases.library import line
 from cases.trajectory import ContactColumns
+from reference.plates import plates_simulation
 
 @cache
 def right(label: str) -> Trajectory:
@@ -195,3 +198,59 @@ def test_a_planted_fault_is_a_broken_law(fault):
     label, faulty = FAULTS[fault]
     right(label)
     assert reference.check(cases.load(label), faulty())
+
+
+def test_samples_are_read_only():
+    """Of a motion, of one that travels, and of a solver's own arrays, which stay its own."""
+    motion = right(CIRCLE)
+    own = np.zeros(2)
+    rows = [own] * len(State._fields)
+    for one in (motion, pickle.loads(pickle.dumps(motion)), Trajectory(np.array([0.0, 1.0]), *rows)):
+        with pytest.raises(ValueError, match="read-only"):
+            one.x[0] = 1.0
+    own[0] = 1.0
+
+
+# A wedge of two discs on a floor, at a wall: (mass of the upper disc, friction, angle of the line of centres).
+WEDGES = [(0.5, 0.3, 0.6), (0.2, 0.3, 0.9), (1.0, 0.3, 0.9), (0.2, 0.6, 0.6), (0.5, 0.6, 0.6), (1.0, 0.6, 0.6), (0.2, 0.6, 0.9)]
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+@pytest.mark.parametrize("mass, mu, phi", WEDGES)
+def test_a_disc_that_falls_through_the_floor_is_never_completed(mass, mu, phi, method):
+    motion = reference.simulate(wedge(mass, mu, phi), method=method)
+    lowest = float(motion.plate("b").y.min())
+    assert lowest > 0.1 - 1e-9 or motion.status == "broken_law"
+    if motion.status == "broken_law":
+        assert "no overlap at b/track" in motion.reason and "completed" in motion.reason
+
+
+def wedge(mass: float, mu: float, phi: float) -> Case:
+    """A disc on another one, at a wall."""
+    effects = Gravity(9.81), CoulombFriction(mu), Unilateral(), Flight(), Impact(0.0, "moreau")
+    wall = Support(Curve(("0", "-s")), "wall")
+    upper = FreePlate(disc(0.1, mass), StartPose(0.1, 0.2 + 0.3 * cos(phi)), "b")
+    return Case(line(), disc(0.2, 1.0), effects, StartPose(0.1 + 0.3 * sin(phi), 0.2), 1.5, supports=(wall,), others=(upper,))
+
+
+def test_a_planted_solver_is_caught(monkeypatch):
+    """A floor that the solver does not see: the motion has the status, and says where and by how much."""
+    monkeypatch.setattr(plates_simulation.PlatesSimulation, "_settle", lambda self, stuck, closing=None: self.touching.clear())
+    monkeypatch.setattr(plates_simulation.PlatesSimulation, "_wait_for_sharper", lambda self, phase, number: None)
+    motion = reference.simulate(wedge(0.5, 0.6, 0.9), method="dop853")
+    assert motion.status == "broken_law"
+
+
+@pytest.mark.parametrize("name", cases.names()[::9])
+@pytest.mark.parametrize("rtol", [1e-10, 1e-6])
+def test_motions_of_the_catalogue_break_no_law(name, rtol):
+    for case in cases.select(name):
+        motion = reference.simulate(case, rtol=rtol)
+        assert motion.status != "broken_law", motion.reason
+        if motion.dense is not None:
+            assert reference.check(case, motion, rtol) == ()
+
+
+def test_check_needs_a_dense_motion():
+    with pytest.raises(BadValue, match="dense"):
+        reference.check(cases.load(CIRCLE), replace(right(CIRCLE), dense=None))
