@@ -8,6 +8,7 @@ import sympy as sp
 
 from .curves import Curve, cos, integral, sin
 from .errors import BadValue, finite
+from .expressions import value_of
 from .matching import matched
 
 
@@ -26,7 +27,7 @@ def natural(curvature: Callable, length: float, start=(0.0, 0.0), angle: float =
     angle = finite("angle of the curve", angle)
 
     def direction(s):
-        bend = sp.sympify(curvature(s))
+        bend = value_of(curvature, s)
         if bend.is_polynomial(s):  # a formula instead of a table
             return angle + sp.integrate(bend, (s, 0, s))
         return angle + integral(curvature, s)

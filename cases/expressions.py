@@ -7,23 +7,38 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from decimal import Decimal
 from numbers import Rational
+from typing import Any
 
 import sympy as sp
-from sympy import acos, asin, atan, cos, cosh, exp, log, pi, sin, sinh, sqrt, tan, tanh
+from sympy import pi
 
-from .errors import real
+from .errors import BadValue, real
 
 # Of every curve.
 PARAMETER = sp.Symbol("s", real=True)
 
-# What a formula may call.
-FUNCTIONS = dict(
-    acos=acos, asin=asin, atan=atan, cos=cos, cosh=cosh, exp=exp, log=log, pi=pi,
-    sin=sin, sinh=sinh, sqrt=sqrt, tan=tan, tanh=tanh,
-)  # fmt: skip
-
 # What all solvers of the suite can differentiate, expand in series and compile; the derivatives stay among these.
-_SMOOTH = tuple(f for name, f in FUNCTIONS.items() if name not in ("pi", "sqrt"))
+_SMOOTH = (sp.acos, sp.asin, sp.atan, sp.cos, sp.cosh, sp.exp, sp.log, sp.sin, sp.sinh, sp.tan, sp.tanh)
+
+
+def _without_text(function: Callable[..., sp.Expr]) -> Callable[..., sp.Expr]:
+    """A function of SymPy for numbers and expressions only; SymPy's own evaluates text.
+
+    Raises BadValue for anything else.
+    """
+
+    def call(*arguments: object) -> sp.Expr:
+        return function(*(_expression(argument, f"the argument of {function.__name__}") for argument in arguments))
+
+    call.__name__, call.__doc__ = function.__name__, function.__doc__
+    return call
+
+
+acos, asin, atan, cos, cosh, exp, log, sin, sinh, tan, tanh = map(_without_text, _SMOOTH)
+sqrt = _without_text(sp.sqrt)
+# What a formula may call.
+FUNCTIONS: dict[str, Any] = {f.__name__: f for f in (acos, asin, atan, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh)}
+FUNCTIONS["pi"] = pi
 # What is written by these where an author's own function makes it.
 _RECIPROCAL = {
     sp.sec: lambda u: 1 / cos(u), sp.csc: lambda u: 1 / sin(u), sp.cot: lambda u: cos(u) / sin(u),
@@ -34,10 +49,26 @@ _RECIPROCAL = {
 
 
 def integral(formula: Callable[[sp.Expr], sp.Expr], upper, lower=0) -> sp.Expr:
-    """The integral of a formula from a number to an expression: integral(lambda u: cos(u**2), s)."""
-    probe = sp.sympify(formula(PARAMETER))
+    """The integral of a formula from a number to an expression: integral(lambda u: cos(u**2), s). Raises BadValue."""
+    probe = value_of(formula, PARAMETER)
     variable = sp.Symbol(f"u{1 + integral_depth(probe)}", real=True)
-    return sp.Integral(formula(variable), (variable, as_expression(lower), as_expression(upper)))
+    ends = (_expression(end, "an end of the integral") for end in (lower, upper))
+    return sp.Integral(value_of(formula, variable), (variable, *ends))
+
+
+def value_of(formula: Callable[[sp.Expr], Any], variable: sp.Symbol) -> sp.Expr:
+    """What an author's function returns for a symbol; raises BadValue unless it is a number or an expression."""
+    if not callable(formula):
+        raise BadValue(f"a formula is {shortened(formula)}; give a function of its variable, as lambda u: 2 * u")
+    return _expression(formula(variable), "the value of a formula")
+
+
+def _expression(value: object, what: str) -> sp.Expr:
+    """A number or an expression as one of SymPy's; raises BadValue for anything else."""
+    expression = as_expression(value)
+    if expression is None:
+        raise BadValue(f"{what} is {shortened(value)}; give a number or an expression")
+    return expression
 
 
 def integral_depth(expression: sp.Basic) -> int:

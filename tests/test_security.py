@@ -11,7 +11,7 @@ import pytest
 
 import cases
 from adapters.common import motion_table
-from cases import CaseError, Curve, Load, lookup, trial
+from cases import CaseError, Curve, Load, expressions, lookup, trial
 from cases.effects import MOTION
 from cases.owned_folder import LIST, digest
 from reports import compare_builds
@@ -68,6 +68,12 @@ def test_no_formula_is_run(mark):
             refused(Curve, ("s", wrap))
             refused(Curve, lambda s, wrap=wrap: (s, wrap))
             refused(cases.library.from_support, lambda s, wrap=wrap: wrap)
+            refused(cases.constructions.natural, lambda s, wrap=wrap: wrap, 1.0)
+            refused(expressions.integral, lambda s, wrap=wrap: wrap, 1.0)
+            refused(Curve, lambda s, wrap=wrap: (s, expressions.sqrt(wrap)))
+            for function in expressions.FUNCTIONS.values():
+                if callable(function):
+                    refused(function, wrap)
         refused(Curve(("s", "s**2")).at, attack)
 
 
