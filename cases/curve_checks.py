@@ -23,12 +23,14 @@ LONG_CHORD = 10.0
 # jump: a slope as steep as that is no track either.
 JUMP = 1e-6
 # Sides of the polygon for the search of self-intersections: the fewest, per radian of turning for a curve with many
-# loops, and the most. The pairs are processed in blocks of rows.
+# loops, and the most, each with less than one turn. The pairs are processed in blocks of rows.
 FEWEST_SIDES, SIDES_A_RADIAN, MOST_SIDES, BLOCK = 240, 8.0, 2400, 200
 # Where two sides cross, each is divided into so many pieces, so many times.
 PIECES, CLOSER = 16, 3
 # The included part of the neighbours, so that two stretches with one between them stay separate.
 AROUND = 0.25
+# The fraction of uneven samples: multiples of it modulo 1 have no common period with a curve.
+GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 # How a curve meets itself that a track may do.
 CROSSES = "crosses itself"
 # Parts of a curve closer than this fraction of its size coincide: a circle traversed again differs by rounding.
@@ -52,6 +54,7 @@ class CurveToCheck(curve_tables.CurveFormula, Protocol):
 def check_regular(curve: CurveToCheck) -> None:
     """Raise BadCurve where the curve or a derivative is not finite, jumps, or has zero speed."""
     low, high = curve.domain or (0.0, curve.period or 2 * np.pi * curve.unit)
+    _check_changes(curve, *curve.span)
     try:
         places = _places(curve, low, high)
         jets = curve.jets(places)
@@ -66,6 +69,26 @@ def check_regular(curve: CurveToCheck) -> None:
     _check_speed(curve, places, speed, int(np.argmin(speed)), "has a cusp (R_p = 0)", sign=1.0)
     _check_speed(curve, places, speed, int(np.argmax(speed)), "is not finite", sign=-1.0)
     _check_jumps(curve, places, jets[:2], speed)
+
+
+def _check_changes(curve: CurveToCheck, low: float, high: float) -> None:
+    """Raise BadCurve if the curve changes direction or speed more often than the tables of its features can hold.
+
+    Of |R_s|/|R_p| (per unit of the parameter) over uneven samples the median counts: few sharp bends do not move it.
+    """
+    places = low + (high - low) * (GOLDEN * np.arange(SAMPLES) % 1.0)
+    with np.errstate(all="ignore"):
+        try:
+            _, _, xp, yp, xs, ys, _, _ = curve.jets(places)
+        except Exception:  # `check_regular` evaluates it again and says so
+            return
+        changes = (high - low) * np.hypot(xs, ys) / np.hypot(xp, yp)
+    most = features.MOST_PIECES // 2  # a radian of change takes two pieces or more
+    if np.count_nonzero(changes > most) > SAMPLES / 2:
+        raise BadCurve(
+            f"the curve changes more than {most} times between s = {low:g} and {high:g}, which no "
+            "table resolves; give a shorter domain, or a formula that oscillates less"
+        )
 
 
 def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
@@ -139,6 +162,11 @@ def check_simple(curve: CurveToCheck) -> None:
                 f"the closed curve turns {round(abs(times))} times in its period {curve.period:.6g}, so that it meets "
                 "itself; give one round"
             )
+    if turning > 2 * np.pi * MOST_SIDES:
+        raise BadCurve(
+            f"the curve turns by {turning:.3g} rad, and whether it meets itself is known up to "
+            f"{2 * np.pi * MOST_SIDES:.3g} rad; give a shorter domain, or may_cross=True"
+        )
     # An open curve comes back to itself only if it turns by more than half a turn, a closed one that turns by exactly
     # one is convex; 0.1 is well below what a loop adds.
     if turning < (2 * np.pi + 0.1 if curve.period else np.pi):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import sympy as sp
 
 from . import expressions, formulas
@@ -12,6 +13,9 @@ from .expressions import PARAMETER
 
 # Letters of a formula that a curve shows of itself.
 _LONGEST_FORMULA = 80
+# The least width of a domain, whose inverse a formula may hold, and the parameters in it that must be different
+# doubles: a curve's tables have fewer than a million entries.
+NARROWEST, MOST_ENTRIES = 1.0 / expressions.LARGEST_NUMBER, 1e6
 
 
 def check_domain(domain) -> tuple[float, float] | None:
@@ -24,6 +28,8 @@ def check_domain(domain) -> tuple[float, float] | None:
     low, high = finite("start of the domain", low), finite("end of the domain", high)
     if not low < high:
         raise BadValue(f"domain is ({low:g}, {high:g}); give the smaller number first")
+    if high - low < max(NARROWEST, MOST_ENTRIES * np.spacing(max(abs(low), abs(high)))):
+        raise BadValue(f"domain is {high - low:g} wide from {low:g}, too narrow for different numbers; give a wider one")
     return (low, high)
 
 

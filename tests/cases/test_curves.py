@@ -1,6 +1,7 @@
 """Curves: the library against what is known of its curves, strings, measured points, and the errors of all three."""
 
 import re
+import time
 from math import gamma, pi, sinh
 
 import numpy as np
@@ -113,3 +114,27 @@ def test_the_tangents_angle_counts_the_same_turns_for_a_number_as_for_an_array(c
     s = s if curve.domain is None else s[(low <= s) & (s <= high)]
     # The angle itself comes from two arctangents, of math and of NumPy.
     assert [curve.tangent_angle(float(x)) for x in s] == pytest.approx(curve.tangent_angle(s).tolist(), abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Curve(("s", "sin(1e6*s)"), domain=(-1.0, 1.0)),
+        lambda: Curve(("s", "sin(1e9*s)"), domain=(-1.0, 1.0)),
+        lambda: Curve(("cos(1e6*s)", "sin(1e6*s)"), domain=(-1.0, 1.0), may_cross=True),
+        lambda: Curve(("cos(s)*(1 + 0.1*sin(1e6*s))", "sin(s)*(1 + 0.1*sin(1e6*s))")),
+        lambda: library.logarithmic_spiral(1.0, 0.1, 5e-324),
+        lambda: Curve(("s", "s**2"), domain=(1.0, 1.0 + 1e-14)),
+    ],
+)
+def test_what_no_table_resolves_is_refused_at_once(make):
+    """Within a second; before, the first four took 30 s to minutes."""
+    began = time.process_time()
+    with pytest.raises(cases.CaseError, match="give a (shorter|wider)"):
+        make()
+    assert time.process_time() - began < 1.0
+
+
+def test_a_thousand_arches_are_resolved():
+    arches = library.trochoid(1.0, 0.5, 1000)
+    assert arches.point(1000.0)[0] == pytest.approx(1000.0 + 0.5 * np.sin(1000.0), rel=1e-15)
