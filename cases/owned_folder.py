@@ -33,6 +33,8 @@ _PARTIAL = re.compile(r"\.slip-to-roll-[0-9a-f]{16}\.partial(\.\w+)?")
 # On a file system without locks, an unfinished file belongs to a running process if it is younger than this (s): no
 # command takes a day.
 _TEMPORARY_NAME = 86400.0
+# What the folder of a call must have room for: the output of a worker, and a scene.
+_PROBE_BYTES = 2**16
 # Seconds to wait for another process that puts finished files into a folder: to rename a thousand takes one.
 _PATIENCE = 60.0
 
@@ -137,6 +139,12 @@ class TemporaryFolder:
         if self._lock >= 0:
             os.close(self._lock)
             self._lock = -1
+
+
+def check_usable(folder: Path) -> None:
+    """Raise OSError unless a new file in the folder can take the text of a run."""
+    with tempfile.TemporaryFile(dir=folder) as file:
+        file.write(bytes(_PROBE_BYTES))
 
 
 def remove_leftovers(folder: Path | None = None) -> None:

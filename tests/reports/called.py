@@ -7,6 +7,7 @@ import ctypes.util
 import importlib
 import mmap
 import os
+import shutil
 import signal
 import stat
 import sys
@@ -96,6 +97,19 @@ def ends_itself_at_first(folder: Path, times: int) -> int:
         (folder / str(ended)).touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return ended
+
+
+def remove_folder_above() -> str:
+    """Remove the folder that holds the working folder, as an engine that cleans up too much does."""
+    above = Path.cwd().parent
+    shutil.rmtree(above)
+    return str(above)
+
+
+def remove_and_fail(folder: Path) -> None:
+    """Remove a folder and raise an error that does not say so."""
+    shutil.rmtree(folder)
+    raise ValueError("no result")
 
 
 def linger(folder: Path) -> None:

@@ -2,15 +2,19 @@
 
 import os
 import platform
+import shutil
 import subprocess
 import sys
+import tempfile
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
 from reports.running.processes import worker_process, workers
 
+from ..full_disk import full_disk
 from .called import (
     ends_itself_at_first,
     grow,
@@ -19,6 +23,8 @@ from .called import (
     meet,
     misbehave,
     prepared,
+    remove_and_fail,
+    remove_folder_above,
     reserve,
     round_up,
     waits,
@@ -136,6 +142,26 @@ def test_a_call_whose_worker_is_ended_from_outside_is_made_once_more(times, outc
     ((_, answer),) = run(ends_itself_at_first, [(tmp_path, times)])
     assert answer.outcome == outcome and len(list(tmp_path.iterdir())) == times
     assert answer.lasting == (outcome == "done")
+
+
+def test_an_engine_that_removes_its_folders_removes_no_other_calls():
+    calls = run(remove_folder_above, [(), ()], groups=["box2d", "box2d"]) + run(misbehave, [("work",)])
+    assert [answer.outcome for _, answer in calls] == ["done"] * 3
+
+
+@pytest.mark.parametrize("fault", ["gone", "full", "gone in a call"])
+def test_a_fault_of_the_folder_for_temporary_files_is_no_answer(fault, tmp_path, monkeypatch):
+    """It ends the command with one line; a failure that is an answer would be stored, and shown by the next report."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "folder"))
+    (tmp_path / "folder").mkdir()
+    pool = workers.WorkerPool(1)
+    try:
+        if fault == "gone":
+            shutil.rmtree(tmp_path / "folder")
+        with full_disk() if fault == "full" else nullcontext(), pytest.raises(OSError, match="TMPDIR"):
+            list(pool.run(remove_and_fail, [(tmp_path / "folder",)]) if "call" in fault else pool.run(misbehave, [("work",)]))
+    finally:
+        pool.close()
 
 
 def test_what_cannot_travel_is_told_in_both_directions():

@@ -56,8 +56,8 @@ _HALVES = (1.0, -1.0, 2.0**-53, 2.0**-54, 5e-324)
 class CallResult:
     """The result of a call.
 
-    `outcome`: "done" (then `value` is valid), "raised", "died" or "timed_out"; `reason`: one sentence for the last
-    three; `output`: the end of what the call printed; `lasting`: whether the call itself caused the outcome, so that it
+    `outcome`: "done" (then `value` is valid), "raised", "died", "timed_out", or "lost" if the worker could not make it
+    (a pool makes it again); `reason`: one sentence for the last four; `output`: the end of what the call printed; `lasting`: whether the call itself caused the outcome, so that it
     would occur again; `when`: the time of the call, or ""."""
 
     outcome: str
@@ -77,10 +77,12 @@ class CallResult:
 def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: bool, preload: str = "") -> None:
     """Receive calls and send each answer with the call's number, until the pipe is closed.
 
+    `scratch`: the worker's folder, inside the pool's; temporary files of engines and their processes go there, too.
     `engines`: the worker group; `known_run`: whether a known run is made after each call of an engine; `preload`: a
     module to import before the first call."""
     global group, pool_folder
-    group, pool_folder = engines, Path(scratch)
+    group, pool_folder = engines, Path(scratch).parent
+    tempfile.tempdir = os.environ["TMPDIR"] = scratch
     os.setsid()
     supervision.end_with_parent(parent, by=signal.SIGTERM)
     supervision.supervise(MEMORY_BYTES, first=pipe.close)
@@ -105,8 +107,10 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
         # The system's alarm ends the process even if the parent is gone and the engine blocks the interpreter.
         signal.alarm(int(limit) + 10)
         before, state = _numerics(), _required_state()
-        folder = Path(tempfile.mkdtemp(dir=scratch))
-        answer = _call(function, args, folder)
+        try:
+            answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
+        except OSError as problem:
+            answer = CallResult("lost", reason=legible(f"its folder cannot be used: {problem}"))
         change = canary.change() if canary else ""
         if change:
             answer = CallResult("raised", reason=f"it left its process changed, so its result is not used: {change}")
@@ -117,6 +121,7 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
             or _numerics() != before
             or not state <= _required_state()
             or _has_leftovers()
+            or answer.outcome == "lost"
         )
         try:
             message = dumps((number, answer, retire))

@@ -2,7 +2,7 @@
 
 Every call works in an empty scratch directory and has its output captured. At its time limit it is killed with all its
 child processes, and the next call gets a new worker. Every answer has its call's number; other messages are ignored. A
-call whose worker was ended from outside is made once more. POSIX only.
+call that failed by a fault of the machine or of the suite is made once more (`WorkerPool._is_retried`). POSIX only.
 """
 
 from __future__ import annotations
@@ -12,11 +12,14 @@ import itertools
 import multiprocessing
 import os
 import pickle
+import shutil
 import signal
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -54,7 +57,7 @@ _NUMBERS = itertools.count(1)
 
 
 class WorkerPool:
-    """Worker processes that make calls, `jobs` at a time.
+    """Worker processes that make calls, `jobs` at a time. Raises OSError if they can have no folder for their files.
 
     `close` kills them and removes their scratch directories; leftovers of a killed main process are removed by the next
     pool. `known_run`: whether a worker makes a known run after each call of an engine; off if that would change
@@ -63,19 +66,48 @@ class WorkerPool:
     def __init__(self, jobs: int, known_run: bool = True):
         self._jobs, self._known_run = jobs, known_run
         owned_folder.remove_leftovers()
-        self._scratch = owned_folder.TemporaryFolder()
+        self._scratch: owned_folder.TemporaryFolder | None = None
         self._workers: list[_Worker] = []
+        self._require_folder()
 
     def begin(self, groups: Sequence[str]) -> None:
         """Start a worker for each group; it imports the modules of a report's calls in the background."""
         preload = "reports.running.tasks"
-        self._workers += [_Worker(self._scratch.path, group, self._known_run, preload) for group in groups]
+        self._workers += [_Worker(self._require_folder(), group, self._known_run, preload) for group in groups]
 
     def close(self) -> None:
         """End the workers."""
         for worker in self._workers:
             worker.kill()
-        self._scratch.remove()
+        if self._scratch is not None:
+            self._scratch.remove()
+
+    def _require_folder(self) -> Path:
+        """The folder of the workers' folders, made again if it is gone; raises OSError if nothing can be written."""
+        try:
+            if self._scratch is None or not self._scratch.path.is_dir():
+                self._scratch = owned_folder.TemporaryFolder()
+            owned_folder.check_usable(self._scratch.path)
+        except OSError as problem:
+            raise OSError(
+                f"the folder for temporary files, {tempfile.gettempdir()}, cannot be written to ({problem.strerror}); "
+                "give it room or set TMPDIR to another folder, and repeat the command"
+            ) from problem
+        return self._scratch.path
+
+    def _is_retried(self, worker: _Worker, answer: CallResult, is_first: bool) -> bool:
+        """Whether the call is made once more because the machine or the suite caused its failure.
+
+        These faults are a worker that ended before the call began, a folder that is gone or full, and a signal from
+        outside. Raises OSError if the machine lets no worker begin: then nothing is known about the call.
+        """
+        if answer.outcome in ("done", "timed_out") or not (worker.is_lost(answer) or not answer.lasting):
+            return False
+        worker.kill()
+        self._require_folder()
+        if not is_first and (answer.outcome == "lost" or not (worker.group or worker.has_begun)):
+            raise OSError(f"no process can make a call: {answer.reason}; repeat the command when the machine allows it")
+        return is_first
 
     def run(
         self,
@@ -122,10 +154,12 @@ class WorkerPool:
                     answer = worker.answer()
                     if answer is None:
                         continue
-                    if answer.outcome == "died" and not answer.lasting and worker.index in once_more:
+                    if self._is_retried(worker, answer, worker.index in once_more):
                         once_more.remove(worker.index)
                         waiting = {worker.index: arguments[worker.index], **waiting}
                         continue
+                    if worker.is_lost(answer):  # twice: by the call itself, or not for certain by the machine
+                        answer = replace(answer, outcome="died", lasting=False)
                     yield worker.index, answer
                 self._workers = [worker for worker in self._workers if worker.alive]
         finally:
@@ -150,7 +184,7 @@ class WorkerPool:
             return None
         group = groups[next((i for i in waiting if groups[i] not in at_work), next(iter(waiting)))]
         self._make_room({groups[i] for i in waiting})
-        self._workers.append(worker := _Worker(self._scratch.path, group, self._known_run))
+        self._workers.append(worker := _Worker(self._require_folder(), group, self._known_run))
         return worker, worker.next_of({i: args for i, args in waiting.items() if groups[i] == group}, subjects)
 
     def _make_room(self, groups: set[str]) -> None:
@@ -167,8 +201,9 @@ class _Worker:
 
     def __init__(self, folder: Path, group: str, known_run: bool, preload: str = ""):
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
+        self.folder = Path(tempfile.mkdtemp(dir=folder))
         self.pipe, far_end = context.Pipe()
-        process_args = far_end, str(folder), os.getpid(), group, known_run, preload
+        process_args = far_end, str(self.folder), os.getpid(), group, known_run, preload
         self.process = context.Process(target=serve, args=process_args, daemon=True)
         with _start_environment(versions.paths(group)):
             self.process.start()
@@ -206,6 +241,21 @@ class _Worker:
         self.busy = result is None
         return result
 
+    def is_lost(self, answer: CallResult) -> bool:
+        """Whether a call without an answer or a time-out had not begun, or its folder is gone or full."""
+        if answer.outcome in ("done", "timed_out"):
+            return False
+        return answer.outcome == "lost" or not self.has_begun or not self._has_folder()
+
+    def _has_folder(self) -> bool:
+        """Whether its folder can be written to; of a killed worker, whether it could then."""
+        if self.alive:
+            self.had_folder = False
+            with suppress(OSError):
+                owned_folder.check_usable(self.folder)
+                self.had_folder = True
+        return self.had_folder
+
     def _late(self) -> CallResult:
         if self.has_begun:
             return CallResult("timed_out", reason=f"it was still running after {self.limit:g} s")
@@ -236,7 +286,8 @@ class _Worker:
         return result
 
     def kill(self) -> None:
-        """End the process and its child processes."""
+        """End the process and its child processes, and remove its files."""
+        self._has_folder()
         self.alive = False
         if self.process.pid is not None and self.process.exitcode is None:
             self.process.terminate()  # its supervisor ends its child processes
@@ -246,6 +297,7 @@ class _Worker:
                 self.process.kill()
         self.process.join(5.0)
         self.pipe.close()
+        shutil.rmtree(self.folder, ignore_errors=True)
 
     def _wait_for_end(self, patience: float) -> CallResult | None:
         """Wait for the process's end, at most `patience` seconds, and end its group; None if it still runs."""
