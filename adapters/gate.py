@@ -118,6 +118,13 @@ def cost(raw: Any) -> Cost:
     return Cost(**seconds, **counts)
 
 
+def routes(raw: Any) -> tuple[str, ...]:
+    """An adapter's routes; raises TypeError unless it is a tuple or a list of at least one name."""
+    if not isinstance(raw, tuple | list) or not raw:
+        raise TypeError(f'routes is {_short_text(raw)}; give a tuple of names, as ("native",)')
+    return tuple(map(str, raw))
+
+
 def setting(raw: Any) -> Setting:
     """A setting of a ladder or a grid, with knobs that are finite numbers and words; raises TypeError or ValueError."""
     if type(raw) is not Setting:

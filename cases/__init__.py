@@ -3,7 +3,7 @@
 Its classes are imported when they are first used: SymPy takes most of a command's start, and help and lists need none.
 """
 
-from . import keyboard_interrupt  # the first of all: what follows takes a second  # noqa: F401
+from . import keyboard_interrupt, search_path  # the first of all: what follows takes a second  # noqa: F401
 
 # isort: split
 from importlib import import_module

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 import io
+import signal
 import sys
-from collections.abc import Callable, Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from contextvars import ContextVar
-from typing import NoReturn
+from typing import Any, NoReturn
 
-from .errors import BadValue, CaseError, unknown_name
+from .errors import BadValue, CaseError, printable, unknown_name
 
 # Equations in quadruple precision need 1.5 GB of address space to compile. With less than 1 GB SciPy's BLAS waits for
 # its buffers without end while it is imported.
@@ -32,6 +35,14 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **how):
         super().__init__(allow_abbrev=False, **how)
 
+    def parse_args(self, args=None, namespace=None):
+        """As argparse, which takes "--name=--" for an option without a value and then returns a list for it."""
+        words = sys.argv[1:] if args is None else list(args)
+        for word in words:
+            if word.startswith("--") and word.endswith("=--"):
+                self.error(f"{word.removesuffix('=--')} has no value but --")
+        return super().parse_args(words, namespace)
+
     def error(self, message: str) -> NoReturn:
         """Raise UnknownName for an unknown option, BadValue for anything else."""
         stray = message.removeprefix("unrecognized arguments: ")
@@ -50,18 +61,71 @@ def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # so that no character makes a command fail
+    code = 130
+    try:
+        with _inert_streams(), _terminable() as terminations:
+            try:
+                return _status(command, work, list(sys.argv[1:] if argv is None else argv))
+            finally:
+                code = 143 if terminations else 130
+    except KeyboardInterrupt as stop:
+        print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a progress bar may be on the line
+        return code
+
+
+def _status(command: str, work: Callable[[list[str]], int | None], words: list[str]) -> int:
+    """The same, except for Ctrl-C."""
     try:
         _check_address_space()
-        return work(list(sys.argv[1:] if argv is None else argv)) or 0
+        return work(words) or 0
     except CaseError as problem:
         print(f"{command}: {problem}", file=sys.stderr)
         return 2
     except OSError as problem:
         print(f"{command}: {problem}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt as stop:
-        print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a progress bar may be on the line
-        return 130
+
+
+class _InertStream:
+    """A stream that spells out what a terminal acts on in everything that is printed; `direct` is the stream itself."""
+
+    def __init__(self, stream: Any):
+        self.direct = stream
+
+    def write(self, text: str) -> int:
+        """Write a text; returns its length."""
+        self.direct.write(printable(text))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.direct, name)
+
+
+@contextmanager
+def _inert_streams() -> Iterator[None]:
+    """A context manager in which names of files, and all else that a command prints, are only text."""
+    with redirect_stdout(_InertStream(sys.stdout)), redirect_stderr(_InertStream(sys.stderr)):  # type: ignore[type-var]
+        yield
+
+
+@contextmanager
+def _terminable() -> Iterator[list[int]]:
+    """A context manager in which SIGTERM interrupts as Ctrl-C does, so that unfinished files are removed; yields the
+    list of such signals so far."""
+    came: list[int] = []
+
+    def interrupt(number: int, frame: object) -> None:
+        came.append(number)
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGTERM) != signal.SIG_DFL:
+        yield came
+        return
+    signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield came
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def _check_address_space() -> None:

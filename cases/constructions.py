@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 import sympy as sp
 
 from .curves import Curve, cos, integral, sin
-from .errors import BadValue, finite
+from .errors import BadValue, finite, items, point
 from .expressions import value_of
 from .matching import matched
 
@@ -23,7 +23,7 @@ def natural(curvature: Callable, length: float, start=(0.0, 0.0), angle: float =
     The distance is its parameter. It begins at `start` (m) in the direction `angle` (rad). A clothoid is
     `natural(lambda s: 2 * s, length=1.5)`.
     """
-    x, y = (finite("start of the curve", value) for value in start)
+    x, y = point("start of the curve", start)
     angle = finite("angle of the curve", angle)
 
     def direction(s):
@@ -44,7 +44,7 @@ def piecewise(curves: Iterable[Curve], may_cross: bool = False) -> Curve:
     Its parameter runs on from piece to piece. The pieces join without corners; where the curvature jumps, forces do.
     Raises BadValue or BadCurve.
     """
-    pieces = tuple(curves)
+    pieces = items("curves of piecewise", curves)
     for number, curve in enumerate(pieces, start=1):
         if not isinstance(curve, Curve):
             raise BadValue(f"piece {number} of the curve is {curve!r}; give a Curve")

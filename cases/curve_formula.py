@@ -29,7 +29,9 @@ def check_domain(domain) -> tuple[float, float] | None:
     if not low < high:
         raise BadValue(f"domain is ({low:g}, {high:g}); give the smaller number first")
     if high - low < max(NARROWEST, MOST_ENTRIES * np.spacing(max(abs(low), abs(high)))):
-        raise BadValue(f"domain is {high - low:g} wide from {low:g}, too narrow for different numbers; give a wider one")
+        raise BadValue(
+            f"domain is {high - low:g} wide from {low:g}, too narrow for different numbers; give a wider one"
+        )
     return (low, high)
 
 

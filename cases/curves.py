@@ -21,7 +21,7 @@ from . import curve_formula, expressions, features, parametrisation, point_sourc
 from . import curve_tables as tables
 from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
-from .errors import BadCurve, BadValue, NotSupported, not_negative, positive
+from .errors import BadCurve, BadValue, NotSupported, finite, not_negative, positive, real, whole
 from .expression_graph import derivatives, from_sympy
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, integral, log, pi, sin, sinh, sqrt, tan, tanh
 from .jets import S, jet_function
@@ -219,7 +219,10 @@ class Curve:
 
     def jets(self, s) -> np.ndarray:
         """The same for an array of parameters, shape (8, n)."""
-        s = np.atleast_1d(np.asarray(s, dtype=float))
+        try:
+            s = np.atleast_1d(np.asarray(s, dtype=float))
+        except (TypeError, ValueError):
+            raise BadValue(f"the parameters of a curve are {s!r}; give an array of numbers") from None
         if self.parts is not None:
             return self.parts.jets(s)
         jets = np.empty((8, *s.shape))
@@ -262,11 +265,12 @@ class Curve:
 
     def length(self, low: float, high: float) -> float:
         """The length of the curve between two parameters, m, to a part in a thousand or so: what samples need."""
-        return float(tables.lengths(self, low, high)[1][-1])
+        return float(tables.lengths(self, finite("low", low), finite("high", high))[1][-1])
 
     def even(self, low: float, high: float, count: int) -> np.ndarray:
         """So many parameters from `low` to `high` at nearly even distances along the curve."""
-        grid, lengths = tables.lengths(self, low, high)
+        count = whole("count of parameters", count, 1, tables.MOST_ANGLES)
+        grid, lengths = tables.lengths(self, finite("low", low), finite("high", high))
         return np.interp(np.linspace(0.0, lengths[-1], count), lengths, grid)
 
     @derived
@@ -406,8 +410,15 @@ class Curve:
 
 
 def _is_number(s) -> bool:
-    """Whether it is one parameter, not an array of them; the most common type is tested first."""
-    return isinstance(s, float) or np.ndim(s) == 0
+    """Whether it is one parameter, not an array of them; the most common type is tested first. Raises BadValue for
+    what is no number."""
+    if isinstance(s, float):
+        return True
+    if np.ndim(s):
+        return False
+    if real(s) is None:
+        raise BadValue(f"the parameter of a curve is {s!r}; give a number or an array")
+    return True
 
 
 @in_one_thread

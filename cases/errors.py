@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from math import inf, isfinite
 from numbers import Integral
 
 from .derivation import LOCK
 
+# A number as it is written everywhere: no digits of other alphabets, no underscores. What is not finite is said to be.
+_NUMBER = re.compile(r"\s*[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|inf|infinity|nan)\s*", re.ASCII | re.IGNORECASE)
 # A longer sentence is shortened in its middle, where a long input is quoted.
 LONGEST = 500
 
@@ -17,10 +20,18 @@ class CaseError(ValueError):
     """Base of all errors of invalid input; its text is one sentence that says what to change."""
 
     def __init__(self, text: str):
-        # Replace characters that a terminal or a page would interpret or cannot write (control, lone surrogates).
+        # As `printable`, but as one sign: a sentence may quote much of it.
         line = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in " ".join(str(text).split()))
         half = LONGEST // 2
         super().__init__(line if len(line) <= LONGEST else f"{line[:half]} … {line[-half:]}")
+
+
+def printable(text: str) -> str:
+    """A text with characters spelled out that a terminal or a page would interpret or cannot write (control
+    characters, lone surrogates), except ends of lines and tabs."""
+    if text.replace("\n", "").replace("\t", "").isprintable():  # fast, and usual
+        return text
+    return "".join(c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text)
 
 
 def describe(problem: BaseException) -> str:
@@ -90,6 +101,13 @@ def real(value: object) -> float | None:
         return None
 
 
+def number_in(what: str, text: str) -> float:
+    """The number that a text is; raises BadValue for any other text, such as "1_0"."""
+    if not _NUMBER.fullmatch(text):
+        raise BadValue(f"{what} is {text[:40]!r}; give a number")
+    return float(text)
+
+
 def finite(what: str, value: object) -> float:
     """`value` as a float; raises BadValue unless it is a finite real number."""
     if type(value) is float and isfinite(value):
@@ -100,6 +118,22 @@ def finite(what: str, value: object) -> float:
     if not isfinite(number):
         raise BadValue(f"{what} is {number}; give a finite number")
     return number
+
+
+def items(what: str, value: object) -> tuple:
+    """The items of `value`; raises BadValue unless it is a tuple, a list or another iterable that is no text."""
+    if isinstance(value, str | bytes) or not isinstance(value, Iterable):
+        raise BadValue(f"{what} is {value!r}; give a tuple or a list")
+    return tuple(value)
+
+
+def point(what: str, value: object) -> tuple[float, float]:
+    """`value` as two floats; raises BadValue unless it is a pair of finite real numbers."""
+    pair = items(what, value)
+    if len(pair) != 2:
+        raise BadValue(f"{what} is {value!r}; give a pair of numbers (x, y)")
+    x, y = pair
+    return finite(f"x of the {what}", x), finite(f"y of the {what}", y)
 
 
 def positive_or_infinite(what: str, value: object) -> float:

@@ -93,7 +93,7 @@ def _samples(*columns: tuple[str, Iterable[float]]) -> tuple[np.ndarray, np.ndar
     for name, column in columns:
         try:
             array = np.asarray(column, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise BadValue(f"{name} holds something other than numbers; give an array of numbers") from None
         if array.ndim != 1 or len(array) < 3 or not np.isfinite(array).all():
             raise BadValue(f"{name} has the shape {array.shape}, or holds NaN; give at least 3 finite numbers in a row")

@@ -18,7 +18,7 @@ from .curves import Curve
 from .derivation import in_one_thread
 from .errors import BadCurve, BadValue, finite, positive, whole
 from .expression_code import ON_FLOATS, function_of
-from .expressions import PARAMETER, admissible, cos, cosh, exp, sin
+from .expressions import PARAMETER, admissible, cos, cosh, exp, sin, value_of
 
 Maker = Callable[..., Curve]
 
@@ -160,7 +160,7 @@ def from_support(support: Callable[[Any], Any]) -> Curve:
     `support` takes a symbol and returns h in metres. Its radius of curvature is h + h″, which must stay positive
     (BadCurve where it reaches zero: the outline has a cusp there).
     """
-    h = admissible(support(PARAMETER), (PARAMETER,), "the support function", BadCurve)
+    h = admissible(value_of(support, PARAMETER), (PARAMETER,), "the support function", BadCurve)
     h1 = sp.diff(h, PARAMETER)
     outline = Curve(lambda s: (h * cos(s) - h1 * sin(s), h * sin(s) + h1 * cos(s)))
     radius_of = function_of([PARAMETER], [h + sp.diff(h1, PARAMETER)], ON_FLOATS)

@@ -10,7 +10,7 @@ import numpy as np
 from .chain import Chain, corner_points
 from .corner import Edge
 from .curves import Curve, cos, sin
-from .errors import BadCurve, BadValue, finite, not_negative, positive
+from .errors import BadCurve, BadValue, finite, not_negative, point, positive
 
 
 class Outline(Chain):
@@ -70,7 +70,7 @@ def _rounded(places: list[tuple[float, float]], radius: float) -> tuple[Curve, .
 
 def arc(centre: tuple[float, float], radius: float, start: float, end: float) -> Curve:
     """An arc of a circle from one polar angle about its centre to another, rad; clockwise if the second is smaller."""
-    x, y = finite("x of the arc's centre", centre[0]), finite("y of the arc's centre", centre[1])
+    x, y = point("centre of arc", centre)
     r, start, end = positive("radius of arc", radius), finite("start of arc", start), finite("end of arc", end)
     if start == end:
         raise BadValue(f"the arc begins and ends at {start:g}; give two angles")

@@ -14,7 +14,7 @@ from .area import area_inside
 from .chain import Chain, translate
 from .corner import Edge
 from .curves import Curve
-from .errors import BadCurve, BadValue, not_negative, positive, positive_or_infinite, whole
+from .errors import BadCurve, BadValue, items, not_negative, positive, positive_or_infinite, whole
 from .library import circle
 from .outline import Outline, arc
 
@@ -58,8 +58,13 @@ class Plate:
         All outlines are in one frame of any origin; the plate's is moved so that its origin is the centre of mass.
         `mass` is the whole mass, kg. Raises BadCurve for an open outline, or a hole or inlay that is not inside.
         """
-        parts = [(hole, 0.0) for hole in holes]
-        parts += [(inlay, not_negative("density of an inlay", density)) for inlay, density in inlays]
+        parts = [(hole, 0.0) for hole in items("holes", holes)]
+        for pair in items("inlays", inlays):
+            inlay, density = (*items("inlay", pair), None, None)[:2]
+            parts.append((inlay, not_negative("density of an inlay", density)))
+        for curve in (outline, *(part for part, _ in parts)):
+            if not isinstance(curve, Curve):
+                raise BadValue(f"an outline of Plate.homogeneous is {curve!r}; give a Curve")
         rows = [(1.0, area_inside(outline))]
         for part, density in parts:
             if not _contains(outline, part.point(_places(part)).T):

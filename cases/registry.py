@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import user_files
 from .derivation import LOCK, in_one_thread
-from .errors import BadValue, CaseError, describe, parameter, unknown_name
+from .errors import BadValue, CaseError, describe, items, number_in, parameter, unknown_name
 
 if TYPE_CHECKING:
     from .case_class import Case
@@ -95,17 +95,26 @@ def case(
     """
 
     def register(function):
+        if not inspect.isfunction(function):
+            raise BadValue(f"@case marks {function!r}; give it a function that returns a Case")
         name = function.__name__
         other = _entries.get(name)
         if other and inspect.getsourcefile(other.function) != inspect.getsourcefile(function):
             raise BadValue(f"there is already a case {name!r}; give this function another name")
         if bool(hard) != bool(outcome):
             raise BadValue(f"the hard case {name!r} has only one of hard= and outcome=; give both")
-        short, minutes = (tuple(dict(v) for v in some) for some in (variants, long))
+        short, minutes = (_parameter_sets(name, some) for some in (variants, long))
         _entries[name] = CatalogueEntry(name, function, short, hard, outcome, minutes)
         return function
 
     return register if function is None else register(function)
+
+
+def _parameter_sets(name: str, sets: object) -> tuple[dict[str, Any], ...]:
+    every = items(f"a list of variants of {name}", sets)
+    if not all(isinstance(one, Mapping) for one in every):
+        raise BadValue(f"a variant of {name} is no dict; give dict(parameter=number) for each")
+    return tuple(dict(one) for one in every)
 
 
 def entry(name: str) -> CatalogueEntry:
@@ -268,10 +277,7 @@ def parse(text: str) -> tuple[str, dict[str, float]]:
     for part in filter(None, (piece.strip() for piece in (match[2] or "").split(","))):
         key, equals, value = part.partition("=")
         try:
-            number = float(value)
-        except ValueError:
-            equals = ""
-        if not equals:
-            raise BadValue(f"{part!r} in {text!r} is not parameter=number")
-        parameters[key.strip()] = number
+            parameters[key.strip()] = number_in(key, value if equals else "")
+        except BadValue:
+            raise BadValue(f"{part!r} in {text!r} is not parameter=number") from None
     return match[1], parameters

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .contact_names import CONTACT, FIRST
-from .errors import BadValue, unknown_name
+from .errors import BadValue, unknown_name, whole
 from .owned_folder import atomic_path
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 # Number of evenly spaced times at which a motion with dense output is drawn and written.
 EVEN_TIMES = 1001
+# Most times of a picture or a table: a table of ten million rows takes a gigabyte.
+MOST_TIMES = 10_000_000
 # A contact that never slips faster than this part of the fastest speed sticks: what roundings of velocities leave.
 _NO_SLIP = 1e-9
 
@@ -372,7 +374,7 @@ class Trajectory:
         times of the samples.
         """
         if count is not None:
-            return np.linspace(self.t[0], self.t[-1], count)
+            return np.linspace(self.t[0], self.t[-1], whole("count of times", count, 1, MOST_TIMES))
         if self.dense is None:
             return np.unique(self.t)
         inside = [t.time for t in self.transitions if self.t[0] <= t.time <= self.t[-1]]

@@ -9,10 +9,12 @@ from .errors import BadValue, UnknownName
 
 def place(what: str, path: object) -> Path:
     """The path with ~ expanded; raises BadValue, in a sentence that calls it `what`, if it is no valid path."""
+    if path == "":
+        raise BadValue(f"the {what} is empty; give a path")
     try:
         file = Path(path).expanduser()  # type: ignore[arg-type]
         file.exists()
-        file.resolve()
+        str(file.resolve()).encode()  # a page, and a list of files, hold its name
     except (TypeError, ValueError, RuntimeError, OSError) as problem:
         reason = getattr(problem, "strerror", None) or str(problem).partition("\n")[0]
         raise BadValue(
@@ -21,9 +23,15 @@ def place(what: str, path: object) -> Path:
     return file
 
 
-def existing(what: str, path: object) -> Path:
-    """The path of an existing regular file; raises BadValue or UnknownName."""
+def existing(what: str, path: object, follow: bool = True) -> Path:
+    """The path of an existing regular file; raises BadValue or UnknownName.
+
+    `follow`: whether it may be a link. Of a stranger's files none may: messages quote them, and the target is not
+    theirs.
+    """
     file = place(what, path)
+    if not follow and file.is_symlink():
+        raise BadValue(f"the {what} {_display_path(path)} is a link; give the file itself")
     if not file.exists():
         raise UnknownName(f"there is no {what} {_display_path(path)}")
     if not file.is_file():
@@ -31,29 +39,29 @@ def existing(what: str, path: object) -> Path:
     return file
 
 
-def content(what: str, path: object, most: int) -> bytes:
-    """The content of a file of at most `most` bytes; raises BadValue or UnknownName."""
-    file = existing(what, path)
+def content(what: str, path: object, most: int, follow: bool = True) -> bytes:
+    """The content of a file of at most `most` bytes; raises BadValue or UnknownName, as `existing`."""
+    file = existing(what, path, follow)
     try:
         with file.open("rb") as stream:
             data = stream.read(most + 1)
     except OSError as problem:
         raise BadValue(f"the {what} {_display_path(path)} cannot be read ({problem.strerror}); give another") from None
     if len(data) > most:
-        raise BadValue(f"the {what} {_display_path(path)} is larger than {most / 2**20:g} MB; give a smaller one")
+        raise BadValue(f"the {what} {_display_path(path)} is larger than {most / 2**20:.3g} MB; give a smaller one")
     return data
 
 
-def text(what: str, path: object, most: int) -> str:
+def text(what: str, path: object, most: int, follow: bool = True, form: str = "CSV") -> str:
     """The content of a file as UTF-8 text, without a byte-order mark; raises BadValue or UnknownName."""
     try:
-        decoded_text = content(what, path, most).decode("utf-8-sig")
+        decoded_text = content(what, path, most, follow).decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         raise BadValue(
-            f"the {what} {_display_path(path)} is no CSV text ({problem.reason}); write it in UTF-8"
+            f"the {what} {_display_path(path)} is no {form} text ({problem.reason}); write it in UTF-8"
         ) from None
     if "\0" in decoded_text:
-        raise BadValue(f"the {what} {_display_path(path)} is no CSV text (it holds NUL bytes); write it in UTF-8")
+        raise BadValue(f"the {what} {_display_path(path)} is no {form} text (it holds NUL bytes); write it in UTF-8")
     return decoded_text
 
 

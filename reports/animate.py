@@ -23,7 +23,9 @@ COMMAND = "reports.animate"
 
 def run(words: Sequence[str]) -> None:
     """Write the animation; raises CaseError for invalid arguments, or if ffmpeg is missing for an MP4."""
-    case, out, force, _ = case_of(COMMAND, words, "Write an animation of a case: GIF, or MP4 if ffmpeg is installed.")
+    case, out, force, _ = case_of(
+        COMMAND, words, "Write an animation of a case: GIF, or MP4 if ffmpeg is installed.", "out file"
+    )
     path = out or Path(f"{file_name(case.label)}.gif")
     check_free(path, force)
     _film(case, path, force)

@@ -70,7 +70,7 @@ def report(
     The arguments are the command's options; each case needs a different name. Raises CaseError for invalid arguments,
     OSError if the report cannot be written.
     """
-    plan = options.plan_by_hand(cases, solvers, Path(out), effort, jobs, None if store is None else Path(store), fresh)
+    plan = options.plan_by_hand(cases, solvers, out, effort, jobs, store, fresh)
     _build(plan)
     return plan.out / "index.html"
 

@@ -165,7 +165,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     def work(words: list[str]) -> None:
         positional = {"FOLDER": "the folder of a published report"}
         parser = options.parser(
-            COMMAND, "Pack a published report, with metadata, for a data repository.", "out", "force",
+            COMMAND, "Pack a published report, with metadata, for a data repository.", "out file", "force",
             words=positional, example=f"python -m {COMMAND} docs/results/0.2.0",
         )  # fmt: skip
         arguments = parser.parse_args(words)

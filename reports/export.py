@@ -27,7 +27,7 @@ FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv")
 
 def run(words: Sequence[str]) -> None:
     """Write the files; raises CaseError for invalid arguments."""
-    case, out, force, points = case_of("cases export", words, "Write a case as data for other tools.", "points")
+    case, out, force, points = case_of("cases export", words, "Write a case as data for other tools.", "out", "points")
     folder = out or Path(case.name)
     for name in FILES:
         check_free(folder / name, force)

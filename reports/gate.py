@@ -20,6 +20,7 @@ from xml.etree import ElementTree
 
 from cases import BadValue
 from cases.command_line import status
+from cases.errors import not_negative, number_in
 from cases.user_files import place, text
 
 from . import options
@@ -162,10 +163,8 @@ def as_junit(changes: Sequence[RunChange]) -> str:
 
 def tolerance_of(words: str) -> float:
     """A relative tolerance from text: 10% or 0.1; raises BadValue."""
-    number = _number(words.removesuffix("%")) / (100.0 if words.endswith("%") else 1.0)
-    if not (isfinite(number) and number >= 0.0):
-        raise BadValue(f"--worse-than is {words!r}; give a share such as 10% or 0.1")
-    return number
+    number = number_in("--worse-than", words.removesuffix("%")) / (100.0 if words.endswith("%") else 1.0)
+    return not_negative("--worse-than, a share such as 10% or 0.1,", number)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

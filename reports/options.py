@@ -6,11 +6,9 @@ All functions here are fast; slow modules are imported when they are needed.
 from __future__ import annotations
 
 import argparse
-import re
 import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +16,7 @@ import adapters
 import cases
 from cases import BadValue, lookup
 from cases.command_line import Parser, program
-from cases.errors import unknown_name
+from cases.errors import not_negative, number_in, unknown_name, whole
 from cases.owned_folder import OwnedFolder, TemporaryFolder
 from cases.user_files import place
 
@@ -42,9 +40,11 @@ FEWEST_POINTS, MOST_POINTS = 2, 100_000
 # Help for an argument that is one case.
 A_CASE = 'a case: name, "name[parameter=value,…]", FILE.py or FILE.py:FUNCTION'
 
-# Options by name, with their arguments for argparse. Commands select from these and add no others.
+# Options by name, with their arguments for argparse. Commands select from these and add no others. After a space: of
+# which commands an option is, where it is a file of one and a folder of others.
 _OPTIONS: dict[str, dict[str, Any]] = {
     "out": dict(metavar="DIR", help="folder to write"),
+    "out file": dict(metavar="FILE", help="file to write"),
     "case": dict(
         metavar="NAME",
         nargs="+",
@@ -153,7 +153,8 @@ def parser(
             how = how | {"default": defaults[option], "help": f"{how['help']} (default: {defaults[option]})"}
         if words and len(words) > 1 and how.get("nargs") == "+":
             how |= {"nargs": None, "action": "append"}
-        (effort if option in ("quick", "full") else parser).add_argument(f"--{option.replace('_', '-')}", **how)
+        flag = f"--{option.partition(' ')[0].replace('_', '-')}"
+        (effort if option in ("quick", "full") else parser).add_argument(flag, **how)
     for name, text in (words or {}).items():
         parser.add_argument(name.strip("*"), metavar=name.strip("*"), help=text, nargs="*" if "*" in name else None)
     return parser
@@ -161,7 +162,14 @@ def parser(
 
 def command(module: str, words: Sequence[str]) -> str:
     """The command line that repeats a command."""
-    return " ".join([program(module), *map(shlex.quote, words)])
+    return " ".join([program(module), *map(_quoted, words)])
+
+
+def _quoted(word: str) -> str:
+    """A word for the shell; characters that a terminal acts on are spelled out, as bash and zsh read them."""
+    if word.isprintable():
+        return shlex.quote(word)
+    return "$'" + "".join(c if c.isprintable() and c not in "'\\" else f"\\U{ord(c):08x}" for c in word) + "'"
 
 
 @dataclass(frozen=True)
@@ -236,10 +244,10 @@ def plan_of(options: argparse.Namespace, argv: Sequence[str]) -> BuildPlan:
 def plan_by_hand(
     own_cases: Iterable[Case],
     solvers: Iterable[str] | None,
-    out: Path,
+    out: str | Path,
     effort: str,
     jobs: int,
-    store: Path | None,
+    store: str | Path | None,
     fresh: bool,
 ) -> BuildPlan:
     """The plan of a report on cases made in Python, with the same checks; raises CaseError."""
@@ -257,9 +265,9 @@ def plan_by_hand(
         raise BadValue(f"two cases have the name {twice!r}; give each a different name=")
     if effort not in RUN_SECONDS:
         raise unknown_name("effort", effort, RUN_SECONDS)
-    solver_names, out = choose_solvers(solvers), check_out(out)
+    solver_names, folder = choose_solvers(solvers), check_out(out)
     return BuildPlan(
-        out, case_list, (), solver_names, effort, whole_jobs(str(jobs)), (), True, check_store(store, out), fresh
+        folder, case_list, (), solver_names, effort, whole_jobs(str(jobs)), (), True, check_store(store, folder), fresh
     )
 
 
@@ -301,25 +309,14 @@ def _trajectories(texts: Sequence[str], case_list: Sequence[Case]) -> tuple[Exte
 
 def creep_of(text: str) -> float:
     """Parse a speed in m/s; raises BadValue unless it is a number of at least 0."""
-    try:
-        creep = float(text)
-    except ValueError:
-        creep = nan
-    if not 0.0 <= creep < inf:
-        raise BadValue(f"--creep is {text!r}; give a speed in m/s, for example 5e-3")
-    return creep
+    return not_negative("--creep, a speed in m/s,", number_in("--creep", text))
 
 
 def points_of(text: str | None) -> int | None:
     """Parse --points; raises BadValue unless it is a whole number from FEWEST_POINTS to MOST_POINTS."""
     if text is None:
         return None
-    count = int(text) if re.fullmatch(r"\d{1,9}", text, re.ASCII) else 0
-    if not FEWEST_POINTS <= count <= MOST_POINTS:
-        raise BadValue(
-            f"--points is {text[:40]!r}; give a whole number from {FEWEST_POINTS} to {MOST_POINTS}, for example 5001"
-        )
-    return count
+    return whole("--points", number_in("--points", text), FEWEST_POINTS, MOST_POINTS)
 
 
 def _submissions(folder: str | None, case_list: Sequence[Case]) -> tuple[External, ...]:
@@ -334,13 +331,7 @@ def _submissions(folder: str | None, case_list: Sequence[Case]) -> tuple[Externa
 
 def whole_jobs(text: str) -> int:
     """Parse the number of concurrent runs; raises BadValue unless it is a whole number from 1 to MOST_JOBS."""
-    try:
-        jobs = int(text)
-    except ValueError:
-        raise BadValue(f"--jobs is {text!r}; give a whole number, for example 2") from None
-    if not 1 <= jobs <= MOST_JOBS:
-        raise BadValue(f"--jobs is {text[:40]}; give a whole number from 1 to {MOST_JOBS}")
-    return jobs
+    return whole("--jobs", number_in("--jobs", text), 1, MOST_JOBS)
 
 
 def choose_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], tuple[str, ...]]:
@@ -373,6 +364,8 @@ def check_store(text: str | Path | None, out: Path) -> Path:
     store = place("folder of --store", STORE if text is None else text).resolve()
     if store == out or store in out.parents or out in store.parents:
         raise BadValue(f"--store is {store} and --out is {out}; give folders that are not inside each other")
+    if store == Path.cwd() or store in Path.cwd().parents:
+        raise BadValue(f"--store is {store}, which contains the working folder; give a folder inside it")
     if text is not None:  # if the default folder is not writable, the report is made without a store
         if store.exists() and not store.is_dir():
             raise BadValue(f"--store is {store}, which is a file; give a folder")

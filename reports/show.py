@@ -39,7 +39,7 @@ class ShowRequest(NamedTuple):
 def run(words: Sequence[str]) -> None:
     """Draw and print; raises CaseError for invalid arguments."""
     case, out, force, _ = case_of(
-        "cases show", words, "Draw a case and its motion; print its facts and the solvers that can run it."
+        "cases show", words, "Draw a case and its motion; print its facts and the solvers that can run it.", "out file"
     )
     picture = out or Path(f"{case.name}.png")
     if picture.suffix not in KINDS:
@@ -58,9 +58,9 @@ def run(words: Sequence[str]) -> None:
 
 def case_of(command: str, words: Sequence[str], says: str, *more: str) -> ShowRequest:
     """Parse the command line, with more options of the command: the case, the output path, whether existing files may
-    be replaced, and the points of a curve if the command has --points."""
+    be replaced, and the points of a curve if the command has --points. `more`: "out" or "out file", and others."""
     positional = {"CASE": options.A_CASE, "parameter=value*": _CHANGES}
-    parser = options.parser(command, says, "case_file", "out", "force", *more, words=positional)
+    parser = options.parser(command, says, "case_file", "force", *more, words=positional)
     arguments = parser.parse_args(list(words))
     out = arguments.out and place("folder or file of --out", arguments.out)
     points = options.points_of(getattr(arguments, "points", None))

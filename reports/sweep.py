@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cases import BadValue, lookup
 from cases.command_line import status
-from cases.errors import finite, whole
+from cases.errors import finite, number_in, positive, whole
 
 from . import options
 
@@ -58,26 +58,16 @@ def _plan(arguments, case: str, files: Sequence[str]):
         if name.strip() in vary:
             raise BadValue(f"--vary {name.strip()} is given twice; give each parameter once")
         vary[name.strip()] = values.strip()
-    number = None if arguments.number is None else whole("--number", _number("--number", arguments.number), 1, MOST)
-    seed, rtol = whole("--seed", _number("--seed", arguments.seed), 0, MOST), _number("--rtol", arguments.rtol)
+    number = None if arguments.number is None else whole("--number", number_in("--number", arguments.number), 1, MOST)
+    seed = whole("--seed", number_in("--seed", arguments.seed), 0, MOST)
+    rtol = finite("--rtol", number_in("--rtol", arguments.rtol))
     sweep_plan = plan(case, vary, arguments.sample, number, seed, rtol, files)
     table.check_names(sweep_plan)
     return sweep_plan
 
 
-def _number(option: str, text: str) -> float:
-    try:
-        return finite(option, float(text))
-    except ValueError as problem:
-        if isinstance(problem, BadValue):
-            raise
-        raise BadValue(f"{option} is {text!r}; give a number") from None
-
-
 def _width(text: str, plan) -> float:
-    width = _number("--refine", text)
-    if not width > 0.0:
-        raise BadValue(f"--refine is {width:g}; give a width above zero")
+    width = positive("--refine", number_in("--refine", text))
     from .sweeping import boundary_search
 
     boundary_search.check(plan)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from cases import CaseError
 
+from .. import gate
 from ..interface import ReturnsOnce, returns_once
 from ..lookup import find
 
@@ -126,7 +127,7 @@ def _serve(name: str, there: Connection) -> None:
 
     try:
         adapter = ReturnsOnce(returns_once(find)(name))
-        say(AdapterInfo(str(adapter.NAME), tuple(map(str, adapter.routes))))
+        say(AdapterInfo(str(adapter.NAME), gate.routes(adapter.routes)))
     except (CaseError, ImportError) as problem:
         say(problem)
         return

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cases.errors import printable
+
 from ..analysis.columns import Table, infinite
 from ..analysis.number_format import level, number
 from . import latex
@@ -59,18 +61,23 @@ def write(
 
 # Text that a spreadsheet reads as a formula, with the white space that it skips.
 _FORMULA = re.compile(r"\s*[=+\-@]")
-# Text that a Markdown renderer may read as HTML.
-_TAG = re.compile(r"<(?=[A-Za-z/!?])")
+# What a Markdown renderer may read as HTML, as a link or an image, or as an address; and how it is written as text.
+_ACTIVE = re.compile(r"<(?=[A-Za-z/!?])|\](?=[(\[:])|(?<=:)/(?=/)|(?<=www)\.", re.IGNORECASE)
+_INERT = {"<": "&lt;", "]": "&#93;", "/": "&#47;", ".": "&#46;"}
 
 
 def inert(frame: pd.DataFrame) -> pd.DataFrame:
-    """The table with an apostrophe before each text that a spreadsheet would evaluate; texts of numbers stay as is."""
+    """The table with an apostrophe before each text that a spreadsheet would evaluate, and without characters that a
+    terminal acts on; texts of numbers stay as is."""
     texts = [column for column in frame.columns if frame[column].dtype == object or str(frame[column].dtype) == "str"]
     return frame.assign(**{column: [_inert(value) for value in frame[column]] for column in texts})
 
 
 def _inert(value: Any) -> Any:
-    if not isinstance(value, str) or not _FORMULA.match(value):
+    if not isinstance(value, str):
+        return value
+    value = printable(value)
+    if not _FORMULA.match(value):
         return value
     try:
         float(value)
@@ -105,7 +112,8 @@ def _clip(text: str) -> str:
 
 
 def _cell(value: Any, column: str) -> str:
-    return _TAG.sub("&lt;", _clip(shorten(value, column)).replace("|", "\\|"))
+    text = " ".join(printable(_clip(shorten(value, column))).split())
+    return _ACTIVE.sub(lambda active: _INERT[active[0]], text.replace("|", "\\|"))
 
 
 def plain(frame: pd.DataFrame) -> str:

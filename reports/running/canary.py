@@ -1,14 +1,16 @@
 """Checks whether a process still computes as it did before third-party code ran in it.
 
 An engine that replaces `numpy.hypot`, or anything else used to judge a motion, would influence its own row. Therefore
-the functions are compared one by one, and a known run is made and judged again: its bits must not change. The answers
-of a changed process are discarded, and it makes no further call.
+the functions, limits and tables are compared one by one, and a known run is made and judged again: its bits must not
+change. The answers of a changed process are discarded, and it makes no further call.
 """
 
 from __future__ import annotations
 
+import operator
 import sys
 from collections.abc import Iterator
+from copy import copy
 from types import ModuleType
 from typing import Any
 
@@ -46,6 +48,7 @@ class Canary:
     def __init__(self, known_run: bool = True) -> None:
         self._packages = adapter_packages()  # read now, because an engine may change the search path
         self._modules: set[str] = set()
+        self._contents: list[tuple[Any, Any, str]] = []
         self._attributes = self._new_attributes()
         self._numbers = _known_run() if known_run else None
 
@@ -60,6 +63,9 @@ class Canary:
             if is_adapters(str(getattr(value, "__module__", "")), self._packages):
                 return f"{known_as} was replaced"
         self._attributes += new_attributes
+        for container, content, known_as in self._contents:
+            if not _is_same(container, content):
+                return f"{known_as} was changed"
         try:
             same = self._numbers is None or _known_run() == self._numbers
         except Exception as problem:
@@ -71,16 +77,23 @@ class Canary:
         names = sys.modules.keys() - self._modules
         self._modules |= names
         ours = [name for name in names if name.partition(".")[0] in _OURS and not is_adapters(name, self._packages)]
-        return [
+        attributes = [
             attribute
             for name in (*ours, *names.intersection(_LIBRARIES))
             if (module := sys.modules.get(name)) is not None
             for attribute in _attributes(name, module, methods=name in ours)
         ]
+        self._contents += [
+            (value, copy(value), known_as)
+            for _, name, value, known_as in attributes
+            if name.isupper() and isinstance(value, dict | list | set)
+        ]
+        return attributes
 
 
 def _attributes(known_as: str, module: ModuleType, methods: bool) -> Iterator[_Attribute]:
-    """The functions, classes and constants of a module; with `methods` also those of the classes that it defines.
+    """The functions, classes and constants of a module; with `methods` also those of the classes that it defines, and
+    limits and tables (names in capitals).
 
     A name that a module of ours imports at each use is never among its variables, unless somebody puts another there.
     """
@@ -88,12 +101,21 @@ def _attributes(known_as: str, module: ModuleType, methods: bool) -> Iterator[_A
         late = (name for name in getattr(module, "__all__", ()) if name not in vars(module))
         yield from ((vars(module), name, None, f"{known_as}.{name}") for name in late)
     for name, value in list(vars(module).items()):
-        if callable(value) or (isinstance(value, float) and not methods):
+        if callable(value) or (name.isupper() if methods else isinstance(value, float)):
             yield vars(module), name, value, f"{known_as}.{name}"
         if methods and isinstance(value, type) and value.__module__ == known_as:
             for inner, method in list(vars(value).items()):
                 if callable(method) or isinstance(method, property):
                     yield vars(value), inner, method, f"{known_as}.{name}.{inner}"
+
+
+def _is_same(container: Any, content: Any) -> bool:
+    """Whether a table holds the same objects as its copy."""
+    if isinstance(container, set):
+        return container == content
+    if isinstance(container, dict):
+        return container.keys() == content.keys() and all(container[key] is content[key] for key in content)
+    return len(container) == len(content) and all(map(operator.is_, container, content))
 
 
 def _is_replaced(place: Any, name: str, value: Any) -> bool:

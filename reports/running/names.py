@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from cases.errors import printable
+
 REFERENCE = "reference"
 # Size limit of a text in characters: the last error message of an engine fits.
 _LONGEST_TEXT = 2000
@@ -12,4 +14,4 @@ def legible(text: object, most: int = _LONGEST_TEXT) -> str:
     lone surrogate, NUL, an escape) spelled out."""
     whole = str(text)
     short = whole if len(whole) <= most else f"{whole[: most - 1]}…"
-    return "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in short)
+    return printable(short).replace("\t", r"\t")

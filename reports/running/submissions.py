@@ -5,6 +5,7 @@ No part of a submission is executed, and only the files of its format are read: 
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from collections.abc import Iterable, Sequence
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import cases
 from adapters.common import motion_table
-from cases import BadValue, Case, CaseError, UnknownName
+from cases import BadValue, Case, CaseError, UnknownName, user_files
 
 from . import external_motions
 from .external_motions import External
@@ -56,12 +57,11 @@ def read(folder: Path) -> Submission:
     if not folder.is_dir():
         raise UnknownName(f"there is no folder {str(folder)!r}; give submissions/ENGINE/VERSION")
     head = folder / HEAD
-    if not head.is_file():
+    if not os.path.lexists(head):
         raise BadValue(f"{folder} has no {HEAD}; write one with {', '.join(WORDS)}")
-    _check_own(head)
-    _check_size(head, LARGEST_HEAD)
+    text = user_files.text("head", head, LARGEST_HEAD, follow=False, form="TOML")
     try:
-        entries = tomllib.loads(head.read_text(encoding="utf-8"))
+        entries = tomllib.loads(text)
     except (ValueError, RecursionError) as problem:  # also numbers with too many digits, brackets nested too deep
         raise BadValue(f"{head} is not TOML: {problem}") from problem
     words = {name: _word(head, entries, name) for name in WORDS}
@@ -83,7 +83,13 @@ def read(folder: Path) -> Submission:
     files = {path.stem: path for path in sorted(folder.iterdir()) if path.suffix == ".csv"}
     if not files:
         raise BadValue(f"{folder} has no CASE.csv; write one for each case, such as disc_in_circle[mu=0.2].csv")
-    return Submission(folder, words, float(creep), files)
+    submission = Submission(folder, words, float(creep), files)
+    names: dict[str, str] = {}
+    for name in files:
+        other = names.setdefault(_label(submission, name), name)
+        if other != name:
+            raise BadValue(f"{folder} has {other}.csv and {name}.csv, motions of one case; submit one of them")
+    return submission
 
 
 def _word(head: Path, entries: dict, name: str) -> str:
@@ -95,23 +101,11 @@ def _word(head: Path, entries: dict, name: str) -> str:
     return word.strip()
 
 
-def _check_own(path: Path) -> None:
-    """Raises BadValue for a link: messages quote lines of the file, which must not be another file of the user."""
-    if path.is_symlink():
-        raise BadValue(f"{path} is a link; submit the file itself")
-
-
-def _check_size(path: Path, most: int) -> None:
-    size = path.stat().st_size
-    if size > most:
-        raise BadValue(f"{path} has {size} bytes; give at most {most}")
-
-
 def motion(submission: Submission, label: str) -> External:
     """One motion of a submission; raises CaseError, with the file's name, if it is not a motion of the case."""
     path = submission.files[label]
-    _check_own(path)
     try:
+        user_files.existing("motion", path, follow=False)
         return external_motions.read(submission.name, cases.load(label), path, ROUTE, submission.creep)
     except CaseError as problem:
         raise type(problem)(f"{path}: {problem}") from problem

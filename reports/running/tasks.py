@@ -8,14 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import islice
+from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 
 import cases
 import reference
-from adapters import EngineFailure, Setting, gate, other_laws, our_part, refusal, refusal_of_several_contacts
-from cases import Case, CaseError, NotSupported, Trajectory, Transition
+from adapters import Setting, gate, other_laws, our_part, refusal, refusal_of_several_contacts
+from cases import Case, CaseError, NotSupported, Trajectory, Transition, owned_folder
 from reference.certification import Certificate, NotCertified, contradiction, is_within_bars, stored_or_new
 
 from ..judging import distances, grades, impacts, ledger, several_contacts, transitions, validation
@@ -47,7 +48,11 @@ def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
         return (Offer("", (), NOT_INSTALLED, f"{name} is not installed here ({problem})"),)
     if not hasattr(module, knobs):
         return ()
-    return tuple(_offer(module, case, legible(route), knobs) for route in islice(module.routes, _MOST_ROUTES))
+    try:
+        routes = gate.routes(module.routes)[:_MOST_ROUTES]
+    except Exception as problem:  # they may also be a property that fails
+        return (Offer("", (), "crashed", sentence(problem)),)
+    return tuple(_offer(module, case, legible(route), knobs) for route in routes)
 
 
 def survey_of_cases(cases: tuple[Case, ...], name: str, knobs: str) -> tuple[tuple[Offer, ...], ...]:
@@ -229,12 +234,11 @@ def attempt(
         motion = clocked_motion() if clocked_motion else run_on_clock(module, case, row.route, row.setting)
     except NotSupported as refusal:
         return replace(row, outcome="unsupported", reason=legible(refusal))
-    except EngineFailure as failure:
-        return replace(row, outcome="crashed", reason=sentence(failure).removeprefix("EngineFailure: "))
     except (ImportError, MemoryError, OSError):
         raise
     except (Exception, SystemExit) as problem:
-        return replace(row, outcome="crashed", reason=sentence(problem))
+        owned_folder.check_usable(Path.cwd())  # of a full disk an engine may make an error of its own
+        return replace(row, outcome="crashed", reason=sentence(problem).removeprefix("EngineFailure: "))
     row = replace(row, status=legible(motion.status), cost=motion.cost)
     if not validation.sound(motion):
         return replace(row, outcome="crashed", reason=f"it gave {validation.UNSOUND}")

@@ -159,7 +159,11 @@ def test_a_fault_of_the_folder_for_temporary_files_is_no_answer(fault, tmp_path,
         if fault == "gone":
             shutil.rmtree(tmp_path / "folder")
         with full_disk() if fault == "full" else nullcontext(), pytest.raises(OSError, match="TMPDIR"):
-            list(pool.run(remove_and_fail, [(tmp_path / "folder",)]) if "call" in fault else pool.run(misbehave, [("work",)]))
+            list(
+                pool.run(remove_and_fail, [(tmp_path / "folder",)])
+                if "call" in fault
+                else pool.run(misbehave, [("work",)])
+            )
     finally:
         pool.close()
 

@@ -54,7 +54,7 @@ class Display:
 
     def __init__(self, usual: Mapping[str, float] | None = None, console: Console | None = None):
         self._usual = dict(usual or {})
-        self._console = console or Console(stderr=True)
+        self._console = console or Console(file=getattr(sys.stderr, "direct", sys.stderr))
         self._bars = Bars(
             TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[remaining]}"), TimeElapsedColumn(),
             console=self._console, transient=True, disable=not self._console.is_terminal,

@@ -57,8 +57,9 @@ class CallResult:
     """The result of a call.
 
     `outcome`: "done" (then `value` is valid), "raised", "died", "timed_out", or "lost" if the worker could not make it
-    (a pool makes it again); `reason`: one sentence for the last four; `output`: the end of what the call printed; `lasting`: whether the call itself caused the outcome, so that it
-    would occur again; `when`: the time of the call, or ""."""
+    (a pool makes it again); `reason`: one sentence for the last four; `output`: the end of what the call printed;
+    `lasting`: whether the call itself caused the outcome, so that it would occur again; `when`: the time of the call,
+    or ""."""
 
     outcome: str
     value: Any = None

@@ -12,7 +12,6 @@ import itertools
 import multiprocessing
 import os
 import pickle
-import shutil
 import signal
 import sys
 import tempfile
@@ -201,9 +200,9 @@ class _Worker:
 
     def __init__(self, folder: Path, group: str, known_run: bool, preload: str = ""):
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
-        self.folder = Path(tempfile.mkdtemp(dir=folder))
+        self._scratch = owned_folder.TemporaryFolder(folder)
         self.pipe, far_end = context.Pipe()
-        process_args = far_end, str(self.folder), os.getpid(), group, known_run, preload
+        process_args = far_end, str(self._scratch.path), os.getpid(), group, known_run, preload
         self.process = context.Process(target=serve, args=process_args, daemon=True)
         with _start_environment(versions.paths(group)):
             self.process.start()
@@ -252,7 +251,7 @@ class _Worker:
         if self.alive:
             self.had_folder = False
             with suppress(OSError):
-                owned_folder.check_usable(self.folder)
+                owned_folder.check_usable(self._scratch.path)
                 self.had_folder = True
         return self.had_folder
 
@@ -297,7 +296,7 @@ class _Worker:
                 self.process.kill()
         self.process.join(5.0)
         self.pipe.close()
-        shutil.rmtree(self.folder, ignore_errors=True)
+        self._scratch.remove()
 
     def _wait_for_end(self, patience: float) -> CallResult | None:
         """Wait for the process's end, at most `patience` seconds, and end its group; None if it still runs."""

@@ -21,6 +21,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 
 import cases
+from cases.errors import printable
 
 # Allowed kinds of an array's elements: booleans, signed and unsigned integers, floats.
 _ELEMENTS = "biuf"
@@ -66,14 +67,14 @@ def unpack(kind: Any, data: Any, arrays: Sequence[bytes]) -> Any:
     # A count written as 100.0 is a count.
     if kind is int and type(data) is float and data.is_integer():
         return int(data)
-    if type(data) is not kind:
+    if type(data) is not kind or (kind is str and printable(data) != data):
         raise ValueError(f"{data!r} is not a {getattr(kind, '__name__', kind)}")
     return data
 
 
 def _unpack_union(kinds: tuple, data: Any, arrays: Sequence[bytes]) -> Any:
     if type(data) in kinds:
-        return data
+        return unpack(type(data), data, arrays)
     others = [kind for kind in kinds if kind is not NoneType]
     if len(others) != 1:
         raise ValueError(f"{data!r} has none of the types {kinds}")

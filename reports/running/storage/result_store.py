@@ -19,7 +19,7 @@ from math import inf
 from pathlib import Path
 from typing import Any, TypeVar
 
-from cases import owned_folder
+from cases import UnknownName, owned_folder, user_files
 
 from ..records import now
 from .fingerprint import Key, digest
@@ -70,10 +70,10 @@ class Store:
             data, arrays = _read(path)
             if data["key"] != key:
                 raise ValueError("it has another key")
-            value, when = unpack(record, data["record"], arrays), str(data["when"])
+            value, when = unpack(record, data["record"], arrays), unpack(str, data["when"], ())
             with suppress(OSError):
                 os.utime(path)  # marks the file as used recently
-        except (FileNotFoundError, NotADirectoryError):
+        except UnknownName:
             return None
         except Exception as problem:  # damage can raise anything; it is reported
             self._read_errors.append(f"{path.name} ({_sentence(problem)})")
@@ -170,7 +170,7 @@ def _archive(data: Mapping[str, Any], arrays: Sequence[bytes]) -> bytes:
 
 def _read(path: Path) -> tuple[dict[str, Any], list[bytes]]:
     """Read the content of an archive; a damaged file can raise anything."""
-    with zipfile.ZipFile(path) as archive:
+    with zipfile.ZipFile(io.BytesIO(user_files.content("stored result", path, _MOST_BYTES, follow=False))) as archive:
         # A member is read up to its declared size only.
         if sum(member.file_size for member in archive.infolist()) > _MOST_BYTES:
             raise ValueError(f"it claims to hold more than {_MOST_BYTES / 1e6:.0f} MB")

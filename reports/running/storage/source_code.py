@@ -65,10 +65,8 @@ def routes_of(engine: str) -> tuple[str, ...]:
         for package in _packages(line):
             if importlib.util.find_spec(package) is None:
                 raise ImportError(f"No module named {package!r}")
-    try:
-        return tuple(map(str, literal_of(engine, "routes") or ()))
-    except TypeError:
-        return ()
+    routes = literal_of(engine, "routes")
+    return tuple(map(str, routes)) if isinstance(routes, tuple | list) else ()
 
 
 def literal_of(engine: str, name: str) -> Any:
