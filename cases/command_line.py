@@ -104,7 +104,7 @@ class _InertStream:
 @contextmanager
 def _inert_streams() -> Iterator[None]:
     """A context manager in which names of files, and all else that a command prints, are only text."""
-    with redirect_stdout(_InertStream(sys.stdout)), redirect_stderr(_InertStream(sys.stderr)):  # type: ignore[type-var]
+    with redirect_stdout(_InertStream(sys.stdout)), redirect_stderr(_InertStream(sys.stderr)):
         yield
 
 

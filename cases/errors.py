@@ -132,8 +132,7 @@ def point(what: str, value: object) -> tuple[float, float]:
     pair = items(what, value)
     if len(pair) != 2:
         raise BadValue(f"{what} is {value!r}; give a pair of numbers (x, y)")
-    x, y = pair
-    return finite(f"x of the {what}", x), finite(f"y of the {what}", y)
+    return finite(f"x of the {what}", pair[0]), finite(f"y of the {what}", pair[1])
 
 
 def positive_or_infinite(what: str, value: object) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from .contact_names import CONTACT, FIRST
 from .errors import BadValue, unknown_name, whole
 from .owned_folder import atomic_path
+from .user_files import place
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -391,9 +392,10 @@ class Trajectory:
         """Write that table with all digits, and an empty cell for a missing value (slip in flight); returns the path.
 
         `python -m reports.compare` and `--trajectory` read such files."""
-        with atomic_path(Path(path)) as partial:
+        file = place("file", path)
+        with atomic_path(file) as partial:
             self.to_frame(count).to_csv(partial, index=False)
-        return Path(path)
+        return file
 
     def plot(self, *quantities: str, colour: str | None = None) -> Picture:
         """A picture of the scene, if the case is known, and of quantities against time.

@@ -115,6 +115,22 @@ def test_a_replaced_function_is_named(place, name, canary, monkeypatch):
     assert canary.change() == ""
 
 
+@pytest.mark.parametrize(
+    ("module", "name", "value"), [("grades", "LIMITS", {"excellent": 1e9}), ("grades", "USUAL_FRICTION", (0.0, 9.0))]
+)
+def test_a_changed_limit_of_judging_is_named(module, name, value, canary, monkeypatch):
+    """Of a table the content counts, too: with the first an engine 13 % off was excellent."""
+    judging = importlib.import_module(f"reports.judging.{module}")
+    assert canary.change() == ""
+    with monkeypatch.context() as patch:
+        if isinstance(value, dict):
+            patch.setitem(getattr(judging, name), judging.Grade.EXCELLENT, 1e9)
+        else:
+            patch.setattr(judging, name, value)
+        assert canary.change().startswith(f"reports.judging.{module}.{name} was ")
+    assert canary.change() == ""
+
+
 def test_a_late_import_that_is_stored_as_it_is_is_no_replacement(canary, monkeypatch):
     monkeypatch.setitem(vars(reference), "simulate", reference.simulate)
     assert canary.change() == ""

@@ -122,7 +122,7 @@ def test_a_folder_out_of_form_is_one_sentence(hand_in, poses, tmp_path):
     with pytest.raises(CaseError, match="there is no folder"):
         submissions.read(tmp_path / "nowhere")
     (folder / "submission.toml").write_bytes(b"who = \xff")
-    with pytest.raises(CaseError, match="is not TOML"):
+    with pytest.raises(CaseError, match="is no TOML text"):
         submissions.read(folder)
     for odd in ("creep = " + "[" * 8000, "creep = " + "9" * 5000):
         (folder / "submission.toml").write_text(odd)
