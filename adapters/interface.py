@@ -104,6 +104,24 @@ class EngineFailure(RuntimeError):
     """The engine ran without a usable motion: it stopped with an error, or its numbers are not finite."""
 
 
+class Refusal(str):
+    """Why a route does not support a case, in one sentence: the engine cannot, or its adapter does not yet.
+
+    `limit`: which documented limit of the engine says so, in a phrase; "" if the adapter does not do it yet. A plain
+    text of an adapter is of the latter kind.
+    """
+
+    limit: str
+
+    def __new__(cls, reason: str, limit: str = "") -> Refusal:
+        self = super().__new__(cls, reason)
+        self.limit = limit
+        return self
+
+    def __reduce__(self):
+        return Refusal, (str(self), self.limit)
+
+
 # What routes of these names have that is not their engine's.
 _OUR_PARTS = {
     "assisted": "our contact geometry around {}'s step",

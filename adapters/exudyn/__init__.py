@@ -15,6 +15,10 @@ with redirect_stdout(StringIO()):  # the import prints which build it is
     import exudyn as _  # noqa: F401
 
 from .adapter import (  # noqa: E402
+    BELTS_AND_SUPPORTS,
+    CORNERS,
+    DRIVEN_CONTACTS,
+    FIXED_ROTATION_AND_SUPPORTS,
     NAME,
     SEVERAL_CONTACTS,
     SEVERAL_PLATES,
@@ -36,6 +40,10 @@ from .meanings import MEANINGS  # noqa: E402
 
 __all__ = [
     "MEANINGS",
+    "BELTS_AND_SUPPORTS",
+    "CORNERS",
+    "DRIVEN_CONTACTS",
+    "FIXED_ROTATION_AND_SUPPORTS",
     "NAME",
     "SEVERAL_CONTACTS",
     "SEVERAL_PLATES",

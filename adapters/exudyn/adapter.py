@@ -26,20 +26,34 @@ the sixth rung, with the same or up to three times smaller errors; at the fourth
 from __future__ import annotations
 
 from itertools import product
-from math import ceil, hypot, sqrt
+from math import ceil, hypot, inf, sqrt
 
 import exudyn as exu
 import numpy as np
 
-from cases import Belt, Case, Cost, CoulombFriction, Drive, Flight, Gravity, Impact, Load, PerfectlyRough, Unilateral
+from cases import (
+    Belt,
+    Case,
+    Chain,
+    Cost,
+    CoulombFriction,
+    Drive,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    Unilateral,
+)
 from cases.contact import start_motion
+from cases.contact_limits import touches_by_features
 from cases.errors import unknown_name
-from cases.line_or_circle import as_line
+from cases.free_plates import plates_of
 from cases.moving_frame import relative_case
 
 from ..common import driven_tracks
-from ..interface import Setting
-from . import constraints, free_plates, integrator, native, older_versions
+from ..interface import Refusal, Setting
+from . import constraints, free_plates, integrator, native, older_versions, rolls, supports
 from .reader import ExudynModel, read
 from .system import scales
 
@@ -65,11 +79,13 @@ KNOWN = "exudyn>=1.7"
 
 # The effects that this adapter implements; all others are reported as unsupported, by name.
 KNOWN_EFFECTS = (Gravity, Load, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Belt, Drive)
-# Routes whose contact law is the suite's, with a coefficient that may depend on the slip velocity.
-SLIP_LAWS = ("integrator",)
+# Routes with a coefficient that may depend on the slip velocity.
+SLIP_LAWS = ("native", "integrator")
 
 # Routes that have further fixed curves, and report each contact with them.
-SUPPORTS = SEVERAL_CONTACTS = ("native",)
+SUPPORTS = SEVERAL_CONTACTS = BELTS_AND_SUPPORTS = FIXED_ROTATION_AND_SUPPORTS = DRIVEN_CONTACTS = ("native",)
+# Routes that have the corners of a plate.
+CORNERS = ("native",)
 # Routes that have several plates.
 SEVERAL_PLATES = ("native",)
 
@@ -137,22 +153,23 @@ def refuses(case: Case, route: str) -> str | None:
         raise unknown_name("route of exudyn", route, routes)
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
-        return f"Exudyn's contacts do not support {' and '.join(missing)}."
+        return Refusal(
+            f"Exudyn's contacts do not support {' and '.join(missing)}.", "no such parameter in its contact objects"
+        )
     if case.others:
         return free_plates.refuses(case)
-    if not case.plate.turns:
-        return "Exudyn's rigid bodies have a finite inertia, and this plate does not turn."
+    if not case.plate.turns and route != "native":
+        return Refusal("The inertia in this route's mass matrix is finite, and this plate does not turn.")
     friction = case.effect(CoulombFriction)
-    if friction and friction.by_speed and route not in SLIP_LAWS:
-        return "Exudyn's contacts have one friction coefficient for all slip velocities."
     if friction and friction.stick != friction.at_rest:
-        return "Exudyn's contacts have one friction coefficient; mu_static cannot differ from mu."
-    belt = case.effect(Belt)
-    if belt and route == "native":
-        return "Exudyn's contact objects have no surface that runs along a track at rest."
-    problem = driven_tracks.refuses(case) or (native.refuses(case) if route == "native" else None)
-    if problem or route == "native":
-        return problem
+        return Refusal(
+            "Exudyn's contacts have one friction coefficient; mu_static cannot differ from mu.",
+            "dynamicFriction of its contacts; staticFrictionOffset of its roll fades with the slip velocity",
+        )
+    if problem := driven_tracks.refuses(case):
+        return Refusal(problem)
+    if route == "native":
+        return native.refuses(relative_case(case))
     if case.effect(Impact):
         return (
             "The contact law given to Exudyn has a damper and no restitution, and its steps are longer than an impact: "
@@ -163,9 +180,9 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    if case.supports or case.others:
+    if touches_by_features(case) or case.others:
         return None
-    return "Exudyn's contact of a disc with a curve has one place; give the places as supports."
+    return Refusal("Exudyn's contact of a disc with a curve has one place; give the places as supports.")
 
 
 # --- settings -------------------------------------------------------------------------------------------------------
@@ -233,22 +250,22 @@ def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: in
         return Setting.of(**rung, solver="GeneralizedAlpha", newton="full", h=step)
     # Without a bound friction is very stiff, and the trapezoidal rule would let it oscillate.
     solver = "GeneralizedAlpha" if case.effect(PerfectlyRough) else "TrapezoidalIndex2"
-    knobs = dict(k=_round(k * stiffness), vreg=_round(vreg * length / time))
-    if case.effect(CoulombFriction) and _slip_may_reverse(case) and not case.others:
+    most = min(plate.mass for plate in plates_of(case)) / step**2 if _needs_resolved_spring(case, route) else inf
+    knobs = dict(k=_round(min(k * stiffness, most)), vreg=_round(vreg * length / time))
+    if case.effect(CoulombFriction) and route == "integrator":
         knobs["cut"] = CUTOFF
     return Setting.of(**rung, solver=solver, newton="full", h=step, **knobs)
 
 
-def _slip_may_reverse(case: Case) -> bool:
-    """Whether the slip may pass through zero, so that `cut` has an effect.
+def _needs_resolved_spring(case: Case, route: str) -> bool:
+    """Whether a step must not be longer than the period of the contact's spring over 2 pi.
 
-    A disc on a straight track without a load has constant forces while it slips: the slip grows, or falls to zero and
-    stays there. Without the request, a Python function in every Newton iteration, such a run takes a quarter less CPU
-    time with the same digits. Elsewhere it is needed: in `disc_in_circle[mu=0.1]` and `driven_disc` the error is 20 to
-    270 times larger without it.
+    A corner that lands, or one disc on another, is thrown back by a longer step: restitution was 2.2 instead of 0.8.
+    The engine's roll loses the plane then.
     """
-    steady = as_line(case.track) and case.plate.radius and not (case.effect(Load) or case.effect(Flight))
-    return not steady
+    friction = case.effect(CoulombFriction)
+    is_roll = friction is not None and friction.by_speed
+    return route == "native" and bool(case.others or is_roll or isinstance(case.plate.outline, Chain))
 
 
 def _round(value: float) -> float:
@@ -263,8 +280,19 @@ def build(case: Case, route: str, setting: Setting) -> ExudynModel:
     outside, case = case, relative_case(case)
     if _uses_constraint(case, route):
         return ExudynModel(case, route, setting, constraints.build(case, setting), outside)
-    maker = free_plates if case.others else native if route == "native" else integrator
-    return ExudynModel(case, route, setting, maker.build(case, setting), outside)
+    return ExudynModel(case, route, setting, _maker(case, route).build(case, setting), outside)
+
+
+def _maker(case: Case, route: str):
+    """The module that builds a case without a constraint."""
+    if route != "native":
+        return integrator
+    friction = case.effect(CoulombFriction)
+    if case.others:
+        return free_plates
+    if friction and friction.by_speed:
+        return rolls
+    return supports if touches_by_features(case) else native
 
 
 def run(model: ExudynModel) -> None:

@@ -12,21 +12,19 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, CoulombFriction, Flight, PerfectlyRough, Unilateral
+from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import follow, slip_velocity, start_motion
 from cases.line_or_circle import as_circle, as_line
 
 from ..common.flights import BEYOND
-from ..interface import Setting
+from ..interface import Refusal, Setting
+from .bodies import add_load, add_plate, ground, node_sensors
 from .system import (
     ExudynContact,
     ExudynSystem,
     SensorData,
-    disc_body,
     disc_circle,
     external_forces,
-    ground,
-    node_sensors,
 )
 
 
@@ -36,12 +34,18 @@ def suits(case: Case) -> bool:
     return rough or (bilateral and case.effect(CoulombFriction) is None)
 
 
-def refuses(case: Case) -> str | None:
+def refuses(case: Case) -> Refusal | None:
     """The reason, in one sentence, why no constraint of the engine models the case, or None."""
     if case.effect(Flight):
-        return "Exudyn's rolling joint never opens; it has no perfectly rough contact for a plate that may fly."
+        return Refusal(
+            "Exudyn's rolling joint never opens; it has no perfectly rough contact for a plate that may fly.",
+            "ObjectJointRollingDisc is a constraint",
+        )
     if case.effect(PerfectlyRough) and as_line(case.track) is None:
-        return "Exudyn's rolling joint is for straight lines only, and this perfectly rough track is none."
+        return Refusal(
+            "Exudyn's rolling joint is for straight lines only, and this perfectly rough track is none.",
+            "ObjectJointRollingDisc rolls on a plane",
+        )
     return None
 
 
@@ -49,9 +53,12 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
     """Build the disc with its constraint; the reader ends a unilateral contact where the joint would have to pull."""
     container = exu.SystemContainer()
     system = container.AddSystem()
-    node, disc = disc_body(case, start_motion(case), system)
-    line, circle = as_line(case.track), as_circle(case.track)
-    radius = disc_circle(case).radius
+    node, body = add_plate(system, case.plate, start_motion(case), case.effect(Gravity))
+    if load := case.effect(Load):
+        add_load(system, body, load)
+    line, circle, own = as_line(case.track), as_circle(case.track), disc_circle(case)
+    radius = own.radius
+    disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[*own.centre.tolist(), 0.0]))
     if line:
         # Tangential along the axis, tangential along the track, normal.
         axes = [0, 1, 1] if case.effect(PerfectlyRough) else [0, 0, 1]

@@ -14,33 +14,35 @@ import exudyn as exu
 import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, Cost, CoulombFriction, Gravity, PerfectlyRough, Plate, Trajectory
+from cases import Case, Cost, CoulombFriction, Gravity, PerfectlyRough, Trajectory
 from cases.free_plates import PlateContact, gap_of, plate_contacts, plates_of, start_poses
 from cases.mechanics import gravity
 
 from ..common import facets
 from ..common.plate_contacts import with_plates
-from ..interface import EngineFailure, Setting
+from ..interface import EngineFailure, Refusal, Setting
 from . import older_versions
-from .native import contact_law, triangle_between
-from .system import critical_damping, ground, node_sensors
+from .bodies import add_plate, force_sensor, ground, node_sensors
+from .contacts import contact_law, triangle_between
 
-# The longest step within an impact, in periods of the contact's spring over 2 pi: restitution is met to a thousandth.
-IMPACT = 0.05
 # An impact takes some periods of the spring.
 IMPACT_PERIODS = 2.0
-# A closed contact whose gap changes faster than gravity changes it in so many of these periods is in an impact.
-SETTLED = 10.0
 
 
-def refuses(case: Case) -> str | None:
+def refuses(case: Case) -> Refusal | None:
     """The reason, in one sentence, why the engine has no contact for a case with several plates, or None."""
     for contact in plate_contacts(case):
         friction = contact.effect(CoulombFriction)
         if contact.effect(PerfectlyRough):
-            return "Exudyn has no perfectly rough contact for a plate that may fly; its rolling joint never opens."
+            return Refusal(
+                "Exudyn has no perfectly rough contact for a plate that may fly; its rolling joint never opens.",
+                "ObjectJointRollingDisc is a constraint",
+            )
         if friction and (friction.by_speed or friction.stick != friction.mu):
-            return "Exudyn's contacts have one friction coefficient, for slip and stick and all slip velocities."
+            return Refusal(
+                "Exudyn's contacts have one friction coefficient, for slip and stick and all slip velocities.",
+                "dynamicFriction of ObjectContactSphereSphere and ObjectContactSphereTriangle",
+            )
     for name in ("ObjectContactSphereSphere", "ObjectContactSphereTriangle"):
         if problem := older_versions.contact_object(name):
             return problem
@@ -63,35 +65,14 @@ def build(case: Case, setting: Setting) -> PlatesSystem:
     container = exu.SystemContainer()
     system = container.AddSystem()
     starts = start_poses(case)
-    bodies = [_body(case, system, *each) for each in zip(plates_of(case), starts.tolist(), strict=True)]
-    discs = [disc for _, disc in bodies]
+    pull = case.effect(Gravity)
+    bodies = [add_plate(system, *each, pull) for each in zip(plates_of(case), starts.tolist(), strict=True)]
+    discs = [system.AddMarker(item.MarkerBodyRigid(bodyNumber=body)) for _, body in bodies]
     numbers = [_contact(case, setting, system, discs, contact, starts) for contact in plate_contacts(case)]
-    kind = exu.OutputVariableType.Force
-    forces = [
-        system.AddSensor(item.SensorObject(objectNumber=number, outputVariableType=kind, storeInternal=True))
-        for number in numbers
-    ]
+    forces = [force_sensor(system, number) for number in numbers]
     motions = tuple(node_sensors(system, node) for node, _ in bodies)
-    _resolve_impacts(case, setting, system)
     system.Assemble()
     return PlatesSystem(container, system, motions, tuple(forces))
-
-
-def _body(case: Case, system, plate: Plate, start: list[float]) -> tuple[int, int]:
-    """Add a plate at its start (x, y, θ, vx, vy, ω); returns its node and a marker at its centre."""
-    node = system.AddNode(item.NodeRigidBody2D(initialCoordinates=start[:3], initialVelocities=start[3:]))
-    inertia = plate.inertia if plate.turns else plate.mass * plate.reach**2
-    body = system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, **older_versions.rigid_body(plate.mass, inertia)))
-    if not plate.turns:
-        origin = system.AddNode(item.NodePointGround())
-        still = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=origin, coordinate=0))
-        angle = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=2))
-        system.AddObject(item.ObjectConnectorCoordinate(markerNumbers=[still, angle]))
-    pull = case.effect(Gravity)
-    if pull:
-        mass = system.AddMarker(item.MarkerBodyMass(bodyNumber=body))
-        system.AddLoad(item.LoadMassProportional(markerNumber=mass, loadVector=[*pull.vector, 0.0]))
-    return node, system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
 
 
 def _contact(case: Case, setting: Setting, system, discs: list[int], contact: PlateContact, starts: np.ndarray) -> int:
@@ -100,7 +81,7 @@ def _contact(case: Case, setting: Setting, system, discs: list[int], contact: Pl
     own = plates_of(case)[contact.body]
     acting = replace(case, effects=contact.effects)
     gap = gap_of(contact, starts)
-    law = contact_law(acting, setting, system, critical_damping(_moved_mass(case, contact), setting), gap)
+    law = contact_law(acting, setting, system, _moved_mass(case, contact), gap)
     if contact.base is None:
         assert contact.line is not None, "checked by the case"
         contact_object: Any = item.ObjectContactSphereTriangle(
@@ -119,35 +100,6 @@ def _contact(case: Case, setting: Setting, system, discs: list[int], contact: Pl
             **law,
         )
     return int(system.AddObject(contact_object))
-
-
-def _resolve_impacts(case: Case, setting: Setting, system) -> None:
-    """Repeat a step that is too long for an impact within it with a shorter one.
-
-    The engine ends a step where a contact closes, but passes through the contact with its ordinary step: with h over
-    the period of the contact's spring, restitution was 2.2 instead of 0.8. A closed contact is in an impact while it
-    moves faster than gravity alone moves the plates on it.
-    """
-    poses, time_of = system.systemData.GetODE2Coordinates, system.systemData.GetTime
-    begin, current, accept = exu.ConfigurationType.StartOfStep, exu.ConfigurationType.Current, [0.0, -1.0]
-    pull = float(np.hypot(*gravity(case)))
-    contacts = [(one, 1.0 / sqrt(setting["k"] / _moved_mass(case, one))) for one in plate_contacts(case)]
-
-    def ask(_system, time: float) -> list[float]:
-        """[error, step to repeat with], or [0, -1] to accept the step."""
-        after = poses(current).reshape(-1, 3).tolist()
-        closed = [(one, period, gap) for one, period in contacts if (gap := gap_of(one, after)) < 0.0]
-        if not closed:
-            return accept
-        before, step = poses(begin).reshape(-1, 3).tolist(), time - time_of(begin)
-        shortest = step
-        for one, period, gap in closed:
-            if abs(gap - gap_of(one, before)) > SETTLED * pull * period * step and step > IMPACT * period:
-                shortest = min(shortest, 0.9 * IMPACT * period)
-        # Any error above the solver's tolerance of 1 makes it repeat the step.
-        return [10.0, shortest] if shortest < step else accept
-
-    system.SetPostNewtonUserFunction(ask)
 
 
 def _moved_mass(case: Case, contact: PlateContact) -> float:

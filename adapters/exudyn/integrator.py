@@ -20,16 +20,15 @@ from cases.mechanics import gravity
 
 from ..common.flights import BEYOND, Follower
 from ..interface import Setting
+from .bodies import node_sensors
 from .system import (
     ExudynContact,
     ExudynSystem,
     SensorData,
     critical_damping,
     friction_coefficient,
-    node_sensors,
     rough_friction,
     static_start,
-    steps_until,
 )
 
 
@@ -223,3 +222,36 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
     motion = node_sensors(system, node)
     system.Assemble()
     return ExudynSystem(container, system, motion, None, law.follow)
+
+
+def steps_until(case: Case, setting: Setting, system, slip: Callable[[Any], float]) -> None:
+    """With `cut` in the setting, repeat a step in which the slip changes its sign with a smaller step.
+
+    Friction changes sign within such a step, and the trapezoidal rule gives each side half of the step wherever the
+    crossing is: a contact that should stick then slips backward, by up to h/2 of the acceleration, and where friction
+    is near its bound it takes many steps to come to rest. The engine lets a user function request another step size, as
+    its contacts do where they close (`SetPostNewtonUserFunction`). This function requests the step to the zero of the
+    slip, interpolated from `slip` (m/s) at the step's beginning and end, but at least the share `cut` of h; a slip
+    below vreg sticks anyway.
+    """
+    if "cut" not in setting:
+        return
+    smallest, vreg = setting["cut"] * setting["h"], setting["vreg"]
+    time_of, begin, end = system.systemData.GetTime, exu.ConfigurationType.StartOfStep, exu.ConfigurationType.Current
+    sign, accept = copysign(1.0, case.start.slip), [0.0, -1.0]
+
+    def ask(_system, time: float) -> list[float]:
+        """[error, step to repeat with], or [0, −1] to accept the step."""
+        nonlocal sign
+        slip_after = slip(end)
+        if slip_after * sign >= 0.0 or abs(slip_after) <= vreg:
+            return accept
+        slip_before, step = slip(begin), time - time_of(begin)
+        sign = copysign(1.0, slip_after)
+        if slip_before * slip_after >= 0.0 or step <= smallest:
+            return accept
+        sign = copysign(1.0, slip_before)
+        # Any error above the solver's tolerance of 1 makes it repeat the step.
+        return [10.0, max(step * abs(slip_before) / (abs(slip_before) + abs(slip_after)), smallest)]
+
+    system.SetPostNewtonUserFunction(ask)

@@ -13,19 +13,21 @@ from typing import Any
 import exudyn as exu
 import exudyn.itemInterface as item
 
+from ..interface import Refusal
+
 # Until 1.11 a solver that gives up raises one of Python's own exceptions.
 ERRORS: tuple[type[Exception], ...] = (
     (exu.ExudynError,) if hasattr(exu, "ExudynError") else (RuntimeError, SystemError, ValueError)
 )
 
 
-def contact_object(name: str) -> str | None:
+def contact_object(name: str) -> Refusal | None:
     """Why one of the engine's contact objects cannot be used, in one sentence, or None."""
-    return None if hasattr(item, name) else f"Exudyn {exu.__version__} has no {name}."
+    return None if hasattr(item, name) else Refusal(f"Exudyn {exu.__version__} has no {name}.", "its list of items")
 
 
-def rigid_body(mass: float, inertia: float) -> dict[str, float]:
-    """Mass and inertia as keywords of ObjectRigidBody2D: `physicsMass` and `physicsInertia` until 1.11."""
+def rigid_body(mass: float, inertia: float | list[float]) -> dict[str, Any]:
+    """Mass and inertia as keywords of rigid bodies: `physicsMass` and `physicsInertia` until 1.11."""
     if _has(item.ObjectRigidBody2D, "mass"):
         return dict(mass=mass, inertia=inertia)
     return dict(physicsMass=mass, physicsInertia=inertia)

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Cost, Curve, Flight, PerfectlyRough, State, Trajectory, Unilateral
+from cases import Case, Cost, Curve, Flight, PerfectlyRough, Trajectory, Unilateral
 from cases.contact import start_motion
-from cases.contact_pairs import pairs
 
 from ..common.driven_tracks import to_fixed_frame
 from ..common.flights import LANDING_REASON, LIFT_OFF_REASON, flights, lands_for_good
-from ..common.support_contacts import with_supports
 from ..interface import EngineFailure, Setting
-from . import free_plates
+from . import free_plates, supports
 from .free_plates import PlatesSystem
-from .system import ExudynContact, ExudynSystem, SensorData, disc_circle, rough_friction, scales
+from .supports import SupportsSystem
+from .system import ExudynContact, ExudynSystem, SensorData, planar_data, rough_friction, scales
 
 # Columns of the normal and the friction force in a row of a trajectory; and all columns that only a contact has.
 _FORCES, _TOUCH = slice(8, 10), slice(7, 12)
@@ -33,7 +32,7 @@ class ExudynModel:
     case: Case
     route: str
     setting: Setting
-    system: ExudynSystem | PlatesSystem
+    system: ExudynSystem | PlatesSystem | SupportsSystem
     outside: Case
     cost: Cost = Cost()
     failure: str | None = None
@@ -43,9 +42,9 @@ def read(model: ExudynModel) -> Trajectory:
     """The run as a Trajectory, cut where the plate leaves its track. Raises EngineFailure if it is no motion."""
     if isinstance(model.system, PlatesSystem):
         return free_plates.read(model.case, model.setting, model.system, model.cost, model.failure)
-    data = _sensor_data(model.system)
-    if model.case.supports:
-        return _on_supports(model, model.system, data)
+    if isinstance(model.system, SupportsSystem):
+        return _on_supports(model, model.system)
+    data = model.system.in_plane(_sensor_data(model.system, model.system.force))
     t, contact = data.t, model.system.contact(data)
     count = len(contact.gap)
     rows = np.column_stack(
@@ -73,23 +72,12 @@ def read(model: ExudynModel) -> Trajectory:
     return to_fixed_frame(model.outside, motion)
 
 
-def _on_supports(model: ExudynModel, system: ExudynSystem, data: SensorData) -> Trajectory:
-    """The motion of a disc on several supports; the forces of all contacts act at its rim."""
+def _on_supports(model: ExudynModel, system: SupportsSystem) -> Trajectory:
+    data = planar_data(_sensor_data(system, None))
     if model.failure:
         raise EngineFailure(f"Exudyn stopped at {data.t[-1]:.4g} s: {model.failure}.")
-    case, nothing = model.case, np.full(len(data.t), np.nan)
-    force, moment = np.zeros((len(data.t), 2)), np.zeros(len(data.t))
-    numbers = [number for number in (system.force, *system.others) if number is not None]
-    for pair, number in zip(pairs(case), numbers, strict=True):
-        own = system.system.GetSensorStoredData(number)[:, 1:3]
-        force += own
-        moment += disc_circle(case).radius * (own @ pair.track.tangent(0.0))
-    columns = (*data.pose.T, *data.velocity.T, *[nothing] * 5)
-    whole: dict[str, Any] = dict(zip(State._fields, columns, strict=True))
-    creep = _creep(case, model.setting, nothing)
-    motion = Trajectory(t=data.t, **whole, cost=model.cost, slip_resolution=creep)
-    torsor = np.column_stack([force, moment])
-    return with_supports(case, motion, clear_gap(case, model.setting), torsor, slip_lever=0.5)
+    motion = supports.read(model.case, model.setting, system, data, clear_gap(model.case, model.setting))
+    return to_fixed_frame(model.outside, replace(motion, cost=model.cost))
 
 
 def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
@@ -100,14 +88,14 @@ def _creep(case: Case, setting: Setting, friction_force: np.ndarray) -> float:
     return vreg * max(1.0, float(np.abs(friction_force).max()) / rough_friction(case))
 
 
-def _sensor_data(system: ExudynSystem) -> SensorData:
+def _sensor_data(system: ExudynSystem | SupportsSystem, force_sensor: int | None) -> SensorData:
     """The run's arrays; raises EngineFailure if they are not finite."""
     pose, velocity = (system.system.GetSensorStoredData(sensor) for sensor in system.motion)
-    force = pose[:, :1] if system.force is None else system.system.GetSensorStoredData(system.force)
+    force = pose[:, :1] if force_sensor is None else system.system.GetSensorStoredData(force_sensor)
     # An unstable explicit run ends without an error.
     if not all(np.isfinite(table).all() for table in (pose, velocity, force)):
         raise EngineFailure("Exudyn's run diverged: its coordinates are not finite numbers.")
-    return SensorData(pose[:, 0], pose[:, 1:4], velocity[:, 1:4], force[:, 1:])
+    return SensorData(pose[:, 0], pose[:, 1:], velocity[:, 1:], force[:, 1:])
 
 
 class MotionEnd(NamedTuple):

@@ -7,18 +7,15 @@ from dataclasses import dataclass
 from math import copysign, hypot, isnan, sqrt
 from typing import Any, NamedTuple
 
-import exudyn as exu
-import exudyn.itemInterface as item
 import numpy as np
 
-from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, Unilateral
+from cases import Case, CoulombFriction, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import MotionPoint, belt_speed, start_motion
 from cases.line_or_circle import Circle
 from cases.mechanics import gravity as gravity_of
 
 from ..common.facets import round_plate
 from ..interface import Setting
-from . import older_versions
 
 
 @dataclass(frozen=True)
@@ -46,12 +43,17 @@ class SensorData(NamedTuple):
     force: np.ndarray
 
 
+def planar_data(data: SensorData) -> SensorData:
+    """The data of sensors of a body in the plane: its three coordinates."""
+    return data._replace(pose=data.pose[:, :3], velocity=data.velocity[:, :3])
+
+
 @dataclass(frozen=True)
 class ExudynSystem:
     """An assembled system in the container that owns it.
 
     `motion`: the sensors of pose and velocity; `force`: the sensor of the contact's forces, if there is one; `contact`:
-    a function that computes the contact from their data; `others`: the sensors of the forces of further supports.
+    a function that computes the contact from their data; `in_plane`: a function that gives data in the plane of motion.
     """
 
     container: Any
@@ -59,16 +61,7 @@ class ExudynSystem:
     motion: tuple[int, int]
     force: int | None
     contact: Callable[[SensorData], ExudynContact]
-    others: tuple[int, ...] = ()
-
-
-def node_sensors(system, node: int) -> tuple[int, int]:
-    """Sensors that store a node's coordinates and velocities in memory."""
-    pose, velocity = (
-        system.AddSensor(item.SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True))
-        for kind in (exu.OutputVariableType.Coordinates, exu.OutputVariableType.Coordinates_t)
-    )
-    return pose, velocity
+    in_plane: Callable[[SensorData], SensorData] = planar_data
 
 
 def disc_circle(case: Case) -> Circle:
@@ -89,7 +82,7 @@ def static_start(case: Case, setting: Setting, depth: float = 1.0) -> MotionPoin
     """
     start, k = start_motion(case), setting.get("k")
     # With default settings the plate starts at the case's own pose.
-    if not k or setting.is_default or isnan(start.xi1_dot) or case.supports:
+    if not k or setting.is_default or isnan(start.xi1_dot):
         return start
     force, creep = first_force(case, start, setting["vreg"])
     penetration = force / k
@@ -151,49 +144,6 @@ def first_force(case: Case, start: MotionPoint, vreg: float) -> tuple[float, flo
     return force, share * vreg
 
 
-def disc_body(case: Case, start: MotionPoint, system) -> tuple[int, int]:
-    """Add the plate as a rigid body in the plane at a start, with gravity and load.
-
-    Returns its node, and a marker at the centre of its circle, which need not be the centre of mass.
-    """
-    plate, gravity, load, circle = case.plate, case.effect(Gravity), case.effect(Load), disc_circle(case)
-    node = system.AddNode(
-        item.NodeRigidBody2D(
-            initialCoordinates=[start.x, start.y, start.theta], initialVelocities=[start.vx, start.vy, start.omega]
-        )
-    )
-    body = system.AddObject(
-        item.ObjectRigidBody2D(nodeNumber=node, **older_versions.rigid_body(plate.mass, plate.inertia))
-    )
-    disc = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[*circle.centre.tolist(), 0.0]))
-    if gravity:
-        pull = [*gravity.vector, 0.0]
-        mass = system.AddMarker(item.MarkerBodyMass(bodyNumber=body))
-        system.AddLoad(item.LoadMassProportional(markerNumber=mass, loadVector=pull))
-    if load:
-
-        def now(system, time: float) -> list[float]:
-            state = system.systemData
-            return load.at(time, *state.GetODE2Coordinates(), *state.GetODE2Coordinates_t())
-
-        def force(system, time, _vector) -> list[float]:
-            return [*now(system, time)[:2], 0.0]
-
-        def moment(system, time, _vector) -> list[float]:
-            return [0.0, 0.0, now(system, time)[2]]
-
-        mass_marker = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
-        system.AddLoad(item.LoadForceVector(markerNumber=mass_marker, loadVectorUserFunction=force))  # type: ignore[arg-type]
-        system.AddLoad(item.LoadTorqueVector(markerNumber=mass_marker, loadVectorUserFunction=moment))  # type: ignore[arg-type]
-    return node, disc
-
-
-def ground(system, point: np.ndarray) -> int:
-    """Add a marker of the ground at a point of the plane."""
-    body = system.AddObject(item.ObjectGround(referencePosition=[*point, 0.0]))
-    return system.AddMarker(item.MarkerBodyRigid(bodyNumber=body))
-
-
 def external_forces(case: Case, data: SensorData) -> np.ndarray:
     """Gravity and load, the forces other than the contact's: (F_x, F_y) in N at the stored times, shape (n, 2)."""
     force, gravity, load = np.zeros((len(data.t), 2)), case.effect(Gravity), case.effect(Load)
@@ -207,49 +157,6 @@ def external_forces(case: Case, data: SensorData) -> np.ndarray:
 
 # Forces below this share of the weight are rounding, such as the force at a release on a vertical wall.
 NOTHING = 1e-9
-# Friction and gravity change the slip at some multiples of g (1 + mu); this multiple is above that of every plate.
-MOST_GRAVITIES = 20.0
-
-
-def steps_until(
-    case: Case, setting: Setting, system, slip: Callable[[Any], float], speed: Callable[[], float] | None = None
-) -> None:
-    """With `cut` in the setting, repeat a step in which the slip changes its sign with a smaller step.
-
-    Friction changes sign within such a step, and the trapezoidal rule gives each side half of the step wherever the
-    crossing is: a contact that should stick then slips backward, by up to h/2 of the acceleration, and where friction
-    is near its bound it takes many steps to come to rest. The engine lets a user function request another step size, as
-    its contacts do where they close (`SetPostNewtonUserFunction`). This function requests the step to the zero of the
-    slip, interpolated from `slip` (m/s) at the step's beginning and end, but at least the share `cut` of h; a slip
-    below vreg sticks anyway. `speed` gives the size of the slip at less cost, if the engine has it: a slip too fast to
-    be stopped within a step needs no check. (An impact may stop any slip, so a case with Flight does not use `speed`.)
-    """
-    if "cut" not in setting:
-        return
-    smallest, vreg = setting["cut"] * setting["h"], setting["vreg"]
-    time_of, begin, end = system.systemData.GetTime, exu.ConfigurationType.StartOfStep, exu.ConfigurationType.Current
-    sign, accept = copysign(1.0, case.start.slip), [0.0, -1.0]
-    fast = MOST_GRAVITIES * (1.0 + friction_coefficient(case)) * scales(case)[1] * setting["h"]
-    speed = None if case.effect(Flight) else speed
-
-    def ask(_system, time: float) -> list[float]:
-        """[error, step to repeat with], or [0, −1] to accept the step."""
-        nonlocal sign
-        # Called in every iteration; nearly always it ends here.
-        if speed and speed() > fast:
-            return accept
-        slip_after = slip(end)
-        if slip_after * sign >= 0.0 or abs(slip_after) <= vreg:
-            return accept
-        slip_before, step = slip(begin), time - time_of(begin)
-        sign = copysign(1.0, slip_after)
-        if slip_before * slip_after >= 0.0 or step <= smallest:
-            return accept
-        sign = copysign(1.0, slip_before)
-        # Any error above the solver's tolerance of 1 makes it repeat the step.
-        return [10.0, max(step * abs(slip_before) / (abs(slip_before) + abs(slip_after)), smallest)]
-
-    system.SetPostNewtonUserFunction(ask)
 
 
 def friction_coefficient(case: Case) -> float:

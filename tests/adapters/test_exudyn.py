@@ -118,6 +118,8 @@ def test_four_transitions_at_a_friction_of_a_fifth(route):
     sticking = np.abs(motion.slip) < motion.slip_resolution
     # The start, at rest, is a slip of zero too.
     changes = motion.t[1:][np.diff(sticking.astype(int)) != 0][1:]
+    # Without shorter steps at zero slip the engine's own contact swings through zero for two samples.
+    changes = changes[np.diff(changes, prepend=0.0) > 1e-4]
     # Stick ends where creep passes vreg, read at the next sample; half a millisecond is two steps of the coarser of
     # the two routes' finest rungs.
     assert changes == pytest.approx([time for time, _ in SEQUENCE], abs=5e-4)
@@ -133,11 +135,14 @@ def crossings(motion) -> int:
 @pytest.mark.parametrize("rung", [1, 3, 6])
 def test_wheel_driven_to_and_fro_rolls_in_between_if_steps_are_cut_where_its_slip_ends(rung):
     case = cases.load("driven_disc")
-    setting = exudyn.ladder(case, "native")[rung]
+    setting = exudyn.ladder(case, "integrator")[rung]
     uncut = setting.but(cut=None)
     exact = [(event.before, event.after) for event in reference.simulate(case).transitions]
     found, without = (
-        [(event.before, event.after) for event in slip_phases.read_transitions(solve(case, setting=s), 0.15)]
+        [
+            (event.before, event.after)
+            for event in slip_phases.read_transitions(solve(case, "integrator", setting=s), 0.15)
+        ]
         for s in (setting, uncut)
     )
     assert found == exact and without != exact
@@ -154,15 +159,15 @@ def test_slip_that_ends_in_stick_does_not_overshoot_to_the_other_side(rung):
 
 
 @pytest.mark.sampled(2)
-@pytest.mark.parametrize("route", exudyn.routes)
-def test_slip_that_reverses_leaves_less_error_if_steps_are_cut_there(route):
-    case = cases.load("disc_in_circle", mu=0.1)
+def test_slip_that_reverses_leaves_less_error_if_steps_are_cut_there():
+    case, route = cases.load("disc_in_circle", mu=0.1), "integrator"
     setting = exudyn.ladder(case, route)[-1]
+    assert not any("cut" in setting for setting in exudyn.ladder(case, "native"))
     uncut = setting.but(cut=None)
     truth = reference.simulate(case, rtol=1e-12)
     off = [float(np.hypot(m.x[-1] - truth.x[-1], m.y[-1] - truth.y[-1])) for m in
            (solve(case, route, setting=s) for s in (uncut, setting))]  # fmt: skip
-    # Measured 4.4e-5 and 2e-7 m natively, 1.1e-4 and 2.4e-5 m with our law.
+    # Measured 1.1e-4 and 2.4e-5 m.
     assert off[1] < 0.3 * off[0]
 
 
@@ -455,15 +460,3 @@ def test_steps_are_those_that_the_engine_took():
     asked = round(case.duration / setting["h"])
     assert motion.cost.steps == pytest.approx(len(motion.t), abs=1)
     assert motion.cost.steps > 1.5 * asked
-
-
-def test_a_slip_that_cannot_reverse_is_not_watched_and_gives_the_same_motion():
-    for label in ("disc_on_line[mu=0.1]", "disc_on_incline"):
-        case = cases.load(label)
-        setting = exudyn.ladder(case, "native")[4]
-        assert "cut" not in setting
-        plain, watched = (solve(case, setting=s) for s in (setting, setting.but(cut=0.01)))
-        assert len(plain.t) == len(watched.t)
-        assert np.array_equal(plain.x, watched.x) and np.array_equal(plain.slip, watched.slip)
-    for label in ("disc_in_circle[mu=0.1]", "driven_disc", "bouncing_disc", "eccentric_disc_on_line"):
-        assert "cut" in exudyn.ladder(cases.load(label), "native")[4]

@@ -1,0 +1,173 @@
+"""Exudyn's contact objects of a sphere with a straight line or a circle, and their law.
+
+A round plate is a sphere of its radius. A corner is a small sphere about it, and the surface lies behind its curve by
+the sphere's radius, so that the sphere touches the surface exactly where the corner touches the curve. Its friction
+acts on the sphere's rim: at a corner that turns without slipping the sphere rolls, by its radius times the angle.
+"""
+
+from __future__ import annotations
+
+from math import e, hypot, sqrt
+from typing import Any, NamedTuple
+
+import exudyn as exu
+import exudyn.itemInterface as item
+import numpy as np
+
+from cases import Belt, Case, Curve, Impact, Load
+from cases.contact import belt_speed, start_motion
+from cases.corner import Corner
+from cases.line_or_circle import as_circle, as_line
+from cases.mechanics import gravity
+
+from ..common import facets
+from ..common.flights import BEYOND, Follower
+from ..interface import Refusal, Setting
+from . import constraints, older_versions
+from .bodies import surface
+from .system import ExudynContact, SensorData, critical_damping, friction_coefficient, scales
+
+# An impact slower than this (m/s) is damped as if it had this speed, so that lasting contact comes to rest.
+SLOWEST_IMPACT = 1e-2
+# The depth of an impact in periods of the spring over 2 pi, critically damped or with restitution, and a fifth more: a
+# sphere whose centre passes the surface is lost.
+DAMPED_DEPTH, DEPTH = 1.2 / e, 1.2
+# A load or a belt may take the plate so many times farther than gravity does; positions then still have twelve digits.
+FAR = 100.0
+
+
+def refuses_curve(curve: Curve) -> Refusal | None:
+    """The reason why the engine has no contact of a sphere with a curve, or None."""
+    if as_line(curve) or as_circle(curve):
+        return None
+    return Refusal(
+        "Exudyn has smooth rolling contact on straight lines and circles only, and this adapter has no facets for this "
+        "track, which is neither."
+    )
+
+
+def refuses_belt(case: Case) -> Refusal | None:
+    """The reason why this adapter has no body for a case's belt, or None."""
+    belt = case.effect(Belt)
+    if belt is None or (belt.constant is not None and not constraints.suits(case)):
+        return None
+    return Refusal("A running surface is a heavy body here, for a constant speed and Coulomb's friction only.")
+
+
+class Sphere(NamedTuple):
+    """A sphere on a plate: its centre in the plate's frame and its radius, m, and how far the surface is moved back."""
+
+    u: float
+    v: float
+    radius: float
+    behind: float = 0.0
+
+    def centre(self, pose: np.ndarray) -> np.ndarray:
+        """Its centre along a motion of poses (n, 3), m, relative to the centre of mass, shape (n, 2)."""
+        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+        return np.column_stack([c * self.u - s * self.v, s * self.u + c * self.v])
+
+
+def sphere_of(feature: Any, case: Case, setting: Setting) -> Sphere:
+    """The sphere of a circle or a corner of the plate of a case, its scales those of the whole plate."""
+    if isinstance(feature, Corner):
+        radius = corner_radius(case, setting)
+        return Sphere(feature.x, feature.y, radius, radius)
+    circle = as_circle(feature)
+    assert circle is not None, "checked by `refuses`"
+    u, v = circle.centre.tolist()
+    return Sphere(u, v, circle.radius)
+
+
+def corner_radius(case: Case, setting: Setting) -> float:
+    """The radius (m) of the spheres at a plate's corners: the depth of the impact of a fall from the start."""
+    start, (length, acceleration) = start_motion(case), scales(case)
+    height = min(_height(support, start.x, start.y) for support in (case.track, *(s.curve for s in case.supports)))
+    pull = max(acceleration, float(np.hypot(*gravity(case))))
+    speed = sqrt(start.vx**2 + start.vy**2 + (start.omega * length) ** 2 + 2.0 * pull * (length + height))
+    impact = case.effect(Impact)
+    depth = DEPTH if impact and impact.restitution > 0.0 else DAMPED_DEPTH
+    return depth * speed * sqrt(case.plate.mass / setting["k"])
+
+
+def _height(curve: Curve, x: float, y: float) -> float:
+    """The distance of a point from a line or a circle, m."""
+    line, circle = as_line(curve), as_circle(curve)
+    if line:
+        return abs(float(line.direction[0] * (y - line.point[1]) - line.direction[1] * (x - line.point[0])))
+    assert circle is not None, "checked by `refuses`"
+    return abs(hypot(x - circle.centre[0], y - circle.centre[1]) - circle.radius)
+
+
+def add_contact(
+    case: Case, setting: Setting, system, body: int, sphere: Sphere, curve: Curve, law: dict, whole: Case
+) -> int:
+    """Add the contact of a sphere of a body with a line or a circle, with the belt of `case`; returns its number.
+    `whole`: the case whose plates move on the surface."""
+    plate = system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localPosition=[sphere.u, sphere.v, 0.0]))
+    markers = [plate, surface(system, curve, case)]
+    if line := as_line(curve):
+        ends = facets.ends(whole, line)
+        middle = 0.5 * (ends[0] + ends[1])
+        if case.effect(Load) or case.effect(Belt):
+            ends = middle + FAR * (ends - middle)
+        down = sphere.behind * np.array([-line.direction[1], line.direction[0]])
+        kind: Any = item.ObjectContactSphereTriangle(
+            markerNumbers=markers,
+            **older_versions.sphere_radius(sphere.radius),
+            trianglePoints=exu.Vector3DList(triangle_between(*(ends - down))),  # type: ignore[call-arg]
+            includeEdges=0,
+            **law,
+        )
+    else:
+        circle = as_circle(curve)
+        assert circle is not None, "checked by `refuses`"
+        radius = circle.radius + (sphere.behind if circle.left else -sphere.behind)
+        kind = item.ObjectContactSphereSphere(
+            markerNumbers=markers, spheresRadii=[sphere.radius, radius], isHollowSphere1=circle.left, **law
+        )
+    return int(system.AddObject(kind))
+
+
+def triangle_between(one: np.ndarray, other: np.ndarray) -> list[list[float]]:
+    """A triangle across the plane of motion with a side along the line between two points."""
+    reach, (x, y) = 0.5 * float(np.hypot(*(other - one))), 0.5 * (one + other)
+    return [[*one.tolist(), -reach], [*other.tolist(), -reach], [float(x), float(y), 2.0 * reach]]
+
+
+def contact_law(case: Case, setting: Setting, system, mass: float, gap: float = 0.0, slip: float = 0.0) -> dict:
+    """Parameters that both contact objects share. Their data node holds gap (m) and slip (m/s) of the last iteration;
+    `mass` (kg) is what moves on the contact's spring."""
+    data = item.NodeGenericData(initialCoordinates=[gap, slip, 0.0, 0.0], numberOfDataCoordinates=4)
+    impact = case.effect(Impact)
+    law: dict = dict(contactDamping=critical_damping(mass, setting))
+    if impact and impact.restitution > 0.0:
+        # Gonthier's and Carvalho's damping, which the engine mixes so that any restitution is met to a thousandth.
+        law = dict(impactModel=2, restitutionCoefficient=impact.restitution, minimumImpactVelocity=SLOWEST_IMPACT)
+    return dict(
+        nodeNumber=system.AddNode(data),
+        dynamicFriction=friction_coefficient(case),
+        frictionProportionalZone=setting["vreg"],
+        contactStiffness=setting["k"],
+        **law,
+    )
+
+
+def read_contact(case: Case, data: SensorData, velocity, normal, gap, arm) -> ExudynContact:
+    """Slip and forces along the track's tangent and normal, from the velocity of the disc's centre.
+
+    `arm`: the distance from the centre to the point where friction acts, m.
+    """
+    pose, force = data.pose, data.force
+    tangent = np.column_stack([normal[:, 1], -normal[:, 0]])
+    slip = np.sum(velocity * tangent, axis=1) + data.velocity[:, 2] * arm - belt_speed(case, data.t)
+    normal_force, friction_force = (np.sum(force[:, :2] * along, axis=1) for along in (normal, tangent))
+    follower, parameters, failure = Follower(case), [], None
+    try:
+        for row in pose.tolist():
+            parameters.append(follower(*row)[:2])
+    except BEYOND as problem:
+        failure = str(problem)
+    xi1, xi2 = np.array(parameters, dtype=float).reshape(-1, 2).T
+    n = len(parameters)
+    return ExudynContact(xi1, xi2, gap[:n], slip[:n], normal_force[:n], friction_force[:n], failure)
