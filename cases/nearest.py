@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 from math import ceil, copysign, cos, hypot, inf, log2, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from .case_class import Case
+from .chain import Chain
 from .contact import Contact, find
 from .curve_samples import MOST, ROUNDING, CurveSamples, course, osculating_distances, squares
 from .curves import Curve
@@ -18,6 +20,8 @@ from .nearest_track_point import PlateFrame, nearest_track_point
 # Number of samples of the outline: so dense that a smooth outline is unlikely to have a nearer point between two of
 # them. Newton's method starts at the nearest sample.
 OUTLINE_POINTS = 128
+# Points of a piece of a chain: a piece is a simple curve.
+PIECE_POINTS = 65
 # Points of the track to a size of the plate.
 POINTS_A_SIZE = 24
 # A track without ends is looked at for at least so many sizes of the plate to either side of the start; while the plate
@@ -54,6 +58,8 @@ def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     """
     if max(abs(x), abs(y)) > FARTHEST or _out_of_sight(case, x, y):
         return None
+    if isinstance(case.track, Chain) or isinstance(case.plate.outline, Chain):
+        return _of_pieces(case, x, y, theta)
     track, guess = _of_disc(case, x, y, theta) if case.plate.radius is not None else (None, None)
     if track is None or guess is None:
         track, guess = _of_outline(case, x, y, theta)
@@ -63,6 +69,28 @@ def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
     if among_ripples is not None and among_ripples.apart <= most:
         guess = among_ripples
     return None if guess is None else _refined(case, x, y, theta, guess)
+
+
+def _of_pieces(case: Case, x: float, y: float, theta: float) -> Contact | None:
+    """`nearest` where a curve has pieces or corners: the nearest of the pairs that `find` reaches from each piece of
+    the track. Behind a piece the gap along its normal is negative, so the nearest pair is the one with the least size."""
+    track, outline = case.track, case.plate.outline
+    samples = outline.point(own := np.linspace(*outline.span, OUTLINE_POINTS + 1))
+    c, s = cos(theta), sin(theta)
+    there = np.array([x + c * samples[0] - s * samples[1], y + s * samples[0] + c * samples[1]])
+    contacts: list[Contact] = []
+    starts = [element.start for element in track.elements] if isinstance(track, Chain) else [track.span[0]]
+    for low, high in pairwise([*starts, track.span[1]]):
+        along = np.linspace(low, high, PIECE_POINTS)
+        apart = squares(there.T[:, None], track.point(along).T[None])
+        on_outline, on_track = np.unravel_index(int(np.argmin(apart)), apart.shape)
+        try:
+            contact = find(case, x, y, theta, (float(along[on_track]), float(own[on_outline])))
+        except DoesNotFit:  # two corners, or two edges, face each other
+            continue
+        if not _at_an_end(case, contact):
+            contacts.append(contact)
+    return min(contacts, key=lambda contact: abs(contact.gap), default=None)
 
 
 def _of_track(case: Case, track: CurveSamples, x: float, y: float, theta: float, most: float) -> _Guess | None:
@@ -161,7 +189,7 @@ def _out_of_sight(case: Case, x: float, y: float) -> bool:
     """Whether a closed track is so far away that it has no sides any more."""
     if not case.track.period:
         return False
-    px, py = case.track.jet(0.0)[:2]
+    px, py = case.track.point(0.0)
     return hypot(x - px, y - py) > SIGHT * (_size(case.track) + _size(case.plate.outline))
 
 

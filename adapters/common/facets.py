@@ -124,10 +124,11 @@ def _everywhere(case: Case) -> Stretch:
     """The whole track: a load or a belt may take the plate anywhere. The top speed is what gravity gives within the
     duration, and the belt's."""
     track = case.track
-    far = FAR * case.plate.reach / float(track.speed(case.start.xi1))
-    low, high = (case.start.xi1 - far, case.start.xi1 + far) if track.domain is None else track.domain
-    if track.period:
-        low, high = case.start.xi1 - track.period / 2, case.start.xi1 + track.period / 2
+    if track.domain is not None:
+        low, high = track.domain
+    else:  # a chain, whose speed is zero at its corners, has ends or a period
+        half = track.period / 2 if track.period else FAR * case.plate.reach / float(track.speed(case.start.xi1))
+        low, high = case.start.xi1 - half, case.start.xi1 + half
     length = float(np.mean(track.speed(np.linspace(low, high, 2001)))) * (high - low)
     start, belt = start_motion(case), case.effect(Belt)
     fast = float(np.hypot(start.vx, start.vy) + np.hypot(*gravity(case)) * case.duration)
@@ -201,6 +202,12 @@ def visible_span(case: Case) -> tuple[float, float]:
         return xi1 - half, xi1 + half
     part, far = stretch(case), FAR * case.plate.reach / float(track.speed(xi1))
     return max(part.low, xi1 - far), min(part.high, xi1 + far)
+
+
+def sharpest_bend(case: Case) -> float:
+    """The largest curvature (1/m) of the part of the track that an exported scene contains, without its corners."""
+    bends = np.abs(case.track.curvature(np.linspace(*visible_span(case), 721)))
+    return float(np.max(bends, initial=0.0, where=np.isfinite(bends)))
 
 
 def ends(case: Case, line: Line) -> np.ndarray:

@@ -25,7 +25,7 @@ from cases.moving_frame import relative_case
 
 from ..interface import EngineFailure
 from .driven_tracks import in_track_axes, rows_from_track, to_fixed_frame
-from .facets import sway, track_kind, visible_span
+from .facets import sharpest_bend, sway, track_kind
 from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights, lands_for_good
 from .several_contacts import may_touch_twice, with_contacts
 from .support_contacts import with_supports
@@ -174,8 +174,7 @@ def _may_touch_twice(record: StepRecord) -> bool:
 def _clear(record: StepRecord, xi1: np.ndarray) -> np.ndarray:
     """The gaps (m) below which contacts at these parameters are closed: hops of one step under gravity, and what the
     facets leave of the track's bend there (`_hop` has the sizes)."""
-    case, bends = record.case, record.case.track.curvature
-    greatest = float(np.abs(bends(np.linspace(*visible_span(case), 721))).max())
+    case, bends, greatest = record.case, record.case.track.curvature, sharpest_bend(record.case)
     share = np.abs(bends(np.nan_to_num(xi1, nan=case.start.xi1))) / greatest if greatest > 0.0 else np.zeros(len(xi1))
     hop = 2.0 * float(np.hypot(*gravity(case))) * record.h**2
     return max(1e-6, 1e3 * record.rounding) * case.plate.inner + hop + 4.0 * record.rough * share
@@ -195,6 +194,8 @@ def _samples(record: StepRecord) -> _MotionSamples:
     contacts = (record.contacts or _follow(case, pose))[: len(rows)]
     # As one flat sequence: NumPy takes nine times as long to convert named tuples.
     xi1, xi2, gap = np.fromiter(chain.from_iterable(contacts), dtype=float).reshape(-1, 3).T
+    if not len(gap):
+        raise EngineFailure("The plate has no contact point with its track where it begins.")
     length = slice(len(gap))
     return _MotionSamples(
         t=np.linspace(0.0, case.duration, record.steps + 1)[length], pose=pose[length], rates=rates[length],
@@ -401,7 +402,7 @@ def _hop(record: StepRecord, samples: _MotionSamples) -> float:
     """
     case, plate = record.case, record.case.plate
     if case.effect(Flight):
-        bend = float(np.abs(case.track.curvature(np.linspace(*visible_span(case), 721))).max())
+        bend = sharpest_bend(case)
         speed, spin = np.hypot(*samples.rates[:, :2].T).max(), np.abs(samples.rates[:, 2]).max()
         push = bend * float(speed) ** 2 + sway(plate.outline) * float(spin) ** 2
     else:
