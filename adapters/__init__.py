@@ -4,7 +4,17 @@ An adapter imports `cases`, the code that engines share (`common`) and the defin
 no other part of the suite.
 """
 
-from .interface import EngineFailure, Meaning, Setting, other_laws, our_part, refusal, refusal_of_several_contacts
+from .interface import (
+    EngineFailure,
+    Meaning,
+    Refusal,
+    Setting,
+    other_laws,
+    our_part,
+    refusal,
+    refusal_kind,
+    refusal_of_several_contacts,
+)
 from .lookup import engine, engines
 
 __all__ = [
@@ -14,7 +24,9 @@ __all__ = [
     "engine",
     "engines",
     "other_laws",
+    "Refusal",
     "our_part",
+    "refusal_kind",
     "refusal",
     "refusal_of_several_contacts",
 ]

@@ -6,7 +6,9 @@ An adapter is one module or package with
     routes: tuple[str, ...]                         "native" (the engine's own shapes and contact), "assisted" (our
                                                     contact point, the engine's contact law and step), "integrator"
                                                     (our contact point and our contact law, the engine's step alone)
-    refuses(case, route) -> str | None              why this route cannot model the case, in one sentence, or None
+    refuses(case, route) -> str | None              why this route cannot model the case, in one sentence, or None: a
+                                                    `Refusal` with the engine's documented limit that says so, or a
+                                                    plain text if the engine could and the adapter does not yet
     ladder(case, route) -> tuple[Setting, ...]      from coarse to fine, all knobs tightened together
     build(case, route, setting) -> model            not timed
     run(model) -> None                              the only part that is timed
@@ -120,6 +122,12 @@ class Refusal(str):
 
     def __reduce__(self):
         return Refusal, (str(self), self.limit)
+
+
+def refusal_kind(reason: str | Exception) -> str:
+    """Which of the two a refusal is, given as text or as NotSupported, in a phrase for tables."""
+    limit = getattr(reason, "limit", "")
+    return f"the engine cannot: {limit}" if limit else "the adapter does not yet"
 
 
 # What routes of these names have that is not their engine's.

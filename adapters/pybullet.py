@@ -23,7 +23,7 @@ from cases.errors import DoesNotFit, unknown_name
 from cases.mechanics import gravity
 
 from .common import half_steps
-from .interface import Meaning, Setting
+from .interface import Meaning, Refusal, Setting
 
 NAME = "pybullet"
 routes = ("assisted",)
@@ -69,9 +69,15 @@ def refuses(case: Case, route: str) -> str | None:
         return "This adapter gives pybullet's bodies a finite inertia, and this plate does not turn."
     friction = case.effect(CoulombFriction)
     if friction and friction.by_speed:
-        return "pybullet's bodies have one friction coefficient for all slip velocities."
+        return Refusal(
+            "pybullet's bodies have one friction coefficient for all slip velocities.",
+            "lateralFriction of changeDynamics is one number",
+        )
     if friction and friction.stick != friction.mu:
-        return "pybullet has one friction coefficient for slip and stick."
+        return Refusal(
+            "pybullet has one friction coefficient for slip and stick.",
+            "lateralFriction of changeDynamics is one number",
+        )
     if not case.effect(Unilateral):
         return "pybullet's contacts only push, and this case has a bilateral guide (no Unilateral)."
     if case.plate.radius is None:

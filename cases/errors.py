@@ -62,7 +62,11 @@ class UnknownName(CaseError):
 
 
 class NotSupported(CaseError):
-    """A valid case that the solver has no equations for."""
+    """A valid case that the solver has no equations for. `limit`: which documented limit of it says so, if known."""
+
+    def __init__(self, text: str, limit: str = ""):
+        super().__init__(text)
+        self.limit = limit
 
 
 # Names shown in a message; of a longer list the message gives the total.

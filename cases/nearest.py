@@ -73,7 +73,7 @@ def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
 
 def _of_pieces(case: Case, x: float, y: float, theta: float) -> Contact | None:
     """`nearest` where a curve has pieces or corners: the nearest of the pairs that `find` reaches from each piece of
-    the track. Behind a piece the gap along its normal is negative, so the nearest pair is the one with the least size."""
+    the track. Behind a piece the gap along its normal is negative, so the one with the least size is it."""
     track, outline = case.track, case.plate.outline
     samples = outline.point(own := np.linspace(*outline.span, OUTLINE_POINTS + 1))
     c, s = cos(theta), sin(theta)

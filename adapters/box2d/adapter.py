@@ -55,7 +55,7 @@ from cases.free_plates import plates_of, start_poses
 from cases.mechanics import gravity
 
 from ..common import driven_tracks, facets, half_steps, plates_in_steps, support_contacts
-from ..interface import Setting
+from ..interface import Refusal, Setting
 from . import shapes
 
 NAME = "box2d"
@@ -104,12 +104,17 @@ def refuses(case: Case, route: str) -> str | None:
         raise unknown_name("route of box2d", route, routes)
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
-        return f"box2d does not support {' and '.join(missing)}."
+        return Refusal(f"box2d does not support {' and '.join(missing)}.", "no such field of b2SurfaceMaterial")
     friction, outline = case.effect(CoulombFriction), case.plate.outline
     if friction and friction.by_speed:
-        return "Box2D's shapes have one friction coefficient for all slip velocities."
+        return Refusal(
+            "Box2D's shapes have one friction coefficient for all slip velocities.",
+            "b2SurfaceMaterial.friction is one number",
+        )
     if friction and friction.stick != friction.mu:
-        return "box2d has one friction coefficient for slip and stick."
+        return Refusal(
+            "box2d has one friction coefficient for slip and stick.", "b2SurfaceMaterial.friction is one number"
+        )
     if not case.effect(Unilateral):
         return "box2d's contacts only push, and this case has a bilateral guide (no Unilateral)."
     if facets.has_hollow_corners(outline):
@@ -127,7 +132,10 @@ def refuses(case: Case, route: str) -> str | None:
             "only lines and circles can move along themselves instead."
         )
     if case.effect(RollingResistance) and not facets.round_plate(case):
-        return "box2d has RollingResistance for circles only, and this outline is none."
+        return Refusal(
+            "box2d has RollingResistance for circles only, and this outline is none.",
+            "rollingResistance of b2SurfaceMaterial, for circles and capsules",
+        )
     if case.others and (problem := shapes.refuses_plates(case)):
         return problem
     if touches_by_features(case) and not case.others and (problem := support_contacts.refuses(case, True)):

@@ -34,6 +34,8 @@ MOST_BYTES = 30 * 2**20
 MOST_SECONDS = 600.0
 # Exit status of an executable for an unsupported scene; the reason is on standard error.
 UNSUPPORTED_STATUS = 3
+# How the second line on standard error begins, if the engine's documentation says that it cannot.
+LIMIT = "limit:"
 # Characters of a line that is quoted.
 _QUOTE_CHARACTERS = 200
 # How often its output is measured while it runs, s.
@@ -132,7 +134,10 @@ class Engine:
             _check_size(out.fileno(), err.fileno())
             message = _read(err, 2000)
             if status == UNSUPPORTED_STATUS:
-                raise NotSupported(message.partition("\n")[0] or "it gave no reason")
+                reason, _, rest = message.partition("\n")
+                limit = rest.partition("\n")[0]
+                limit = limit.removeprefix(LIMIT).strip() if limit.startswith(LIMIT) else ""
+                raise NotSupported(reason or "it gave no reason", limit)
             if status < 0:
                 raise EngineFailure(f"its process was ended by signal {_signal(-status)}{_quote(message)}")
             if status:

@@ -1,9 +1,10 @@
 // What engines in JavaScript share: the scene from standard input, refusals, the track's shape, the motion as text.
 "use strict";
 
-/** Ends the program by refusing the scene, in one sentence (exit status 3). */
-function refuse(why) {
-  console.error(why);
+/** Ends the program by refusing the scene, in one sentence (exit status 3); `limit`: the engine's documented limit that
+ * says so, if the engine cannot. */
+function refuse(why, limit = "") {
+  console.error(limit ? `${why}\nlimit: ${limit}` : why);
   process.exit(3);
 }
 
@@ -49,7 +50,7 @@ function readScene(engine, known) {
   if (!scene.effects.Unilateral) refuse(`${engine}'s contacts only push, and this plate is guided from both sides.`);
   const friction = scene.effects.CoulombFriction;
   if (friction && friction.mu_static !== null && friction.mu_static !== friction.mu) {
-    refuse(`${engine} has one friction coefficient for slip and stick.`);
+    refuse(`${engine} has one friction coefficient for slip and stick.`, "its materials have one number for friction");
   }
   return scene;
 }

@@ -10,11 +10,15 @@ periods of the contact's spring, and its restitution is met to a thousandth.
 suite's, in Python, in the form of the engine's own; ObjectGenericODE2 integrates them. It measures the engine's solver
 with such a law, not its contacts.
 
+Corners are small spheres, running surfaces heavy bodies, and a plate that does not turn has its angle held (`contacts`,
+`bodies`); Stribeck's friction is ObjectContactConvexRoll's (`rolls`). The native route has no Python function in the
+engine's iterations but a case's Load.
+
 The law consists of a spring, a damper and regularised Coulomb friction: below `vreg` friction grows with the slip
 velocity, so a sticking contact creeps. A setting's `h` is the step (s), `k` the contact stiffness (N/m), `vreg` the
 regularisation (m/s). They are refined together: stiffness and regularisation are errors of the model, which remain
-with a smaller step alone. The solver locates no event inside a step, and a slip that crosses zero there would leave
-an error O(h) in the rest of the motion: the adapter requests a smaller step, down to the share `cut` of h.
+with a smaller step alone. The solver locates no event inside a step, and a slip that crosses zero there leaves an error
+O(h) in the rest of the motion. The route `integrator` requests a smaller step there, down to the share `cut` of h.
 
 Where Newton's method does not converge, at the kinks of that law, the engine halves its step. So it takes more steps
 than h gives: 1.1 times as many in a circle, 1 to 30 times as many on the route `integrator`. The report's steps are
@@ -119,6 +123,9 @@ LADDERS = {"native": RUNGS, "integrator": (*RUNGS[:4], (9e-3, 1.5e6, 2e-5), (5e-
 # The smallest share of a step that is requested where the slip crosses zero: at h/100 the overshoot, about h/200 of
 # the acceleration, is below every rung's vreg.
 CUTOFF = 0.01
+
+# The longest step in periods of a contact's spring over 2 pi where it has to give a restitution: 19 steps a period.
+RESTITUTION_STEP = 1 / 3
 
 # The engine's own defaults: 100 steps whatever the duration, generalized-alpha, modified Newton, and a
 # regularisation in m/s. Only the stiffness has no default: it is set for a penetration of a thousandth of the radius.
@@ -250,14 +257,18 @@ def _setting(case: Case, route: str, h: float, k: float, vreg: float, **rung: in
         return Setting.of(**rung, solver="GeneralizedAlpha", newton="full", h=step)
     # Without a bound friction is very stiff, and the trapezoidal rule would let it oscillate.
     solver = "GeneralizedAlpha" if case.effect(PerfectlyRough) else "TrapezoidalIndex2"
-    most = min(plate.mass for plate in plates_of(case)) / step**2 if _needs_resolved_spring(case, route) else inf
+    most = inf
+    if route == "native" and _needs_resolved_spring(case):
+        impact = case.effect(Impact)
+        part = RESTITUTION_STEP if impact and impact.restitution > 0.0 else 1.0
+        most = min(plate.mass for plate in plates_of(case)) * (part / step) ** 2
     knobs = dict(k=_round(min(k * stiffness, most)), vreg=_round(vreg * length / time))
     if case.effect(CoulombFriction) and route == "integrator":
         knobs["cut"] = CUTOFF
     return Setting.of(**rung, solver=solver, newton="full", h=step, **knobs)
 
 
-def _needs_resolved_spring(case: Case, route: str) -> bool:
+def _needs_resolved_spring(case: Case) -> bool:
     """Whether a step must not be longer than the period of the contact's spring over 2 pi.
 
     A corner that lands, or one disc on another, is thrown back by a longer step: restitution was 2.2 instead of 0.8.
@@ -265,7 +276,7 @@ def _needs_resolved_spring(case: Case, route: str) -> bool:
     """
     friction = case.effect(CoulombFriction)
     is_roll = friction is not None and friction.by_speed
-    return route == "native" and bool(case.others or is_roll or isinstance(case.plate.outline, Chain))
+    return bool(case.others or is_roll or isinstance(case.plate.outline, Chain))
 
 
 def _round(value: float) -> float:

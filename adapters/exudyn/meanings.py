@@ -20,7 +20,7 @@ MEANINGS = (
         CoulombFriction,
         "dynamicFriction of the contact; frictionProportionalZone (m/s)",
         "Coulomb's law, regularised: below the zone's slip velocity friction is proportional to it, so stick creeps; "
-        "mu(v) is not supported",
+        "mu(v) by Stribeck's law only (ObjectContactConvexRoll)",
         routes=("native",),
     ),
     Meaning(
@@ -43,7 +43,9 @@ MEANINGS = (
         Impact, "none: the suite's contact law has a damper and no restitution", "not supported", routes=("integrator",)
     ),
     Meaning(RollingResistance, "none", "not supported"),
-    Meaning(Belt, "none", "not supported", routes=("native",)),
+    Meaning(
+        Belt, "none: the surface is that of a heavy body", "its slip is that on the moving body", routes=("native",)
+    ),
     Meaning(Belt, "none: this suite supplies the contact law", "its slip is that on the belt", routes=("integrator",)),
     Meaning(
         Drive,

@@ -36,7 +36,7 @@ from cases.contact_limits import touches_by_features
 from cases.moving_frame import relative_case
 
 from ..common import driven_tracks, facets, half_steps, plates_in_steps, support_contacts
-from ..interface import EngineFailure, Setting
+from ..interface import EngineFailure, Refusal, Setting
 from . import assisted, free_plates, native, older_versions
 from .load import LoadInSteps
 
@@ -86,10 +86,10 @@ def refuses(case: Case, route: str) -> str | None:
     """The reason, in one sentence, why the route does not support the case, or None."""
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
-        return f"pymunk does not support {' and '.join(missing)}."
+        return Refusal(f"pymunk does not support {' and '.join(missing)}.", "no such attribute of pymunk.Shape")
     friction = case.effect(CoulombFriction)
     if friction and friction.stick != friction.at_rest:
-        return "pymunk has one friction coefficient for slip and stick."
+        return Refusal("pymunk has one friction coefficient for slip and stick.", "Shape.friction is one number")
     impact = case.effect(Impact)
     if impact and impact.restitution > 0.0 and route == "assisted":
         return "A contact set by this route closes without restitution; it supports only Impact(0)."

@@ -46,6 +46,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     # outcomes
     "outcome": ("answered, unsupported, crashed or timed_out", ""),
     "reason": ("why an answered run has its grade, or why there is no answer", ""),
+    "refusal": ("of an unsupported case: the engine's documented limit, or that its adapter does not do it yet", ""),
     "status": ("completed, or why the motion ended early", ""),
     "first_mode": ("the mode in which the motion begins", ""),
     "transitions_true": ("number of transitions of the truth", ""),

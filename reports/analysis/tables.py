@@ -160,6 +160,7 @@ def _score_columns(run: Run) -> dict[str, Any]:
         "off_doubt": score.doubt if score else nan,
         "friction_factor": run.friction_factor,
         "reason": run.reason,
+        "refusal": run.refusal,
         "sequence": run.sequence,
         "pose_score": score.pose if score else nan,
         "mode_score": score.mode if score else nan,

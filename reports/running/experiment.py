@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import reference
-from adapters import Setting
+from adapters import Setting, refusal_kind
 from cases import Case
 
 from . import reference_adapter
@@ -153,7 +153,8 @@ def _plan(
         for offer in of_routes:
             excuse = _excuse(offer, truth)
             if excuse:
-                runs.append(Run(label, name, offer.route, Setting.of(), 0, *excuse))
+                outcome, reason, kind = excuse
+                runs.append(Run(label, name, offer.route, Setting.of(), 0, outcome, reason, refusal=kind))
                 continue
             for rung, setting in enumerate(thin(by_label[label].name, name, offer.route, offer.settings), start=1):
                 tasks.append(_Task(len(runs), (by_label[label], name, offer.route, setting, rung, truth)))
@@ -161,15 +162,15 @@ def _plan(
     return runs, tasks
 
 
-def _excuse(offer: Offer, truth: Truth) -> tuple[str, str] | None:
-    """Outcome and reason if there is nothing to run; else None."""
+def _excuse(offer: Offer, truth: Truth) -> tuple[str, str, str] | None:
+    """Outcome, reason and kind of refusal if there is nothing to run; else None."""
     if offer.outcome:
-        return offer.outcome, offer.reason
+        return offer.outcome, offer.reason, offer.refusal
     if truth.failure:
-        return "unsupported", f"there is no truth to judge it by: {truth.failure}"
+        return "unsupported", f"there is no truth to judge it by: {truth.failure}", ""
     if truth.has_several_contacts and offer.one_contact_only:
-        return "unsupported", offer.one_contact_only
-    return None if offer.settings else ("unsupported", "it offers no setting for this case")
+        return "unsupported", offer.one_contact_only, refusal_kind(offer.one_contact_only)
+    return None if offer.settings else ("unsupported", "it offers no setting for this case", refusal_kind(""))
 
 
 def _make(tasks: Sequence[_Task], calls: Calls) -> Iterator[tuple[int, Run]]:

@@ -32,7 +32,8 @@ class Offer:
     """The ladder of settings that one route of a solver offers for a case, or the reason why there is none.
 
     `outcome` is "" for an offer, else "unsupported", "crashed" or "not_installed". `our_part`: what of the route is not
-    the engine's own, "" for an engine by itself; `one_contact_only`: why it does not support motions with
+    the engine's own, "" for an engine by itself; `refusal`: whether the engine cannot or its adapter does not yet;
+    `one_contact_only`: why it does not support motions with
     several contacts, "" if it does."""
 
     route: str
@@ -41,6 +42,7 @@ class Offer:
     reason: str = ""
     our_part: str = ""
     one_contact_only: str = ""
+    refusal: str = ""
 
 
 @dataclass(frozen=True)
@@ -82,9 +84,10 @@ class Run:
 
     `outcome` is one of answered, unsupported, crashed, timed_out. An answered run has a `score`, a `grade`, its
     friction × (NaN where it is not known), and as `reason` what the grade is due to; any other has as `reason` why
-    there is no motion. `samples` and `off` (solver minus truth) are for figures, thinned; `spreads` (s) are the reading
-    doubts of the solver's transitions; `impacts` those of a motion with several contacts. `when`: time of the run,
-    since CPU times vary from day to day.
+    there is no motion. `refusal`: whether the engine cannot do an unsupported case, or its adapter does not yet.
+    `samples` and `off` (solver minus truth) are for figures, thinned; `spreads` (s) are the reading doubts of the
+    solver's transitions; `impacts` those of a motion with several contacts. `when`: time of the run, since CPU times
+    vary from day to day.
     """
 
     case: str
@@ -108,6 +111,7 @@ class Run:
     grade: str = ""
     sequence: str = ""
     impacts: tuple[ImpactRow, ...] = ()
+    refusal: str = ""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 
 import cases
 import reference
-from adapters import Setting, gate, other_laws, our_part, refusal, refusal_of_several_contacts
+from adapters import Setting, gate, other_laws, our_part, refusal, refusal_kind, refusal_of_several_contacts
 from cases import Case, CaseError, NotSupported, Trajectory, Transition, owned_folder
 from reference.certification import Certificate, NotCertified, contradiction, is_within_bars, stored_or_new
 
@@ -66,7 +66,7 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
         part = legible(our_part(module, route))
         reason = refusal(module, case, route)
         if reason:
-            return Offer(route, (), "unsupported", legible(reason), part)
+            return Offer(route, (), "unsupported", legible(reason), part, refusal=legible(refusal_kind(reason)))
         settings = tuple(islice(getattr(module, knobs)(case, route), _MOST_SETTINGS + 1))
         if knobs == "ladder" and hasattr(module, "default_grid"):
             first = tuple(islice(module.default_grid(case, route), _MOST_SETTINGS))
@@ -232,8 +232,8 @@ def attempt(
         module = solver(row.solver)
         settle(row.solver)
         motion = clocked_motion() if clocked_motion else run_on_clock(module, case, row.route, row.setting)
-    except NotSupported as refusal:
-        return replace(row, outcome="unsupported", reason=legible(refusal))
+    except NotSupported as problem:
+        return replace(row, outcome="unsupported", reason=legible(problem), refusal=legible(refusal_kind(problem)))
     except (ImportError, MemoryError, OSError):
         raise
     except (Exception, SystemExit) as problem:

@@ -24,9 +24,10 @@ except ImportError:
     sys.exit(1)
 
 
-def refuse(why: str) -> NoReturn:
-    """End the program with the exit status for an unsupported scene, and one sentence with the reason."""
-    print(why, file=sys.stderr)
+def refuse(why: str, limit: str = "") -> NoReturn:
+    """End the program with the exit status for an unsupported scene, and one sentence with the reason; `limit`: the
+    engine's documented limit that says so, if the engine cannot."""
+    print(f"{why}\nlimit: {limit}" if limit else why, file=sys.stderr)
     sys.exit(3)
 
 
