@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import frexp, ldexp, sqrt
+from math import frexp, inf, ldexp, sqrt
 from typing import Any, Protocol
 
 import numpy as np
@@ -51,6 +51,29 @@ def looks_between(times: np.ndarray) -> np.ndarray:
     zero at the end of each step, as that of a belt which turns back, would vanish with the slip on it."""
     parts = (np.arange(LOOKS) + 0.5) / LOOKS
     return (times[:-1, None] + np.diff(times)[:, None] * parts).ravel()
+
+
+# The part of the motion's time scale after which a straight continuation of second order is off by more than a rounding
+# of the pose: the neglected term is its cube, over six.
+STRAIGHT = 1e-5
+
+def doubt_of_closing(rounding: float, closing: float, bend: float, often: float) -> float:
+    """By how much (s) the time is in doubt at which a gap closes that is known to a rounding (m), with that closing
+    speed (m/s) and second derivative (m/s²): τ of closing τ + ½ |bend| τ² = rounding.
+
+    Of a contact that touches without force both may vanish, and are roundings: it has no time of closing. So the doubt
+    is at most `STRAIGHT` of the motion's time scale, of frequency `often` (1/s)."""
+    root = closing + sqrt(closing * closing + 2.0 * abs(bend) * rounding)
+    return min(2.0 * rounding / root if root > 0.0 else inf, STRAIGHT / often if often > 0.0 else 0.0)
+
+
+# --- speeds -------------------------------------------------------------------------------------------------------
+
+
+def speed_scale(acceleration: float, length: float) -> float:
+    """The speed (m/s) that a load of that acceleration (m/s²) gives over a length (m), as that of a fall from a plate's
+    size. A state at rest has no speed of its own with which its roundings could be compared; without a load it is 0."""
+    return sqrt(2.0 * acceleration * length)
 
 
 # --- accelerations ------------------------------------------------------------------------------------------------

@@ -14,13 +14,12 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Case, Mode
-from cases.free_plates import plate_contacts
 
 from ..minimal.decision import ORDER, Undecidable, _by_series, _leading_signs, follows
 from ..minimal.effects import SLIP_SIGN
 from ..several import forces
 from ..several.contact_law import slip_modes
-from .plate_places import PlateContactPlace, flush, numbers_of, places, regions_of
+from .plate_places import PlateContactPlace, flush, numbers_of, places, plates_in, regions_of
 from .plates_phase import PlatesRegime, plates_phase
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
@@ -48,24 +47,6 @@ class GroupDecision(NamedTuple):
     idle: frozenset[int]
     motions: tuple[tuple[Mode, ...], ...]
     is_singular: bool
-
-
-def groups(case: Case, touching: Sequence[int]) -> list[list[int]]:
-    """The touching contacts in groups that share plates."""
-    every, results = plate_contacts(case), list[tuple[set[int], list[int]]]()
-    for number in touching:
-        sides = {side for side in (every[number].body, every[number].base) if side is not None}
-        own = [group for group in results if group[0] & sides]
-        bodies = sides.union(*(group[0] for group in own))
-        contacts = sorted([number, *(n for group in own for n in group[1])])
-        results = [group for group in results if group not in own] + [(bodies, contacts)]
-    return [contacts for _, contacts in results]
-
-
-def plates_in(case: Case, contacts: Sequence[int]) -> frozenset[int]:
-    """The plates of some contacts."""
-    every = plate_contacts(case)
-    return frozenset(side for n in contacts for side in (every[n].body, every[n].base) if side is not None)
 
 
 def decide(

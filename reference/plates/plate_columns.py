@@ -15,8 +15,8 @@ from cases.trajectory import ContactColumns
 
 from ..minimal.integrators.segment import Segment, blocks
 from ..several import forces
-from .group_decision import groups, load_and_units, plates_in
-from .plate_places import coordinates, flush, place, places
+from .group_decision import load_and_units
+from .plate_places import coordinates, flush, groups, place, places, plates_in
 from .plates_phase import PlatesPhase, moving_contacts, regime_of
 from .plates_system import COLUMNS
 

@@ -215,16 +215,36 @@ def speed(case: Case, state: Sequence[float] | np.ndarray) -> float:
     return float(np.abs(np.asarray(state[len(state) // 2 :]) * numbers_of(case).lengths).max())
 
 
+def groups(case: Case, touching: Iterable[int]) -> list[list[int]]:
+    """The touching contacts in groups that share plates: what happens in one changes no other."""
+    every, results = plate_contacts(case), list[tuple[set[int], list[int]]]()
+    for number in touching:
+        sides = {side for side in (every[number].body, every[number].base) if side is not None}
+        own = [group for group in results if group[0] & sides]
+        bodies = sides.union(*(group[0] for group in own))
+        contacts = sorted([number, *(n for group in own for n in group[1])])
+        results = [group for group in results if group not in own] + [(bodies, contacts)]
+    return [contacts for _, contacts in results]
+
+
+def plates_in(case: Case, contacts: Sequence[int]) -> frozenset[int]:
+    """The plates of some contacts."""
+    every = plate_contacts(case)
+    return frozenset(side for n in contacts for side in (every[n].body, every[n].base) if side is not None)
+
+
 def project(case: Case, state: Sequence[float], touching: Sequence[int]) -> tuple[float, ...]:
-    """The plates moved by rounding so that the touching contacts have no gap."""
+    """The plates moved by rounding so that the touching contacts have no gap; plates of other contacts keep their
+    bits."""
     values, inverse, half = np.array(state, dtype=float), numbers_of(case).inverse, len(state) // 2
-    for _ in range(STEPS if touching else 0):
-        now = places(case, touching, values)
-        gaps = np.array([at.gap for at in now])
-        if np.abs(gaps).max() <= 2e-16 * size(case, values):
-            break
-        rows = np.array([at.lift_row for at in now])
-        values[:half] -= inverse * (rows.T @ np.linalg.lstsq(rows * inverse @ rows.T, gaps, rcond=1e-10)[0])
+    for group in groups(case, touching):
+        for _ in range(STEPS):
+            now = places(case, group, values)
+            gaps = np.array([at.gap for at in now])
+            if np.abs(gaps).max() <= 2e-16 * size(case, values):
+                break
+            rows = np.array([at.lift_row for at in now])
+            values[:half] -= inverse * (rows.T @ np.linalg.lstsq(rows * inverse @ rows.T, gaps, rcond=1e-10)[0])
     return tuple(values.tolist())
 
 
@@ -232,18 +252,22 @@ def without_velocity(
     case: Case, state: Sequence[float], touching: Sequence[int], stuck: Sequence[int]
 ) -> tuple[float, ...]:
     """The state with lift velocity 0 at touching contacts and slip velocity 0 at the stuck ones: the nearest such
-    velocities in kinetic energy."""
+    velocities in kinetic energy. Plates of other contacts keep their bits."""
     numbers, half = numbers_of(case), len(state) // 2
-    rows = [at.lift_row for at in places(case, touching, state)] + [at.slip_row for at in places(case, stuck, state)]
-    if not rows:
-        return tuple(state)
-    velocity, matrix = np.array(state[half:], dtype=float), np.array(rows)
-    # Plates that their contacts hold have no velocity, to the last bit.
-    free = np.linalg.svd(matrix * np.sqrt(numbers.inverse))[1]
-    rank = np.linalg.matrix_rank(matrix * np.sqrt(numbers.inverse), tol=1e-9 * float(free.max()))
-    for _ in range(2):  # the second step removes the rounding of the first
-        off = np.linalg.lstsq(matrix * numbers.inverse @ matrix.T, matrix @ velocity, rcond=1e-10)[0]
-        velocity = velocity - numbers.inverse * (matrix.T @ off)
-    if rank == np.count_nonzero(numbers.inverse):
-        velocity[:] = 0.0
+    velocity = np.array(state[half:], dtype=float)
+    for group in groups(case, {*touching, *stuck}):
+        lifts, slips = ([n for n in some if n in group] for some in (touching, stuck))
+        matrix = np.array(
+            [at.lift_row for at in places(case, lifts, state)] + [at.slip_row for at in places(case, slips, state)]
+        )
+        for _ in range(2):  # the second step removes the rounding of the first
+            off = np.linalg.lstsq(matrix * numbers.inverse @ matrix.T, matrix @ velocity, rcond=1e-10)[0]
+            velocity = velocity - numbers.inverse * (matrix.T @ off)
+        # Plates that their contacts hold have no velocity, to the last bit.
+        own = np.repeat([b in plates_in(case, group) for b in range(half // 3)], 3)
+        free = matrix * np.sqrt(numbers.inverse)
+        if np.linalg.matrix_rank(free, tol=1e-9 * float(np.linalg.norm(free, 2))) == np.count_nonzero(
+            numbers.inverse[own]
+        ):
+            velocity[own] = 0.0
     return (*state[:half], *velocity.tolist())

@@ -23,17 +23,21 @@ from ..minimal.phase_end import (
     singular_ending,
     work_limit_ending,
 )
+from ..scales import frequency
 from ..minimal.series import EPS
+from ..scales import doubt_of_closing, speed_scale
 from ..several.hops import NestedSeries, Strike
 from ..several.impact import Inertia, NoImpact, impact_of_all
 from ..several.phase_loop import PhaseLoop, several_motions
-from ..several.watched_plate import CLOSES, TOUCHES, MotionEnds
-from .group_decision import GroupDecision, decide, groups, plates_in
+from ..several.watched_plate import CLOSES, SOME_ROUNDINGS, TOUCHES, MotionEnds
+from .group_decision import GroupDecision, decide
 from .plate_places import (
     PlateContactPlace,
+    groups,
     numbers_of,
     place,
     places,
+    plates_in,
     project,
     regions_of,
     size,
@@ -65,7 +69,9 @@ class PlatesSimulation(PhaseLoop):
         self.hops = NestedSeries()
         self.causes: dict[int, str] = {}
         self.fixed: dict[int, tuple[Mode, ...]] = {}
-        self.speed, self.idle, self.work, self.begins = 0.0, 0, 0, True
+        numbers = numbers_of(case)
+        self.speed = speed_scale(float(np.abs(numbers.load).max()), min(numbers.radii))
+        self.idle, self.work, self.begins = 0, 0, True
 
     @property
     def transitions(self) -> list[Transition]:
@@ -204,13 +210,15 @@ class PlatesSimulation(PhaseLoop):
         A gap that closes slowly has no sharper time: where its rate vanishes as another contact closes, both close at
         once, and the faster one gives the instant."""
         velocity, rounding = np.array(self.state[self.half :]), REBOUND_ROUNDINGS * EPS * size(self.case, self.state)
-        slow = -float(place(self.case, number, self.state).lift_row @ velocity)
         accelerations = np.array(phase.system.rates_of_numbers(0.0, self.state, phase.parameters)[self.half :])
+        closer = place(self.case, number, self.state)
+        slow, bend = -float(closer.lift_row @ velocity), float(closer.lift_row @ accelerations) + closer.lift_bias
+        doubt = doubt_of_closing(rounding, max(slow, 0.0), bend, frequency(phase, self.t, self.state))
         waits = list[float]()
         for other in set(self.modes) - self.touching - {number}:
             at = place(self.case, other, self.state)
             closing = -float(at.lift_row @ velocity)
-            if at.gap > rounding and closing > slow > 0.0 and at.gap * slow <= rounding * closing:
+            if at.gap > rounding and closing > max(slow, 0.0) and at.gap <= doubt * closing:
                 waits.append(at.gap / closing)
         if not waits or not self.t + min(waits) < self.case.duration:
             return
@@ -238,6 +246,16 @@ class PlatesSimulation(PhaseLoop):
             self.state = without_velocity(self.case, self.state, sorted(closed), sorted(stuck & closed))
             stuck = self._impacts(stuck)
         self.state = without_velocity(self.case, self.state, sorted(self.touching), sorted(stuck & self.touching))
+        self._still()
+
+    def _still(self) -> None:
+        """Take roundings of a velocity from plates that touch: decisions would see a motion in them."""
+        velocity, lengths = np.array(self.state[self.half :]), numbers_of(self.case).lengths
+        for group in groups(self.case, sorted(self.touching)):
+            own = [3 * b + c for b in plates_in(self.case, group) for c in range(3)]
+            if np.abs(velocity * lengths)[own].max() <= SOME_ROUNDINGS * EPS * self.speed:
+                velocity[own] = 0.0
+        self.state = (*self.state[: self.half], *velocity.tolist())
 
     def _impacts(self, stuck: set[int]) -> set[int]:
         """Apply the impacts of all groups with a contact that closes; returns the contacts that do not slip, and leaves

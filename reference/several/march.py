@@ -27,9 +27,9 @@ from ..minimal.phase_end import (
     singular_ending,
     work_limit_ending,
 )
-from ..scales import frequency, looks_between
-from .contact_law import STICKING, freedoms
-from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time, slack_of_dip, with_slack
+from ..scales import frequency, looks_between, speed_scale
+from .contact_law import STICKING, compliance, freedoms
+from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time, load_at, slack_of_dip, with_slack
 from .geometry import TOUCHES, places, project, without_velocity
 from .hops import SeriesEnd
 from .meetings import first_meeting, search_of
@@ -68,6 +68,8 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
     ):
         super().__init__(case, t, body, watches)
         self.rtol, self.integrate = rtol, integrate
+        compliances = compliance(case.plate) / case.plate.mass * np.array([1.0, 1.0, case.plate.gyration])
+        self.speed = speed_scale(float(np.abs(compliances * load_at(case, t, body)).max()), case.plate.gyration)
         self.segments: list[Segment] = []
         self.transitions: list[Transition] = []
         self.idle = self.work = 0
