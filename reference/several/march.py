@@ -29,10 +29,11 @@ from ..minimal.phase_end import (
 )
 from ..scales import frequency, looks_between, speed_scale
 from .contact_law import STICKING, compliance, freedoms
-from .decision import DecisionInstant, SeveralDecision, decide, depends_on_time, load_at, slack_of_dip, with_slack
+from .decision import DecisionInstant, SeveralDecision, depends_on_time, load_at, slack_of_dip, with_slack
 from .geometry import TOUCHES, places, project, without_velocity
 from .hops import SeriesEnd
 from .meetings import first_meeting, search_of
+from .near_contacts import decide_near
 from .phase_loop import PhaseLoop, several_motions
 from .regimes import SeveralPhase, SeveralRegime, body_of, join, pairs_of, regime_of, several_phase
 from .rest import RestStates, limit_of_rest, limit_on_belts
@@ -102,15 +103,15 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         error = self._decision_error()
         fixed = {k: self.fixed[name] for k, name in enumerate(now.names) if name in self.fixed}
         last_modes = tuple(watch.mode for watch in self.watches) if self.held_out else None
-        decision = decide(self.case, now, error, fixed, last_modes)
+        decision = decide_near(self.case, now, error, fixed, last_modes)
         self.held_out = False
         if decision.regime is None and fixed and not decision.motions:
-            decision = decide(self.case, now, error)
+            decision = decide_near(self.case, now, error)
         if decision.regime is None and not decision.motions and self.touches_more():
             # A slip vanished where a gap is that small, too.
             self.settle({watch.name for watch in self.watches if watch.mode in STICKING} | self.stuck)
             now = self.instant()
-            decision = decide(self.case, now, error)
+            decision = decide_near(self.case, now, error)
         if decision.regime is None:
             raise MotionEnds(self._no_regime(now, decision))
         regime, changes = decision.regime, list[Transition]()
@@ -133,12 +134,13 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             raise MotionEnds(LIFT_OFF)
         # Every closed contact has its own limit, and numbers with many digits would make every phase a new one.
         self.watches = [watch for watch in self.watches if watch.mode is not Mode.FLIGHT or self._is_watched(watch)]
-        names = {watch.name for watch in self.watches}
-        modes = tuple(mode for mode, name in zip(regime.modes, regime.names, strict=True) if name in names)
+        self.watches.sort(key=lambda watch: (watch.mode is Mode.FLIGHT, watch.contact.number))
         limits = tuple(float(np.float32(watch.limit)) for watch in self.watches)
         numbers = tuple(watch.contact.number for watch in self.watches)
         away = tuple(watch.is_away for watch in self.watches)
-        guides = tuple(used for used, name in zip(regime.guides, regime.names, strict=False) if name in names)
+        used = dict(zip(regime.names, regime.guides, strict=False))
+        guides = tuple(used[watch.name] for watch in self.watches) if used else ()
+        modes = tuple(watch.mode for watch in self.watches)
         regime = SeveralRegime(
             modes, tuple(watch.name for watch in self.watches), limits, numbers, away, regime.rests, guides, regime.turn
         )
@@ -171,7 +173,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         turns = not resists or abs(body[5]) * self.case.plate.gyration > end.error
         body = without_velocity(self.case, limit, body, at, near, stuck, turns)
         state = join(body, [(one.xi1, one.xi2) for one in at])
-        decision = decide(
+        decision = decide_near(
             self.case, now._replace(time=limit, state=state, places=at, touching=tuple(near)), LOCATION_ERROR
         )
         regime = decision.regime

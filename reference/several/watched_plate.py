@@ -104,7 +104,9 @@ class WatchedPlate:
         return [watch.contact for watch in self.watches]
 
     def instant(self) -> DecisionInstant:
-        """What a decision about the modes needs."""
+        """What a decision about the modes needs. Contacts that touch come first: equations with the same modes are then
+        the same, whichever corner of a polygon touches."""
+        self.watches.sort(key=lambda watch: (watch.name not in self.touching, watch.contact.number))
         now = self.places()
         touching = tuple(k for k, watch in enumerate(self.watches) if watch.name in self.touching)
         names, limits = tuple(watch.name for watch in self.watches), tuple(watch.limit for watch in self.watches)
