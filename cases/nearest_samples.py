@@ -66,3 +66,20 @@ def nearest_samples(track: Curve, outline: Piece, x: float, y: float, theta: flo
         padded[[0, -1]] = gaps[-2], gaps[1]
     least = np.flatnonzero((gaps <= padded[:-2]) & (gaps <= padded[2:]))
     return [(float(near[i]), float(own[i])) for i in least[np.argsort(gaps[least], kind="stable")]]
+
+
+def opposite_samples(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[tuple[float, float]]:
+    """Parameters near which a track and a smooth outline have a common normal in a pose, the pair with the least gap
+    first: that of the nearest points, and others from which the same pose is as well determined."""
+    c, s = cos(theta), sin(theta)
+    own = np.linspace(*outline.span, OUTLINE_SAMPLES)
+    u, v = outline.point(own)
+    points = np.array([x + c * u - s * v, y + s * u + c * v])
+    samples = track_samples(track, x, y, outline.sizes[0])
+    normals, tangents = track.normal(samples.parameters), track.tangent(samples.parameters)
+    lowest = np.argmin(normals.T @ points, axis=1)  # the point of the outline that is nearest along each normal
+    away = points[:, lowest] - samples.points
+    along, gaps = (away * tangents).sum(axis=0), (away * normals).sum(axis=0)
+    changes = np.flatnonzero(along[:-1] * along[1:] <= 0.0)
+    order = changes[np.argsort(gaps[changes], kind="stable")]
+    return [(float(samples.parameters[k]), float(own[lowest[k]])) for k in order if gaps[k] > 0.0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import cos, hypot, inf, pi, sin
+from math import cos, hypot, inf, pi, remainder, sin
 
 import numpy as np
 
@@ -14,13 +14,15 @@ from .curves import Curve
 from .effects import Belt, Drive, Effect, one
 from .errors import BadValue, DoesNotFit, finite
 from .line_or_circle import as_line
-from .nearest_samples import nearest_samples, track_samples
+from .nearest_samples import nearest_samples, opposite_samples, track_samples
 from .size_limits import check_belt, check_drive
 from .start import Start
 
 # A gap below this part of the plate's size and place is the rounding of a pose: the plate touches its track. A velocity
 # along the normal below this part of the plate's speed is none.
 TOUCHES = 1e-12
+# Steps of Newton's method for a direction of the outline's tangent, from anywhere: of a circle the first is exact.
+NEWTON = 32
 
 
 @dataclass(frozen=True)
@@ -120,16 +122,52 @@ def _middle_of_level_edge(direction: float, outline: Chain) -> float | None:
     return middles[0] if len(middles) == 1 else None
 
 
-def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[geometry.Contact]:
-    """Pairs of nearest points of the track and each feature of the outline."""
-    results = []
-    if not isinstance(outline, Chain):
+def _on_track(track: Curve, contact: geometry.Contact) -> list[geometry.Contact]:
+    """The contact, at an end of the track if it is beyond by a rounding; none if it is farther beyond."""
+    if not track.ends:
+        return [contact]
+    low, high = track.ends
+    inside = min(max(contact.xi1, low), high)
+    return [contact._replace(xi1=inside)] if abs(contact.xi1 - inside) <= TOUCHES * (high - low) else []
+
+
+def _contacts_near(
+    track: Curve, outline: Curve, x: float, y: float, theta: float, guesses: list[tuple[float, float]]
+) -> list[geometry.Contact]:
+    """The contacts on the track to which Newton's method goes from these parameters."""
+    results = list[geometry.Contact]()
+    for guess in guesses:
         try:
-            near = nearest_samples(track, outline, x, y, theta)[0]
-            results.append(piece_contact.find(track, outline, x, y, theta, near))
-        except DoesNotFit:
-            pass
-        return results
+            results += _on_track(track, piece_contact.find(track, outline, x, y, theta, guess))
+        except DoesNotFit:  # it ends nowhere
+            continue
+    return results
+
+
+def _equidistant(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[geometry.Contact]:
+    """The middle of a track whose normals all meet the outline's in this pose, as at the centre of a round bowl, where
+    no nearest point is the only one; none on another track."""
+    xi1 = 0.5 * sum(track.span)
+    direction, xi2 = float(track.tangent_angle(xi1)) - theta, float(outline.span[0])
+    for _ in range(NEWTON):
+        off = remainder(direction - float(outline.tangent_angle(xi2)), 2.0 * pi)
+        xi2 += off / float(outline.curvature(xi2) * outline.speed(xi2))
+    (u, v), c, s = outline.point(xi2), cos(theta), sin(theta)
+    away = np.array([x + c * u - s * v, y + s * u + c * v]) - track.point(xi1)
+    aside, gap = float(away @ track.tangent(xi1)), float(away @ track.normal(xi1))
+    size = abs(x) + abs(y) + outline.sizes[0]
+    return [geometry.Contact(xi1, xi2, gap)] if abs(aside) <= TOUCHES * size and gap > 0.0 else []
+
+
+def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[geometry.Contact]:
+    """Pairs of nearest points of the track and each feature of the outline, on the track between its ends."""
+    results = list[geometry.Contact]()
+    if not isinstance(outline, Chain):
+        results = _contacts_near(track, outline, x, y, theta, nearest_samples(track, outline, x, y, theta)[:1])
+        if results or isinstance(track, Chain):
+            return results
+        opposite = opposite_samples(track, outline, x, y, theta)
+        return _contacts_near(track, outline, x, y, theta, opposite) or _equidistant(track, outline, x, y, theta)
     samples = track_samples(track, x, y, outline.sizes[0])
     c, s = cos(theta), sin(theta)
     for element in outline.elements:

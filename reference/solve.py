@@ -29,7 +29,7 @@ from .laws_check import ending_by_laws
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import simulate_phases
 from .minimal.integrators import taylor
-from .minimal.integrators.segment import Segment, blocks
+from .minimal.integrators.segment import BREAKDOWN, Segment, blocks
 from .minimal.modes import (
     FLIGHT,
     Phase,
@@ -62,10 +62,19 @@ def _integrate_dop853(phase: Phase, t: float, y, end: float, rtol: float) -> Seg
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
 # All methods that `simulate` accepts: also the paper's matrix, assembled and solved at every evaluation.
 ROUTES = (*METHODS, "augmented")
+def _integrate_taylor(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
+    """By Taylor's method; a phase that begins where its forces have no second derivative, as drag of √(v²) at rest, by
+    DOP853, which needs none."""
+    segment = taylor.integrate(phase, t, y, end, rtol)
+    if segment.event.guard == BREAKDOWN and segment.event.time == t:
+        return _integrate_dop853(phase, t, y, end, rtol)
+    return segment
+
+
 # By name: the functions that prepare and integrate a phase. The last two are no routes: one is for many runs, with code
 # that takes a tenth of a second to a second longer to compile, one for certification only.
 INTEGRATORS: dict[str, tuple[Callable[..., None], Callable[..., Segment]]] = {
-    "taylor": (taylor.prepare, taylor.integrate),
+    "taylor": (taylor.prepare, _integrate_taylor),
     "dop853": (_prepare_dop853, _integrate_dop853),
     "augmented": (augmented_integrator.prepare, augmented_integrator.integrate),
     "taylor_optimised": (partial(taylor.prepare, optimised=True), partial(taylor.integrate, optimised=True)),

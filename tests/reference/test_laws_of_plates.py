@@ -1,0 +1,210 @@
+"""Motions of plates between walls obey the laws of mechanics: no overlap, no energy from nothing, no event of roundings."""
+
+from dataclasses import replace
+from math import cos, hypot, inf, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import reference
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    FreePlate,
+    Gravity,
+    Impact,
+    Load,
+    Mode,
+    Plate,
+    Start,
+    StartPose,
+    Support,
+    Unilateral,
+    disc,
+)
+from cases.library import line
+from reference.several import equations
+from tests.scenes.walled_plates import energies, least_gap, random_walled_plates
+
+G = 9.81
+WALL = Support(Curve(("0", "-s")), "wall")
+
+
+def effects(mu: float = 0.3, e: float = 0.0) -> tuple:
+    """Weight, friction and impacts by Moreau's law."""
+    return (Gravity(G), *((CoulombFriction(mu),) if mu else ()), Unilateral(), Flight(), Impact(e, "moreau"))
+
+
+def wedge(mu: float = 0.3, phi: float = 0.6, mass: float = 0.2) -> Case:
+    """A disc between a wall and a larger disc on the floor, the line of the centres at φ from the vertical."""
+    lower, upper = StartPose(0.1 + 0.3 * sin(phi), 0.2), StartPose(0.1, 0.2 + 0.3 * cos(phi))
+    others = (FreePlate(disc(0.1, mass), upper, "b"),)
+    return Case(line(), disc(0.2, 1.0), effects(mu), lower, 1.5, supports=(WALL,), others=others)
+
+
+def obeys(motion, times: np.ndarray) -> None:
+    """No overlap of more than the integrator's error, and no energy from nothing."""
+    assert least_gap(motion, times) > -1e-8
+    energy = energies(motion, times)
+    assert np.diff(energy).max() < 1e-8 * (np.abs(energy).max() + 1.0)
+
+
+# --- contacts without force, and contacts that do not touch each other ------------------------------------------------
+
+WEDGES = [(0.3, 0.6, 0.2), (0.6, 0.9, 0.5), (0.3, 0.9, 0.5)]
+MORE = [(mu, phi, mass) for mu in (0.1, 0.3, 0.6) for phi in (0.45, 0.6, 0.9) for mass in (0.2, 0.5, 2.0)]
+
+
+@pytest.mark.parametrize("wedge_of", [*WEDGES, *(pytest.param(w, marks=pytest.mark.slow) for w in MORE)])
+def test_a_disc_beside_a_wall_that_it_touches_without_force_lands_on_the_floor(wedge_of):
+    motion = reference.simulate(wedge(*wedge_of), rtol=1e-12, method="dop853")
+    assert motion.status == "completed"
+    obeys(motion, np.linspace(0.0, 1.5, 1501))
+
+
+def test_a_disc_falls_between_a_wall_and_a_disc_and_closes_at_the_known_time():
+    """By two independent simulators in pose coordinates. It fell to 0.22 m below the floor."""
+    motion = reference.simulate(wedge(), rtol=1e-12, method="dop853")
+    landing = next(change for change in motion.transitions if change.contact == "b/track")
+    assert landing.time == pytest.approx(0.9499508480753582, abs=5e-12)
+
+
+def test_a_disc_at_rest_does_not_move_because_another_one_lands():
+    others = (FreePlate(disc(0.1, 1.0), StartPose(0.1, 0.3), "b"),)
+    case = Case(line(), disc(0.1, 1.0), effects(), StartPose(3.0, 0.1), 1.0, supports=(WALL,), others=others)
+    motion = reference.simulate(case, method="dop853")
+    assert motion.status == "completed" and not motion.vx.any() and not motion.omega.any()
+    landing = next(change for change in motion.transitions if change.contact == "b/track")
+    assert landing.time == pytest.approx(sqrt(2.0 * 0.2 / G), abs=1e-14)
+
+
+# --- velocities of roundings ------------------------------------------------------------------------------------------
+
+
+def _groove() -> Case:
+    """A disc at rest on two flanks of 0.6 rad."""
+    flank = Support(Curve((f"s*{cos(0.6)!r}", f"-s*{sin(0.6)!r}")), "flank")
+    return Case(line(0.6), disc(0.1, 1.0), effects(), StartPose(0.0, 0.1 / cos(0.6)), 1.0, supports=(flank,))
+
+
+def _two_discs() -> Case:
+    others = (FreePlate(disc(0.1, 1.0), StartPose(0.2, 0.1), "b"),)
+    return Case(line(), disc(0.1, 1.0), effects(), StartPose(0.0, 0.1), 1.0, others=others)
+
+
+AT_REST = {
+    "box": lambda: Case(line(), Plate.rectangle(0.2, 0.1, 1.0), effects(), StartPose(0.0, 0.05), 1.0),
+    "corner": lambda: Case(line(), disc(0.1, 1.0), effects(), StartPose(0.1, 0.1), 1.0, supports=(WALL,)),
+    "two discs": _two_discs, "groove": _groove,
+}
+
+
+@pytest.mark.parametrize("speed", [1e-17, -1e-16, 1e-300])
+@pytest.mark.parametrize("name", AT_REST)
+def test_a_plate_with_a_velocity_of_roundings_rests(name, speed):
+    """Compared with the fastest speed of the same state it was a motion, which ended as `accumulation` at 0 s."""
+    case = AT_REST[name]()
+    case = replace(case, start=StartPose(*_pose(case.start, case), speed, speed, 0.0))
+    motion = reference.simulate(case, method="dop853")
+    assert motion.status == "completed" and not motion.transitions
+    assert not motion.vx[-1] and not motion.vy[-1] and not motion.omega[-1]
+
+
+def _pose(start, case: Case) -> tuple[float, float, float]:
+    at = start.motion(case.track, case.plate.outline)
+    return float(at.x), float(at.y), float(at.theta)
+
+
+# --- cost -------------------------------------------------------------------------------------------------------------
+
+
+def rolling_polygon(corners: int, duration: float) -> Case:
+    """A regular polygon of radius 0.2 m that rolls from corner to corner at 1 m/s."""
+    r, angles = 0.2, 2.0 * pi * (np.arange(corners) + 0.5) / corners - 0.5 * pi
+    plate = Plate.polygon([(r * cos(a), r * sin(a)) for a in angles.tolist()], 1.0)
+    start = StartPose(0.0, r * cos(pi / corners), 0.0, 1.0, 0.0, -1.0 / r)
+    return Case(line(), plate, effects(0.8), start, duration)
+
+
+def test_equations_of_a_polygon_do_not_depend_on_the_corner_that_touches():
+    """The derivation of new ones at each corner took 229 s for one second of a polygon of 200 corners."""
+    equations._several_system.cache_clear()
+    motion = reference.simulate(rolling_polygon(30, 0.4), method="dop853")
+    assert motion.status == "completed" and len(motion.transitions) > 10
+    assert equations._several_system.cache_info().misses <= 8
+
+
+# --- starts -----------------------------------------------------------------------------------------------------------
+
+
+def basin(radius: float, low: float = 0.0, high: float = pi) -> Curve:
+    """An arc of that radius with its lowest point in the origin, and ends."""
+    return Curve((f"-{radius!r}*cos(s)", f"{radius!r}-{radius!r}*sin(s)"), domain=(low, high))
+
+
+@pytest.mark.parametrize(
+    "track,height", [(basin(2.0), 2.6), (basin(2.0), 3.0), (basin(2.5), 3.0), (basin(2.0, 0.2, 2.9), 2.0),
+                     (Curve(("s-1", "(s-1)**2"), domain=(0, 2)), 3.0)],
+)  # fmt: skip
+def test_a_disc_falls_to_the_lowest_point_of_a_track_whose_nearest_points_are_beyond_its_ends(track, height):
+    case = Case(track, disc(0.1, 1.0), effects(), StartPose(0.0, height), 1.0)
+    motion = reference.simulate(case, method="dop853")
+    assert motion.transitions[0].time == pytest.approx(sqrt(2.0 * (height - 0.1) / G), abs=1e-12)
+
+
+def test_drag_by_the_square_root_of_a_square_begins_at_rest():
+    """v' = a − c v² has the solution √(a/c) tanh(√(a c) t)."""
+    mass, slope, mu, drag = 80.0, 0.3, 0.03, 0.3
+    load = Load(fx=f"-{drag}*vx*sqrt(vx**2+vy**2)", fy=f"-{drag}*vy*sqrt(vx**2+vy**2)")
+    case = Case(
+        line(-slope), disc(0.1, mass, inf), (Gravity(G), CoulombFriction(mu), Unilateral(), load), Start(0.0), 3.0
+    )
+    a, c = G * (sin(slope) - mu * cos(slope)), drag / mass
+    for method in ("taylor", "dop853"):
+        last = reference.simulate(case, rtol=1e-12, method=method)(3.0)
+        assert hypot(last.vx, last.vy) == pytest.approx(sqrt(a / c) * np.tanh(sqrt(a * c) * 3.0), rel=1e-10)
+
+
+# --- random scenes ----------------------------------------------------------------------------------------------------
+
+# Motions that end early: their ends are listed in docs/truth.md, and what is computed obeys the laws.
+SEEDS = [*range(10), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(10, 500))]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_plates_between_walls_obey_the_laws(seed):
+    motion = reference.simulate(random_walled_plates(seed), method="dop853")
+    obeys(motion, np.linspace(0.0, float(motion.t[-1]), 1001))
+
+
+@pytest.mark.parametrize("seed", [*range(5), *(pytest.param(s, marks=pytest.mark.slow) for s in range(5, 200))])
+def test_a_motion_that_is_stopped_goes_on_as_it_would_have(seed):
+    case = random_walled_plates(seed, duration=0.4)
+    whole = reference.simulate(case, rtol=1e-12, method="dop853")
+    stop = 0.4 * float(np.random.default_rng([seed, 7]).uniform(0.1, 0.9))
+    stop = min([*_between_changes(whole, stop)])
+    rest = reference.simulate(_at(whole, stop, 0.4 - stop), rtol=1e-12, method="dop853")
+    assert rest.status == whole.status
+    if whole.status == "completed":
+        for name in whole.plate_names:
+            one, other = whole.plate(name)(0.4), rest.plate(name)(float(rest.t[-1]))
+            assert np.array([one.x, one.y]) == pytest.approx(np.array([other.x, other.y]), abs=1e-6)
+
+
+def _between_changes(motion, time: float) -> list[float]:
+    """The time, moved to the middle between two transitions if it is next to one."""
+    marks = np.unique([0.0, *(change.time for change in motion.transitions), float(motion.t[-1])])
+    k = min(max(int(np.searchsorted(marks, time)), 1), len(marks) - 1)
+    return [0.5 * float(marks[k - 1] + marks[k])]
+
+
+def _at(motion, time: float, duration: float) -> Case:
+    """The case that begins with the plates' poses and velocities at a time of a motion."""
+    poses = []
+    for name in motion.plate_names:
+        now = motion.plate(name)(time)
+        poses.append(StartPose(*(float(v) for v in (now.x, now.y, now.theta, now.vx, now.vy, now.omega))))
+    others = tuple(replace(one, start=pose) for one, pose in zip(motion.case.others, poses[1:], strict=True))
+    return replace(motion.case, start=poses[0], others=others, duration=duration)
