@@ -343,7 +343,12 @@ def _summary(
     from .running.solvers import missing_words
     from .running.timing import phase_times
 
-    lines = [*verdict.filled(verdict.sentence(verdicts)), "", verdict.in_terminal(verdicts), ""]
+    lines = [
+        *verdict.filled(verdict.sentence(verdicts, verdict.pairs(experiment))),
+        "",
+        verdict.in_terminal(verdicts),
+        "",
+    ]
     lines += [*verdict.legend(verdicts), ""]
     if plan.verbose:
         lines += [verdict.details(verdicts), "", *verdict.notes(verdicts), ""]

@@ -1,8 +1,9 @@
 """Tests of an engine for pytest: the engine's motions are compared with the kept truth (`pytest_slip_to_roll`).
 
-Each test runs one case at one step and passes if the grade of its motion is at least `--slip-to-roll-grade`. A case
-that the engine does not support is skipped with the engine's reason. A case without truth is an error of the suite: its
-test ends as an error, not as a failure of the engine. An engine that supports none of its cases fails the session.
+Each test runs one case at one step and passes if the grade of its motion is at least `--slip-to-roll-grade`. It is
+skipped, with the reason, if the samples do not decide that, or if the engine does not support the case. A case without
+truth is an error of the suite: its test ends as an error, not as a failure of the engine. An engine that supports none
+of its cases fails the session.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from adapters import Setting
 from cases import BadValue, Case, CaseError, NotSupported, lookup
 from cases.errors import unknown_name
 
-from .judging.grades import LIMITS, Grade, percent
+from .judging.grades import LIMITS, Grade, is_within, percent, summary
 from .running.records import Run
 from .running.tasks import attempt, find_truth, perform
 
@@ -142,10 +143,14 @@ class EngineTest(pytest.Item):
     def _check_grade(self, run: Run) -> None:
         assert run.score is not None, "an answered run has a score"
         worst = Grade(self.config.getoption("--slip-to-roll-grade"))
-        if run.score.off > LIMITS[worst]:
+        is_right = is_within(run.score, LIMITS[worst])
+        words = f"{run.case}, {run.setting}: {summary(run.score, run.friction_factor, run.reason)}"
+        if is_right is None:
+            pytest.skip(f"not decided by its samples: {words}")
+        if not is_right:
             pytest.fail(
-                f"{run.case}, {run.setting}: {run.grade}, {percent(run.score.off)} off; {worst} is at most "
-                f"{percent(LIMITS[worst])} of the error of ignoring friction\n{run.reason}\n{_transitions(run)}",
+                f"{words}; {worst} is at most {percent(LIMITS[worst])} of the error of ignoring friction\n"
+                f"{_transitions(run)}",
                 pytrace=False,
             )
 

@@ -2,8 +2,8 @@
 
 Each run of the baseline is compared with the run of the same case, solver, route and setting in REPORT (default:
 `report`). A run is worse if it has no motion any more, if it is missing, or if its error (off) has grown by more than
---worse-than, by more than the doubts of both, and to more than 0.01 %. Exit status: 0 if no run is worse, 1 if one is,
-2 with one sentence if the two cannot be compared.
+--worse-than, by more than the doubts of both, and to more than 0.01 %. It is not decided if their doubts leave that
+open. Exit status: 0 if no run is worse, 1 if one is, 2 with one sentence if the two cannot be compared.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _LARGEST = 100 * 2**20
 
 
 class RunChange(NamedTuple):
-    """A run in two reports: "worse", "better", "same" or "new", the errors (off) of both, and why."""
+    """A run in two reports: "worse", "better", "same", "not decided" or "new", the errors (off) of both, and why."""
 
     case: str
     solver: str
@@ -78,12 +78,19 @@ def _change(old: _Result, new: _Result | None, tolerance: float) -> tuple[str, f
     if old.outcome != "answered" or new.outcome != "answered":
         change = "same" if old.outcome == new.outcome else "worse" if old.outcome == "answered" else "better"
         return change, old.off, new.off, f"{old.outcome}, now {new.outcome}" if change != "same" else ""
-    sure = abs(new.off - old.off) > old.doubt + new.doubt
-    if sure and new.off > max(old.off * (1 + tolerance), LEAST_OFF):
-        return "worse", old.off, new.off, f"off {100 * old.off:.3g} %, now {100 * new.off:.3g} %"
-    if sure and old.off > max(new.off * (1 + tolerance), LEAST_OFF):
-        return "better", old.off, new.off, f"off {100 * old.off:.3g} %, now {100 * new.off:.3g} %"
-    return "same", old.off, new.off, ""
+    doubt, words = (
+        old.doubt + new.doubt,
+        "off {} ± {} %, now {} ± {} %".format(
+            *(f"{100 * value:.3g}" for value in (old.off, old.doubt, new.off, new.doubt))
+        ),
+    )
+    for name, before, after in (("worse", old.off, new.off), ("better", new.off, old.off)):
+        if after - before > doubt and after > max(before * (1 + tolerance), LEAST_OFF):
+            return name, old.off, new.off, words
+    # The same numbers are the same motion, whatever its samples do not show.
+    if old == new or new.off + doubt <= max(old.off * (1 + tolerance), LEAST_OFF):
+        return "same", old.off, new.off, ""
+    return "not decided", old.off, new.off, words
 
 
 def _results(folder: Path, solvers: Sequence[str]) -> dict[tuple[str, str, str, str], _Result]:
@@ -129,10 +136,10 @@ def as_text(changes: Sequence[RunChange]) -> str:
     lines = [
         f"{run.change}: {run.case}, {run.solver} {run.route}, {run.setting}: {run.reason}"
         for run in changes
-        if run.change in ("worse", "better")
+        if run.change in ("worse", "better", "not decided")
     ]
     counts = Counter(run.change for run in changes)
-    lines.append(", ".join(f"{counts[name]} {name}" for name in ("worse", "better", "same", "new")))
+    lines.append(", ".join(f"{counts[name]} {name}" for name in ("worse", "better", "same", "not decided", "new")))
     return "\n".join(map(legible, lines))  # an untrusted report can contain any text
 
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from math import inf, isfinite, pi
+from math import ceil, inf, isfinite, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -54,6 +54,8 @@ RATES = (("vx", "x"), ("vy", "y"), ("omega", "theta"))
 # Largest turn (rad) of the plate or the track between samples. From a quarter of a turn on, the contact cannot be found
 # from the previous one, and degrees, or an angle that jumps by whole turns, look like a motion.
 MOST_TURN = 0.5 * pi
+# Fewest samples of a motion that lasts as long as its case; of a shorter one in proportion.
+SAMPLES_IN_DURATION = 50
 # Largest relative difference of half of a column from the value that follows from the others: of the largest value for
 # rates, of the value itself for slip. A solver's facets or half a step are less; another unit, sign or frame is more.
 OFF = 0.05
@@ -123,10 +125,12 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     check_start(case, table)
     # A printed last time may be rounded up.
     table = table[table["t"] <= case.duration * (1 + 1e-9)]
-    if len(table) < LEAST_SAMPLES:
+    last = float(table["t"].iloc[-1])
+    least = max(LEAST_SAMPLES, ceil(SAMPLES_IN_DURATION * last / case.duration * (1 - 1e-9)))
+    if len(table) < least:
         raise DoesNotFit(
-            f"the case lasts {case.duration:g} s, and within it there are {len(table)} samples; "
-            f"give at least {LEAST_SAMPLES}, and t in seconds"
+            f"the case lasts {case.duration:g} s, and within its first {last:g} s there are {len(table)} samples; "
+            f"give at least {least}, and t in seconds"
         )
     columns = columns_of(table)
     t = columns["t"]

@@ -14,13 +14,36 @@ from typing import Any, NamedTuple
 from adapters import Setting
 
 from ..judging.grades import LEVELS
-from ..judging.ranking import first_within
 from ..running.records import Experiment, Run, Truth, is_default, routes
 from . import quantities
 
 # Values of the column `reached`. "Not known": the doubt of the samples or the truth's error bar exceeds the level.
 WITHIN, ONE_SETTING, BEYOND, OPEN = "reached", "one setting", "not reached", "not known"
 HOLDS = "From which setting on each route stays within each level of accuracy"
+
+
+class FirstWithin(NamedTuple):
+    """The setting from which on a route stays within a level. `first`: its number in the ladder, None if there is none;
+    `settings`: number of settings from it to the finest; a single one is not confirmed by a finer one. `is_known`:
+    False if the doubt leaves open whether the level is reached."""
+
+    first: int | None
+    settings: int
+    is_known: bool
+
+
+def first_within(ladder: Sequence[tuple[float, float]], level: float) -> FirstWithin:
+    """The first setting of a ladder, coarse to fine, at which off and doubt together stay within the level, as they do
+    at all finer ones. `ladder`: off and doubt of each setting with a motion."""
+    first, settings, possible = None, 0, False
+    highest, lowest = 0.0, 0.0
+    for number, (off, doubt) in reversed(list(enumerate(ladder))):
+        highest = max(highest, off + doubt)
+        lowest = max(lowest, off - doubt)
+        if highest <= level:
+            first, settings = number, settings + 1
+        possible = possible or lowest <= level
+    return FirstWithin(first, settings, first is not None or not possible)
 
 
 class LevelResult(NamedTuple):

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from math import isfinite, nan
-from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from reference.certification import WITNESSED
 
 from ..judging.friction_sensitivity import not_ranked
-from ..judging.grades import Grade, grade
+from ..judging.grades import Grade
 from ..running.records import Experiment, Run, default, defaults, finest, first_error, is_truth, routes
 from ..running.solvers import NOT_INSTALLED
 from . import levels
@@ -85,7 +83,7 @@ def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
                     "time": row.time,
                     "reference_time": row.reference_time,
                     "error": row.error,
-                    "truth_error_bar": nan if row.pairing == "spurious" else bars[row.event - 1],
+                    "truth_error_bar": bars[row.event - 1] if row.is_true else nan,
                     "pairing": row.pairing,
                     "contact": row.contact,
                     "reading_doubt": doubts.get(place, nan),
@@ -169,14 +167,13 @@ def _score_columns(run: Run) -> dict[str, Any]:
     }
 
 
-def _off_columns(name: str, runs: Sequence[Run]) -> dict[str, Any]:
-    """Median off of some runs with its grade, and their largest doubt."""
-    scores = [run.score for run in runs if run.score]
-    off = median(score.off for score in scores) if scores else nan
+def _off_columns(name: str, run: Run | None) -> dict[str, Any]:
+    """Off of a run with its doubt and grade."""
+    score = run.score if run else None
     return {
-        f"{name}_off": off,
-        f"{name}_off_doubt": max((score.doubt for score in scores), default=nan),
-        f"{name}_grade": str(grade(off)) if scores else "",
+        f"{name}_off": score.off if score else nan,
+        f"{name}_off_doubt": score.doubt if score else nan,
+        f"{name}_grade": run.grade if run else "",
     }
 
 
@@ -198,7 +195,7 @@ def headline_rows(experiment: Experiment) -> list[dict[str, Any]]:
         row["level"], row["settings_within"] = levels.finest_level(results.get(key, ()))
         for name, run in (("default", own), ("finest", fine)):
             row |= {
-                **_off_columns(name, grid if name == "default" else [run] if run else []),
+                **_off_columns(name, run),
                 f"{name}_friction_factor": run.friction_factor if run else nan,
                 f"{name}_first_error": first_error(run),
                 f"{name}_centre_max": run.distance.centre_max if run else nan,

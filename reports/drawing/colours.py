@@ -44,6 +44,7 @@ GRADES = {
     "rough": "#fdebd3",
     "poor": "#f9c795",
     "unusable": "#ee8452",
+    "not decided": "#d3cfdc",
 }
 
 

@@ -22,6 +22,10 @@ _CERTAIN = 2.0
 # The spread of a transition's time is the smallest that several extrapolations have, so it may be smaller than their
 # error; by 1.6 times at most in the catalogue.
 _SPREADS = 2.0
+# Velocities that agree with central differences of the poses to this part of the fastest are these differences.
+_SAME_RATE = 1e-9
+# A transition that is read from differences may be so many gaps off: that far they round off the kink of slip.
+_ROUNDED = 1.0
 
 
 def gap(motion: Trajectory) -> float:
@@ -57,6 +61,28 @@ def roughness(t: np.ndarray, values: np.ndarray) -> float:
     return float(np.quantile(size, _QUANTILE)) if len(size) else 0.0
 
 
+def are_differences(motion: Trajectory) -> bool:
+    """Whether the velocities are central differences of the poses, to nine digits, and know no more than these."""
+    if len(motion.t) < 5 or not np.all(np.diff(motion.t) > 0.0):
+        return False
+    for rate, pose in (("vx", "x"), ("vy", "y"), ("omega", "theta")):
+        slope, own = np.gradient(getattr(motion, pose), motion.t)[1:-1], getattr(motion, rate)[1:-1]
+        if not np.all(np.abs(slope - own) <= _SAME_RATE * np.abs(own).max()):
+            return False
+    return True
+
+
+def of_differences(motion: Trajectory, reach: float) -> float:
+    """The mean error of a slip velocity that follows from differences, m/s, for a plate of this reach (m).
+
+    A difference over two gaps h is the mean of the rate v over them: v + h² v''/6 where v is smooth, and off by h/4
+    times the change of v' at a kink. Second differences of v are six times, and twice, as large.
+    """
+    vx, vy, omega = (np.diff(rate, 2) for rate in (motion.vx, motion.vy, motion.omega))
+    errors = 0.5 * (np.hypot(vx, vy) + reach * np.abs(omega))
+    return float(errors[np.isfinite(motion.slip[1:-1])].sum()) / len(motion.t)
+
+
 def time(motion: Trajectory, reading: Reading, reach: float, is_sharp: bool = False) -> float:
     """The sum of the doubts of all transition times of a reading, s.
 
@@ -65,13 +91,13 @@ def time(motion: Trajectory, reading: Reading, reach: float, is_sharp: bool = Fa
     So it is, at least, where the coefficient of friction changes with the slip speed (`is_sharp`): slip then begins and
     ends within speeds that no sample shows, and not as a polynomial of the samples next to it.
     """
-    signals = {True: reach * motion.omega, False: motion.slip}
+    signals, rounded = {True: reach * motion.omega, False: motion.slip}, _ROUNDED * are_differences(motion)
     noise = {turns: roughness(motion.t, values) for turns, values in signals.items()}
     total = 0.0
     for event, spread in zip(reading.transitions, reading.spreads, strict=True):
         if event.before is not event.after:
             least = _gap_at(motion.t, event.time) if is_sharp or not np.isfinite(spread) else 0.0
-            total += max(_SPREADS * np.nan_to_num(spread), least)
+            total += max(_SPREADS * np.nan_to_num(spread), least, rounded * _gap_at(motion.t, event.time))
         if Mode.FLIGHT not in (event.before, event.after):
             turns = Mode.REST in (event.before, event.after)
             begins = event.before in (Mode.ROLL, Mode.REST)

@@ -18,6 +18,7 @@ class Grade(StrEnum):
     ROUGH = "rough"
     POOR = "poor"
     UNUSABLE = "unusable"
+    UNDECIDED = "not decided"
 
 
 # The largest score of each grade; above the last a motion is about as far off as one that ignores friction's law. A
@@ -37,9 +38,28 @@ _LONGEST = 0.1
 USUAL_FRICTION = (0.9, 1.1)
 
 
-def grade(off: float) -> Grade:
-    """The grade of a score `off`; a score that is no number is unusable."""
-    return next((name for name, limit in LIMITS.items() if off <= limit), Grade.UNUSABLE)
+def grade(off: float, doubt: float = 0.0) -> Grade:
+    """The grade that `off + doubt` and `off - doubt` share, "not decided" if they have different ones; a score that is
+    no number is unusable."""
+    best, worst = bounds(off, doubt)
+    return best if best is worst else Grade.UNDECIDED
+
+
+def bounds(off: float, doubt: float) -> tuple[Grade, Grade]:
+    """The best and the worst grade that a score's doubt leaves possible."""
+    best, worst = (
+        next((name for name, limit in LIMITS.items() if end <= limit), Grade.UNUSABLE)
+        for end in (off - doubt, off + doubt)
+    )
+    return best, worst
+
+
+def is_within(score: Score, level: float) -> bool | None:
+    """Whether a motion is right to a level: True if `off + doubt` is within it, False if `off - doubt` is not, None if
+    its samples do not decide."""
+    if score.off + score.doubt <= level:
+        return True
+    return None if score.off - score.doubt <= level else False
 
 
 def sequence_note(score: Score, scale: Scale) -> str:
@@ -56,7 +76,8 @@ def sequence_note(score: Score, scale: Scale) -> str:
 def summary(score: Score, friction: float, why: str) -> str:
     """A score in one line: off and its doubt, grade, friction × where it is known, and the reason."""
     friction_text = [f"friction × {_short(friction)}"] if isfinite(friction) else []
-    return "; ".join([f"off {percent(score.off)} ± {percent(score.doubt)}: {grade(score.off)}", *friction_text, why])
+    words = grade(score.off, score.doubt)
+    return "; ".join([f"off {percent(score.off)} ± {percent(score.doubt)}: {words}", *friction_text, why])
 
 
 def reason(score: Score, scale: Scale, friction: float) -> str:
@@ -70,8 +91,9 @@ def reason(score: Score, scale: Scale, friction: float) -> str:
         phrases.append(f"friction and other losses are {_short(friction)} times those of the law")
     if small_share(scale):
         phrases.append(f"not ranked: {small_share(scale)}")
-    if grade(score.off + score.doubt) is not grade(score.off - score.doubt):
-        phrases.append(f"its samples leave {percent(score.doubt)} in doubt")
+    best, worst = bounds(score.off, score.doubt)
+    if best is not worst:
+        phrases.append(f"{best} to {worst}: its samples leave {percent(score.doubt)} in doubt; give more of them")
     return "; ".join(phrases)
 
 

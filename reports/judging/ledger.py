@@ -1,13 +1,14 @@
 """Transitions of a solver paired with the truth's: which are in both, which only in one of them, and their errors.
 
-An impact of the truth after which the plate flies for less time than a motion's samples resolve is unresolved: no
-solver is expected to have it.
+Where the truth or the solver has phases too short for a motion's samples, transitions in only one of them are
+unresolved: samples cannot have the one, and do not show the other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import isfinite, nan
 
 from cases import Mode, Transition
@@ -19,8 +20,8 @@ from .slip_phases import RESOLVABLE_GAPS
 class LedgerRow:
     """One transition of the truth, of a solver, or of both. `event` counts from 1 in the truth's sequence for paired
     and missed ones, in the solver's own for spurious ones; times in s, NaN where there is none. `pairing`: paired,
-    missed, unresolved or spurious. `contact`: the truth's name of the contact if
-    it has several, else ""."""
+    missed, spurious or unresolved, with NaN as the time that it lacks. `contact`: the truth's name of the contact if it
+    has several, else ""."""
 
     event: int
     before: Mode
@@ -31,28 +32,40 @@ class LedgerRow:
     pairing: str
     contact: str = ""
 
+    @property
+    def is_true(self) -> bool:
+        """Whether the truth has the transition."""
+        return isfinite(self.reference_time)
+
 
 def match(truth: Sequence[Transition], read: Sequence[Transition], gap: float = 0.0) -> tuple[LedgerRow, ...]:
     """Pair transitions by kind (before, after) and order: as many as can be, and of these pairings the one with the
-    least sum of time errors. Other transitions of the truth are missed, or unresolved by samples `gap` seconds apart;
-    other transitions of the solver are spurious."""
+    least sum of time errors. Other transitions of the truth are missed, those of the solver spurious; either is
+    unresolved within `RESOLVABLE_GAPS` of a phase that is shorter than that, by samples `gap` seconds apart."""
     pairs = _pairing(truth, read)
+    least = RESOLVABLE_GAPS * gap
+    short = [*_short_spans(truth, least), *_short_spans(read, least)]
+
+    def name(time: float, pairing: str) -> str:
+        return "unresolved" if any(begin <= time <= end for begin, end in short) else pairing
+
     rows = []
     for i, j in pairs:
         error = read[j].time - truth[i].time
         rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, read[j].time, truth[i].time, error, "paired"))
     for i in sorted(set(range(len(truth))) - {i for i, _ in pairs}):
-        pairing = "unresolved" if _short(truth, i, RESOLVABLE_GAPS * gap) else "missed"
+        pairing = name(truth[i].time, "missed")
         rows.append(LedgerRow(i + 1, truth[i].before, truth[i].after, nan, truth[i].time, nan, pairing))
     for j in sorted(set(range(len(read))) - {j for _, j in pairs}):
-        rows.append(LedgerRow(j + 1, read[j].before, read[j].after, read[j].time, nan, nan, "spurious"))
+        pairing = name(read[j].time, "spurious")
+        rows.append(LedgerRow(j + 1, read[j].before, read[j].after, read[j].time, nan, nan, pairing))
     return tuple(sorted(rows, key=lambda row: row.reference_time if isfinite(row.reference_time) else row.time))
 
 
-def _short(truth: Sequence[Transition], i: int, least: float) -> bool:
-    """Whether the transition is an impact after which the plate flies for less than that."""
-    flies_on = truth[i].before is truth[i].after is Mode.FLIGHT
-    return flies_on and i + 1 < len(truth) and truth[i + 1].time - truth[i].time < least
+def _short_spans(events: Sequence[Transition], least: float) -> list[tuple[float, float]]:
+    """The spans, s, of phases that last less than `least`, with as much on both sides."""
+    spans = ((one.time - least, other.time + least) for one, other in pairwise(events))
+    return [(begin, end) for begin, end in spans if end - begin < 3.0 * least]
 
 
 def _pairing(truth: Sequence[Transition], read: Sequence[Transition]) -> list[tuple[int, int]]:

@@ -19,7 +19,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Mode, Plate, State, Trajectory, Transition
 
 from . import doubts, transitions
-from .distances import differences
+from .distances import differences, even_samples
 from .friction_factor import Losses, losses_of_truth
 from .phases import (
     ModePhase,
@@ -31,7 +31,7 @@ from .phases import (
     time_by_mode,
     time_in_another_mode,
 )
-from .slip_phases import RESOLVABLE_GAPS, SURELY, Reading
+from .slip_phases import RESOLVABLE_GAPS, ROUNDING, SURELY, Reading
 from .validation import LAST_STEPS, LONG_STEPS, SHORT_PART
 
 # What differs from the truth by less than this part of its path is the truth, and slip below this part of its speed is
@@ -52,6 +52,8 @@ _MOST_CREEP = 0.01
 _CREEP_QUANTILE, _END_OF_ROLL, _FEWEST = 0.95, 0.25, 3
 # What is less than this part of a score does not count.
 _SMALL_PART = 0.1
+# A motion that locates its transitions is read from its samples too where it is farther from the truth than that.
+_SURELY_RIGHT = 1e-4
 # By how many thresholds of slip a motion is read at most, after its own.
 _MOST_READINGS = 2
 # Even times at which the truth is looked at where a motion has no samples.
@@ -229,13 +231,18 @@ def score_and_reading(
     """The score of a sound motion, and the reading of its transitions that agrees best with the truth. `read`: how they
     are read, by default `transitions.read_motion`."""
     errors = _errors(motion, truth, differences(motion, truth, case) if off is None else off, case)
+    if not claims_hold(motion):
+        motion = replace(motion, first_mode=None, transitions=())
     pose, slip = (
         error / size if size > 0.0 else 0.0 for error, size in zip(errors, (scale.pose, scale.slip), strict=True)
     )
     creep = _creep(motion, scale)
     is_exact = motion.first_mode is not None
     resolution = 0.0 if is_exact else RESOLVABLE_GAPS * doubts.gap(motion)
-    noise = 0.0 if is_exact or scale.slip == 0.0 else doubts.roughness(motion.t, motion.slip) / scale.slip
+    noise = 0.0
+    if not is_exact and scale.slip > 0.0:
+        rounded = doubts.of_differences(motion, case.plate.reach) if doubts.are_differences(motion) else 0.0
+        noise = max(doubts.roughness(motion.t, motion.slip), rounded) / scale.slip
     best = _modes(case, motion, scale, creep, resolution, max(pose, slip), read or transitions.read_motion)
     worst, doubt = max(pose, best.wrong, slip), max(best.doubt, noise)
     return Score(worst, doubt, pose, best.wrong, slip, creep, best.longest, resolution, best.missing), best.reading
@@ -261,7 +268,7 @@ def _modes(
     unresolved = 0.0 if is_exact else doubts.unresolved(motion, scale.phases, scale.slips, scale.hops)
     gaps, last = _sample_gaps(motion), _last(motion, scale.end)
     true_flights, best = flights(scale.phases), None
-    for reading in _readings(case, motion, scale, creep, read):
+    for reading, sampled in _readings(case, motion, scale, creep, read):
         phases = rolling_within(phases_of(reading.first_mode, reading.transitions, last), scale.either)
         phases = outside(phases, gaps)
         wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
@@ -269,40 +276,68 @@ def _modes(
             wrong = float(reading.first_mode != scale.phases[0].mode)
         if best is None or wrong < best.wrong * (1.0 - _SAME):
             touching = wrong - time_in_another_mode(flights(phases), true_flights, scale.end) / scale.time
-            times = 0.0 if is_exact else doubts.time(motion, reading, case.plate.reach, _changes_with_slip(case))
+            times = doubts.time(sampled, reading, case.plate.reach, _changes_with_slip(case)) if sampled else 0.0
             doubt = (unresolved + times) / scale.time
             best = _Modes(reading, wrong, touching, doubt, *agreement(phases, scale.phases))
         # A threshold of slip makes no difference to flights, nor one that counts where other scores are larger.
-        small = best.touching <= _SMALL_PART * best.wrong
+        small = best.touching <= max(_SMALL_PART * best.wrong, is_exact * _SURELY_RIGHT)
         if small or (best.touching <= max(best.doubt, others) and best.longest <= resolution):
             break
     assert best is not None, "a motion has one reading at least"
     return best
 
 
-def _readings(case: Case, motion: Trajectory, scale: Scale, creep: float, read: Reader) -> Iterator[Reading]:
-    """The motion's modes by several thresholds of slip; its own where it locates its transitions itself.
+def _readings(
+    case: Case, motion: Trajectory, scale: Scale, creep: float, read: Reader
+) -> Iterator[tuple[Reading, Trajectory | None]]:
+    """The motion's modes by several thresholds of slip, with the samples that they are read from; before them its own,
+    where it locates its transitions itself.
 
     A single threshold fails both ways: one that is too large loses short rolls and slow slips, one that is too small
-    takes creep and noise for slip.
+    takes creep and noise for slip. Creep has no limit: slip that is none by the threshold is an error of slip and pose.
     """
     if motion.first_mode is not None:
         own = tuple(motion.transitions)
-        yield Reading(motion.first_mode, own, (float("nan"),) * len(own))
-        return
+        yield Reading(motion.first_mode, own, (float("nan"),) * len(own)), None
+        motion = replace(motion if motion.dense is None else even_samples(motion), first_mode=None, transitions=())
     cap = scale.most_creep
     creep_limit = min(motion.slip_resolution, cap)
-    yield read(case, replace(motion, slip_resolution=creep_limit))
+    yield read(case, replace(motion, slip_resolution=creep_limit)), motion
     # Where the truth's rolls are too short for the creep to be known, slip within its noise may be none.
     slowest = creep if np.isfinite(creep) else doubts.roughness(motion.t, motion.slip)
-    multiples = (2.0 * slowest, slowest, 4.0 * slowest)
-    others = dict.fromkeys(min(threshold, cap) for threshold in (*multiples, 0.0, cap / 8.0, cap))
+    multiples = (2.0 * slowest, slowest, 4.0 * slowest, 0.6 * slowest)
+    others = dict.fromkeys((*multiples, 0.0, cap / 8.0, cap))
     # A reading takes long, so only the thresholds are read by which fewer samples are in another mode than the truth.
     wrong = _samples_in_another_mode(motion, scale, [creep_limit, *others])
     better = sorted((part, threshold) for threshold, part in zip(others, wrong[1:], strict=True))
     for part, threshold in better[:_MOST_READINGS]:
         if part < (1.0 - _SMALL_PART) * wrong[0]:
-            yield read(case, replace(motion, slip_resolution=threshold))
+            yield read(case, replace(motion, slip_resolution=threshold)), motion
+
+
+def claims_hold(motion: Trajectory) -> bool:
+    """Whether the modes that a motion's solver names are those of its own samples: it slips nowhere by more than twice
+    its creep where it is said to roll, and nowhere the other way where it is said to slip, except next to a change.
+
+    True for a motion that names none, and for one that is known at every time."""
+    if motion.first_mode is None or motion.dense is not None:
+        return True
+    least, end = RESOLVABLE_GAPS * doubts.gap(motion), float(motion.t[-1])
+    signs = {Mode.ROLL: 0.0, Mode.REST: 0.0, Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
+    phases = [p for p in phases_of(motion.first_mode, motion.transitions, end) if p.mode in signs]
+    inside = [(motion.t > p.begin + least) & (motion.t < p.end - least) & np.isfinite(motion.slip) for p in phases]
+    rolls = np.abs(motion.slip[_any(motion, [i for p, i in zip(phases, inside, strict=True) if not signs[p.mode]])])
+    creep = float(np.quantile(rolls, 0.5)) if len(rolls) else 0.0
+    largest = SURELY * max(creep, motion.slip_resolution, ROUNDING * float(np.hypot(motion.vx, motion.vy).max()))
+    wrong = [
+        (np.abs(motion.slip[i]) > largest) & (np.sign(motion.slip[i]) != signs[phase.mode])
+        for phase, i in zip(phases, inside, strict=True)
+    ]
+    return sum(int(samples.sum()) for samples in wrong) <= RESOLVABLE_GAPS
+
+
+def _any(motion: Trajectory, groups: Sequence[np.ndarray]) -> np.ndarray:
+    return np.logical_or.reduce(groups) if groups else np.zeros(len(motion.t), dtype=bool)
 
 
 def _samples_in_another_mode(motion: Trajectory, scale: Scale, thresholds: Sequence[float]) -> list[float]:

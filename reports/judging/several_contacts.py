@@ -90,10 +90,7 @@ def judge(
 def _renumbered(rows: Sequence[LedgerRow], events: Sequence[Transition], name: str) -> tuple[LedgerRow, ...]:
     """The rows of a contact with the numbers that its transitions have among those of all contacts."""
     places = [place for place, event in enumerate(events, start=1) if event.contact == name]
-    return tuple(
-        replace(row, contact=name, event=row.event if row.pairing == "spurious" else places[row.event - 1])
-        for row in rows
-    )
+    return tuple(replace(row, contact=name, event=places[row.event - 1] if row.is_true else row.event) for row in rows)
 
 
 # --- one contact of several -------------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ def transitions(
     setting by solver and route."""
     mine = [row for row in event_rows if settings.get((row["solver"], row["route"])) == str(row["setting"])]
     keys = list(dict.fromkeys((row["solver"], row["route"]) for row in mine if row["solver"] != REFERENCE))
-    errors = {(row["solver"], row["route"], row["event"]): row for row in mine if row["pairing"] != "spurious"}
+    errors = {(row["solver"], row["route"], row["event"]): row for row in mine if isfinite(row["reference_time"])}
     extra = {key: sum((r["solver"], r["route"]) == key and r["pairing"] == "spurious" for r in mine) for key in keys}
     events = [row for row in truth_rows if row["event"]]
     return {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..analysis import verdict
 from ..running.ladder_selection import ladder_case
 from ..running.names import REFERENCE
-from ..running.records import Experiment, routes
+from ..running.records import Experiment, Run, routes
 from ..running.solvers import missing_words
 from .chapters import anchor, case_summary
 from .fragments import records
@@ -30,7 +31,8 @@ def screen(
 ) -> dict[str, Any]:
     """Data for the template of the first screen."""
     verdicts = records(frames["verdict"])
-    rows = [_row(row) for row in verdicts]
+    offs = verdict.scenes(experiment)
+    rows = [_row(row, offs.get((row["solver"], row["route"]), {})) for row in verdicts]
     hero = ladder_case(experiment.cases)
     shown = next((m for m in moving if m["label"] == hero), moving[0] if moving else None)
     case = next((c for c in experiment.cases if shown and c.label == shown["label"]), None)
@@ -39,9 +41,8 @@ def screen(
     cost_case = next((row["cost_case"] for row in verdicts if row["cost_case"]), hero)
     return {
         "compared": _comparison(experiment),
-        "sentence": verdict.sentence(verdicts),
+        "sentence": verdict.sentence(verdicts, records(frames["pairs"])),
         "lead": verdict.LEAD,
-        "tie": verdict.TIE,
         "lost": lost_text(manifest["lost"]),
         "warnings": [
             {"case": label, "why": truth.failure} for label, truth in experiment.truths.items() if truth.failure
@@ -65,22 +66,35 @@ def _comparison(experiment: Experiment) -> str:
     engines, many = ", ".join(solvers) or "no engine", len(experiment.cases)
     return (
         f"{many} scene{'s' * (many != 1)} of rigid plates on planar curves with Coulomb friction, in "
-        f"{len(experiment.runs):,} runs: {engines}, compared with a motion computed from the equations of Ogaru and "
-        "Pandrea and certified to the last digits."
+        f"{sum(map(is_of_an_engine, experiment.runs)):,} motions of {engines}, compared with a motion computed from "
+        "the equations of Ogaru and Pandrea and certified to the last digits."
     )
 
 
-def _row(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A row of the verdict; rows of engines carry the phrase and the digits from which the page's sentence is made."""
-    has_rank = isfinite(row["digits_rank"])
+def is_of_an_engine(run: Run) -> bool:
+    """Whether a run is a motion of an engine, not of the reference."""
+    return run.solver != REFERENCE and run.score is not None
+
+
+def _row(row: Mapping[str, Any], offs: Mapping[str, verdict.SceneOffs]) -> dict[str, Any]:
+    """A row of the verdict; rows of engines carry their errors of each case, from which the page's sentence is made."""
     return {
         "solver": row["solver"],
         "route": row["route"],
         "id": identifier(row["solver"]),
-        "rank": f"{row['digits_rank']:.0f}" if has_rank else "",
         "our_part": row["our_part"],
-        "phrase": verdict.phrase(row) if verdict.is_engine(row) else "",
-        "digits": row["digits"],
-        "doubt": row["digits_doubt"],
+        "scenes": json.dumps(_numbers(offs)) if verdict.is_engine(row) else "",
         "cells": [{"head": head, "text": text, "small": small} for head, (text, small) in verdict.cells(row).items()],
+    }
+
+
+def _numbers(offs: Mapping[str, verdict.SceneOffs]) -> dict[str, tuple[float | None, float, float]]:
+    """Of each case off with default settings (None: unknown), off and its doubt at the finest setting, to 6 digits."""
+    return {
+        case: (
+            float(f"{own.default:.6g}") if isfinite(own.default) else None,
+            float(f"{own.finest.off:.6g}"),
+            float(f"{own.finest.doubt:.6g}"),
+        )
+        for case, own in offs.items()
     }

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
-from statistics import median
 from typing import Any
 
 from ..drawing.colours import GRADES
-from ..judging.grades import LIMITS, USUAL_FRICTION, Grade, grade, percent
+from ..judging.grades import LIMITS, USUAL_FRICTION, Grade, percent
 from ..running.records import Experiment, Run, default, defaults, finest, routes
 from .chapters import anchor
 from .fragments import short_percent, switch
@@ -88,12 +87,12 @@ def _missing(group: Sequence[Run]) -> dict[str, Any]:
 
 
 def _cell(runs: Sequence[Run], run: Run) -> dict[str, Any]:
-    """The cell of some runs: their median off with its grade; small print, of `run`, is its friction
-    × or the shortest phases that it misses."""
-    offs = sorted(run.score.off for run in runs if run.score)
-    off = median(offs)
+    """The cell of a run: its off with its grade, and the range of `runs`; small print is its friction × or the shortest
+    phases that it misses."""
+    assert run.score is not None, "a cell has a motion"
+    offs, off = sorted(run.score.off for run in runs if run.score), run.score.off
     spread = f" ({percent(offs[0])} to {percent(offs[-1])} over {len(offs)} usual values)" if len(offs) > 1 else ""
-    tip = [f"{percent(off)} off{spread}", str(grade(off))]
+    tip = [f"{percent(off)} ± {percent(run.score.doubt)} off{spread}", run.grade]
     if isfinite(run.friction_factor):
         tip.append(f"friction × {run.friction_factor:.2g}")
     tip += [run.sequence] if run.sequence else []
@@ -101,7 +100,7 @@ def _cell(runs: Sequence[Run], run: Run) -> dict[str, Any]:
         "off": short_percent(off),
         "brief": _brief(off),
         "small": _small(run),
-        "grade": str(grade(off)).replace(" ", "-"),
+        "grade": run.grade.replace(" ", "-"),
         "tip": ", ".join(tip),
     }
 
@@ -122,7 +121,10 @@ def _small(run: Run) -> str:
 
 def _legend() -> list[dict[str, str]]:
     """The grades with their limits and colours."""
-    words = {name: f"≤ {percent(limit)}" for name, limit in LIMITS.items()} | {Grade.UNUSABLE: "more"}
+    words = {name: f"≤ {percent(limit)}" for name, limit in LIMITS.items()} | {
+        Grade.UNUSABLE: "more",
+        Grade.UNDECIDED: "by its samples",
+    }
     return [
         {"name": str(name), "id": str(name).replace(" ", "-"), "limit": words[name], "colour": GRADES[name]}
         for name in words

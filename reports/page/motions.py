@@ -27,7 +27,7 @@ from ..judging.grades import percent
 from ..running import per_solver
 from ..running.names import REFERENCE
 from ..running.per_solver import LeftOut
-from ..running.records import Experiment, Run, Truth, routes
+from ..running.records import Experiment, Run, Truth, default, routes
 
 # Samples of a motion, including its transitions: a player 800 pixels wide cannot show more.
 SAMPLES = 401
@@ -98,10 +98,11 @@ def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:
 
 
 def moving_runs(experiment: Experiment, label: str) -> list[Run]:
-    """The runs of a case that have a motion to show, route by route from coarse to fine: with the first default
+    """The runs of a case that have a motion to show, route by route from coarse to fine: with the median default
     setting, and at the finest or all others. Not the reference's, which coincide with the truth."""
     runs = [run for run in experiment.runs if run.case == label and run.solver != REFERENCE and run.score]
-    visible = [run for group in routes(runs).values() for run in group if not run.setting.is_default or run.rung == 1]
+    groups = routes(runs).values()
+    visible = [run for group in groups for run in group if not run.setting.is_default or run is default(group)]
     return [run for run in visible if len(run.off.get("t", ())) > 1]
 
 

@@ -119,17 +119,23 @@ def write(
         output.left_out += result.left_out
         output.add(dict, (result.frames,), {}, f"tables of {result.name}", result.command, result.words)
 
-    verdicts: list[dict[str, Any]] = []
+    verdicts, in_pairs = list[dict[str, Any]](), list[dict[str, Any]]()
     times = [output.frames[name] for name in ("time_to_accuracy",) if name in output.frames]
 
     def make_verdict(experiment: Experiment, *times: pd.DataFrame) -> dict[str, pd.DataFrame]:
         verdicts[:] = verdict.rows(experiment, [row for frame in times for row in records(frame)])
         # The terminal's text is made here as well, so that a row that fails there is omitted from both.
-        for in_words in (verdict.sentence, verdict.in_terminal, verdict.legend, verdict.details, verdict.notes):
+        in_pairs[:] = verdict.pairs(experiment)
+        verdict.sentence(verdicts, in_pairs)
+        for in_words in (verdict.in_terminal, verdict.legend, verdict.details, verdict.notes):
             in_words(verdicts)
-        return {"verdict": pd.DataFrame(verdicts, columns=list(verdict.COLUMNS))}
+        return {
+            "verdict": pd.DataFrame(verdicts, columns=list(verdict.COLUMNS)),
+            "pairs": pd.DataFrame(in_pairs, columns=list(verdict.PAIR_COLUMNS)),
+        }
 
-    output.add(make_verdict, (shown, *times), {"verdict": verdict.HOLDS}, "table verdict")
+    words = {"verdict": verdict.HOLDS, "pairs": verdict.PAIRS_HOLD}
+    output.add(make_verdict, (shown, *times), words, "tables verdict and pairs")
     output.frames = {"verdict": output.frames.pop("verdict")} | output.frames
     return verdicts
 

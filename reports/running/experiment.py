@@ -203,8 +203,8 @@ def hopeless(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
 
 
 def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]], whole_case: str) -> None:
-    """Put the runs into their places. The finest of each route keeps its samples and differences; its first default
-    setting, and each setting of `whole_case`, keep the differences.
+    """Put the runs into their places. The finest of each route keeps its samples and differences; its default
+    settings, and each setting of `whole_case`, keep the differences.
 
     Figures need no others, and those of a thousand runs would take some hundred megabytes.
     """
@@ -221,5 +221,5 @@ def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]], whole_case: str) -
 
 def _thinned(run: Run, whole_case: str) -> Run:
     """A run that is not its route's finest: without samples, and without differences unless these are shown."""
-    is_shown = run.rung == 1 and run.setting.is_default or run.case == whole_case
+    is_shown = run.setting.is_default or run.case == whole_case
     return replace(run, samples={}, off=run.off if is_shown else {})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from math import nan
+from math import inf, nan
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from adapters import Setting
 from cases import Case, Cost, Mode, Transition
 
 from ..judging.distances import Distance
-from ..judging.grades import Grade, grade
+from ..judging.grades import LIMITS, Grade, is_within
 from ..judging.impacts import ImpactRow
 from ..judging.ledger import LedgerRow
 from ..judging.score import Scale, Score
@@ -117,7 +117,7 @@ class Run:
 @dataclass(frozen=True)
 class Experiment:
     """All results in the requested order: truths by case label, and the runs. Only the finest run of each route has its
-    `samples`; its first default setting has its `off` as well, and of one case every setting. `versions`: of the
+    `samples`; its default settings have their `off` as well, and of one case every setting. `versions`: of the
     solvers, "" if unknown. `our_parts`: by solver and route, what of it is not the engine's own, for routes that have
     such a part."""
 
@@ -135,8 +135,8 @@ def gives_motion(run: Run) -> bool:
 
 
 def usable(run: Run) -> bool:
-    """Whether a run gave a motion that is clearly better than ignoring friction's law: its grade is not the worst."""
-    return run.score is not None and grade(run.score.off) is not Grade.UNUSABLE
+    """Whether a run gave a motion that is certainly better than the worst grade."""
+    return run.score is not None and is_within(run.score, LIMITS[Grade.POOR]) is True
 
 
 def is_default(run: Run) -> bool:
@@ -163,8 +163,10 @@ def finest(group: Sequence[Run]) -> Run | None:
 
 
 def default(group: Sequence[Run]) -> Run | None:
-    """The run with the engine's default settings, if the route has one: the first of its grid."""
-    return next((run for run in group if is_default(run)), None)
+    """The run with the engine's default settings, if the route has one: of those of its grid that gave a motion the one
+    with the median error (of an even number the better one in the middle), else the first."""
+    by_error = sorted(defaults(group), key=lambda run: run.score.off if run.score else inf)
+    return by_error[(len(by_error) - 1) // 2] if by_error else next(filter(is_default, group), None)
 
 
 def defaults(group: Sequence[Run]) -> list[Run]:
@@ -183,7 +185,7 @@ def one_default(settings: Iterable[Setting]) -> list[Setting]:
 
 def first_error(run: Run | None) -> float:
     """Error of the time of the truth's first transition, s; NaN if it was missed or there is none."""
-    rows = [row for row in run.ledger if row.event == 1 and row.pairing != "spurious"] if run else []
+    rows = [row for row in run.ledger if row.event == 1 and row.is_true] if run else []
     return rows[0].error if rows else nan
 
 

@@ -283,7 +283,7 @@ def judge(
         spreads=reading.spreads,
         score=scored,
         friction_factor=friction,
-        grade=str(grades.grade(scored.off)),
+        grade=str(grades.grade(scored.off, scored.doubt)),
         sequence=grades.sequence_note(scored, scale),
         impacts=impacts.rows(case, trajectory, motion, paired) if truth.has_several_contacts else (),
         distance=distance,

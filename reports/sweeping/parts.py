@@ -159,7 +159,7 @@ def _assessment(case: Case, motion: Trajectory, rtol: float) -> dict:
     friction = friction_factor(case, motion, scale.losses, scale.end)
     first = reading.transitions[0] if reading.transitions else None
     return {
-        "grade": str(grades.grade(result.off)),
+        "grade": str(grades.grade(result.off, result.doubt)),
         "off": result.off,
         "off_doubt": result.doubt,
         "friction_factor": friction,

@@ -1,4 +1,4 @@
-"""Grades and their reasons, the levels that a ladder reaches, and the ranking of routes over the same cases."""
+"""Grades and their reasons, and the levels that a ladder reaches."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from math import inf, nan
 
 import pytest
 
+from reports.analysis.levels import first_within
 from reports.judging.friction_factor import Losses
 from reports.judging.grades import LIMITS, Grade, duration, grade, percent, reason, sequence_note, summary
-from reports.judging.ranking import digits, first_within, ranking
 from reports.judging.score import Scale, Score
 
 SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction", 1.0, 0.01)
@@ -23,7 +23,7 @@ def test_limits_belong_to_the_better_grade():
     for name, limit in LIMITS.items():
         assert grade(limit) is name and grade(1.000001 * limit) is not name
     assert grade(0.0) is Grade.EXCELLENT and grade(0.6) is grade(nan) is grade(inf) is Grade.UNUSABLE
-    assert [*LIMITS, Grade.UNUSABLE] == list(Grade)
+    assert [*LIMITS, Grade.UNUSABLE, Grade.UNDECIDED] == list(Grade)
 
 
 @pytest.mark.parametrize(
@@ -79,42 +79,3 @@ def test_level_that_one_setting_reaches_is_not_confirmed():
 def test_level_within_the_doubt_is_not_known():
     assert first_within([(0.03, 0.0), (0.008, 0.005)], 0.01) == (None, 0, False)
     assert first_within([], 0.01) == (None, 0, True)
-
-
-# --- ranking ----------------------------------------------------------------------------------------------------------
-
-CASES = ("a", "b", "c")
-
-
-def test_digits_are_bounded():
-    assert [digits(off) for off in (0.0, 1e-9, 0.01, 1.0, 10.0, 1e6)] == [4.0, 4.0, 2.0, 0.0, -1.0, -1.0]
-
-
-def test_rejection_counts_as_ignoring_friction_and_a_misleading_answer_is_below_it():
-    routes = {
-        "good": dict.fromkeys(CASES, score(0.01)),
-        "poor": dict.fromkeys(CASES, score(0.4)),
-        "rejects": {},
-        "misleading": dict.fromkeys(CASES, score(3.0)),
-    }
-    found = ranking(routes, CASES)
-    assert [s.route for s in found] == ["good", "poor", "rejects", "misleading"]
-    assert [s.rank for s in found] == [1, 2, 3, 4] and [s.motions for s in found] == [3, 3, 0, 3]
-    assert found[2].digits == 0.0
-
-
-def test_all_routes_are_ranked_over_the_same_cases():
-    # Answering the easy case alone must not rank above answering all of them.
-    routes = {"easy only": {"a": score(1e-4)}, "all": dict.fromkeys(CASES, score(0.01))}
-    assert [s.route for s in ranking(routes, CASES)] == ["all", "easy only"]
-    assert {s.digits for s in ranking(routes, ("a",))} == {4.0, 2.0}
-    assert ranking(routes, ()) == []
-
-
-def test_ties_are_ties():
-    routes = {"pymunk": dict.fromkeys(CASES, score(10**-1.18)), "exudyn": dict.fromkeys(CASES, score(10**-1.21))}
-    assert [s.rank for s in ranking(routes, CASES)] == [1, 1]
-    vague = {"a": dict.fromkeys(CASES, score(0.01, 0.009)), "b": dict.fromkeys(CASES, score(0.016, 0.009))}
-    assert [s.rank for s in ranking(vague, CASES)] == [1, 1]
-    clear = {"a": dict.fromkeys(CASES, score(0.01, 1e-4)), "b": dict.fromkeys(CASES, score(0.016, 1e-4))}
-    assert [s.rank for s in ranking(clear, CASES)] == [1, 2]

@@ -1,8 +1,9 @@
-"""The table `verdict`: which cases and routes take part, how they are ranked, and what is said of them."""
+"""The table `verdict`: which cases and routes take part, how they are compared, and what is said of them."""
 
 from __future__ import annotations
 
-from math import isnan, nan
+from dataclasses import replace
+from math import nan
 from types import SimpleNamespace
 
 import pytest
@@ -12,7 +13,7 @@ from reports.analysis import verdict
 from reports.judging.friction_factor import Losses
 from reports.judging.score import Scale, Score
 from reports.running.experiment import _our_parts
-from reports.running.records import Experiment, Offer, Run, Truth
+from reports.running.records import Experiment, Offer, Run, Truth, default
 
 DEFAULTS, FINE = Setting.of(rung="defaults"), Setting.of(h=1e-4)
 SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction", 1.0, 0.01)
@@ -49,7 +50,7 @@ def test_only_cases_that_depend_on_frictions_law_take_part():
     assert (row["friction_cases"], row["answered"], row["finest_off"]) == (3, 1, 0.1)
 
 
-def test_only_engines_by_themselves_are_ranked_and_the_reference_is_not_there():
+def test_only_engines_by_themselves_are_compared_and_the_reference_is_not_there():
     rows = table(
         run("a", "reference", "taylor", 0.0),
         run("a", "one", "assisted", 1e-6),
@@ -60,11 +61,9 @@ def test_only_engines_by_themselves_are_ranked_and_the_reference_is_not_there():
     assert [(row["solver"], row["route"]) for row in rows] == [
         ("two", "native"), ("one", "native"), ("one", "assisted")
     ]  # fmt: skip
-    assert [row["digits_rank"] for row in rows[:2]] == [1, 2] and isnan(rows[2]["digits_rank"])
-    # The route that is partly ours has the most digits, and is not in the sentence.
-    assert rows[2]["digits"] > rows[0]["digits"] and rows[2]["our_part"]
-    assert verdict.sentence(rows).startswith(f"{verdict.LEAD} two native, 0.1 % off")
-    assert "one" not in verdict.sentence(rows)
+    # The route that is partly ours is the nearest, and is not in the sentence.
+    assert rows[2]["common_finest_off"] < rows[0]["common_finest_off"] and rows[2]["our_part"]
+    assert "assisted" not in verdict.sentence(rows)
 
 
 def test_an_engine_that_crashed_before_it_named_its_routes_has_a_row():
@@ -75,15 +74,45 @@ def test_an_engine_that_crashed_before_it_named_its_routes_has_a_row():
     assert "broken" in verdict.in_terminal(rows) and "broken" not in verdict.sentence(rows)
 
 
-def test_a_case_without_an_answer_counts_as_ignoring_friction():
-    rows = table(
-        run("a", "easy", "native", 1e-4), unanswered("b", "easy", "native"),
-        run("a", "all", "native", 1e-3), run("b", "all", "native", 1e-3),
+def test_errors_are_compared_over_the_same_cases_only():
+    """A refusal is no error: over all cases that each answers, the engine that refuses the hard one looks better."""
+    runs = (
+        run("a", "easy", "native", 1e-3), unanswered("b", "easy", "native"),
+        run("a", "all", "native", 1e-4), run("b", "all", "native", 1e-2),
     )  # fmt: skip
-    assert [row["solver"] for row in rows] == ["all", "easy"]
-    easy = rows[1]
-    assert (easy["answered"], easy["unsupported"], easy["digits"]) == (1, 1, 2.0)
-    assert "1 unsupported" in verdict.cells(easy)["answered"][1]
+    rows = table(*runs)
+    assert [(row["solver"], row["common_cases"], row["common_finest_off"]) for row in rows] == [
+        ("all", 1, 1e-4), ("easy", 1, 1e-3)
+    ]  # fmt: skip
+    assert rows[0]["finest_off"] > rows[1]["finest_off"]
+    assert (rows[1]["answered"], rows[1]["unsupported"]) == (1, 1)
+    assert "1 unsupported" in verdict.cells(rows[1])["answered"][1]
+    text = verdict.sentence(rows)
+    assert (
+        "the 1 case that the 2 engines shown answer" in text and "all native answers 2, easy native answers 1" in text
+    )
+
+
+def test_an_engine_that_answers_nothing_is_not_named_for_its_errors():
+    rows = table(unanswered("a", "none", "native"), unanswered("b", "none", "native"), run("a", "one", "native", 0.1))
+    assert [row["solver"] for row in rows] == ["one", "none"]
+    text = verdict.sentence(rows)
+    assert "none native answers 0" in text and "none native –" not in text and "the 1 case that the engine" in text
+    nobody = table(unanswered("a", "none", "native"))
+    assert verdict.sentence(nobody).startswith("No engine is compared")
+
+
+def test_two_engines_are_compared_over_the_cases_that_both_answer():
+    runs = (
+        run("a", "one", "native", 1e-3), run("b", "one", "native", 1e-3), run("edge", "one", "native", 0.1),
+        run("a", "two", "native", 1e-2), run("b", "two", "native", 1e-4),
+    )  # fmt: skip
+    doubt = run("b", "two", "native", 1e-4)
+    vague = replace(doubt, score=doubt.score._replace(doubt=1e-3))
+    (pair,) = verdict.pairs(experiment(*runs, truths=TRUTHS | OTHERS))
+    assert (pair["common_cases"], pair["nearer"], pair["other_nearer"], pair["undecided"]) == (2, 1, 1, 0)
+    (pair,) = verdict.pairs(experiment(*runs[:-1], vague, truths=TRUTHS | OTHERS))
+    assert (pair["nearer"], pair["other_nearer"], pair["undecided"]) == (1, 0, 1)
 
 
 @pytest.mark.parametrize("outcome", ["unsupported", "crashed", "timed_out"])
@@ -107,13 +136,12 @@ def test_default_settings_and_the_finest_are_apart_and_friction_is_the_farthest_
     assert other["worst_friction_factor"] == -0.5
 
 
-def test_the_sentence_is_of_an_engine_that_can_be_installed_not_of_motions_from_files():
+def test_the_sentence_is_of_engines_that_can_be_installed_not_of_motions_from_files():
     rows = table(
         run("a", "mine", "file", 1e-6), run("a", "theirs", "submission", 1e-5), run("a", "one", "native", 0.1),
         run("a", "one", "assisted", 1e-6), one="our contact geometry around one's step",
     )  # fmt: skip
-    assert rows[0]["solver"] == "mine" and rows[0]["digits_rank"] == 1
-    assert verdict.sentence(rows).startswith(f"{verdict.LEAD} one native, 10 % off")
+    assert "one native – by default, 10 % at the finest" in verdict.sentence(rows)
     assert "mine" not in verdict.sentence(rows) and "assisted" not in verdict.sentence(rows)
 
 
@@ -124,36 +152,38 @@ def test_default_settings_are_a_grid_shown_as_median_and_range():
     (row,) = rows
     assert (row["default_off_best"], row["default_off"], row["default_off_worst"]) == (0.1, pytest.approx(0.3), 0.9)
     assert verdict.cells(row)["default"] == ("30 %", "10 to 90 %")
+    # Of an even number no setting is in the middle: the better one of the two is shown.
+    assert default(runs[:2]).score.off == 0.1 and default(runs).score.off == 0.4
 
 
-def test_a_tie_is_in_the_sentence():
-    rows = table(run("a", "one", "native", 0.0100), run("a", "two", "native", 0.0105), run("a", "three", "native", 0.9))
-    assert [row["digits_rank"] for row in rows] == [1, 1, 3]
-    text = verdict.sentence(rows)
-    assert text.count("native") == 2 and "tied with it two native" in text
+def test_cases_that_only_the_finest_setting_reaches_are_counted_apart():
+    rows = table(run("a", "one", "native", 0.5), run("a", "one", "native", 0.001), run("b", "one", "native", 0.001))
+    assert verdict.cells(rows[0])["≤ 1 %"][0] == "0 + 2"
+    sure = table(run("a", "one", "native", 0.005), run("a", "one", "native", 0.001))
+    assert verdict.cells(sure[0])["≤ 1 %"][0] == "1 + 0"
 
 
 def test_without_an_engine_or_a_case_with_friction_the_sentence_says_so():
-    assert "No engine was ranked" in verdict.sentence(table(run("a", "reference", "taylor", 0.0)))
+    assert "No engine is compared" in verdict.sentence(table(run("a", "reference", "taylor", 0.0)))
     rows = table(run("free", "one", "native", 0.1), truths=OTHERS | {"edge": Truth(failure="-")})
-    assert "No engine was ranked" in verdict.sentence(rows)
+    assert "No engine is compared" in verdict.sentence(rows)
     assert len(verdict.in_terminal(rows).splitlines()) == 2
 
 
-def test_the_terminal_has_a_row_for_each_route_and_says_what_is_not_ranked():
+def test_the_terminal_has_a_row_for_each_route_and_says_what_is_not_compared():
     rows = table(
         run("a", "one", "native", 0.0123, DEFAULTS), run("a", "one", "native", 0.001),
         run("a", "one", "assisted", 1e-6),
         one="our contact geometry around one's step",
     )  # fmt: skip
     head, first, second = verdict.in_terminal(rows).splitlines()
-    for text in ("1. one native", "1.2 %", "0.1 %"):
+    for text in ("one native", "1.2 %", "0.1 %"):
         assert text in first
     _, first_details, _ = verdict.details(rows).splitlines()
-    for text in ("1. one native", "very good", "1.50 ± 0.00"):
+    for text in ("one native", "very good", "0 + 0"):
         assert text in first_details
-    assert "one assisted" in second and "." not in second.split("one")[0]
-    assert "Not ranked: one assisted (our contact geometry around one's step)." in verdict.notes(rows)
+    assert "one assisted" in second
+    assert "Not compared: one assisted (our contact geometry around one's step)." in verdict.notes(rows)
     assert "one assisted" in " ".join(verdict.legend(rows))
 
 

@@ -46,7 +46,7 @@ suite.table = (table) => {
         const cell = line.insertCell(), value = row[head.dataset.column], isNumber = head.classList.contains("number");
         cell.textContent = suite.shorten(value, head.dataset.column, isNumber);
         if (isNumber) { cell.className = "number"; cell.dataset.order = value === "" ? "1e308" : value; cell.title = value; }
-        else if (/^(answered|excellent|very good|good|rough|poor|unusable|crashed|timed_out|paired|missed|spurious)$/.test(value)) cell.className = value.replace(" ", "-");
+        else if (/^(answered|excellent|very good|good|rough|poor|unusable|not decided|crashed|timed_out|paired|missed|spurious)$/.test(value)) cell.className = value.replace(" ", "-");
         else if (head.dataset.column.includes("setting")) cell.className = "setting";
         else if (/^(reason|notes?)$/.test(head.dataset.column) || value.length > 40) cell.className = "reason";
       }
@@ -122,16 +122,24 @@ document.querySelectorAll("a.csv").forEach((link) => link.addEventListener("clic
   if (text !== null) { URL.revokeObjectURL(link.href); link.href = address; }
 }));
 
-// The first sentence names the most accurate engine of the rows that are shown, and those tied with it.
+// The first sentence compares the engines that are shown on the cases that all of them answer.
 suite.verdict = () => {
   const place = document.querySelector("p.verdict[data-lead]");
-  const rows = [...document.querySelectorAll("tr[data-phrase]")].filter((row) => suite.on(row.dataset.solver, row.dataset.route));
+  place.dataset.whole ??= place.textContent;
+  if (suite.isWhole()) { place.textContent = place.dataset.whole; return; }
+  const rows = [...document.querySelectorAll("tr[data-scenes]")].filter((row) => suite.on(row.dataset.solver, row.dataset.route))
+    .map((row) => ({ name: `${row.dataset.solver} ${row.dataset.route}`, scenes: JSON.parse(row.dataset.scenes) }));
   if (!rows.length) { place.textContent = "No engine is shown."; return; }
-  const best = rows.reduce((one, row) => (+row.dataset.digits > +one.dataset.digits ? row : one));
-  const tied = (row) => +best.dataset.digits - +row.dataset.digits <= Math.max(+place.dataset.tie, Math.hypot(+best.dataset.doubt, +row.dataset.doubt));
-  place.textContent = `${place.dataset.lead} ${rows.filter(tied).map((row) => row.dataset.phrase).join("; tied with it ")}.`;
+  const some = rows.filter((row) => Object.keys(row.scenes).length), median = (values) => {
+    const known = values.filter((value) => value !== null).sort((a, b) => a - b), half = known.length >> 1;
+    return known.length < values.length ? "–" : `${suite.digits(100 * (known.length % 2 ? known[half] : (known[half - 1] + known[half]) / 2), 2)} %`;
+  };
+  const common = some.length ? Object.keys(some[0].scenes).filter((name) => some.every((row) => name in row.scenes)) : [];
+  const errors = some.map((row) => `${row.name} ${median(common.map((name) => row.scenes[name][0]))} by default, ${median(common.map((name) => row.scenes[name][1]))} at the finest setting run`);
+  const start = common.length ? `${place.dataset.lead} ${common.length} case${common.length === 1 ? "" : "s"} that ${some.length === 1 ? "the engine shown answers" : `the ${some.length} engines shown answer`}: ${errors.join("; ")}.` : "No case is answered by all engines shown.";
+  place.textContent = `${start} Of all ${place.dataset.cases}, ${rows.map((row) => `${row.name} answers ${Object.keys(row.scenes).length}`).join(", ")}.`;
 };
-if (document.querySelector("tr[data-phrase]")) suite.whenSwitched(suite.verdict);
+if (document.querySelector("tr[data-scenes]")) suite.whenSwitched(suite.verdict);
 
 // Of each case the fastest routes that are shown are bold; the sentence above compares two of them.
 suite.fastest = () => {

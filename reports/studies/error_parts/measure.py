@@ -108,7 +108,7 @@ def errors(
     motion = run_on_clock(solver(name), case, route, setting)
     true = true_motion(case, truth.method)
     pairs = ledger.match(truth.transitions, reading_of(case, motion).transitions)
-    first = next((row.error for row in pairs if row.event == 1 and row.pairing != "spurious"), nan)
+    first = next((row.error for row in pairs if row.event == 1 and row.is_true), nan)
     differences = [row.pairing for row in pairs if row.pairing != "paired"]
     signed_errors = {
         "first_transition_time": np.array([first]),
