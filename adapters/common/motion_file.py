@@ -54,6 +54,13 @@ RATES = (("vx", "x"), ("vy", "y"), ("omega", "theta"))
 # Largest turn (rad) of the plate or the track between samples. From a quarter of a turn on, the contact cannot be found
 # from the previous one, and degrees, or an angle that jumps by whole turns, look like a motion.
 MOST_TURN = 0.5 * pi
+# Another unit of a rate leaves at most this part of it.
+FITS = 0.1
+# Relative to the plate's size: the largest distance that an engine keeps between the surfaces, as a skin or by its
+# correction of poses (the default of a game engine at a tenth of its usual sizes has 5 %).
+SKIN = 0.1
+# A plate that is off its track keeps its distance while that is within this factor of its usual one, and leaves above.
+STEADY = 1.5
 # Fewest samples of a motion that lasts as long as its case; of a shorter one in proportion.
 SAMPLES_IN_DURATION = 50
 # Largest relative difference of half of a column from the value that follows from the others: of the largest value for
@@ -151,7 +158,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
         columns["slip"] = slip
         resolution = max(resolution, _resolution(case, columns, xi1) if from_differences else 0.0)
     else:
-        doubt = _slip_doubt(case, columns, slip, xi1)
+        doubt = _slip_doubt(case, columns, slip, xi1, gap)
         if from_differences:
             doubt += _resolution(case, {**columns, "slip": slip}, xi1)
         _check_slip(columns["slip"][:count], slip[:count], doubt[:count] + slowest(case, float(t[-1] - t[0])))
@@ -188,12 +195,22 @@ def _complete_rates(columns: dict[str, np.ndarray], t: np.ndarray, plate: str, s
     for rate, name in RATES:
         slope = np.gradient(columns[of_plate(name, plate)], t, edge_order=2)
         velocity = columns.setdefault(of_plate(rate, plate), slope)
-        # A kink makes few samples differ; a wrong unit, sign or frame makes most samples differ.
-        if np.median(np.abs(velocity - slope)) > OFF * np.abs(slope).max() + _coarse(slope) + none[rate]:
+        # A kink makes few samples differ; a wrong unit or sign makes most samples differ. An engine that corrects poses
+        # or jitters has other velocities than the rates of its poses too, but no multiple of them.
+        is_another = np.median(np.abs(velocity - slope)) > OFF * np.abs(slope).max() + _coarse(slope) + none[rate]
+        if is_another and _is_multiple(velocity, slope):
             raise DoesNotFit(
                 f"{of_plate(rate, plate)} is not the rate of {of_plate(name, plate)}; give both in metres, radians and "
                 "seconds, and in one frame"
             )
+
+
+def _is_multiple(values: np.ndarray, slope: np.ndarray) -> bool:
+    """Whether values are a constant times the slope, to a tenth, and the constant is not one."""
+    size = float(slope @ slope)
+    factor = float(values @ slope) / size if size > 0.0 else 1.0
+    rest = values - factor * slope
+    return abs(factor - 1.0) > OFF and float(rest @ rest) <= FITS**2 * float(values @ values)
 
 
 def _of_plates(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:
@@ -311,7 +328,7 @@ def _without_force(case: Case, t: np.ndarray, gap: np.ndarray, lasting: np.ndarr
 
 def _ending(case: Case, columns, xi1: np.ndarray, gap: np.ndarray) -> tuple[int, str, str]:
     """How many samples belong to the motion, its status and reason."""
-    touching = np.flatnonzero(gap <= LOOSE * case.plate.reach)
+    touching = np.flatnonzero(gap <= _highest(gap, case.plate.reach))
     if case.effect(Flight):
         landings = np.flatnonzero(np.isnan(xi1[:-1]) & np.isfinite(xi1[1:]))
         if landings.size and not case.effect(Impact):
@@ -329,6 +346,14 @@ def _ending(case: Case, columns, xi1: np.ndarray, gap: np.ndarray) -> tuple[int,
     return max(int(pushing[-1]) + 1, 2), "lift_off", "The plate left its track."
 
 
+def _highest(gap: np.ndarray, reach: float) -> float:
+    """The gap (m) up to which a plate of this reach touches its track: that of a skin where the plate keeps one, else
+    what penalties and facets leave."""
+    off = gap[gap > LOOSE * reach]
+    keeps = len(off) > 0 and off.max() <= SKIN * reach and gap[-1] <= STEADY * np.median(off)
+    return float(off.max()) if keeps else LOOSE * reach
+
+
 def _slip(case: Case, columns, xi1: np.ndarray) -> np.ndarray:
     """The slip velocity by (11), m/s: NaN in flight; zero off the track for a plate that may not fly."""
     touches = np.isfinite(xi1)
@@ -338,7 +363,7 @@ def _slip(case: Case, columns, xi1: np.ndarray) -> np.ndarray:
     return slip
 
 
-def _slip_doubt(case: Case, columns, slip: np.ndarray, xi1: np.ndarray) -> np.ndarray:
+def _slip_doubt(case: Case, columns, slip: np.ndarray, xi1: np.ndarray, gap: np.ndarray) -> np.ndarray:
     """The largest difference (m/s) of a correct slip from the `slip` of its pose, at each sample.
 
     A solver's contact point lies in the overlap of its own shapes, including their skins. The file does not contain its
@@ -351,7 +376,7 @@ def _slip_doubt(case: Case, columns, slip: np.ndarray, xi1: np.ndarray) -> np.nd
     x, y, vx, vy, omega = (columns[name] for name in ("x", "y", "vx", "vy", "omega"))
     turn = np.gradient(case.track.tangent_angle(xi1))
     lever = np.sum((case.track.point(xi1) - np.array([x, y])) * case.track.normal(xi1), axis=0)
-    bound = np.abs(omega) * (LOOSE * case.plate.reach + np.abs(np.gradient(lever)))
+    bound = np.abs(omega) * (np.maximum(LOOSE * case.plate.reach, np.abs(gap)) + np.abs(np.gradient(lever)))
     bound += np.hypot(vx, vy) * turn**2 / 2 + np.abs(np.gradient(slip)) / 2
     return np.where(np.isfinite(bound), bound, 0.0)
 

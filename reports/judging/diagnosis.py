@@ -25,6 +25,8 @@ HALF, LARGEST_REST = (0.25, 0.75), 0.3
 NEARER = 0.1
 # Of two that do, the one with a fitted number more has to be better by this factor: a number fits by itself.
 SIMPLER = 2.0
+# Poses that are nearer to the truth than this part of its path have no mistake.
+LEAST_MISTAKE = 1e-4
 # Fewest samples within the truth's duration for a diagnosis, and most that are compared.
 LEAST, MOST = 3, 500
 # A plate that turns by less (rad) does not turn: an angle of this size counts as much as all of its way. (By a smaller
@@ -86,9 +88,11 @@ def pose_mistake(case: Case, columns: Columns, truth: Trajectory) -> str:
     # Angles are converted to lengths by the whole motion's ratio of both.
     size = float(np.hypot(np.ptp(whole.x), np.ptp(whole.y))) / max(float(np.ptp(whole.theta)), STILL)
     own = _off(table, truth, size)
-    best, least = "", NEARER * own
+    if own <= LEAST_MISTAKE * np.hypot(np.hypot(np.ptp(whole.x), np.ptp(whole.y)), size * np.ptp(whole.theta)):
+        return ""
+    turns, best, least = float(np.ptp(whole.theta)) > STILL, "", NEARER * own
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # the values may be of any size
-        for change in (*_conventions(table), *_fits(case, table, truth, size)):
+        for change in (*_conventions(table, turns), *_fits(case, table, truth, size)):
             off = _off(change.columns, truth, size) * SIMPLER**change.fitted
             if off < least:
                 best, least = change.words, off
@@ -121,14 +125,16 @@ def _true(table: Columns, truth: Trajectory):
     return (inside, truth(table["t"][inside])) if inside.sum() >= LEAST else None
 
 
-def _conventions(table: Columns) -> Iterator[Change]:
-    """Other signs, units and names of columns."""
+def _conventions(table: Columns, turns: bool) -> Iterator[Change]:
+    """Other signs, units and names of columns; of angles only where the truth turns."""
     for names in _SIGNS:
         verb = "seem" if " and " in names else "seems"
         factors = dict.fromkeys(names.split(" and "), -1.0)
         words = f"{names} {verb} to be mirrored; give x to the right, y upwards, and theta counter-clockwise"
         yield Change(words, _scaled(table, factors))
     for names, unit, unit_size in _UNITS:
+        if names == "theta" and not turns:
+            continue
         verb = "seem" if " and " in names else "seems"
         words = f"{names} {verb} to be in {unit}; give seconds, metres and radians"
         yield Change(words, _scaled(table, dict.fromkeys(names.split(" and "), unit_size)))
@@ -233,6 +239,8 @@ def rate_mistakes(columns: Columns) -> list[str]:
     for rate, slope in slopes.items():
         size = float(slope @ slope)
         factor = float(columns[rate] @ slope) / size if size else 1.0
+        if np.sum((columns[rate] - factor * slope) ** 2) > NEARER**2 * np.sum(columns[rate] ** 2):
+            continue  # no multiple fits
         for value, words in _RATE_FACTORS[rate].items():
             if abs(factor - value) < CLOSE * abs(value):
                 sentences.append(f"{rate} seems to be {_in(words)}; it is {factor:.4g} times the rate of {rates[rate]}")

@@ -23,6 +23,9 @@ LONG_STEPS, SHORT_PART = 10.0, 0.02
 # engine can be faster), plus a tenth of the plate's size (a contact that pushes the plate out of its track).
 FASTER, PUSH = 3.0, 0.1
 
+# Angles, rad: a truth that turns by less does not turn; a plate that turns by more where it does not is said to tip.
+STILL, TIPS = 1e-3, 1e-2
+
 # Description of a result that is not `sound`.
 UNSOUND = "numbers that are not finite or beyond all sizes, times that do not grow, or one sample only"
 
@@ -57,6 +60,19 @@ def gaps(motion: Trajectory, begin: float, end: float | None) -> list[str]:
     if motion.dense is None and steps[longest] > max(LONG_STEPS * step, SHORT_PART * (motion.t[-1] - motion.t[0])):
         missing.append(f"has no samples between {motion.t[longest]:.6g} s and {motion.t[longest + 1]:.6g} s")
     return missing
+
+
+def tips(motion: Trajectory, truth: Trajectory) -> list[str]:
+    """A phrase for a plate that turns where the truth does not: by how much, from when to when."""
+    inside = motion.t <= truth.t[-1]
+    turn = np.abs(motion.theta[inside] - motion.theta[0])
+    if np.ptp(truth.theta) > STILL or not np.max(turn, initial=0.0) > TIPS:
+        return []
+    away = motion.t[inside][turn > STILL]
+    return [
+        f"turns by up to {np.degrees(turn.max()):.2g} degrees between {away[0]:.4g} s and {away[-1]:.4g} s; "
+        "the truth does not turn"
+    ]
 
 
 def jumps(case: Case, motion: Trajectory, truth: Trajectory, far: float) -> list[str]:

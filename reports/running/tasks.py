@@ -273,7 +273,7 @@ def judge(
     distance = distances.distance(off)
     begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
     remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
-    remarks += validation.jumps(case, trajectory, motion, distance.centre_max)
+    remarks += validation.jumps(case, trajectory, motion, distance.centre_max) + validation.tips(trajectory, motion)
     return replace(
         row,
         outcome="answered",

@@ -12,6 +12,7 @@ import reference
 from cases import Mode, State, Transition
 from reports.judging import friction_sensitivity, grades, null_motions
 from reports.judging.grades import Grade, grade, sequence_note
+from reports.judging.score import claims_hold
 from tests.scenes import planted_engines as planted
 from tests.scenes.motions import sampled
 
@@ -212,11 +213,25 @@ def test_pose_score_is_the_error_over_that_of_the_nearest_null_motion():
 def test_mode_score_is_the_time_in_another_mode():
     truth = planted.judged(PAPER)
     exact = sampled(truth.truth, 1000)
-    for late in (1e-6, 1e-4, 1e-2):
-        events = [replace(event, time=event.time + late) for event in truth.truth.transitions]
-        score = truth.score(replace(exact, transitions=tuple(events), first_mode=truth.truth.first_mode))
-        assert score.mode * truth.scale.time == pytest.approx(late * len(events), rel=1e-6)
+    for late in (1e-6, 1e-4, 1e-3):
+        score = truth.score(_with_transitions(truth, exact, late))
+        assert score.mode * truth.scale.time == pytest.approx(late * len(truth.truth.transitions), rel=1e-6)
         assert score.off == score.mode
+
+
+def test_transitions_that_a_motion_contradicts_are_not_used():
+    """They are 20 ms late, and the slip at 15 samples says so: the modes are those of the samples."""
+    truth = planted.judged(PAPER)
+    exact = sampled(truth.truth, 2000)
+    wrong = _with_transitions(truth, exact, 0.02)
+    assert claims_hold(exact) and claims_hold(_with_transitions(truth, exact, 0.0)) and not claims_hold(wrong)
+    assert truth.score(wrong) == truth.score(exact)
+
+
+def _with_transitions(truth, motion, late):
+    """The motion with the truth's transitions, so much later (s)."""
+    events = [replace(event, time=event.time + late) for event in truth.truth.transitions]
+    return replace(motion, transitions=tuple(events), first_mode=truth.truth.first_mode)
 
 
 def test_slip_score_is_the_mean_error_of_slip():
