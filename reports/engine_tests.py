@@ -31,7 +31,7 @@ PHENOMENA = {
     "cone_holds": "disc_on_incline[slope=0.2]",
     "cone_slips": "disc_on_incline[slope=0.4]",
     "slip_reversal": "disc_in_circle[mu=0.2]",
-    "restitution": "bouncing_disc[e=0.5]",
+    "restitution": "bouncing_disc[e=0.5,slip=0]",
     "rolling_resistance": "disc_rolling_to_rest",
 }
 # The case in which rolling has to be free of creep: the contact point of a disc that rolls down an incline.

@@ -240,7 +240,20 @@ def numbers(place: Path) -> str:
         )
         return f"{start} With default settings, {' and '.join(words)}."
     engines = " and ".join(_default_words(place, *engine) for engine in _ENGINES.items())
-    return f"{start} With default settings, {engines} (100 % off: as bad as ignoring friction's law)."
+    return f"{start} With default settings, {engines} (100 % off: as bad as ignoring friction's law){_friction(place)}."
+
+
+def _friction(place: Path) -> str:
+    """What 1 % off means in friction, over the published cases that rank engines."""
+    from .analysis.verdict import cost_of_friction
+
+    rows = csv.DictReader(StringIO(_text(place / "tables" / "truth.csv"), newline=""))
+    values = {row["case"]: row["friction_sensitivity"] for row in rows if not row.get("not_ranked")}
+    try:
+        words = cost_of_friction([finite("friction_sensitivity", float(value)) for value in values.values() if value])
+    except ValueError:
+        raise BadValue(f"tables/truth.csv of the report has no friction_sensitivity; {_AGAIN}") from None
+    return f". {words}" if words else ""
 
 
 def _default_words(place: Path, solver: str, words: tuple[str, str]) -> str:

@@ -77,6 +77,7 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "mode_score": ("time in another mode than the truth, over the time outside the truth's longest mode", "1"),
     "slip_score": ("mean error of the slip velocity over that of the nearest null motion", "1"),
     "creep": ("slip velocity where the truth rolls; empty: it does not roll", "m/s"),
+    "mu_equivalent": ("error of friction that makes as large an off; empty: hardly any does", "1"),
     "friction_factor": ("friction and other losses over those of the law; empty: not known", "1"),
     "grade": ("the score in words: excellent to unusable, or not decided by its samples; empty: no answer", ""),
     "sequence": ("how the sequence of modes agrees with the truth's", ""),

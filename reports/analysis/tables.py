@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from reference.certification import WITNESSED
 
-from ..judging.friction_sensitivity import not_ranked
+from ..judging.friction_sensitivity import CHANGE, LEAST, not_ranked
 from ..judging.grades import Grade
 from ..running.records import Experiment, Run, default, defaults, finest, first_error, is_truth, routes
 from ..running.solvers import NOT_INSTALLED
@@ -134,7 +134,7 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "route": run.route,
                 "setting": run.setting,
                 "outcome": run.outcome,
-                **_score_columns(run),
+                **_score_columns(run, experiment.truths[run.case].friction_sensitivity),
                 "status": run.status,
                 "first_mode": run.first_mode,
                 "transitions_true": len(experiment.truths[run.case].transitions),
@@ -149,13 +149,14 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
     return rows
 
 
-def _score_columns(run: Run) -> dict[str, Any]:
-    """The grade of a run with its reason, and the score."""
+def _score_columns(run: Run, sensitivity: float) -> dict[str, Any]:
+    """The grade of a run with its reason, and the score. `sensitivity`: off of 1 % of friction."""
     score = run.score
     return {
         "grade": str(run.grade),
         "off": score.off if score else nan,
         "off_doubt": score.doubt if score else nan,
+        "mu_equivalent": score.off * CHANGE / sensitivity if score and sensitivity >= LEAST else nan,
         "friction_factor": run.friction_factor,
         "reason": run.reason,
         "refusal": run.refusal,

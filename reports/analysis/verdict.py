@@ -14,7 +14,7 @@ from statistics import median
 from textwrap import wrap
 from typing import Any, NamedTuple
 
-from ..judging.friction_sensitivity import LEAST, LEAST_SHARE, not_ranked
+from ..judging.friction_sensitivity import CHANGE, LEAST, LEAST_SHARE, not_ranked
 from ..judging.grades import LIMITS, Grade, grade, percent
 from ..judging.score import Score
 from ..running import external_motions, submissions
@@ -64,6 +64,16 @@ def friction_cases(experiment: Experiment) -> list[str]:
     """The cases that rank engines: those that depend on friction's law, by more than an engine's step."""
     others = exclusions(experiment)
     return [label for label in experiment.truths if label not in others]
+
+
+def cost_of_friction(sensitivities: Sequence[float]) -> str:
+    """What 1 % off means in friction, in a phrase. `sensitivities`: off of 1 % of friction in each case that ranks."""
+    shares = sorted(CHANGE * LIMITS[Grade.GOOD] / value for value in sensitivities)
+    if not shares:
+        return ""
+    low, middle, high = (percent(value) for value in (shares[0], median(shares), shares[-1]))
+    many = f"{len(shares)} case{'s' * (len(shares) > 1)}"
+    return f"1 % off is what μ wrong by {middle} makes (median of {many}; {low} to {high})"
 
 
 def scenes(experiment: Experiment) -> dict[Key, dict[str, SceneOffs]]:

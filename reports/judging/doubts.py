@@ -24,8 +24,7 @@ _CERTAIN = 2.0
 _SPREADS = 2.0
 # Velocities that agree with central differences of the poses to this part of the fastest are these differences.
 _SAME_RATE = 1e-9
-# Differences round off the kinks of slip, for all extrapolations alike: their spread is too small by 3.3 times at most in
-# the catalogue.
+# Differences round off the kinks of slip, for all extrapolations alike: their spread is too small by twice as much.
 _ROUNDED = 2.0
 
 

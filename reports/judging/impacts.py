@@ -1,4 +1,4 @@
-"""What a plate does between impacts: how far it turns after each, and when it comes to rest.
+"""What a plate does at impacts and between them: how fast it rebounds, how far it turns, and when it comes to rest.
 
 Pure functions; SI units.
 """
@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Mode, State, Trajectory
+from cases import Case, Drive, Load, Mode, State, Trajectory, Transition, mechanics
 from cases.mechanics import kinetic_energy
+from cases.nearest import nearest
 
 from .ledger import LedgerRow
 
@@ -76,6 +77,72 @@ def _swings(motion: Trajectory, times: Sequence[float]) -> dict[float, float]:
         at_impact = float(np.interp(begin, t, theta))
         swings[begin] = float(np.max(np.abs(theta[inside] - at_impact), initial=0.0))
     return swings
+
+
+class Rebound(NamedTuple):
+    """One impact on the track: its time (s), the closing speed along the track's normal (m/s), and the speed with which
+    the plate leaves, over the closing speed: 0 if it stays."""
+
+    time: float
+    closing: float
+    restitution: float
+
+
+def rebounds(case: Case, motion: Trajectory, events: Sequence[Transition]) -> tuple[Rebound, ...]:
+    """The impacts of a motion with one contact among its transitions, from its velocities in flight before and after.
+
+    Velocities are extrapolated to the impact with gravity alone. Impacts under a load, and those without a sample in
+    flight on both sides, are omitted; where the plate stays, none is needed after it."""
+    if case.effect(Load) is not None or case.effect(Drive) is not None:
+        return ()
+    t, state = _samples(motion)
+    # Solvers with impacts of finite duration report no force in them.
+    aloft = np.isnan(np.asarray(state.xi1)) & ~np.isnan(np.asarray(state.normal_force))
+    edges, result = [-np.inf, *(event.time for event in events), np.inf], list[Rebound]()
+    for event, last, following in zip(events, edges[:-2], edges[2:], strict=True):
+        before = np.flatnonzero(aloft & (t > last) & (t < event.time))
+        after = np.flatnonzero(aloft & (t > event.time) & (t < following))
+        stays = event.after is not Mode.FLIGHT
+        if event.before is Mode.FLIGHT and len(before) and (stays or len(after)):
+            i = int(before[-1])
+            closing = -_normal_speed(case, t, state, i, i, event.time)
+            leaves = 0.0 if stays else _normal_speed(case, t, state, int(after[0]), i, event.time)
+            if closing > 0.0:
+                result.append(Rebound(event.time, closing, leaves / closing))
+    return tuple(result)
+
+
+def _normal_speed(case: Case, t: np.ndarray, state: State, k: int, pose: int, time: float) -> float:
+    """The velocity at a time, from sample k in flight, of the outline's point that is nearest to the track in sample
+    `pose`, along the normal there, m/s; 0 where no point of the track is near."""
+    x, y, theta = (float(np.asarray(values)[pose]) for values in (state.x, state.y, state.theta))
+    contact = nearest(case, x, y, theta)
+    if contact is None:
+        return 0.0
+    lever = np.asarray(case.track.point(contact.xi1)) - (x, y)
+    turning = np.asarray(state.omega)[k] * np.array([-lever[1], lever[0]])
+    there = np.array([np.asarray(state.vx)[k], np.asarray(state.vy)[k]]) + turning
+    return float(np.asarray(case.track.normal(contact.xi1)) @ (there + (time - t[k]) * mechanics.gravity(case)))
+
+
+def rebound_note(own: Sequence[Rebound], law: float, energy_change: float) -> str:
+    """What the impacts of a motion show, in a phrase; "" if there are none. `law`: the case's restitution;
+    `energy_change`: the mechanical energy at the end, less the truth's, as a share of the largest kinetic energy."""
+    if not own:
+        return ""
+    shown = sorted(one.restitution for one in own if one.restitution != 0.0) or [0.0]
+    low, high = (f"{value:.3g}" for value in (shown[0], shown[-1]))
+    texts = [f"restitution {low if low == high else f'{low} to {high}'} (law {law:g})"]
+    stays = [one.closing for one in own if one.restitution == 0.0]
+    if stays and law > 0.0:
+        texts.append(f"does not bounce at {max(stays):.2g} m/s")
+    if abs(energy_change) > _ENERGY:
+        texts.append(f"{abs(100.0 * energy_change):.2g} % of the energy {'gained' if energy_change > 0.0 else 'lost'}")
+    return ", ".join(texts)
+
+
+# A smaller share of the energy is not mentioned.
+_ENERGY = 1e-3
 
 
 def rest_time(case: Case, motion: Trajectory) -> float:

@@ -43,6 +43,9 @@ def screen(
         "compared": _comparison(experiment),
         "sentence": verdict.sentence(verdicts, records(frames["pairs"])),
         "lead": verdict.LEAD,
+        "friction": verdict.cost_of_friction(
+            [experiment.truths[label].friction_sensitivity for label in verdict.friction_cases(experiment)]
+        ),
         "lost": lost_text(manifest["lost"]),
         "warnings": [
             {"case": label, "why": truth.failure} for label, truth in experiment.truths.items() if truth.failure

@@ -16,12 +16,12 @@ import numpy as np
 import cases
 import reference
 from adapters import Setting, gate, other_laws, our_part, refusal, refusal_kind, refusal_of_several_contacts
-from cases import Case, CaseError, NotSupported, Trajectory, Transition, owned_folder
+from cases import Case, CaseError, Impact, NotSupported, Trajectory, Transition, owned_folder
 from reference.certification import Certificate, NotCertified, contradiction, is_within_bars, stored_or_new
 
 from ..judging import distances, grades, impacts, ledger, several_contacts, transitions, validation
 from ..judging.friction_factor import friction_factor, is_defined
-from ..judging.friction_sensitivity import friction_sensitivity
+from ..judging.friction_sensitivity import LEAST, friction_sensitivity
 from ..judging.null_motions import null_motions
 from ..judging.score import Scale, scale_of, score_and_reading
 from ..judging.slip_phases import Reading
@@ -274,10 +274,15 @@ def judge(
     begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
     remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
     remarks += validation.jumps(case, trajectory, motion, distance.centre_max) + validation.tips(trajectory, motion)
+    if not truth.friction_sensitivity >= LEAST and not truth.has_several_contacts and case.effect(Impact) is not None:
+        # Friction says nothing there.
+        own = impacts.rebounds(case, trajectory, _own_events(reading))
+        change = float(off["energy_share"][-1]) if len(off["t"]) else 0.0
+        remarks.insert(0, impacts.rebound_note(own, case.effect(Impact).restitution, change))
     return replace(
         row,
         outcome="answered",
-        reason="; ".join([*laws, grades.reason(scored, scale, friction), *remarks]),
+        reason="; ".join(text for text in [*laws, grades.reason(scored, scale, friction), *remarks] if text),
         first_mode=str(reading.first_mode),
         ledger=paired,
         spreads=reading.spreads,
@@ -290,6 +295,10 @@ def judge(
         samples=_drawn_samples(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
     )
+
+
+def _own_events(reading: Reading | several_contacts.SeveralJudgement) -> tuple[Transition, ...]:
+    return reading.transitions if isinstance(reading, Reading) else ()
 
 
 def reading_of(case: Case, trajectory: Trajectory) -> Reading:

@@ -109,7 +109,7 @@ def test_broken_law_is_told(tmp_path, capsys, spoil, law):
     [
         (lambda frame: frame.drop(columns=["y", "theta"]), "has no column y, theta"),
         (lambda frame: frame.rename(columns=str.upper), "its first line is 'T,X,Y,THETA,"),
-        (lambda frame: frame.assign(t=1e3 * frame.t), "give at least 3"),
+        (lambda frame: frame.assign(t=1e3 * frame.t), "and t in seconds"),
         (_with("slip", lambda slip: 1e3 * slip), "give it so, in m/s, or leave it out"),
         (_with("slip", lambda slip: -slip), "along the track's increasing parameter"),
         (lambda frame: frame.iloc[::-1], "does not increase"),
