@@ -30,7 +30,7 @@ from cases.contact_pairs import pairs
 from cases.corner import Edge
 from cases.curves import cos as cosine
 from cases.curves import sin as sine
-from cases.library import line
+from cases.library import ellipse, line
 from tests.scenes.supports import INELASTIC, G
 
 
@@ -43,6 +43,13 @@ def test_a_pose_is_the_start_of_the_nearest_point():
     assert touching.start.gap == 0.0 and touching.start.xi1 == pytest.approx(0.0, abs=1e-15)
     with pytest.raises(DoesNotFit, match="overlaps its track"):
         Case(line(), disc(0.5, 1.0), INELASTIC, StartPose(0.0, 0.4), 1.0)
+
+
+def test_a_pose_may_touch_at_the_seam_of_its_outline():
+    """The ellipse stands on the point of its parameter 0, where its samples begin and end."""
+    plate = Plate(ellipse(0.2, 0.1), 1.0, 0.02)
+    start = Case(line(), plate, INELASTIC, StartPose(0.3, 0.2, -0.5 * pi), 1.0).start
+    assert (start.gap, start.xi1, sin(0.5 * start.xi2)) == pytest.approx((0.0, 0.3, 0.0), abs=1e-14)
 
 
 @pytest.mark.parametrize("v", [0.1, 0.3, 0.7])

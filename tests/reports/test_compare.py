@@ -113,6 +113,7 @@ def test_broken_law_is_told(tmp_path, capsys, spoil, law):
         (_with("slip", lambda slip: 1e3 * slip), "give it so, in m/s, or leave it out"),
         (_with("slip", lambda slip: -slip), "along the track's increasing parameter"),
         (lambda frame: frame.iloc[::-1], "does not increase"),
+        (_with("t", lambda t: t.mask(t.index == 7, t[6])), "the time in line 9 of motion.csv does not increase"),
         (lambda frame: frame.iloc[:2], "give at least 3"),
         (lambda frame: frame.iloc[::200], "give at least 48, and t in seconds"),
         (lambda frame: frame.assign(x=-frame.x, vx=-frame.vx), "x is mirrored: give x to the right"),

@@ -16,11 +16,12 @@ PAPER = cases.load("disc_in_circle", mu=0.2)
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "name",
-    # A circle, a load that depends on time, a spring, no disc, a guide without lift-off, rolling resistance.
+    # A circle, a load that depends on time, a spring, no disc, a guide without lift-off, rolling resistance; a belt.
     [
         "disc_in_circle",
         "driven_disc",
         "ellipse_on_line",
+        "slider_on_belt",
         *(
             pytest.param(name, marks=pytest.mark.slow)
             for name in ("disc_on_spring", "guided_loop", "disc_rolling_to_rest")

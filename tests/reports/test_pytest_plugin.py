@@ -54,6 +54,16 @@ def test_friction_that_is_a_fifth_too_large_fails_with_the_reason(project):
     assert "of the error of ignoring friction" in out and "slip_forward -> roll" in out and "Traceback" not in out
 
 
+@pytest.mark.parametrize(
+    ("grade", "says"), [("good", "1 failed"), pytest.param("rough", "1 passed", marks=pytest.mark.slow)]
+)
+def test_friction_that_is_a_twentieth_too_small_is_rough_and_not_good(grade, says, project):
+    # Good is at most 1 % of the error of ignoring friction, rough 10 %.
+    change = ('{"mu": 0.0})["mu"]\n    bend', '{"mu": 0.0})["mu"] * 0.95\n    bend')
+    _, out = project(*OURS, "-k", "slide_to_roll", "--slip-to-roll-grade", grade, change=change)
+    assert says in out, out
+
+
 def test_an_engine_that_supports_no_case_is_not_green(project):
     (project.folder / "my_engine").write_text("#!/bin/sh\nexit 3\n")
     status, out = project(*OURS, change=None)

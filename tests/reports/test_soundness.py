@@ -64,6 +64,7 @@ def with_transition_at(time: float):
         (lambda case: bowling(case, last=0.6), "answered", "ends at"),
         (lambda case: changed(bowling(case), x=(7, 1e300)), "crashed", "beyond all sizes"),
         (lambda case: changed(bowling(case), slip=(7, np.inf)), "crashed", "not finite"),
+        (lambda case: changed(bowling(case), t=(7, 0.0)), "crashed", "times that do not grow"),
         (with_transition_at(np.nan), "crashed", "transition's time is nan"),
     ],
 )

@@ -7,7 +7,19 @@ import numpy as np
 import pytest
 
 import cases
-from cases import Mode
+from cases import (
+    Case,
+    CoulombFriction,
+    Flight,
+    Gravity,
+    Impact,
+    Mode,
+    StartPose,
+    Support,
+    Unilateral,
+    disc,
+)
+from cases.library import line
 from reference.several.uniqueness import motions_in
 from reports.studies import uniqueness
 from reports.studies.uniqueness import BOTH, BOUNDARIES, FLOOR, count, locking_mu, painleve_mu, sliding_rod, wall_mu
@@ -84,6 +96,14 @@ def test_a_rod_at_rest_has_one_motion_and_is_held_as_in_statics(mu):
         (modes,) = motions_in(case, sliding_rod(BOTH, 0.0, theta))
         held = set(modes.values()) == {Mode.ROLL}
         assert held == (np.tan(theta) >= (1.0 - mu * mu) / (2.0 * mu)), theta
+
+
+def test_a_motion_has_the_names_of_the_most_contacts():
+    """Of a disc at rest in a corner the wall's force is zero: without its contact the motion is the same one."""
+    wall = Support(line(pi / 2), "wall", (CoulombFriction(0.3),))
+    effects = Gravity(9.81), Unilateral(), Flight(), Impact(0.0, "moreau"), CoulombFriction(0.3)
+    case = Case(line(), disc(0.5, 1.0), effects, StartPose(0.5, 0.5), 1.0, supports=(wall,))
+    assert motions_in(case, (0.5, 0.5, 0.0, 0.0, 0.0, 0.0)) == [{"plate/track": Mode.ROLL, "plate/wall": Mode.ROLL}]
 
 
 def test_the_table_counts_every_state():

@@ -19,7 +19,7 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -32,9 +32,18 @@ LIMIT = 300.0
 PACKAGES = ("numpy", "scipy.optimize", "scipy.integrate", "sympy", "mpmath", "pandas")
 
 
+# Where the test that is to find a fault comes from: named before the fault was planted; another one that was there,
+# after that one had missed the fault; written for the fault, after those had missed it too.
+CHOICES = ("first", "other", "added")
+# What a run of pytest with the fault says of it. "does not run": pytest ended with an error of its own, or without a
+# test.
+ANSWERS = {"failed": "found", "passed": "not found", "none": "does not run"}
+
+
 class Fault(NamedTuple):
     """A row of `faults.toml`: `behaviour` states it, `claim` is the row of docs/architecture.md that it breaks; in
     `file` the text `before`, which stands there once, becomes `after`; `test`, with pytest's -k `only`, is to find it.
+    `choice` says how that test was chosen: see CHOICES.
     """
 
     id: str
@@ -46,6 +55,7 @@ class Fault(NamedTuple):
     after: str
     test: str
     only: str = ""
+    choice: str = "first"
 
 
 def faults() -> list[Fault]:
@@ -106,12 +116,12 @@ def without_faults(tree: Path, selection: Sequence[Fault]) -> dict[str, str]:
 
 
 def with_fault(tree: Path, fault: Fault) -> str:
-    """ "found" or "not found" by the fault's test."""
+    """What the fault's test says of it: one of ANSWERS."""
     path = tree / fault.file
     old, times = path.read_text(encoding="utf-8"), path.stat()
     try:
         path.write_text(with_patch(fault, old), encoding="utf-8")
-        return "found" if run_tests(tree, [fault.test], fault.only) == "failed" else "not found"
+        return ANSWERS[run_tests(tree, [fault.test], fault.only)]
     finally:
         path.write_text(old, encoding="utf-8")
         os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))  # Python's compiled files go by the time
@@ -121,6 +131,14 @@ def read_results() -> dict[str, str]:
     """The last result of each fault."""
     with RESULTS.open(encoding="utf-8", newline="") as file:
         return {row["id"]: row["result"] for row in csv.DictReader(file)}
+
+
+def write_results(results: Mapping[str, str]) -> None:
+    """Write the results, in the order of the faults."""
+    with RESULTS.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["id", "result"])
+        writer.writerows([fault.id, results[fault.id]] for fault in faults() if fault.id in results)
 
 
 def main(words: Sequence[str]) -> int:
@@ -149,10 +167,7 @@ def main(words: Sequence[str]) -> int:
             losses += [fault.id] if results.get(fault.id) == "found" != result else []
             results[fault.id] = result
             print(f"{fault.id} {result}: {fault.behaviour}", flush=True)
-    with RESULTS.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["id", "result"])
-        writer.writerows([fault.id, results[fault.id]] for fault in faults() if fault.id in results)
+            write_results(results)
     count = list(results.values()).count("found")
     print(f"found no more: {', '.join(losses)}" if losses else f"{count} of {len(results)} found")
     return int(bool(losses))
