@@ -144,7 +144,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         regime = SeveralRegime(
             modes, tuple(watch.name for watch in self.watches), limits, numbers, away, regime.rests, guides, regime.turn
         )
-        return with_slack(self.case, self.instant(), regime, error)
+        return with_slack(self.case, self.instant_in_order(), regime, error)
 
     def _end_bouncing(self, now: DecisionInstant) -> DecisionInstant:
         """The instant at which impacts that accumulate end, if they do; the same instant otherwise.

@@ -107,6 +107,10 @@ class WatchedPlate:
         """What a decision about the modes needs. Contacts that touch come first: equations with the same modes are then
         the same, whichever corner of a polygon touches."""
         self.watches.sort(key=lambda watch: (watch.name not in self.touching, watch.contact.number))
+        return self.instant_in_order()
+
+    def instant_in_order(self) -> DecisionInstant:
+        """The same with the contacts in the order of the watches, as a regime has them that was made of them."""
         now = self.places()
         touching = tuple(k for k, watch in enumerate(self.watches) if watch.name in self.touching)
         names, limits = tuple(watch.name for watch in self.watches), tuple(watch.limit for watch in self.watches)
