@@ -80,12 +80,16 @@ def check(seed: int) -> None:
         assert flights(one.transitions) == pytest.approx([time] * contacts, rel=1e-10), seed
 
 
-@pytest.mark.parametrize("seed", range(10))
+# The first ten, and two boxes that had no mode.
+QUICK = (*range(10), 19, 21)
+
+
+@pytest.mark.parametrize("seed", QUICK)
 def test_random_lifted_plates(seed):
     check(seed)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10, 300))
+@pytest.mark.parametrize("seed", sorted({*range(300)} - {*QUICK}))
 def test_more_random_lifted_plates(seed):
     check(seed)
