@@ -62,6 +62,8 @@ def _integrate_dop853(phase: Phase, t: float, y, end: float, rtol: float) -> Seg
 METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
 # All methods that `simulate` accepts: also the paper's matrix, assembled and solved at every evaluation.
 ROUTES = (*METHODS, "augmented")
+
+
 def _integrate_taylor(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """By Taylor's method; a phase that begins where its forces have no second derivative, as drag of √(v²) at rest, by
     DOP853, which needs none."""

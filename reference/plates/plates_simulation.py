@@ -101,6 +101,11 @@ class PlatesSimulation(PhaseLoop):
             idle |= decision.idle
             if decision.rests:
                 resting |= plates_in(self.case, group)
+                continue
+            for part in self._resting_parts(group, decision.modes, error):
+                modes |= part
+                resting |= plates_in(self.case, list(part))
+                idle -= set(part)
         changes = list[Transition]()
         for number, mode in modes.items():
             bounced = self.causes.get(number) == CAUSES["landing"]
@@ -117,6 +122,24 @@ class PlatesSimulation(PhaseLoop):
         return PlatesRegime(
             tuple(modes), tuple(modes.values()), frozenset(resting), frozenset(idle), self._regions(modes, self.state)
         )
+
+    def _resting_parts(self, group: Sequence[int], modes: Sequence[Mode], error: float) -> list[dict[int, Mode]]:
+        """The modes of parts of a group that rest by themselves, as contacts that open no longer link them to plates
+        that move."""
+        speeds = np.array(self.state[self.half :]).reshape(-1, 3)
+        still = {b for b in plates_in(self.case, group) if not speeds[b].any()}
+        apart = [n for n in group if plates_in(self.case, [n]) <= still]
+        if len(apart) == len(group):
+            return []
+        links = {n for n, mode in zip(group, modes, strict=True) if n not in apart and mode is not Mode.FLIGHT}
+        parts = list[dict[int, Mode]]()
+        for part in groups(self.case, apart):
+            if links and plates_in(self.case, part) & plates_in(self.case, list(links)):
+                continue  # a plate that moves presses on it
+            decision = decide(self.case, self.t, self.state, part, self.speed, error, {})
+            if decision.modes is not None and decision.rests:
+                parts.append(dict(zip(part, decision.modes, strict=True)))
+        return parts
 
     def _regions(self, contacts: Iterable[int], state: Sequence[float]) -> tuple[tuple[int, int], ...]:
         """The regions of polygons in which contacts are."""
@@ -251,9 +274,9 @@ class PlatesSimulation(PhaseLoop):
     def _still(self) -> None:
         """Take roundings of a velocity from plates that touch: decisions would see a motion in them."""
         velocity, lengths = np.array(self.state[self.half :]), numbers_of(self.case).lengths
-        for group in groups(self.case, sorted(self.touching)):
-            own = [3 * b + c for b in plates_in(self.case, group) for c in range(3)]
-            if np.abs(velocity * lengths)[own].max() <= SOME_ROUNDINGS * EPS * self.speed:
+        for body in plates_in(self.case, sorted(self.touching)):
+            own = slice(3 * body, 3 * body + 3)
+            if np.abs(velocity[own] * lengths[own]).max() <= SOME_ROUNDINGS * EPS * self.speed:
                 velocity[own] = 0.0
         self.state = (*self.state[: self.half], *velocity.tolist())
 

@@ -1,7 +1,7 @@
 """Decisions among the contacts that are near: gaps that are far from closing have no part in them.
 
-A polygon of 200 corners watches 200 contacts, of which one or two touch. Equations of those alone are few and small, and
-are compiled once.
+A polygon of 200 corners watches 200 contacts, of which one or two touch. Equations of those alone are few and small,
+and are compiled once.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Motions of plates between walls obey the laws of mechanics: no overlap, no energy from nothing, no event of roundings."""
+"""Motions of plates between walls obey the laws: no overlap, no energy from nothing, no event of roundings."""
 
 from dataclasses import replace
 from math import cos, hypot, inf, pi, sin, sqrt
@@ -16,7 +16,6 @@ from cases import (
     Gravity,
     Impact,
     Load,
-    Mode,
     Plate,
     Start,
     StartPose,
@@ -86,7 +85,7 @@ def test_a_disc_at_rest_does_not_move_because_another_one_lands():
 def _groove() -> Case:
     """A disc at rest on two flanks of 0.6 rad."""
     flank = Support(Curve((f"s*{cos(0.6)!r}", f"-s*{sin(0.6)!r}")), "flank")
-    return Case(line(0.6), disc(0.1, 1.0), effects(), StartPose(0.0, 0.1 / cos(0.6)), 1.0, supports=(flank,))
+    return Case(line(-0.6), disc(0.1, 1.0), effects(), StartPose(0.0, 0.1 / cos(0.6)), 1.0, supports=(flank,))
 
 
 def _two_discs() -> Case:
@@ -97,7 +96,8 @@ def _two_discs() -> Case:
 AT_REST = {
     "box": lambda: Case(line(), Plate.rectangle(0.2, 0.1, 1.0), effects(), StartPose(0.0, 0.05), 1.0),
     "corner": lambda: Case(line(), disc(0.1, 1.0), effects(), StartPose(0.1, 0.1), 1.0, supports=(WALL,)),
-    "two discs": _two_discs, "groove": _groove,
+    "two discs": _two_discs,
+    "groove": _groove,
 }
 
 

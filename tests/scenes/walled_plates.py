@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import cos, sin, sqrt
 
 import numpy as np
 
-from cases import Case, CoulombFriction, DoesNotFit, Flight, FreePlate, Gravity, Impact, Plate, StartPose, disc
-from cases import Support, Unilateral
+from cases import (
+    Case,
+    CoulombFriction,
+    DoesNotFit,
+    Flight,
+    FreePlate,
+    Gravity,
+    Impact,
+    Plate,
+    StartPose,
+    Support,
+    Unilateral,
+    disc,
+)
 from cases.curves import Curve
 from cases.library import line
 
@@ -144,5 +156,7 @@ def energies(motion, times: np.ndarray) -> np.ndarray:
     plates, total = [motion.case.plate, *(other.plate for other in motion.case.others)], np.zeros(len(times))
     for plate, name in zip(plates, motion.plate_names, strict=True):
         now = motion.plate(name)(times)
-        total += 0.5 * plate.mass * (now.vx**2 + now.vy**2) + 0.5 * plate.inertia * now.omega**2 + plate.mass * G * now.y
+        total += (
+            0.5 * plate.mass * (now.vx**2 + now.vy**2) + 0.5 * plate.inertia * now.omega**2 + plate.mass * G * now.y
+        )
     return total
