@@ -128,7 +128,7 @@ PARTS = {
     "augmented_integrator": {"minimal", "paper"},
     "several": {"minimal", "paper", "scales"},
     "delassus": {"contact_frame", "scales"},
-    "plates": {"minimal", "several"},
+    "plates": {"minimal", "several", "scales"},
     "solve": {"minimal", "augmented_integrator", "several", "plates"},
     "narration": {"solve"},
     "errata": {"paper", "solve"},
