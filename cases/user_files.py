@@ -48,7 +48,8 @@ def content(what: str, path: object, most: int, follow: bool = True) -> bytes:
     except OSError as problem:
         raise BadValue(f"the {what} {_display_path(path)} cannot be read ({problem.strerror}); give another") from None
     if len(data) > most:
-        raise BadValue(f"the {what} {_display_path(path)} is larger than {most / 2**20:.3g} MB; give a smaller one")
+        size = f"{most / 2**20:g} MB" if most >= 2**20 else f"{most:,} bytes"
+        raise BadValue(f"the {what} {_display_path(path)} is larger than {size}; give a smaller one")
     return data
 
 

@@ -3,6 +3,8 @@
 import json
 import os
 import pickle
+import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +14,14 @@ import pytest
 import cases
 from adapters.common import motion_table
 from cases import CaseError, Curve, Load, expressions, lookup, trial
+from cases.command_line import status
 from cases.effects import MOTION
+from cases.errors import number_in
 from cases.owned_folder import LIST, digest
-from reports import compare_builds
+from reports import compare_builds, gate, options
 from reports.analysis.columns import Table
 from reports.page import report_folder, text
+from reports.page import text as report_text
 from reports.running import external_motions, submissions
 from reports.running.storage import packing, result_store
 from reports.sweeping import sweep_folder
@@ -53,6 +58,15 @@ def attacks(mark: Path) -> list[str]:
         f"!!python/object/apply:os.system ['touch {mark}']",
         f"{{{{ cycler.__init__.__globals__.os.system('touch {mark}') }}}}",
     ]
+
+
+# What may be in the place of a file: a pipe, a folder, links to a device without end, to nowhere and to a user's file.
+ODD_FILES = (
+    os.mkfifo,
+    os.mkdir,
+    lambda file: file.symlink_to("/dev/zero"),
+    lambda file: file.symlink_to("nowhere"),
+)
 
 
 def refused(call, *arguments, **named) -> None:
@@ -168,11 +182,65 @@ def test_no_file_of_a_strangers_report_sweep_or_submission_is_run(mark, tmp_path
             for content in contents:
                 file.write_bytes(content)
                 refused(read)
-            file.unlink()
-            os.mkfifo(file)
-            refused(read)
+            for odd in ODD_FILES:
+                file.unlink()
+                odd(file)
+                refused(read)
+                if odd is os.mkdir:
+                    file.rmdir()
+                    file.touch()
             file.unlink()
             file.write_bytes(whole)
+
+
+@pytest.mark.parametrize("odd", ODD_FILES)
+def test_only_ordinary_files_are_read_from_a_store(odd, tmp_path):
+    """A pipe hung the build, and a device without end filled the memory."""
+    results, key = result_store.Store(tmp_path), {"what": "a run"}
+    results.put("run", key, 1.0, float)
+    (file,) = tmp_path.glob("run-*.npz")
+    file.unlink()
+    odd(file)
+    assert results.get("run", key, float) is None
+    assert "could not be read" in results.trouble()[0]
+
+
+@pytest.mark.parametrize(("when", "record"), [("now", "\x1b[2J"), ("\x1b[2J", "a text")])
+def test_text_of_a_store_is_printable_or_the_record_is_damaged(when, record, tmp_path):
+    results, key = result_store.Store(tmp_path), {"what": "a text"}
+    results.put("run", key, "two\nlines", str)
+    assert results.get("run", key, str) == "two\nlines"
+    (file,) = tmp_path.glob("run-*.npz")
+    file.write_bytes(result_store._archive({"key": key, "when": when, "record": record}, []))
+    assert results.get("run", key, str) is None and "could not be read" in results.trouble()[0]
+
+
+@pytest.mark.parametrize("text", ["\x1b]0;title\x07", "\x9b2J", "\u202e", "\udcff", "\r", "\x7f"])
+def test_whatever_a_command_prints_is_text(text, capsys):
+    def work(words):
+        print(f"written: {words[0]}")
+        print(words[0], file=sys.stderr)
+        raise OSError(words[0])
+
+    assert status("test", work, [text]) == 1
+    for output in capsys.readouterr():
+        assert output.replace("\n", "").isprintable() and ascii(text)[1:-1] in output
+    assert options.command("reports.build", [text]).isprintable()
+
+
+@pytest.mark.parametrize("text", ["![x](http://a.b/c)", "[x](//a.b)", "[x]: http://a.b", "see http://a.b or www.a.b"])
+def test_a_reason_is_no_link_and_no_image_in_markdown(text):
+    cell = report_text.markdown(pd.DataFrame({"reason": [text]})).splitlines()[-1]
+    assert not re.search(r"\]\(|\]:|://|www\.", cell) and cell.count("a") >= 1
+
+
+@pytest.mark.parametrize("text", ["1_0", "\u0661\u0660", "0x10", "1e", "--", "", "ten", "1 0"])
+def test_a_number_in_text_is_written_in_digits(text):
+    for read in (
+        options.creep_of, options.whole_jobs, options.points_of, gate.tolerance_of, lambda t: number_in("it", t),
+        lambda t: cases.load(f"disc_on_line[mu={t}]"),
+    ):  # fmt: skip
+        refused(read, text)
 
 
 def test_a_strangers_report_says_nothing_that_a_terminal_acts_on(tmp_path):

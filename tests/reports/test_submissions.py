@@ -129,8 +129,25 @@ def test_a_folder_out_of_form_is_one_sentence(hand_in, poses, tmp_path):
         with pytest.raises(CaseError, match="is not TOML"):
             submissions.read(folder)
     (folder / "submission.toml").write_text("#" * 20_000)
-    with pytest.raises(CaseError, match="give at most"):
+    with pytest.raises(CaseError, match="larger than 16,384 bytes"):
         submissions.read(folder)
+
+
+def test_two_files_of_one_case_are_refused(hand_in, poses):
+    """Of two names of one case the better motion was ranked."""
+    folder = hand_in(poses)
+    copy = folder / f"{CASE.label.replace('0.1', '0.10')}.csv"
+    copy.write_bytes((folder / f"{CASE.label}.csv").read_bytes())
+    assert copy.stem != CASE.label
+    with pytest.raises(CaseError, match="motions of one case"):
+        submissions.read(folder)
+
+
+def test_a_head_may_begin_with_a_byte_order_mark(hand_in, poses):
+    folder = hand_in(poses)
+    head = folder / submissions.HEAD
+    head.write_bytes(b"\xef\xbb\xbf" + head.read_bytes())
+    assert submissions.read(folder).words["engine"] == folder.parent.name
 
 
 def test_a_link_is_not_followed_to_what_is_not_the_strangers(hand_in, poses, tmp_path):
