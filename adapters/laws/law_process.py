@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import pickle
 import signal
+import tempfile
 import time
 from collections.abc import Iterable, Iterator
 from multiprocessing import resource_tracker
@@ -13,6 +14,7 @@ from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
 from cases import CaseError
+from cases.owned_folder import TemporaryFolder
 
 from .. import gate
 from ..interface import ReturnsOnce, returns_once
@@ -44,13 +46,20 @@ class AdapterProcess:
 
     def __init__(self, name: str, limit: float | None = None):
         self.name, self.limit = name, limit or LIMIT_SECONDS
-        self.face = self._begin()
+        # Temporary files of an engine whose process is ended; another command removes those of a killed command.
+        self._folder = TemporaryFolder()
+        try:
+            self.face = self._begin()
+        except BaseException:
+            self._folder.remove()
+            raise
 
     def __enter__(self) -> AdapterProcess:
         return self
 
     def __exit__(self, *_) -> None:
         self._end()
+        self._folder.remove()
 
     def try_laws(self, route: str, laws: Iterable[str], seed: int = 0) -> Iterator[tuple[str, str, str]]:
         """Each law with its outcome and reason: those of `judge`, or "crashed" or "timed_out"."""
@@ -66,7 +75,7 @@ class AdapterProcess:
     def _begin(self) -> AdapterInfo:
         self.number = 0
         self.here, there = _SPAWN.Pipe()
-        self.process = _SPAWN.Process(target=_serve, args=(self.name, there), daemon=True)
+        self.process = _SPAWN.Process(target=_serve, args=(self.name, there, str(self._folder.path)), daemon=True)
         resource_tracker.ensure_running()  # starting it later would unblock Ctrl-C
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # Ctrl-C is for the process that asks
         try:
@@ -113,8 +122,10 @@ class AdapterProcess:
         self.process.join()
 
 
-def _serve(name: str, there: Connection) -> None:
-    """The adapter's process: report the adapter's name and routes, then check the requested laws."""
+def _serve(name: str, there: Connection, folder: str) -> None:
+    """The adapter's process: report the adapter's name and routes, then check the requested laws; temporary files go to
+    the folder."""
+    tempfile.tempdir = os.environ["TMPDIR"] = folder
     quiet = os.open(os.devnull, os.O_WRONLY)
     os.dup2(quiet, 1)  # the output of an engine is discarded
     os.dup2(quiet, 2)

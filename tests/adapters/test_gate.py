@@ -166,3 +166,11 @@ def test_whatever_stands_in_a_field_comes_out_plain_or_as_a_sentence(value):
         motion = object.__new__(Trajectory)
         vars(motion).update({f.name: getattr(MOTION, f.name) for f in fields(Trajectory)} | {field: value})
         passes(motion)
+
+
+@pytest.mark.parametrize("raw", ["native", (), [], None, 3, {"native"}])
+def test_routes_are_a_tuple_of_names(raw):
+    """A text was a route for each of its letters, and no route was no row."""
+    assert gate.routes(("native",)) == ("native",)
+    with pytest.raises(TypeError, match="give a tuple of names"):
+        gate.routes(raw)

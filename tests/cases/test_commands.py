@@ -3,8 +3,10 @@
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,7 +15,7 @@ import pytest
 
 import cases
 import reference
-from cases import lookup, registry, trial
+from cases import command_line, lookup, owned_folder, registry, search_path, trial
 from cases.commands import TEMPLATE, main
 from reference import narration
 from reports import animate, build, compare, options, show, sweep
@@ -381,3 +383,27 @@ def test_the_motion_of_several_contacts_is_shown_contact_by_contact(monkeypatch)
     text = show.facts(case, reference.simulate(case))
     assert "begins: plate/track slide, plate/track 2 flight, plate/wall slide" in text
     assert "0.576585244 s: plate/wall flight (the normal force vanished)" in text
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130)])
+def test_a_command_that_is_ended_leaves_no_unfinished_file(number, code, tmp_path, capsys):
+    def work(words):
+        with owned_folder.atomic_path(tmp_path / "result") as partial, owned_folder.TemporaryFolder(tmp_path):
+            assert partial.exists()
+            os.kill(os.getpid(), number)
+            time.sleep(60.0)
+
+    assert command_line.status("test", work, []) == code
+    assert list(tmp_path.iterdir()) == [] and capsys.readouterr().err == "\ntest: stopped\n"
+    assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+
+
+def test_the_standard_library_is_searched_before_the_working_folder():
+    library = os.path.dirname(os.__file__)
+    assert search_path.after_standard_library(["/here", "/zip", library, "/site"], "/here") == [
+        "/zip",
+        library,
+        "/here",
+        "/site",
+    ]
+    assert search_path.after_standard_library(["/script", library, "/site"], "/here") == ["/script", library, "/site"]

@@ -118,3 +118,46 @@ def test_a_short_float_of_numpy_loses_no_digits_of_the_formula():
     # SymPy's own conversion works with as few digits as it holds.
     load = Load(fx=np.float32(0.1))
     assert load.fx._prec == 53 and float(load.fx) == float(np.float32(0.1))
+
+
+LINE = cases.library.line()
+CIRCLE = cases.library.circle(1.0)
+MOTION = cases.Trajectory(**{name: np.arange(3.0) for name in ("t", *cases.State._fields)})
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: cases.arc(None, 1.0, 2.0, 3.0),
+        lambda: cases.arc((0.0, "1"), 1.0, 2.0, 3.0),
+        lambda: cases.case(3),
+        lambda: cases.case("name"),
+        lambda: cases.case(lambda: None, variants=3),
+        lambda: cases.case(lambda: None, variants=[3]),
+        lambda: cases.fit_friction(10**400, [1, 2, 3], 0.1),
+        lambda: cases.fit_waves([10**400, 1, 2], [1, 2, 3], 0.1),
+        lambda: LINE.length(None, 1.0),
+        lambda: LINE.length(0.0, np.inf),
+        lambda: LINE.even(0.0, 1.0, 1.5),
+        lambda: LINE.point(None),
+        lambda: LINE.tangent("x"),
+        lambda: LINE.curvature(["x"]),
+        lambda: LINE.tangent_angle(None),
+        lambda: cases.Plate.homogeneous(3, 1.0),
+        lambda: cases.Plate.homogeneous(CIRCLE, 1.0, holes=3),
+        lambda: cases.Plate.homogeneous(CIRCLE, 1.0, holes=[3]),
+        lambda: cases.Plate.homogeneous(CIRCLE, 1.0, inlays=[3]),
+        lambda: cases.Plate.homogeneous(CIRCLE, 1.0, inlays=[(CIRCLE,)]),
+        lambda: MOTION.times(1.5),
+        lambda: MOTION.to_frame("x"),
+        lambda: MOTION.to_csv(None),
+        lambda: cases.constructions.piecewise(3),
+        lambda: cases.constructions.natural(3, 1.0),
+        lambda: cases.constructions.natural(lambda s: s, None),
+        lambda: cases.constructions.natural(lambda s: s, 1.0, start=None),
+        lambda: cases.library.from_support(3),
+    ],
+)
+def test_a_wrong_argument_of_a_public_function_is_one_sentence(call):
+    with pytest.raises(cases.CaseError, match="give|there is no"):
+        call()

@@ -12,7 +12,7 @@ import cases
 from cases import CaseError, CoulombFriction, Gravity, Start, Unilateral, disc
 from cases.command_line import status
 from cases.library import line
-from reports import build, cli, compare, options, show, study
+from reports import animate, build, cli, compare, deposit, options, show, study, sweep
 
 pytestmark = pytest.mark.builds
 
@@ -49,6 +49,21 @@ def show_main(words) -> int:
     return status("cases", show.run, words)
 
 
+@pytest.mark.parametrize("main", [build.main, sweep.main])
+@pytest.mark.parametrize("option", ["--jobs=--", "--out=--", "--case-file=--"])
+def test_an_option_without_a_value_is_refused_in_one_sentence(main, option, capsys):
+    assert main(["disc_on_line", option] if main is sweep.main else [option]) == 2
+    assert "has no value but --" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("main", "kind"), [(show_main, "FILE"), (animate.main, "FILE"), (deposit.main, "FILE"),
+                                            (build.main, "DIR"), (sweep.main, "DIR")])  # fmt: skip
+def test_help_says_whether_out_is_a_file_or_a_folder(main, kind, capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert re.search(rf"--out {kind} +f(ile|older) to write", capsys.readouterr().out)
+
+
 def test_an_option_means_the_same_in_every_command():
     assert all(set(how) <= {"metavar", "nargs", "action", "default", "help"} for how in options._OPTIONS.values())
     many = options.parser("x", "", "solver", "jobs").parse_args(["--solver", "a", "b", "--solver", "c"])
@@ -75,6 +90,12 @@ def by_hand(name: str = "bowled_by_hand", **changes) -> cases.Case:
         ([by_hand()], dict(effort="some"), "quick"),
         ([by_hand()], dict(jobs=0), "from 1 to"),
         ([by_hand()], dict(out="."), "inside it"),
+        ([by_hand()], dict(out="out\udcff"), "no path here"),
+        ([by_hand()], dict(out=""), "is empty"),
+        ([by_hand()], dict(store=""), "is empty"),
+        ([by_hand()], dict(store="."), "--store"),
+        ([by_hand()], dict(out="out", store=Path.cwd().anchor), "--store"),
+        ([by_hand()], dict(jobs="1_0"), "give a number"),
     ],
 )
 def test_a_report_that_makes_no_sense_is_refused_before_anything_runs(given, more, hint, tmp_path, monkeypatch):
