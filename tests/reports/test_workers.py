@@ -27,6 +27,7 @@ from .called import (
     remove_folder_above,
     reserve,
     round_up,
+    scribble_and_hang,
     waits,
     whose,
 )
@@ -166,6 +167,12 @@ def test_a_fault_of_the_folder_for_temporary_files_is_no_answer(fault, tmp_path,
             )
     finally:
         pool.close()
+
+
+def test_a_call_that_hangs_leaves_no_temporary_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    ((_, answer),) = run(scribble_and_hang, [()], limit=1.0)
+    assert answer.outcome == "timed_out" and list(tmp_path.iterdir()) == []
 
 
 def test_what_cannot_travel_is_told_in_both_directions():
