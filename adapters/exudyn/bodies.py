@@ -28,21 +28,19 @@ def add_plate(system, plate: Plate, start: Sequence[float], gravity: Gravity | N
     inertia = plate.inertia if plate.turns else plate.mass * plate.reach**2
     body = system.AddObject(item.ObjectRigidBody2D(nodeNumber=node, **older_versions.rigid_body(plate.mass, inertia)))
     if not plate.turns:
-        hold_angle(system, node, coordinate=2)
+        hold_angle(system, node, 2, start[2])
     if gravity:
         mass = system.AddMarker(item.MarkerBodyMass(bodyNumber=body))
         system.AddLoad(item.LoadMassProportional(markerNumber=mass, loadVector=[*gravity.vector, 0.0]))
     return node, body
 
 
-def hold_angle(system, node: int, coordinate: int) -> None:
-    """Keep a coordinate of a node, its angle, at its initial value."""
+def hold_angle(system, node: int, coordinate: int, angle: float) -> None:
+    """Keep a coordinate of a node at an angle, rad."""
     origin = system.AddNode(item.NodePointGround())
     still = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=origin, coordinate=0))
-    angle = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
-    # Coordinates are counted from the reference, so the offset is the initial value.
-    value = float(np.asarray(system.GetNode(node)["initialCoordinates"])[coordinate])
-    system.AddObject(item.ObjectConnectorCoordinate(markerNumbers=[still, angle], offset=value))
+    turning = system.AddMarker(item.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+    system.AddObject(item.ObjectConnectorCoordinate(markerNumbers=[still, turning], offset=angle))
 
 
 def add_load(system, body: int, load: Load) -> None:

@@ -99,7 +99,7 @@ def build(case: Case, setting: Setting) -> ExudynSystem:
         item.ObjectRigidBody(nodeNumber=node, **older_versions.rigid_body(plate.mass, [inertia] * 3 + [0.0] * 3))
     )
     if not plate.turns:
-        hold_angle(system, node, coordinate=3)
+        hold_angle(system, node, 3, start.theta)
     if gravity:
         pull = np.array(gravity.vector)
         mass = system.AddMarker(item.MarkerBodyMass(bodyNumber=body))
