@@ -69,7 +69,9 @@ def certify(case: Case) -> Certificate:
     except FloatingPointError as problem:
         raise NotCertified(f"{case.label}: {problem}") from problem
     if broken := [one for one in able if one.status == BROKEN_LAW]:
-        raise NotCertified(f"{case.label}: {'; '.join(f'{one.name}: {one.reason}' for one in broken)} Please report it.")
+        raise NotCertified(
+            f"{case.label}: {'; '.join(f'{one.name}: {one.reason}' for one in broken)} Please report it."
+        )
     if not able:
         raise NotCertified(f"{case.label}: no witness reaches the end of the motion: {'; '.join(missing)}")
     if len(able) < 2:

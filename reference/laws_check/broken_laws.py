@@ -76,9 +76,7 @@ def broken_by(
     return tuple(sorted(results, key=lambda one: (one.law != OVERLAP, one.limit / one.size)))
 
 
-def _closer(
-    case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, part: float
-) -> BrokenLaw | None:
+def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, part: float) -> BrokenLaw | None:
     """The broken law of some steps if it is broken also with more instants: forces may change more quickly than five
     resolve."""
     parts, limit = 1, part * np.broadcast_to(defects.scale, defects.sizes.shape)
@@ -106,7 +104,9 @@ def _motion_defects(samples: MotionSamples) -> Iterator[Defects]:
 
 def _speed(samples: MotionSamples, reach: list[float]) -> float:
     """The largest speed of the motion, m/s."""
-    speeds = [float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in zip(samples.plates, reach, strict=True)]
+    speeds = [
+        float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in zip(samples.plates, reach, strict=True)
+    ]
     belts = [float(np.abs(c.law.belt.at_arrays(samples.times[:, 0])).max()) for c in samples.contacts if c.law.belt]
     return max(*speeds, *belts, 0.0)
 
@@ -120,7 +120,9 @@ def _other_defects(samples: MotionSamples, part: float) -> Iterator[Defects]:
         if keep.any():
             law, *rows = contact
             solved = contact if keep.all() else ContactSamples(law, *(row[keep] for row in rows))
-            yield from laws.contact_defects(samples, solved, speed, max(reach), _is_listed(samples, found, solved.steps))
+            yield from laws.contact_defects(
+                samples, solved, speed, max(reach), _is_listed(samples, found, solved.steps)
+            )
     yield from laws.continuity_defects(samples, reach)
     if len(found.steps):
         yield from laws.impact_defects(samples, found, reach, speed)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Gravity, Impact, Load, Mode, Unilateral
+from cases import Gravity, Impact, Load, Mode, Unilateral
 from cases.effects import MOTION
 from cases.expression_code import ON_ARRAYS, function_of
 from cases.free_plates import names_of, plates_of
@@ -69,9 +69,8 @@ def sums(samples: MotionSamples) -> Sums:
     load = case.effect(Load)
     if load is not None:
         one = samples.plates[0]
-        angle = np.unwrap(np.angle(one.turn).ravel()).reshape(shape)
         fx, fy, moment = _load(load)(
-            samples.times, one.place.real, one.place.imag, angle, one.velocity.real, one.velocity.imag, one.spin
+            samples.times, one.place.real, one.place.imag, one.angle, one.velocity.real, one.velocity.imag, one.spin
         )
         forces[0] = forces[0] + fx + 1j * np.asarray(fy)
         moments[0] = moments[0] + moment
@@ -117,18 +116,28 @@ def motion_defects(samples: MotionSamples, total: Sums, reach: list[float], spee
         if plate.turns:
             spins = (length / plate.inertia) * (moment @ WEIGHTS)
             turning = speed / size + length / plate.inertia * most * size
-            yield Defects("angular momentum", name, end, one.spin[:, -1] - one.spin[:, 0] - spins + 0j, turning, "rad/s")
+            yield Defects(
+                "angular momentum", name, end, one.spin[:, -1] - one.spin[:, 0] - spins + 0j, turning, "rad/s"
+            )
         way = one.place[:, -1] - one.place[:, 0] - length * (one.velocity @ WEIGHTS)
         scale = np.abs(one.place[:, 0]) + size + speed * length
         yield Defects("velocity is the rate of the place", name, end, way, scale, "m")
         angle = length * (one.spin @ WEIGHTS)
         off = np.angle(one.turn[:, -1] * one.turn[:, 0].conj() * np.exp(-1j * angle))
-        yield Defects("spin is the rate of the angle", name, end, off + 0j, _turns(samples, one) + np.abs(angle), "rad")
+        yield Defects(
+            "spin is the rate of the angle",
+            name,
+            end,
+            off + 0j,
+            _turns(one, float(samples.times.max(initial=0.0))) + np.abs(angle),
+            "rad",
+        )
 
 
-def _turns(samples: MotionSamples, one: PlateSamples) -> float:
-    """The scale of angles, rad: a radian, and many turns, whose roundings are large."""
-    return 1.0 + MANY * float(np.abs(one.spin).max()) * float(samples.times.max(initial=0.0))
+def _turns(one: PlateSamples, last: float) -> float:
+    """The scale of angles, rad, until a time `last`: a radian, and many turns, whose roundings, and their changes
+    during those of the time, are large."""
+    return 1.0 + MANY * float(np.abs(one.angle).max(initial=0.0) + np.abs(one.spin).max(initial=0.0) * last)
 
 
 def contact_defects(
@@ -147,7 +156,9 @@ def contact_defects(
     slides = listed & np.array([mode is Mode.SLIDE for mode in contact.modes])[:, None]
     if (sense != 0.0).any():
         kinetic = -sense * law.coefficient(contact.slip) * pressure
-        yield Defects("Coulomb's law in slip", name, times, np.where(sense, np.abs(friction - kinetic), 0.0), force, "N")
+        yield Defects(
+            "Coulomb's law in slip", name, times, np.where(sense, np.abs(friction - kinetic), 0.0), force, "N"
+        )
         yield Defects("sense of slip", name, times, -sense * contact.slip, speed, "m/s")
     if sticks.any():
         yield Defects("no slip", name, times, np.where(sticks, np.abs(contact.slip), 0.0), speed, "m/s")
@@ -158,7 +169,8 @@ def contact_defects(
         yield Defects("no friction", name, times, np.where(slides, np.abs(friction), 0.0), force, "N")
     if contact.point is contact.base:
         return
-    yield Defects("contact is closed", name, times, np.abs(contact.point - contact.base), np.abs(contact.base) + size, "m")
+    scale = np.abs(contact.base) + size * _turns(samples.plates[law.body], float(times.max(initial=0.0)))
+    yield Defects("contact is closed", name, times, np.abs(contact.point - contact.base), scale, "m")
     moving = (_material(samples, contact, law.body) - _material(samples, contact, law.base)) * contact.tangent.conj()
     slip = moving.real - (law.belt.at_arrays(times.ravel()).reshape(times.shape) if law.belt else 0.0)
     yield Defects("contact stays closed", name, times, np.abs(moving.imag), speed, "m/s")
@@ -206,7 +218,9 @@ def continuity_defects(samples: MotionSamples, reach: list[float]) -> Iterator[D
         off = np.abs(one.place[following, 0] - one.place[following - 1, -1])
         yield Defects("place is continuous", name, times, off, np.abs(one.place[following, 0]) + size, "m")
         off = np.abs(one.turn[following, 0] - one.turn[following - 1, -1])
-        yield Defects("angle is continuous", name, times, off, _turns(samples, one), "rad")
+        yield Defects(
+            "angle is continuous", name, times, off, _turns(one, float(samples.times.max(initial=0.0))), "rad"
+        )
 
 
 def impact_defects(samples: MotionSamples, found: Jumps, reach: list[float], speed: float) -> Iterator[Defects]:
@@ -234,7 +248,9 @@ def impact_defects(samples: MotionSamples, found: Jumps, reach: list[float], spe
         if plate.turns and not contact.law.arm:
             arm = contact.base[after, 0] - samples.plates[0].place[contact.steps[after], 0]
             off = plate.inertia * found.spin[0, here] - (arm.conj() * impulse).imag
-            yield Defects("impulse acts at the contact", contact.law.name, times[here], np.abs(off), scale * reach[0], "N m s")
+            yield Defects(
+                "impulse acts at the contact", contact.law.name, times[here], np.abs(off), scale * reach[0], "N m s"
+            )
 
 
 def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:

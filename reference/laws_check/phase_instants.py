@@ -98,7 +98,14 @@ def _obeys(case: Case, law: ContactLaw, pull: complex, segment: Segment, part: f
 
 
 def _is_coulomb(
-    case: Case, law: ContactLaw, segment: Segment, normal: float, friction: float, slip: float, force: float, speed: float
+    case: Case,
+    law: ContactLaw,
+    segment: Segment,
+    normal: float,
+    friction: float,
+    slip: float,
+    force: float,
+    speed: float,
 ) -> bool:
     """Signorini's and Coulomb's laws, with forces per mass and their errors."""
     mode = segment.phase.regime.mode

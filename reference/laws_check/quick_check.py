@@ -1,6 +1,6 @@
 """The check of the laws that every motion gets before it is returned.
 
-A motion of one contact is looked at by the coefficients of its steps, all laws at once and with the largest scale of the
+A motion of one contact is looked at by the coefficients of its steps, all laws at once, with the largest scale of the
 motion; only one that fails, or has an impact, is checked law by law. Other motions are checked law by law.
 """
 
@@ -28,7 +28,7 @@ from .tolerances import part_of
 
 # The status of a motion that breaks a law.
 BROKEN_LAW = "broken_law"
-# Steps of a motion with several contacts that are checked: those of longer ones are evenly distributed.
+# Steps of a motion with several contacts that are checked: of more, the longest and others evenly distributed.
 MOST = 400
 
 
@@ -69,7 +69,8 @@ def _steps(segments: Sequence[Segment]) -> tuple[np.ndarray, np.ndarray]:
     start, length = np.concatenate([k[:-1] for k in knots]), np.concatenate([np.diff(k) for k in knots])
     some = np.flatnonzero(length > 0.0)
     if len(some) > MOST:
-        some = np.unique(some[np.linspace(0, len(some) - 1, MOST).astype(int)])
+        even, longest = some[np.linspace(0, len(some) - 1, MOST // 2).astype(int)], some[np.argsort(-length[some])]
+        some = np.union1d(even, longest[: MOST // 2])
     return start[some], length[some]
 
 
@@ -86,7 +87,12 @@ def _is_lawful(case: Case, samples: PhaseSamples, part: float) -> bool:
     if samples.is_closed.any() and not _contact_is_lawful(case, law, samples, part * largest, part * speed):
         return False
     rates = np.empty_like(motion)
-    rates[PLACE], rates[TURN], rates[VELOCITY], rates[SPIN] = motion[VELOCITY], motion[SPIN], force / plate.mass + pull, 0.0
+    rates[PLACE], rates[TURN], rates[VELOCITY], rates[SPIN] = (
+        motion[VELOCITY],
+        motion[SPIN],
+        force / plate.mass + pull,
+        0.0,
+    )
     if plate.turns:
         couple = (force * (motion[PLACE] - samples.base).conj()).imag
         if law.arm:
@@ -142,8 +148,9 @@ def _is_apart(case: Case, samples: PhaseSamples, length: float) -> bool:
         return True
     steps = np.flatnonzero(~samples.is_closed) if is_proven else slice(None)
     place, turn, velocity, spin = samples.motion[:, steps]
+    one = PlateSamples(place, turn, velocity, spin.real, np.angle(turn))
     near = np.array([case.start.xi1, *(v for v in samples.near if np.isfinite(v))])
     return all(
         not (depth.depths > length).any()
-        for depth in in_curve(CONTACT, track, case.plate, PlateSamples(place, turn, velocity, spin.real), samples.times[steps], near)
+        for depth in in_curve(CONTACT, track, case.plate, one, samples.times[steps], near)
     )

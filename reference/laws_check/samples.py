@@ -32,12 +32,13 @@ CREEP = 1e-9
 
 class PlateSamples(NamedTuple):
     """One plate, arrays (steps, 5): place and velocity of its centre of mass (complex, m and m/s), the direction of
-    its own x axis (complex, of length 1) and its spin (rad/s)."""
+    its own x axis (complex, of length 1), its spin (rad/s) and its angle (rad)."""
 
     place: np.ndarray
     turn: np.ndarray
     velocity: np.ndarray
     spin: np.ndarray
+    angle: np.ndarray
 
 
 class ContactLaw(NamedTuple):
@@ -181,7 +182,7 @@ def _state(motion: Trajectory, name: str, times: np.ndarray) -> State:
 
 def _plate(state: State, shape: tuple[int, ...]) -> PlateSamples:
     x, y, theta, vx, vy, omega = (np.reshape(row, shape) for row in state[:6])
-    return PlateSamples(x + 1j * y, np.exp(1j * theta), vx + 1j * vy, omega)
+    return PlateSamples(x + 1j * y, np.exp(1j * theta), vx + 1j * vy, omega, theta)
 
 
 def _contact(
@@ -199,7 +200,9 @@ def _contact(
     rows = (now.slip, now.normal_force, now.friction_force, now.xi1, now.xi2)
     slip, normal, friction, xi1, xi2 = (np.reshape(np.broadcast_to(row, times.size), times.shape) for row in rows)
     changes = np.array([change.time for change in own])
-    modes = np.array([first or (own[0].before if own else Mode.FLIGHT), *(change.after for change in own)], dtype=object)
+    modes = np.array(
+        [first or (own[0].before if own else Mode.FLIGHT), *(change.after for change in own)], dtype=object
+    )
     middle = times[:, 2]
     mode = modes[np.searchsorted(changes, middle, side="right")]
     steps = np.flatnonzero(np.isfinite(slip).all(axis=1))

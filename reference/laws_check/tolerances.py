@@ -15,6 +15,7 @@ EXACT = 1e-7
 # In units of the integrator's relative tolerance, five times what was measured.
 PARTS = 100.0
 
+
 def part_of(rtol: float) -> float:
     """The part of a scale up to which a defect is an error of a motion with that relative accuracy."""
     return EXACT + PARTS * rtol

@@ -21,8 +21,8 @@ from ..minimal.phase_end import CAUSES, undecidable
 from ..solve import INTEGRATORS, METHODS, as_trajectory, at_once, first_regime, solve_motion
 from .scenario_values import ScenarioGroup
 
-# One of so many scenarios is checked by the laws, and every one that ends otherwise than by its duration, by leaving the
-# track, or at the end of a curve.
+# One of so many scenarios is checked by the laws, and every one that does not end by its duration, by leaving its track
+# or at the end of a curve.
 CHECKED, USUAL = 1000, ("completed", "lift_off", "track_end", "outline_end")
 MODES = tuple(Mode)
 PHRASES = tuple(dict.fromkeys(CAUSES.values()))
