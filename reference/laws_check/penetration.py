@@ -7,7 +7,7 @@ where it is curved, a part of it lies inside the plate.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -134,9 +134,3 @@ def _distance(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
     nearest = np.abs(offset - np.clip(offset.real, 0.0, length)).min(axis=-1)
     inside = outside.max(axis=-1)
     return np.where(inside <= 0.0, inside, nearest)
-
-
-def span_of(values: Sequence[np.ndarray]) -> np.ndarray:
-    """The finite ones of some parameters."""
-    every = np.concatenate([np.ravel(value) for value in values])
-    return every[np.isfinite(every)]
