@@ -57,6 +57,7 @@ def looks_between(times: np.ndarray) -> np.ndarray:
 # of the pose: the neglected term is its cube, over six.
 STRAIGHT = 1e-5
 
+
 def doubt_of_closing(rounding: float, closing: float, bend: float, often: float) -> float:
     """By how much (s) the time is in doubt at which a gap closes that is known to a rounding (m), with that closing
     speed (m/s) and second derivative (m/s²): τ of closing τ + ½ |bend| τ² = rounding.

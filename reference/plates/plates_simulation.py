@@ -23,9 +23,8 @@ from ..minimal.phase_end import (
     singular_ending,
     work_limit_ending,
 )
-from ..scales import frequency
 from ..minimal.series import EPS
-from ..scales import doubt_of_closing, speed_scale
+from ..scales import doubt_of_closing, frequency, speed_scale
 from ..several.hops import NestedSeries, Strike
 from ..several.impact import Inertia, NoImpact, impact_of_all
 from ..several.phase_loop import PhaseLoop, several_motions
