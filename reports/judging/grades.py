@@ -21,8 +21,7 @@ class Grade(StrEnum):
     UNDECIDED = "not decided"
 
 
-# The largest score of each grade; above the last a motion is about as far off as one that ignores friction's law. A
-# score of 0.01 is about what a coefficient of friction wrong by 1 % makes.
+# The largest score of each grade; above the last a motion is about as far off as one that ignores friction's law.
 LIMITS = {
     Grade.EXCELLENT: 1e-4,
     Grade.VERY_GOOD: 1e-3,

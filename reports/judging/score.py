@@ -3,8 +3,7 @@
     off = max(pose score, mode score, slip score)
 
 Each score is an error divided by that of the nearest of the case's null motions (`null_motions`), so that it has no
-unit and means the same in every case: 0 is the truth, 1 is no better than ignoring friction's law, and 0.01 is about
-what a coefficient of friction wrong by 1 % makes. Pure functions; SI units.
+unit (docs/report.md). Pure functions; SI units.
 """
 
 from __future__ import annotations

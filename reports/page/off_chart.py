@@ -37,13 +37,16 @@ def off_chart(
     """
     times = {_key(row): row[CALL] for row in timings if row["case"] == case and row["quantity"] == "off"}
     cost = CALL if any(isfinite(time) for time in times.values()) else STEPS
-    points: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    points, untimed = dict[tuple[str, str], list[dict[str, Any]]](), 0
     for row in trajectories:
         work = times.get(_key(row), float("nan")) if cost == CALL else row["steps"]
         if cost == STEPS and row["solver"] == REFERENCE:
             continue  # its steps are of another kind
-        if row["case"] == case and isfinite(row["off"]) and isfinite(work) and work > 0.0:
-            point = {"work": float(work), "off": row["off"], "setting": str(row["setting"])}
+        if row["case"] != case or not isfinite(row["off"]):
+            continue
+        untimed += not isfinite(work)
+        if work > 0.0:
+            point = {"work": float(work), "off": row["off"], "doubt": row["off_doubt"], "setting": str(row["setting"])}
             point["default"] = point["setting"].startswith("rung=defaults")
             points.setdefault((row["solver"], row["route"]), []).append(point)
     if not points:
@@ -59,6 +62,7 @@ def off_chart(
     return {
         "case": case,
         "cost": cost,
+        "untimed": untimed,
         "box": {"left": _LEFT, "right": _RIGHT, "top": _TOP, "bottom": _BOTTOM, "width": WIDTH, "height": HEIGHT},
         "ticks_x": [{"at": x(value), "text": _cost_text(value, cost)} for value in x.ticks()],
         "ticks_y": [{"at": y(value), "text": percent(value).replace(" ", "\u202f")} for value in y.ticks()],
@@ -108,8 +112,10 @@ def _line(
         {
             "x": x(point["work"]),
             "y": y(max(point["off"], _LEAST)),
+            "bar": [y(max(point["off"] + sign * point["doubt"], _LEAST)) for sign in (-1.0, 1.0)],
             "default": point["default"],
-            "tip": f"{solver} {route}, {point['setting']}: {percent(point['off'])} off, "
+            "tip": f"{solver} {route}, {point['setting']}: {percent(point['off'])} ± "
+            f"{percent(point['doubt'])} off, "
             + (f"{seconds(point['work'])}" if cost == CALL else f"{number(point['work'])} steps"),
         }
         for point in points

@@ -274,11 +274,12 @@ def judge(
     begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
     remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
     remarks += validation.jumps(case, trajectory, motion, distance.centre_max) + validation.tips(trajectory, motion)
-    if not truth.friction_sensitivity >= LEAST and not truth.has_several_contacts and case.effect(Impact) is not None:
+    impact = case.effect(Impact)
+    if impact is not None and not truth.friction_sensitivity >= LEAST and not truth.has_several_contacts:
         # Friction says nothing there.
         own = impacts.rebounds(case, trajectory, _own_events(reading))
         change = float(off["energy_share"][-1]) if len(off["t"]) else 0.0
-        remarks.insert(0, impacts.rebound_note(own, case.effect(Impact).restitution, change))
+        remarks.insert(0, impacts.rebound_note(own, impact.restitution, change))
     return replace(
         row,
         outcome="answered",

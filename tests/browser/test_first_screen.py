@@ -98,7 +98,7 @@ def test_a_click_on_the_map_opens_the_case(shared_page):
 def test_the_colours_of_grades_are_those_of_the_limits(shared_page):
     page = shared_page()
     keys = page.locator("#answer .key").all_inner_texts()
-    assert keys == ["excellent", "very good", "good", "rough", "poor", "unusable", "hatched"]
+    assert keys == ["excellent", "very good", "good", "rough", "poor", "unusable", "not decided", "hatched"]
     colour = "e => getComputedStyle(e).backgroundColor"
     legend = {key.inner_text().replace(" ", "-"): key.evaluate(colour) for key in page.locator("#answer .key").all()}
     for cell in page.locator("table.map td[class]").all():
