@@ -20,6 +20,12 @@ _LEAST_LOSS = 1e-3
 _LEAST_SLIP = 1e-4
 
 
+# A track is straight if the plate is larger than this part of its radius of curvature nowhere.
+_STRAIGHT = 1e-9
+# How the names of a plate's contacts with its track begin.
+ON_TRACK = "plate/track"
+
+
 class Losses(NamedTuple):
     """Energy that a motion lost, J, and the energy that the case's law of friction takes from this motion, J."""
 
@@ -62,8 +68,28 @@ def _losses_of_any(case: Case, motion: Trajectory, end: float) -> Losses:
 
 
 def _has_losses(case: Case, motion: Trajectory) -> bool:
-    """Whether the losses follow from the momentum: with Coulomb friction, a track at rest and one contact."""
-    return case.effect(CoulombFriction) is not None and case.effect(Drive) is None and len(motion.contact_names) == 1
+    """Whether the losses follow from the momentum: with Coulomb friction, a track at rest, and one contact, or several
+    of one plate with one straight track, whose forces act along the same normal."""
+    if case.effect(CoulombFriction) is None or case.effect(Drive) is not None:
+        return False
+    if len(motion.contact_names) == 1:
+        return True
+    places = np.concatenate([columns.xi1 for columns in motion.contacts.values()])
+    bends = np.abs(case.track.curvature(places[np.isfinite(places)]))
+    is_straight = bool(np.max(bends, initial=0.0) * case.plate.reach <= _STRAIGHT)
+    return is_straight and not case.others and all(name.startswith(ON_TRACK) for name in motion.contact_names)
+
+
+def _contact(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+    """Slip velocity (m/s) and place on the track, of several contacts their means; NaN where none is touches."""
+    if len(motion.contact_names) == 1:
+        return motion.slip, motion.xi1
+    contacts = motion.contacts.values()
+    slips, places = np.array([one.slip for one in contacts]), np.array([one.xi1 for one in contacts])
+    touches = np.isfinite(slips)
+    count = np.where(touches.any(axis=0), touches.sum(axis=0), np.nan)
+    slip, xi1 = (np.sum(np.where(touches, values, 0.0), axis=0) / count for values in (slips, places))
+    return slip, xi1
 
 
 def losses(case: Case, motion: Trajectory, end: float) -> Losses:
@@ -71,16 +97,18 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
 
     The normal force N follows from the motion's momentum, m (Δv/h − g) − load, along the track's normal. The work of a
     load, of the user's own effects and of a belt counts as energy added. NaN where the case has no Coulomb friction or
-    a driven track, for several contacts, whose normal forces do not follow from the momentum, and where the plate
+    a driven track, for contacts whose normal forces do not follow from the momentum, and where the plate
     flies, because an impact takes energy in no time.
     """
     friction, resistance = case.effect(CoulombFriction), case.effect(RollingResistance)
     inside = motion.t <= end
-    in_contact = inside.sum() >= 2 and np.isfinite(motion.xi1[inside]).all()
-    if friction is None or not _has_losses(case, motion) or not in_contact:
+    if friction is None or not _has_losses(case, motion):
+        return INDETERMINATE
+    slip, xi1 = (values[inside] for values in _contact(motion))
+    if inside.sum() < 2 or not np.isfinite(xi1).all():
         return INDETERMINATE
     h = np.diff(motion.t[inside])
-    vx, vy, omega, slip, xi1 = (getattr(motion, name)[inside] for name in ("vx", "vy", "omega", "slip", "xi1"))
+    vx, vy, omega = (getattr(motion, name)[inside] for name in ("vx", "vy", "omega"))
     load = applied_forces(case, motion, inside).T
     weight = case.plate.mass * gravity(case)
     # Impulses of the contact in each step, N s.

@@ -130,8 +130,8 @@ def rebound_note(own: Sequence[Rebound], law: float, energy_change: float) -> st
     `energy_change`: the mechanical energy at the end, less the truth's, as a share of the largest kinetic energy."""
     if not own:
         return ""
-    shown = sorted(one.restitution for one in own if one.restitution != 0.0) or [0.0]
-    low, high = (f"{value:.3g}" for value in (shown[0], shown[-1]))
+    values = sorted(one.restitution for one in own if one.restitution != 0.0) or [0.0]
+    low, high = (f"{value:.3g}" for value in (values[0], values[-1]))
     texts = [f"restitution {low if low == high else f'{low} to {high}'} (law {law:g})"]
     stays = [one.closing for one in own if one.restitution == 0.0]
     if stays and law > 0.0:

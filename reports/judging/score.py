@@ -47,6 +47,8 @@ _LEAST_SLIP = 0.01
 # Slip below this part of the fastest of the truth and of its nearest null motion may count as none, whatever the
 # engine's creep is: as an error of slip it makes no more than about this part of a score.
 _MOST_CREEP = 0.01
+# A threshold of slip is this part of the truth's fastest slip at most: of what slips half as fast nothing is creep.
+_FASTEST_CREEP = 0.25
 # Creep is this quantile of the slip in the middle half of the truth's rolls: at their ends slip ends and begins.
 _CREEP_QUANTILE, _END_OF_ROLL, _FEWEST = 0.95, 0.25, 3
 # What is less than this part of a score does not count.
@@ -293,7 +295,7 @@ def _readings(
     where it locates its transitions itself.
 
     A single threshold fails both ways: one that is too large loses short rolls and slow slips, one that is too small
-    takes creep and noise for slip. Creep has no limit: slip that is none by the threshold is an error of slip and pose.
+    takes creep and noise for slip. Slip that is none by the threshold is an error of slip and pose.
     """
     if motion.first_mode is not None:
         own = tuple(motion.transitions)
@@ -304,7 +306,8 @@ def _readings(
     yield read(case, replace(motion, slip_resolution=creep_limit)), motion
     # Where the truth's rolls are too short for the creep to be known, slip within its noise may be none.
     slowest = creep if np.isfinite(creep) else doubts.roughness(motion.t, motion.slip)
-    multiples = (2.0 * slowest, slowest, 4.0 * slowest, 0.6 * slowest)
+    most = _FASTEST_CREEP * scale.fastest_slip
+    multiples = [min(share * slowest, most) for share in (2.0, 1.0, 4.0, 0.6)]
     others = dict.fromkeys((*multiples, 0.0, cap / 8.0, cap))
     # A reading takes long, so only the thresholds are read by which fewer samples are in another mode than the truth.
     wrong = _samples_in_another_mode(motion, scale, [creep_limit, *others])

@@ -18,7 +18,7 @@ from cases.trajectory import CONTACT, ContactColumns
 
 from . import ledger
 from .distances import differences
-from .friction_factor import INDETERMINATE
+from .friction_factor import losses_of_truth
 from .ledger import LedgerRow
 from .score import Scale, Score, scale_of, score_and_reading
 from .slip_phases import RESOLVABLE_GAPS, Reading
@@ -45,9 +45,9 @@ def scales(
     case: Case, truth: Trajectory, events: Sequence[Transition], nulls: Mapping[str, Trajectory]
 ) -> dict[str, Scale]:
     """The scale of each contact of the truth, by its name; `events`: the truth's transitions."""
+    losses = losses_of_truth(case, truth)
     return {
-        # The losses of a motion with several contacts are not known.
-        name: scale_of(case, truth.of(name), of_contact(events, name), _matched(truth, nulls, name), INDETERMINATE)
+        name: scale_of(case, truth.of(name), of_contact(events, name), _matched(truth, nulls, name), losses)
         for name in truth.contact_names
     }
 

@@ -37,14 +37,14 @@ def off_chart(
     """
     times = {_key(row): row[CALL] for row in timings if row["case"] == case and row["quantity"] == "off"}
     cost = CALL if any(isfinite(time) for time in times.values()) else STEPS
-    points, untimed = dict[tuple[str, str], list[dict[str, Any]]](), 0
+    points, without_time = dict[tuple[str, str], list[dict[str, Any]]](), 0
     for row in trajectories:
         work = times.get(_key(row), float("nan")) if cost == CALL else row["steps"]
         if cost == STEPS and row["solver"] == REFERENCE:
             continue  # its steps are of another kind
         if row["case"] != case or not isfinite(row["off"]):
             continue
-        untimed += not isfinite(work)
+        without_time += not isfinite(work)
         if work > 0.0:
             point = {"work": float(work), "off": row["off"], "doubt": row["off_doubt"], "setting": str(row["setting"])}
             point["default"] = point["setting"].startswith("rung=defaults")
@@ -62,7 +62,7 @@ def off_chart(
     return {
         "case": case,
         "cost": cost,
-        "untimed": untimed,
+        "without_time": without_time,
         "box": {"left": _LEFT, "right": _RIGHT, "top": _TOP, "bottom": _BOTTOM, "width": WIDTH, "height": HEIGHT},
         "ticks_x": [{"at": x(value), "text": _cost_text(value, cost)} for value in x.ticks()],
         "ticks_y": [{"at": y(value), "text": percent(value).replace(" ", "\u202f")} for value in y.ticks()],

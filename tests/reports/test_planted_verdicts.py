@@ -38,7 +38,7 @@ def truth_of(case: Case) -> tuple[Truth, Trajectory]:
     return truth, true_motion(case, truth.method)
 
 
-def exported(case: Case, hertz: float, names=ALL, fault: Callable[[Columns], Columns] | None = None) -> Run:
+def judgement(case: Case, hertz: float, names=ALL, fault: Callable[[Columns], Columns] | None = None) -> Run:
     """The judgement of the true motion at so many samples a second, with some columns and a fault."""
     truth, motion = truth_of(case)
     last = float(motion.t[-1])
@@ -54,35 +54,35 @@ def exported(case: Case, hertz: float, names=ALL, fault: Callable[[Columns], Col
 # --- faults -----------------------------------------------------------------------------------------------------------
 
 
-def lifted(columns: Columns) -> Columns:
+def skin(columns: Columns) -> Columns:
     """An exact roll 5 mm above its ramp, as a skin leaves it: 5 % of the disc's radius."""
     after = columns["t"] > 0.0
     return columns | {"x": columns["x"] + 5e-3 * np.sin(0.2) * after, "y": columns["y"] + 5e-3 * np.cos(0.2) * after}
 
 
-def drifting(columns: Columns) -> Columns:
+def drift(columns: Columns) -> Columns:
     """A plate that sinks by 0.2 µm although its velocity says that it does not."""
     return columns | {"y": columns["y"] - 2e-7 * columns["t"] / columns["t"][-1]}
 
 
-def reversing(columns: Columns) -> Columns:
+def reversal(columns: Columns) -> Columns:
     """Friction that changes its direction every second step."""
     sign = (-1.0) ** np.arange(len(columns["t"]))
     return columns | {"vx": columns["vx"] + 0.02 * sign, "omega": columns["omega"] + 0.2 * sign}
 
 
-def corrected(columns: Columns) -> Columns:
+def correction(columns: Columns) -> Columns:
     """Poses that are pushed up and sink again, with velocities that know nothing of it."""
     up = 1e-3 * (np.arange(len(columns["t"])) % 3 - 1.0) * (columns["t"] > 0.0)
     return columns | {"y": columns["y"] + up}
 
 
-def tipping(columns: Columns) -> Columns:
+def tip(columns: Columns) -> Columns:
     """A box that tips by 2.9 degrees from 0.2 to 0.5 s, and back."""
     return columns | {"theta": columns["theta"] + 0.05 * np.sin(np.pi * np.clip((columns["t"] - 0.2) / 0.3, 0.0, 1.0))}
 
 
-def turned_by_rounding(columns: Columns) -> Columns:
+def rounding(columns: Columns) -> Columns:
     """A constant offset of 6e-17 rad."""
     return columns | {"theta": columns["theta"] + 6e-17}
 
@@ -97,28 +97,28 @@ class Row:
     names: tuple[str, ...]
     low: float
     high: float
-    said: str = ""
-    unsaid: tuple[str, ...] = ("seem",)
+    phrase: str = ""
+    absent: tuple[str, ...] = ("seem",)
 
 
 INCLINE, LINE, BOX = "disc_on_incline[slope=0.2]", "disc_on_line[mu=0.1]", "sliding_box"
 ROWS = (
-    Row("5 mm above", INCLINE, lifted, RATES, 0.02, 0.05),  # "ends at 0.0167 s", 500 % off
-    Row("5 mm above, with slip", INCLINE, lifted, ALL, 0.01, 0.04),  # the same
-    Row("drift of 0.2 µm", BOX, drifting, RATES, 0.0, 1e-4),  # "give both in metres, radians and seconds"
-    Row("corrected poses", LINE, corrected, ALL, 0.0, 0.02, unsaid=("units", "metres, radians")),  # the same
-    Row("reversed friction", LINE, reversing, RATES, 0.0, 0.1),  # the same
-    Row("tips", BOX, tipping, RATES, 0.0, 1.0, "turns by up to 2.9 degrees between 0.2", ("seem",)),  # "in degrees"
-    Row("6e-17 rad", BOX, turned_by_rounding, RATES, 0.0, 1e-4),  # "theta seems to have the constant offset"
+    Row("5 mm above", INCLINE, skin, RATES, 0.02, 0.05),  # "ends at 0.0167 s", 500 % off
+    Row("5 mm above, with slip", INCLINE, skin, ALL, 0.01, 0.04),  # the same
+    Row("drift of 0.2 µm", BOX, drift, RATES, 0.0, 1e-4),  # "give both in metres, radians and seconds"
+    Row("corrected poses", LINE, correction, ALL, 0.0, 0.02, absent=("units", "metres, radians")),  # the same
+    Row("reversed friction", LINE, reversal, RATES, 0.0, 0.1),  # the same
+    Row("tips", BOX, tip, RATES, 0.0, 1.0, "turns by up to 2.9 degrees between 0.2", ("seem",)),  # "in degrees"
+    Row("6e-17 rad", BOX, rounding, RATES, 0.0, 1e-4),  # "theta seems to have the constant offset"
 )
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_a_fault_is_judged_by_its_size(row):
-    run = exported(cases.select(row.label)[0], 100.0, row.names, row.fault)
+    run = judgement(cases.select(row.label)[0], 100.0, row.names, row.fault)
     assert run.score is not None, run.reason
     assert row.low <= run.score.off <= row.high, run.reason
-    assert row.said in run.reason and not any(word in run.reason for word in row.unsaid), run.reason
+    assert row.phrase in run.reason and not any(word in run.reason for word in row.absent), run.reason
 
 
 # --- three values -----------------------------------------------------------------------------------------------------
@@ -132,7 +132,7 @@ def test_the_truth_is_never_worse_than_not_decided(label, hertz):
     # Without forces the bouncing disc was 2 % off at 100 Hz, with two transitions that the truth does not have.
     case = cases.select(label)[0]
     for names in (ALL, RATES, POSES):
-        run = exported(case, hertz, names)
+        run = judgement(case, hertz, names)
         assert run.score is not None and run.grade in ("excellent", "not decided"), (names, run.reason)
         assert is_within(run.score, LIMITS[Grade.EXCELLENT]) is not False, (names, run.reason)
         assert not [row for row in run.ledger if row.pairing == "spurious"], names
@@ -152,14 +152,14 @@ def test_few_samples_decide_nothing(samples):
 def test_a_file_has_fifty_lines_in_its_case_s_duration():
     case = cases.load("disc_on_line", mu=0.1)
     with pytest.raises(cases.DoesNotFit, match="give at least 50"):
-        exported(case, 48.0 / case.duration)
-    assert exported(case, 60.0 / case.duration).score is not None
+        judgement(case, 48.0 / case.duration)
+    assert judgement(case, 60.0 / case.duration).score is not None
 
 
-# --- creep and transitions that are named -----------------------------------------------------------------------------
+# --- creep and transitions that are with_events -----------------------------------------------------------------------------
 
 
-def creeping(motion: Trajectory, scale, speed: float) -> Trajectory:
+def with_creep(motion: Trajectory, scale, speed: float) -> Trajectory:
     """The motion with a creep where the truth rolls."""
     t = np.linspace(0.0, motion.t[-1], 2001)
     columns = motion(t)._asdict()
@@ -171,17 +171,17 @@ def creeping(motion: Trajectory, scale, speed: float) -> Trajectory:
 
 @pytest.mark.parametrize("speed", [0.0199, 0.0201, 0.05])
 def test_creep_counts_by_its_size(speed):
-    # 0.0199 m/s was 1.33 % off, 0.0201 m/s 100 %; with the truth's transitions named 0.05 m/s was 3.3 %.
+    # 0.0199 m/s was 1.33 % off, 0.0201 m/s 100 %; with the truth's transitions with_events 0.05 m/s was 3.3 %.
     case = cases.load("disc_on_line", mu=0.1)
     truth, motion = truth_of(case)
     assert truth.scale is not None
-    row, sampled = Run(case.label, "one", "", Setting.of(), 0, outcome=""), creeping(motion, truth.scale, speed)
+    row, sampled = Run(case.label, "one", "", Setting.of(), 0, outcome=""), with_creep(motion, truth.scale, speed)
     rolls = sum(phase.duration for phase in truth.scale.phases if phase.mode is cases.Mode.ROLL)
-    expected = speed * rolls / case.duration / truth.scale.slip
-    named = replace(sampled, first_mode=truth.first_mode, transitions=truth.transitions)
-    for one in (sampled, named):
+    size = speed * rolls / case.duration / truth.scale.slip
+    with_events = replace(sampled, first_mode=truth.first_mode, transitions=truth.transitions)
+    for one in (sampled, with_events):
         run = judge(row, case, one, motion, truth)
-        assert run.score is not None and run.score.off == pytest.approx(expected, rel=0.01), run.reason
+        assert run.score is not None and run.score.off == pytest.approx(size, rel=0.01), run.reason
 
 
 def test_a_motion_has_one_score_dense_or_sampled():
@@ -199,6 +199,18 @@ def test_a_motion_has_one_score_dense_or_sampled():
         if (run := judge(row, case, one, motion, truth)).score
     ]
     assert offs == pytest.approx([0.00473, 0.00473], rel=0.01)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.9])
+def test_friction_of_a_box_is_its_share_of_the_law_s(share):
+    # There was none with two contacts.
+    case = cases.load("sliding_box")
+    truth, motion = truth_of(case)
+    friction = case.effect(CoulombFriction)
+    assert friction is not None
+    other = reference.simulate(with_friction(case, mu=share * friction.mu))
+    run = judge(Run(case.label, "one", "", Setting.of(), 0, outcome=""), case, other, motion, truth)
+    assert run.friction_factor == pytest.approx(share, rel=1e-3)
 
 
 # --- tracks with corners ----------------------------------------------------------------------------------------------
