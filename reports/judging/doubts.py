@@ -25,7 +25,7 @@ _SPREADS = 2.0
 # Velocities that agree with central differences of the poses to this part of the fastest are these differences.
 _SAME_RATE = 1e-9
 # Differences round off the kinks of slip, for all extrapolations alike: their spread is too small by twice as much.
-_ROUNDED = 2.0
+_WIDER = 2.0
 
 
 def gap(motion: Trajectory) -> float:
@@ -94,7 +94,7 @@ def time(motion: Trajectory, reading: Reading, reach: float, is_sharp: bool = Fa
     """
     signals, spreads = {True: reach * motion.omega, False: motion.slip}, _SPREADS
     if are_differences(motion):
-        spreads *= _ROUNDED
+        spreads *= _WIDER
     noise = {turns: roughness(motion.t, values) for turns, values in signals.items()}
     total = 0.0
     for event, spread in zip(reading.transitions, reading.spreads, strict=True):

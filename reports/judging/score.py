@@ -242,8 +242,8 @@ def score_and_reading(
     resolution = 0.0 if is_exact else RESOLVABLE_GAPS * doubts.gap(motion)
     noise = 0.0
     if not is_exact and scale.slip > 0.0:
-        rounded = doubts.of_differences(motion, case.plate.reach) if doubts.are_differences(motion) else 0.0
-        noise = max(doubts.roughness(motion.t, motion.slip), rounded) / scale.slip
+        smear = doubts.of_differences(motion, case.plate.reach) if doubts.are_differences(motion) else 0.0
+        noise = max(doubts.roughness(motion.t, motion.slip), smear) / scale.slip
     best = _modes(case, motion, scale, creep, resolution, max(pose, slip), read or transitions.read_motion)
     worst, doubt = max(pose, best.wrong, slip), max(best.doubt, noise)
     return Score(worst, doubt, pose, best.wrong, slip, creep, best.longest, resolution, best.missing), best.reading

@@ -105,9 +105,11 @@ INCLINE, LINE, BOX = "disc_on_incline[slope=0.2]", "disc_on_line[mu=0.1]", "slid
 ROWS = (
     Row("5 mm above", INCLINE, skin, RATES, 0.02, 0.05),  # "ends at 0.0167 s", 500 % off
     Row("5 mm above, with slip", INCLINE, skin, ALL, 0.01, 0.04),  # the same
-    Row("drift of 0.2 µm", BOX, drift, RATES, 0.0, 1e-4),  # "give both in metres, radians and seconds"
-    Row("corrected poses", LINE, correction, ALL, 0.0, 0.02, absent=("units", "metres, radians")),  # the same
-    Row("reversed friction", LINE, reversal, RATES, 0.0, 0.1),  # the same
+    Row("drift of 0.2 µm", BOX, drift, RATES, 0.0, 1e-4),
+    Row(
+        "corrected poses", LINE, correction, ALL, 0.0, 0.02, absent=("metres, radians",)
+    ),  # "give both in metres, radians and seconds"
+    Row("reversed friction", LINE, reversal, RATES, 0.0, 0.1),
     Row("tips", BOX, tip, RATES, 0.0, 1.0, "turns by up to 2.9 degrees between 0.2", ("seem",)),  # "in degrees"
     Row("6e-17 rad", BOX, rounding, RATES, 0.0, 1e-4),  # "theta seems to have the constant offset"
 )
@@ -156,7 +158,7 @@ def test_a_file_has_fifty_lines_in_its_case_s_duration():
     assert judgement(case, 60.0 / case.duration).score is not None
 
 
-# --- creep and transitions that are with_events -----------------------------------------------------------------------------
+# --- creep, and transitions with names -------------------------------------------------------------------------------
 
 
 def with_creep(motion: Trajectory, scale, speed: float) -> Trajectory:
