@@ -240,11 +240,12 @@ def numbers(place: Path) -> str:
         )
         return f"{start} With default settings, {' and '.join(words)}."
     engines = " and ".join(_default_words(place, *engine) for engine in _ENGINES.items())
-    return f"{start} With default settings, {engines} (100 % off: as bad as ignoring friction's law){_friction(place)}.{_in_common(place)}"
+    words = f"{start} With default settings, {engines} (100 % off: as bad as ignoring friction's law)"
+    return f"{words}{_friction(place)}.{_in_common(place)}"
 
 
 def _in_common(place: Path) -> str:
-    """The errors of the engines over the cases that all of them answer; "" up to version 0.2.0, which has none."""
+    """The errors of the engines over the cases that all of them answer; "" up to version 0.2.0."""
     from .judging.grades import percent
 
     rows = list(csv.DictReader(StringIO(_text(place / "tables" / "verdict.csv"), newline="")))
@@ -253,12 +254,14 @@ def _in_common(place: Path) -> str:
         return ""
     try:
         errors = "; ".join(
-            f"{row['solver']} {percent(float(row['common_default_off']))} and {percent(float(row['common_finest_off']))}"
+            " and ".join((f"{row['solver']} {percent(default)}", percent(finest)))
             for row in own
+            for default, finest in [(float(row["common_default_off"]), float(row["common_finest_off"]))]
         )
     except ValueError:
         raise BadValue(f"tables/verdict.csv of the report has an error that is no number; {_AGAIN}") from None
-    return f" On the {own[0]['common_cases']} cases that all engines answer, by default and at the finest setting: {errors}."
+    many = own[0]["common_cases"]
+    return f" On the {many} cases that all engines answer, by default and at the finest setting: {errors}."
 
 
 def _friction(place: Path) -> str:
