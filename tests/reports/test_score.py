@@ -11,8 +11,8 @@ import cases
 import reference
 from cases import Mode, State, Transition
 from reports.judging import friction_sensitivity, grades, null_motions
+from reports.judging.claims import claims_hold
 from reports.judging.grades import Grade, grade, sequence_note
-from reports.judging.score import claims_hold
 from tests.scenes import planted_engines as planted
 from tests.scenes.motions import sampled
 
