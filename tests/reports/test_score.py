@@ -213,7 +213,8 @@ def test_pose_score_is_the_error_over_that_of_the_nearest_null_motion():
 def test_mode_score_is_the_time_in_another_mode():
     truth = planted.judged(PAPER)
     exact = sampled(truth.truth, 1000)
-    for late in (1e-6, 1e-4, 1e-3):
+    # Later ones are more than 0.01 % off: then the samples count too, and these are exact.
+    for late in (1e-7, 1e-6, 1e-5):
         score = truth.score(_with_transitions(truth, exact, late))
         assert score.mode * truth.scale.time == pytest.approx(late * len(truth.truth.transitions), rel=1e-6)
         assert score.off == score.mode
