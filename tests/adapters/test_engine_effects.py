@@ -148,6 +148,19 @@ def test_load_of_time_and_velocity_moves_the_plate_as_it_moves_the_reference(nam
     assert off(case, play(name, route, without, 4))[0] > 10 * tolerance
 
 
+@pytest.mark.parametrize("route", ["native", "assisted"])
+def test_a_load_of_pymunk_has_the_velocity_of_its_pose(route):
+    """The engine's own is half a step older. The load of a plate that falls freely is a trillionth of its velocity."""
+    pymunk, load = engine("pymunk"), Load("1e-12*vx", "1e-12*vy", "1e-12*omega")
+    case = Case(line(), DISC, (G, PUSH, Flight(), load), Start(0.0, gap=5.0, slip=1.0, omega=2.0), 0.5)
+    model = pymunk.build(case, route, pymunk.ladder(case, route)[0])
+    pymunk.run(model)
+    velocities = 1e12 * np.array(model.drive.rows)
+    falls = -9.81 * model.h * np.arange(len(velocities))
+    # The load itself adds 1e-10 to the velocities.
+    assert velocities == pytest.approx(np.array([[0.8, v, 2.0] for v in falls]), abs=1e-9)
+
+
 @pytest.mark.sampled(3)
 @pytest.mark.parametrize(("name", "route"), ROUTES)
 def test_load_that_grows_lifts_a_rough_disc_off_when_it_carries_the_weight(name, route):

@@ -10,6 +10,7 @@ import pytest
 import cases
 import reference
 from cases import Mode, State, Transition
+from cases.contact import start_motion
 from reports.judging import friction_sensitivity, grades, null_motions
 from reports.judging.claims import claims_hold
 from reports.judging.grades import Grade, grade, sequence_note
@@ -56,6 +57,14 @@ def test_null_motions_are_as_wrong_as_ignoring_friction(case):
         assert score.off >= 1.0 - ROUNDING or is_truth, (name, score)
         # The nearest one is the scale.
         assert name != truth.scale.null_motion or score.pose == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("label", ["disc_on_line[mu=0.1]", "thrown_with_spin"])
+def test_a_disc_that_rolls_from_the_start_keeps_the_speed_of_its_centre(label):
+    [case] = cases.select(label)[:1]
+    motion, start = null_motions.rolling(case), start_motion(case)
+    assert case.start.slip != 0.0 == motion.slip[0]
+    assert (motion.vx[0], motion.vy[0]) == pytest.approx((start.vx, start.vy), abs=1e-15)
 
 
 @pytest.mark.sampled(2)

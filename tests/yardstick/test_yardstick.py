@@ -2,6 +2,7 @@
 
 import csv
 import re
+from collections import Counter
 from functools import cache
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from tests.authorities.published import PUBLICATIONS
 
-from .plant import HERE, ROOT, faults, read_results, with_patch
+from .plant import CHOICES, HERE, ROOT, faults, read_results, with_patch
 
 pytestmark = pytest.mark.builds
 
@@ -51,7 +52,17 @@ def test_a_room_keeps_its_faults_and_each_has_a_result():
     for room, least in ROOMS.items():
         assert sum(fault.room == room for fault in every) >= least
     assert list(results) == [fault.id for fault in every]
-    assert set(results.values()) <= {"found", "not found", "not run"}
+    assert set(results.values()) <= {"found", "not found"}
+    assert {fault.choice for fault in every} <= set(CHOICES)
+
+
+def test_the_page_has_the_counts_of_the_results():
+    every, results, page = faults(), read_results(), (HERE / "README.md").read_text(encoding="utf-8")
+    for room in ROOMS:
+        own = [fault for fault in every if fault.room == room]
+        by = Counter(fault.choice for fault in own if results[fault.id] == "found")
+        counts = [len(own), *(by[choice] for choice in CHOICES), len(own) - by.total()]
+        assert f"| {room} | {' | '.join(map(str, counts))} |" in page
 
 
 def test_each_claim_names_a_test_that_exists_or_none():
