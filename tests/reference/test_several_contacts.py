@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from functools import lru_cache
-from math import cos, radians, sin, tan
+from math import cos, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
@@ -22,6 +22,7 @@ from cases import (
     Plate,
     Start,
     StartPose,
+    Support,
     Unilateral,
     disc,
 )  # fmt: skip
@@ -181,6 +182,19 @@ def test_a_closed_contact_is_not_struck_where_another_one_opens(name, digits):
     assert motion.status == "completed", motion.reason
     assert [(e.contact, e.after) for e in motion.transitions] == [(e.contact, e.after) for e in exact.transitions]
     assert [e.time for e in motion.transitions] == pytest.approx([e.time for e in exact.transitions], rel=1e-4)
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "moreau"])
+def test_a_disc_that_falls_into_a_v_rebounds_alike_by_each_law_and_formulation(law):
+    """Both contacts close at once; without friction the centre rises with e times the speed of its fall."""
+    alpha, e, fall, later = 0.6, 0.5, 0.2, 0.05
+    low, hits = 0.5 / cos(alpha), sqrt(2.0 * fall / G)
+    effects, start = (Gravity(G), Unilateral(), Flight(), Impact(e, law)), StartPose(0.0, low + fall)
+    case = Case(line(alpha), disc(0.5, 1.0), effects, start, 0.3, supports=(Support(line(-alpha), "right"),))
+    exact = low + e * G * hits * later - 0.5 * G * later**2
+    assert reference.simulate(case)(hits + later).y == pytest.approx(exact, abs=1e-13)
+    states = _by_second(case, "second", 1e-13).states(np.array([hits + later]))
+    assert states["y"][0] == pytest.approx(exact, abs=1e-13)
 
 
 @pytest.mark.slow
