@@ -87,16 +87,6 @@ def test_bowling_is_read_to_rounding_for_any_throw_and_grid(v0, mu, count, last)
     assert reading.transitions[0].time == pytest.approx(exact, rel=1e-12)
 
 
-@pytest.mark.parametrize("count", [30, 300, 3000])
-def test_the_sample_that_straddles_the_end_of_slip_is_left_out(count):
-    """An engine whose contact stops within a step has there a slip between those of both its sides."""
-    t = np.linspace(0.0, 0.68, count)
-    slip = bowling(t)
-    slip[np.flatnonzero(slip)[-1]] *= 1.5
-    (event,) = slip_phases.read_contact(motion(t, slip), MU).transitions
-    assert event.time == pytest.approx(1.0 / (3 * MU * G), rel=1e-12)
-
-
 # Bounds: half a gap of the samples where a branch has a handful of them, then ten times (gap / 0.3 s)^5: the error of a
 # local polynomial of degree five with 0.3 s, half a slip phase, for the time over which the slip changes.
 @pytest.mark.parametrize("mu", [0.1, 0.2])
