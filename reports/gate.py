@@ -170,8 +170,11 @@ def as_junit(changes: Sequence[RunChange]) -> str:
 
 def tolerance_of(words: str) -> float:
     """A relative tolerance from text: 10% or 0.1; raises BadValue."""
-    number = number_in("--worse-than", words.removesuffix("%")) / (100.0 if words.endswith("%") else 1.0)
-    return not_negative("--worse-than, a share such as 10% or 0.1,", number)
+    try:
+        number = not_negative("--worse-than", number_in("--worse-than", words.removesuffix("%")))
+    except BadValue:
+        raise BadValue(f"--worse-than is {words[:40]!r}; give a share such as 10% or 0.1") from None
+    return number / (100.0 if words.endswith("%") else 1.0)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -213,7 +213,7 @@ def test_a_plate_of_pieces_rocks():
         (BadCurve, "ends 0.2 m from", lambda: piecewise([LEVEL, Curve(("s", "0.0"), (1.2, 2))])),
         (BadValue, "give at least two", lambda: piecewise([LEVEL])),
         (BadValue, "curve 2 is not one formula", lambda: piecewise([LEVEL, Curve(("s", "s**2"))])),
-        (BadValue, "piece 1 of the curve is 'x'", lambda: piecewise("xy")),
+        (BadValue, "curves of piecewise is 'xy'; give a tuple", lambda: piecewise("xy")),
         (BadCurve, "lower is a number", lambda: Curve(lambda s: (s, sp.Integral(U, (U, s, 1))), (0, 1))),
         (BadCurve, "use u1 alone", lambda: Curve(lambda s: (s, integral(lambda u: u * s, s)), (0, 1))),
     ],

@@ -322,7 +322,7 @@ def test_ledger_accounts_for_every_transition_once(truth, found):
     assert count["paired"] + count["spurious"] == len(found)
 
 
-def test_a_rebound_too_short_for_the_samples_is_unresolved_and_not_missed():
+def test_a_phase_too_short_for_the_samples_is_unresolved_and_not_missed():
     def at(*times):
         return [Transition(t, Mode.FLIGHT, Mode.FLIGHT) for t in times]
 
@@ -330,9 +330,10 @@ def test_a_rebound_too_short_for_the_samples_is_unresolved_and_not_missed():
     coarse = ledger.match(truth, [*at(1.0, 1.5), truth[-1]], gap=0.01)
     assert [row.pairing for row in coarse] == ["paired", "paired", "unresolved", "paired"]
     assert [row.pairing for row in ledger.match(truth, [*at(1.0, 1.5), truth[-1]], gap=0.001)][2] == "missed"
-    # Only rebounds: a slip too short to be sampled is missed all the same.
+    # A slip too short to be sampled as well; one that samples can have is missed.
     slips = [Transition(1.0, Mode.ROLL, Mode.SLIP_FORWARD), Transition(1.001, Mode.SLIP_FORWARD, Mode.ROLL)]
-    assert [row.pairing for row in ledger.match(slips, [], gap=0.01)] == ["missed", "missed"]
+    assert [row.pairing for row in ledger.match(slips, [], gap=0.01)] == ["unresolved", "unresolved"]
+    assert [row.pairing for row in ledger.match(slips, [], gap=0.0001)] == ["missed", "missed"]
 
 
 def test_zeros_of_all_windows_are_those_of_each_least_squares_fit():
