@@ -31,7 +31,8 @@ def test_in_the_dark_only_cells_of_a_grade_have_dark_text(open_page):
     page.evaluate(SHOW_ALL)
     cells = page.evaluate(
         """() => [...document.querySelectorAll('td')].filter(e => e.checkVisibility() && e.innerText.trim()).map(e =>
-        [e.matches('.excellent, .very-good, .good, .rough, .poor, .unusable, .not-decided') && Boolean(e.closest('.map, .grades')),
+        [e.matches('.excellent, .very-good, .good, .rough, .poor, .unusable, .not-decided') &&
+         Boolean(e.closest('.map, .grades')),
          getComputedStyle(e.querySelector('a') ?? e).color])"""
     )
     grades = {colour for is_grade, colour in cells if is_grade}
