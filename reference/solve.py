@@ -165,11 +165,10 @@ def initial_value_problem(case: Case, rtol: float, method: str) -> InitialValueP
 
 def _checked(case: Case, rtol: float, solve: Callable[[], Any]):
     """A solution, with the status `broken_law` if it breaks a law."""
-    segments, transitions, ending = solve()
-    if not segments or not _finite(segments):
-        return segments, transitions, ending
-    motion = partial(as_trajectory, case, segments, transitions, ending)
-    return segments, transitions, ending_by_laws(case, segments, ending, rtol, motion)
+    segments, transitions, ending = solution = solve()
+    if segments and _finite(segments):
+        ending = ending_by_laws(case, solution, rtol, as_trajectory)
+    return segments, transitions, ending
 
 
 def solve_supports(case: Case, rtol: float, integrate: Callable[..., Segment]):

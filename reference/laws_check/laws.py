@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Gravity, Impact, Load, Mode, Unilateral
+from cases import Case, Gravity, Impact, Load, Mode, Transition, Unilateral
 from cases.effects import MOTION
 from cases.expression_code import ON_ARRAYS, function_of
 from cases.free_plates import names_of, plates_of
 from cases.own_effects import CONTACT as AT_CONTACT
 from cases.own_effects import ContactEffect, own_effects
+from cases.trajectory import CONTACT
 
-from .samples import WEIGHTS, ContactSamples, MotionSamples, PlateSamples
+from ..minimal.phase_end import CAUSES
+from .samples import (
+    CREEP,
+    WEIGHTS,
+    ContactLaw,
+    ContactSamples,
+    MotionSamples,
+    PlateSamples,
+    law_at,
+    point_and_tangent,
+)
 from .tolerances import EPS, EXACT
 
 # The sign of the slip in each mode that has one, and the modes without slip.
@@ -48,7 +59,7 @@ class Sums(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def _load(load: Load):
+def load_on_arrays(load: Load):
     """(t, x, y, theta, vx, vy, omega) -> [fx, fy, moment] on arrays."""
     return function_of(MOTION, load.expression, ON_ARRAYS)
 
@@ -69,7 +80,7 @@ def sums(samples: MotionSamples) -> Sums:
     load = case.effect(Load)
     if load is not None:
         one = samples.plates[0]
-        fx, fy, moment = _load(load)(
+        fx, fy, moment = load_on_arrays(load)(
             samples.times, one.place.real, one.place.imag, one.angle, one.velocity.real, one.velocity.imag, one.spin
         )
         forces[0] = forces[0] + fx + 1j * np.asarray(fy)
@@ -94,12 +105,12 @@ def sums(samples: MotionSamples) -> Sums:
 
 
 def _couple(samples: MotionSamples, contact: ContactSamples, here) -> np.ndarray | float:
-    """The couple of rolling resistance, N m; NaN where it prevents the rotation."""
-    arm = contact.law.arm
+    """The couple of rolling resistance, N m; NaN where it prevents the rotation, also of a plate that slips."""
+    arm, spin = contact.law.arm, samples.plates[contact.law.body].spin
     if not arm:
         return 0.0
-    couple = -np.sign(samples.plates[contact.law.body].spin[here][:, 2:3]) * arm * np.abs(contact.normal)
-    couple[contact.modes == Mode.REST] = np.nan
+    couple = -np.sign(spin[here][:, 2:3]) * arm * np.abs(contact.normal)
+    couple[(np.abs(spin[here]) <= CREEP * np.abs(spin).max()).all(axis=1)] = np.nan
     return couple
 
 
@@ -234,23 +245,46 @@ def impact_defects(samples: MotionSamples, found: Jumps, reach: list[float], spe
     names = {change.contact for change in samples.transitions}
     if len(samples.plates) > 1 or len(samples.contacts) > 1 or len(names) > 1 or case.supports:
         return  # several contacts may share an impulse
-    for contact in samples.contacts:
-        _, here, after = np.intersect1d(found.steps, contact.steps, return_indices=True)
-        if not len(here):
-            continue
-        plate, scale = case.plate, case.plate.mass * speed
-        impulse = plate.mass * found.velocity[0, here]
-        parts = impulse * contact.tangent[after, 0].conj()
-        yield Defects("impulse presses", contact.law.name, times[here], -parts.imag, scale, "N s")
-        if np.isfinite(contact.law.stick):
-            excess = np.abs(parts.real) - contact.law.stick * np.abs(parts.imag)
-            yield Defects("impulse in Coulomb's cone", contact.law.name, times[here], excess, scale, "N s")
-        if plate.turns and not contact.law.arm:
-            arm = contact.base[after, 0] - samples.plates[0].place[contact.steps[after], 0]
-            off = plate.inertia * found.spin[0, here] - (arm.conj() * impulse).imag
-            yield Defects(
-                "impulse acts at the contact", contact.law.name, times[here], np.abs(off), scale * reach[0], "N m s"
-            )
+    one, k = samples.plates[0], found.steps
+    law = law_at(case, (names.pop() if names else CONTACT) or CONTACT)
+    before, after = np.array([one.velocity, one.spin])[:, k - 1, -1], np.array([one.velocity, one.spin])[:, k, 0]
+    yield from landing_defects(case, law, samples.transitions, times, one.place[k, 0], before, after, speed)
+
+
+def landing_defects(
+    case: Case, law: ContactLaw, transitions: Sequence[Transition], times: np.ndarray, place: np.ndarray,
+    before: np.ndarray, after: np.ndarray, speed: float,
+) -> Iterator[Defects]:  # fmt: skip
+    """The laws of impacts at one contact, at k times, with the plate's place (k,) and its velocity and spin before and
+    after, (2, k): a friction that is no belt's gives no energy; where a transition has the contact's place, the impulse
+    presses, lies in the cone and acts there, and the normal velocity turns to −e times itself. Poisson's restitution
+    has that only if the centre of mass lies on the normal."""
+    plate, impact, name = case.plate, case.effect(Impact), law.name
+    change, scale, inertia = after - before, case.plate.mass * speed, plate.inertia if plate.turns else 0.0
+    if law.belt is None and (impact.law == "poisson" or impact.restitution == 0.0):
+        work = plate.mass * (change[0].conj() * (after[0] + before[0])).real
+        work += inertia * (change[1] * (after[1] + before[1])).real
+        yield Defects("energy is not created", "", times, 0.5 * work, scale * speed, "J")
+    places = {c.time: c.xi1 for c in transitions if c.cause == CAUSES["landing"]}
+    listed = np.array([t in places for t in times.tolist()], dtype=bool)
+    if not listed.any():
+        return
+    base, tangent = point_and_tangent(law.track, np.array([places[t] for t in times[listed].tolist()]))
+    times, before, after, change = times[listed], before[:, listed], after[:, listed], change[:, listed]
+    arm = base - place[listed]
+    parts = plate.mass * change[0] * tangent.conj()
+    yield Defects("impulse presses", name, times, -parts.imag, scale, "N s")
+    if np.isfinite(law.stick):
+        excess = np.abs(parts.real) - law.stick * np.abs(parts.imag)
+        yield Defects("impulse in Coulomb's cone", name, times, excess, scale, "N s")
+    if plate.turns and not law.arm:
+        off = inertia * change[1].real - plate.mass * (arm.conj() * change[0]).imag
+        yield Defects("impulse acts at the contact", name, times, np.abs(off), scale * plate.reach, "N m s")
+    lift, closing = (((v + 1j * spin * arm) * tangent.conj()).imag for v, spin in (after, before))
+    is_central = np.abs((arm * tangent.conj()).real) <= EXACT * plate.reach
+    knows = is_central | (impact.law != "poisson") | (impact.restitution == 0.0)
+    off = np.where(knows, np.abs(lift + impact.restitution * closing), -lift)
+    yield Defects("law of impact", name, times, off, speed, "m/s")
 
 
 def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:

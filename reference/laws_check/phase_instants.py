@@ -11,16 +11,16 @@ turn Q of the angle θ = φ₁ − φ₂ of both tangents
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from cases import Case, Curve, Gravity, Unilateral
+from cases import Case, Curve, Gravity, Load, Unilateral
 from cases.contact import belt_speed
 from cases.trajectory import CONTACT
 
 from ..minimal.integrators.segment import Segment
-from ..minimal.integrators.taylor import TaylorOutput, TaylorSteps
+from ..minimal.integrators.taylor import start_and_step
 from .laws import SENSE, STICKING
 from .samples import ContactLaw, law_at
 
@@ -29,39 +29,25 @@ FEW, EVERY = 6, 8
 
 
 def obeys_at_instants(case: Case, segments: Sequence[Segment], part: float) -> bool | None:
-    """Whether a motion in contact, of smooth curves and without loads, obeys the laws in its phases, to a `part` of
-    their scales; None if it was not integrated by the Taylor method, or flies."""
+    """Whether a motion in contact, of smooth curves, obeys the laws in its phases, to a `part` of their scales; None if
+    it was not integrated by the Taylor method, or flies."""
     law, gravity = law_at(case, CONTACT), case.effect(Gravity)
     pull = complex(*gravity.vector) if gravity is not None else 0j
     every = 1 + (len(segments) > FEW) * len(segments) // (FEW + len(segments) // EVERY)
     for segment in segments[::every]:
-        if segment.phase.places[:2] != (0, 1) or _steps(segment) is None:
+        step = start_and_step(segment) if segment.phase.places[:2] == (0, 1) else None
+        if step is None:
             return None
-        if segment.steps and not _obeys(case, law, pull, segment, part):
+        if not _obeys(case, law, pull, segment, step[1:], part):
             return False
     return all(_continues(one, other, part) for one, other in zip(segments, segments[1:], strict=False))
 
 
-def _steps(segment: Segment) -> tuple[int, Callable[[int], tuple[float, np.ndarray]]] | None:
-    """The number of steps of a phase, and a function that gives the start (s) and the coefficients (variables, powers)
-    of one; None if it was not integrated by the Taylor method."""
-    record = segment.record
-    if isinstance(record, TaylorSteps):
-        return len(record.coefficients), lambda i: (record.times[i], record.coefficients[i])
-    if isinstance(record, tuple) and isinstance(record[1], TaylorOutput):
-        times, output = record
-        return len(times) - 1, lambda i: (float(output.starts[i]), output.by_power[:, :, i].T)
-    return None
-
-
-def _obeys(case: Case, law: ContactLaw, pull: complex, segment: Segment, part: float) -> bool:
-    """The laws where the middle step of a phase begins."""
-    phase, steps = segment.phase, _steps(segment)
-    assert steps is not None
-    count, step = steps
-    if not count:
-        return True
-    t, coefficients = step(count // 2)
+def _obeys(
+    case: Case, law: ContactLaw, pull: complex, segment: Segment, step: tuple[float, np.ndarray], part: float
+) -> bool:
+    """The laws where a step of a phase begins."""
+    phase, (t, coefficients) = segment.phase, step
     if coefficients.shape[1] < 3:  # a constant state
         return True
     y = coefficients[:, 0].tolist()
@@ -78,6 +64,11 @@ def _obeys(case: Case, law: ContactLaw, pull: complex, segment: Segment, part: f
     second = own_bend * u2**2 + 2.0 * own_rate * half2 + 2j * spin * own_rate * u2 + (1j * spin_rate - spin**2) * own
     # The terms are larger than their sum where curvatures nearly agree.
     pace = abs(turn1 * u1) + abs(turn2 * u2)
+    load, moment = case.effect(Load), 0.0
+    if load is not None:
+        place, velocity = point - Q * own, rate * u1 - Q * (own_rate * u2 + 1j * spin * own)
+        fx, fy, moment = load.at(t, place.real, place.imag, 0.0, velocity.real, velocity.imag, omega)
+        pull, moment = pull + complex(fx, fy) / case.plate.mass, moment / case.plate.mass
     size = abs(first) + abs(second) + abs(own) * (pace**2 + abs(spin_rate)) + abs(pull)
     size += abs(normal) + abs(friction)
     speed = abs(rate * u1) + abs(own_rate * u2) + case.plate.gyration * pace
@@ -86,12 +77,11 @@ def _obeys(case: Case, law: ContactLaw, pull: complex, segment: Segment, part: f
         return False
     if not abs(abs(rate) * u1 - abs(own_rate) * u2 - belt_speed(case, t) - slip) <= part * (speed + abs(slip)):
         return False
-    if not abs(spin - omega) <= part * (pace + abs(omega)):
+    if not abs(spin - omega) <= part * (pace + abs(omega) + speed / case.plate.reach):
         return False
     if case.plate.turns and phase.regime.turn != 0:
-        moment = (force.conjugate() * -(Q * own)).imag
-        couple = moment - (phase.regime.turn or 0) * law.arm * abs(normal)
-        scale = case.plate.gyration**2 * (abs(spin_rate) + pace**2) + abs(own) * size
+        couple = moment - (force.conjugate() * Q * own).imag - (phase.regime.turn or 0) * law.arm * abs(normal)
+        scale = case.plate.gyration**2 * (abs(spin_rate) + pace**2) + abs(own) * size + abs(moment)
         if not abs(couple - case.plate.gyration**2 * spin_rate) <= part * scale:
             return False
     return _is_coulomb(case, law, segment, normal, friction, slip, part * size, part * speed)
@@ -129,12 +119,10 @@ def _terms(curve: Curve, s: float) -> tuple[complex, complex, complex, float, fl
 
 def _continues(one: Segment, other: Segment, part: float) -> bool:
     """Whether a phase begins at the place, and with the speed, at which the one before ends."""
-    steps = _steps(other)
-    if not one.event.time == other.start or steps is None:
+    start = start_and_step(other)
+    if not one.event.time == other.start or start is None:
         return False
-    if not steps[0]:
-        return True
-    before, after = one.event.state, steps[1](0)[1][:, 0].tolist()
+    before, after = one.event.state, start[0]
     # The rows that both have are ξ₁, ξ₂ and, if both have a speed of the contact along the track, that.
     rows = 3 if 2 in one.phase.places and 2 in other.phase.places else 2
     return all(abs(a - b) <= part * (1.0 + abs(a)) for a, b in zip(before[:rows], after[:rows], strict=False))

@@ -17,12 +17,13 @@ from cases.trajectory import CONTACT
 
 from ..minimal.bouncing import StraightStates
 from ..minimal.integrators.segment import Segment
-from ..minimal.integrators.taylor import TaylorSteps
+from ..minimal.integrators.taylor import steps_taken
 from ..minimal.modes import FLIGHT
 from .samples import NODES, law_at, point_and_tangent
 
-# Steps that are sampled: all of a motion of so few; of more, the last of each phase and a part of the others. A step of
-# the Taylor method takes 2 µs and its samples 1 µs, a phase takes 40 µs.
+# Steps that are sampled: all of a motion of so few; of more, the last of each phase, the first after a flight, which an
+# impact may begin, and a part of the others. A step of the Taylor method takes 2 µs and its samples 1 µs, a phase takes
+# 40 µs.
 FEW, EVERY = 10, 16
 # The rows of `PhaseSamples.motion`.
 PLACE, TURN, VELOCITY, SPIN = range(4)
@@ -70,9 +71,10 @@ def of_phases(case: Case, segments: Sequence[Segment], few: int = FEW) -> PhaseS
     motion, contact = np.empty((4, count, 5), dtype=complex), np.zeros((3, count, 5))
     parameters, is_closed = np.empty((2, count, 5)), np.zeros(count, dtype=bool)
     spin = np.empty((count, 5))
-    groups: dict[tuple[int, bool], list[int]] = {}
+    groups: dict[tuple[int, int], list[int]] = {}
     for i, step in enumerate(steps):
-        groups.setdefault((id(step.segment.phase.system), step.coefficients is None), []).append(i)
+        powers = 0 if step.coefficients is None else step.coefficients.shape[1]
+        groups.setdefault((id(step.segment.phase.system), powers), []).append(i)
     for where in groups.values():
         here = slice(None) if len(where) == count else where
         some = steps if len(where) == count else [steps[i] for i in where]
@@ -129,19 +131,17 @@ def _steps(segments: Sequence[Segment], few: int) -> list[_ChosenStep]:
     """The steps that are sampled, in order of time."""
     total = sum([segment.steps for segment in segments])
     every = max(1, total // (few + total // EVERY))
-    chosen = list[_ChosenStep]()
+    chosen, flew = list[_ChosenStep](), False
     for segment in segments:
-        record = segment.record
-        if isinstance(record, TaylorSteps):
-            times, coefficients = record.times, record.coefficients
-        elif isinstance(segment.states, StraightStates):
+        if isinstance(segment.record, tuple) and isinstance(segment.record[1], StraightStates):
             continue
-        else:
-            times, coefficients = segment.times.tolist(), None
+        times, coefficients = steps_taken(segment)
         last = len(times) - 2
-        for i in range(last % every, last + 1, every):
+        first = [0] if flew and last % every else []
+        flew = segment.phase.regime == FLIGHT
+        for i in (*first, *range(last % every, last + 1, every)):
             if times[i + 1] > times[i]:
-                chosen.append(_ChosenStep(segment, times[i], times[i + 1], coefficients and coefficients[i]))
+                chosen.append(_ChosenStep(segment, times[i], times[i + 1], coefficients[i] if coefficients else None))
     return chosen
 
 

@@ -1,7 +1,7 @@
 """The check of the laws that every motion gets before it is returned.
 
 A motion of one contact is looked at by the coefficients of its steps, all laws at once, with the largest scale of the
-motion; only one that fails, or has an impact, is checked law by law. Other motions are checked law by law.
+motion; only one that fails is checked law by law. Other motions are checked law by law, at a few steps of each phase.
 """
 
 from __future__ import annotations
@@ -10,8 +10,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from cases import Case, Curve, Gravity, Load, Trajectory, Unilateral
+from cases import Case, Curve, Gravity, Impact, Load, Trajectory, Transition, Unilateral
 from cases.contact_limits import touches_by_features
+from cases.effects import MOTION
 from cases.own_effects import own_effects
 from cases.trajectory import CONTACT
 
@@ -19,7 +20,7 @@ from ..minimal.curvature_proof import fits, fits_everywhere
 from ..minimal.integrators.segment import Segment
 from ..minimal.phase_end import Ending
 from . import broken_laws
-from .laws import SENSE, STICKING
+from .laws import SENSE, STICKING, landing_defects, load_on_arrays
 from .penetration import in_curve
 from .phase_instants import obeys_at_instants
 from .phase_samples import FRICTION, NORMAL, PLACE, SPIN, TURN, VELOCITY, PhaseSamples, of_phases
@@ -28,15 +29,19 @@ from .tolerances import part_of
 
 # The status of a motion that breaks a law.
 BROKEN_LAW = "broken_law"
-# Steps of a motion with several contacts that are checked: of more, the longest and others evenly distributed.
-MOST = 400
+# The plate's angle in a load: the samples of phases have its direction only.
+ANGLE = MOTION[3]
+# Steps of a motion that are checked law by law: the first, middle and last of each phase; of more, the longest and
+# others evenly distributed.
+MOST = 90
+
+Solution = tuple[Sequence[Segment], Sequence[Transition], Ending]
 
 
-def ending_by_laws(
-    case: Case, segments: Sequence[Segment], ending: Ending, rtol: float, motion: Callable[[], Trajectory]
-) -> Ending:
-    """The ending of a motion that obeys the laws, or the status BROKEN_LAW with the law in a sentence. `motion` gives
-    its columns; the case's track is at rest."""
+def ending_by_laws(case: Case, solution: Solution, rtol: float, motion: Callable[..., Trajectory]) -> Ending:
+    """The ending of a solution (segments, transitions, ending) that obeys the laws, or the status BROKEN_LAW with the
+    law in a sentence. `motion` makes columns of the case, whose track is at rest, and the solution."""
+    segments, transitions, ending = solution
     if not segments:
         return ending
     part = part_of(rtol)
@@ -44,10 +49,10 @@ def ending_by_laws(
         if _is_proven_apart(case) and obeys_at_instants(case, segments, part):
             return ending
         samples = of_phases(case, segments)
-        if samples is not None and _is_lawful(case, samples, part):
+        if samples is not None and _is_lawful(case, samples, transitions, part):
             return ending
     start, length = _steps(segments)
-    laws = broken_laws.broken_by(case, motion(), start, length, part)
+    laws = broken_laws.broken_by(case, motion(case, *solution), start, length, part)
     if not laws:
         return ending
     status, reason = ending
@@ -58,7 +63,10 @@ def _has_one_contact(case: Case, segments: Sequence[Segment]) -> bool:
     """Whether all phases have at most one contact, of smooth curves, and forces that are written on arrays."""
     if type(case.track) is not Curve or type(case.plate.outline) is not Curve:
         return False
-    if case.others or case.effect(Load) is not None or own_effects(case.effects) or touches_by_features(case):
+    if case.others or own_effects(case.effects) or touches_by_features(case):
+        return False
+    load = case.effect(Load)
+    if load is not None and any(formula.has(ANGLE) for formula in load.expression):
         return False
     return all(segment.phase.parts == (0, 0) and len(segment.phase.regime) == 3 for segment in segments)
 
@@ -66,22 +74,32 @@ def _has_one_contact(case: Case, segments: Sequence[Segment]) -> bool:
 def _steps(segments: Sequence[Segment]) -> tuple[np.ndarray, np.ndarray]:
     """Starts and lengths of the steps of a motion, about MOST of them."""
     knots = [np.unique(segment.times) for segment in segments]
-    start, length = np.concatenate([k[:-1] for k in knots]), np.concatenate([np.diff(k) for k in knots])
-    some = np.flatnonzero(length > 0.0)
+    few = [np.unique([0, len(k) // 2 - 1, len(k) - 2]) for k in knots if len(k) > 1]
+    pairs = [(k[i], k[i + 1]) for k, i in zip((k for k in knots if len(k) > 1), few, strict=True)]
+    start, end = (np.concatenate(column) for column in zip(*pairs, strict=True))
+    length = end - start
+    some = np.arange(len(start))
     if len(some) > MOST:
         even, longest = some[np.linspace(0, len(some) - 1, MOST // 2).astype(int)], some[np.argsort(-length[some])]
         some = np.union1d(even, longest[: MOST // 2])
     return start[some], length[some]
 
 
-def _is_lawful(case: Case, samples: PhaseSamples, part: float) -> bool:
-    """Whether a plate with at most one contact obeys all laws and its velocities never jump."""
+def _is_lawful(case: Case, samples: PhaseSamples, transitions: Sequence[Transition], part: float) -> bool:
+    """Whether a plate with at most one contact obeys all laws."""
     plate, gravity, length = case.plate, case.effect(Gravity), samples.length
     pull = complex(*gravity.vector) if gravity is not None else 0j
     motion, law = samples.motion, law_at(case, CONTACT)
     contact, spin = samples.contact, motion[SPIN].real
     force = (contact[FRICTION] + 1j * contact[NORMAL]) * samples.tangent
-    largest = max(float(np.abs(force).max()), plate.mass * abs(pull))
+    largest, moment = max(float(np.abs(force).max()), plate.mass * abs(pull)), 0.0
+    load, place, velocity = case.effect(Load), motion[PLACE], motion[VELOCITY]
+    if load is not None:
+        fx, fy, moment = load_on_arrays(load)(
+            samples.times, place.real, place.imag, 0.0, velocity.real, velocity.imag, spin
+        )
+        pull = pull + (fx + 1j * np.asarray(fy)) / plate.mass
+        largest = max(largest, plate.mass * float(np.abs(pull).max()))
     speed = float(np.abs(motion[VELOCITY]).max() + plate.reach * np.abs(spin).max())
     size = float(np.abs(motion[PLACE]).max()) + plate.reach
     if samples.is_closed.any() and not _contact_is_lawful(case, law, samples, part * largest, part * speed):
@@ -94,7 +112,7 @@ def _is_lawful(case: Case, samples: PhaseSamples, part: float) -> bool:
         0.0,
     )
     if plate.turns:
-        couple = (force * (motion[PLACE] - samples.base).conj()).imag
+        couple = (force * (place - samples.base).conj()).imag - moment
         if law.arm:
             held = np.array([segment.phase.regime.turn == 0 for segment in samples.segments])[:, None]
             couple = np.where(held, 0.0, -couple - np.sign(spin[:, 2:3]) * law.arm * np.abs(contact[NORMAL]))
@@ -113,8 +131,16 @@ def _is_lawful(case: Case, samples: PhaseSamples, part: float) -> bool:
     if not (np.abs(changes - gains) <= limits[:, None]).all():
         return False
     limits = part * np.array([size, 1.0, speed, speed / plate.reach])
-    jumps = np.abs(motion[:, 1:, 0] - motion[:, :-1, -1]) * samples.is_next
-    return not (jumps > limits[:, None]).any() and _is_apart(case, samples, part * size)
+    jumps = np.abs(motion[:, 1:, 0] - motion[:, :-1, -1]) * samples.is_next > limits[:, None]
+    k = np.flatnonzero(jumps.any(axis=0))
+    if len(k):
+        if jumps[:VELOCITY].any() or samples.is_closed[k].any() or case.effect(Impact) is None:
+            return False
+        states = samples.start[k + 1], place[k, -1], motion[VELOCITY:, k, -1], motion[VELOCITY:, k + 1, 0]
+        for defects in landing_defects(case, law, transitions, *states, speed):
+            if not (defects.sizes <= part * defects.scale).all():
+                return False
+    return _is_apart(case, samples, part * size)
 
 
 def _contact_is_lawful(case: Case, law: ContactLaw, samples: PhaseSamples, force: float, speed: float) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -107,8 +106,7 @@ def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> list[Transit
     except Undecidable:
         segments, transitions, ending = [], [], undecidable(0.0)
     if i % CHECKED == 0 or ending[0] not in USUAL:
-        motion = partial(as_trajectory, case, segments, transitions, ending)
-        ending = ending_by_laws(case, segments, ending, rtol, motion)
+        ending = ending_by_laws(case, (segments, transitions, ending), rtol, as_trajectory)
     motions.status[i], motions.reason[i] = ending
     motions.alone[i], motions.steps[i] = True, sum(segment.steps for segment in segments)
     first = segments[0].phase.regime.mode if segments else at_once(ending[0])
@@ -136,7 +134,7 @@ def check_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motions:
                 solution = solve_motion(case, first_regime(case, start), start, rtol, INTEGRATORS[METHODS[0]][1])
             except Undecidable:
                 continue
-            ending = ending_by_laws(case, solution[0], solution[2], rtol, partial(as_trajectory, case, *solution))
+            ending = ending_by_laws(case, solution, rtol, as_trajectory)
         if ending[0] == BROKEN_LAW:
             motions.status[i], motions.reason[i] = ending
 

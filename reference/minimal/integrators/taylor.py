@@ -6,6 +6,7 @@ Optional: without heyoka, `AVAILABLE` is False and DOP853 is used.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 from copy import deepcopy
 from functools import lru_cache, partial
 from math import inf, ulp
@@ -162,6 +163,35 @@ def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: fl
     integrators = integrators_of(phase.system, tolerance, float, optimised)
     again = integrators.call(_one_by_one, phase, t, y, end, tolerance, most_steps=steps)
     return np.append(again.times[:-1], end_time), again.states
+
+
+def steps_taken(segment: Segment) -> tuple[list[float], list[np.ndarray]]:
+    """The step times of a phase, and the coefficients (variables, powers) of each step; none by another method."""
+    if isinstance(segment.record, TaylorSteps):
+        return segment.record.times, segment.record.coefficients
+    times, states = segment.times.tolist(), segment.states
+    is_known = isinstance(states, TaylorOutput) and len(states.starts) >= len(times) - 1
+    return times, list(states.by_power.transpose(2, 1, 0)) if is_known else []
+
+
+def start_and_step(segment: Segment) -> tuple[Sequence[float], float, np.ndarray] | None:
+    """The state at the start of a phase, and the start (s) and coefficients (variables, powers) of its middle step, or
+    of one from its end on where the compiled loop has left none; None if it was integrated by another method."""
+    record = segment.record
+    if isinstance(record, TaylorSteps):
+        i = len(record.coefficients) // 2
+        constant = np.array(record.y, dtype=float)[:, None]
+        return record.y, record.times[i], record.coefficients[i] if record.coefficients else constant
+    if isinstance(record, partial) and record.func is _again:
+        phase, t, y, _, tolerance, end, _, optimised = record.args
+        integrators = integrators_of(phase.system, tolerance, float, optimised)
+        more = integrators.call(_one_by_one, phase, end, segment.event.state, 2.0 * end - t, tolerance, most_steps=1)
+        return y, end, more.states.by_power[:, :, 0].T
+    states = record[1] if isinstance(record, tuple) else None
+    if not isinstance(states, TaylorOutput):
+        return None
+    i = min(segment.steps // 2, len(states.starts) - 1)
+    return states.by_power[0, :, 0].tolist(), float(states.starts[i]), states.by_power[:, :, i].T
 
 
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
