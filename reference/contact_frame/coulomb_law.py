@@ -96,19 +96,19 @@ def decide(
             return phase
         f = scene.forces(t, z, phase, turns)
         # If the force is zero to rounding, the side is the one that presses a moment later.
-        toward = f.push if abs(f.normal) > tolerance else _soon(scene, t, z, phase, turns)
+        toward = f.push if abs(f.normal) > tolerance else soon(scene, t, z, phase, turns)
         return phase if toward >= 0.0 else phase._replace(side=-1)
 
     allowed = admissible(scene.laws, z[3], z[2], forces_of, may_stick, may_hold, AT_BOUND * scale)
     for phase in map(with_side, allowed):
         f = scene.forces(t, z, phase, turns)
-        if f.inverse_mass > 0.0 and (abs(f.normal) > tolerance or _soon(scene, t, z, phase, turns) >= -tolerance):
+        if f.inverse_mass > 0.0 and (abs(f.normal) > tolerance or soon(scene, t, z, phase, turns) >= -tolerance):
             if phase.side * f.normal >= -tolerance:
                 return phase
     return None
 
 
-def _soon(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> float:
+def soon(scene: ContactScene, t: float, z, phase: ContactPhase, turns: int) -> float:
     """The normal force on its side a moment after an instant at which it is zero (N), by a midpoint step."""
     pace = scene.pace(t, z, turns)
     if pace == 0.0:

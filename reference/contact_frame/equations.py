@@ -315,8 +315,9 @@ class ContactScene:
         return Forces(self.m * N, self.m * T, self.m * couple_now, spin_rate, slip_rate, push, inverse_mass)
 
     def scale(self, t: float, z, turns: int) -> float:
-        """The size of the scene's forces, N: their rounding is relative to it."""
-        return self._scale_at(self.place(z[0], z[1]), t, z, turns)
+        """The size of the scene's forces, N: their rounding is relative to it. It is at least the weight, with which a
+        load may cancel."""
+        return max(self._scale_at(self.place(z[0], z[1]), t, z, turns), self.m * hypot(*self.g))
 
     def _scale_at(self, q: Place, t: float, z, turns: int) -> float:
         ax, ay, spin_pull = self.pull_in_contact(t, z, q, turns)

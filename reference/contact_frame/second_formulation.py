@@ -25,7 +25,7 @@ from cases.piece_case import PieceCase, corner_on_corner, has_pieces, is_concave
 from . import flight_guards
 from .advancement import TooManyRounds
 from .chain_overlaps import ChainOverlaps
-from .coulomb_law import AT_BOUND, leaves, lets_go
+from .coulomb_law import AT_BOUND, leaves, lets_go, soon
 from .dips import PhaseDips
 from .drive import in_fixed_frame
 from .equations import ContactPhase, ContactScene, Forces, rates
@@ -334,7 +334,8 @@ def _guards(course: MotionState, now: ContactState) -> dict[str, Callable]:
         guards["painleve"] = lambda t, z: forces(t, z).inverse_mass
     if scene.unilateral and not (phase.slip == 0 and laws.stick < inf):
         # With static friction the cone is reached before the normal force vanishes.
-        guards["normal_force"] = lambda t, z: forces(t, z).normal
+        slack = _slack_of_nothing(course, now)
+        guards["normal_force"] = lambda t, z: forces(t, z).normal + slack
     if not scene.unilateral and (phase.slip is not None or phase.turn is not None):
         guards["side"] = lambda t, z: phase.side * forces(t, z).push
     if not (isinstance(scene.track, Corner) or isinstance(scene.outline, Corner)):
@@ -346,6 +347,16 @@ def _guards(course: MotionState, now: ContactState) -> dict[str, Callable]:
         if curve.ends:
             guards[name] = _inside(i, *curve.ends)
     return guards
+
+
+def _slack_of_nothing(course: MotionState, now: ContactState) -> float:
+    """How far below zero (N) rounding may take a normal force that is zero where a phase begins and stays zero, as
+    under a load of exactly the weight; 0 for any other."""
+    scene, phase, turns = course.scene, now.phase, now.turns
+    slack = 2.0 * AT_BOUND * scene.scale(course.t, now.z, turns)
+    if abs(scene.forces(course.t, now.z, phase, turns).normal) > slack:
+        return 0.0
+    return slack if abs(soon(scene, course.t, now.z, phase, turns)) <= slack else 0.0
 
 
 def _within(

@@ -66,7 +66,9 @@ def broken_by(
     case: Case, motion: Trajectory, start: np.ndarray, length: np.ndarray, part: float
 ) -> tuple[BrokenLaw, ...]:
     """The laws that a motion breaks in steps with these starts and lengths (s), of a case with a track at rest; a
-    defect of this part of its scale is an error."""
+    defect of this part of its scale is an error. A motion that ends where it begins has no steps, and breaks none."""
+    if not len(start):
+        return ()
     samples = of_motion(case, motion, start, length)
     results = list[BrokenLaw]()
     for defects in _motion_defects(samples):
@@ -107,7 +109,7 @@ def _speed(samples: MotionSamples, reach: list[float]) -> float:
     speeds = [
         float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in zip(samples.plates, reach, strict=True)
     ]
-    belts = [float(np.abs(c.law.belt.at_arrays(samples.times[:, 0])).max()) for c in samples.contacts if c.law.belt]
+    belts = [float(np.abs(c.law.belt.at_arrays(samples.times.ravel())).max()) for c in samples.contacts if c.law.belt]
     return max(*speeds, *belts, 0.0)
 
 

@@ -18,6 +18,7 @@ from cases.trajectory import CONTACT
 
 from ..minimal.curvature_proof import fits, fits_everywhere
 from ..minimal.integrators.segment import Segment
+from ..minimal.modes import Regime
 from ..minimal.phase_end import Ending
 from . import broken_laws
 from .laws import SENSE, STICKING, landing_defects, load_on_arrays
@@ -68,7 +69,7 @@ def _has_one_contact(case: Case, segments: Sequence[Segment]) -> bool:
     load = case.effect(Load)
     if load is not None and any(formula.has(ANGLE) for formula in load.expression):
         return False
-    return all(segment.phase.parts == (0, 0) and len(segment.phase.regime) == 3 for segment in segments)
+    return all(segment.phase.parts == (0, 0) and isinstance(segment.phase.regime, Regime) for segment in segments)
 
 
 def _steps(segments: Sequence[Segment]) -> tuple[np.ndarray, np.ndarray]:

@@ -68,10 +68,13 @@ def _structure(curve: Curve | CurvePart):
     return curve.sign if isinstance(curve, Corner) else curve.structure
 
 
-def contact_system(law: Laws, kind: Kind, track: Curve | CurvePart, outline: Curve | CurvePart) -> System:
-    """The equations of one kind of contact on parts of a case's curves, derived once per structure."""
+def contact_system(
+    law: Laws, kind: Kind, track: Curve | CurvePart, outline: Curve | CurvePart, vanishing: tuple[str, ...] = ()
+) -> System:
+    """The equations of one kind of contact on parts of a case's curves, derived once per structure; `vanishing`: guards
+    that stay at zero and have a slack."""
     return _in_contact(
-        _structure(track), _structure(outline), (track.ends is not None, outline.ends is not None), law, kind
+        _structure(track), _structure(outline), (track.ends is not None, outline.ends is not None), law, kind, vanishing
     )
 
 
@@ -82,8 +85,10 @@ def flight_system(case: Case) -> System:
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _in_contact(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> System:
-    return System(_contact_equations(track, outline, has_ends, law, kind))
+def _in_contact(
+    track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind, vanishing: tuple[str, ...]
+) -> System:
+    return System(_contact_equations(track, outline, has_ends, law, kind).with_slack(vanishing))
 
 
 def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:

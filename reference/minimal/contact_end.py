@@ -13,7 +13,7 @@ from cases.own_effects import own_effects
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
 from ..scales import approach_scale
-from .decision import Undecidable, decide
+from .decision import AT_BOUND, Undecidable, decide, slack_of
 from .effects import OWN_END
 from .elimination import Elimination
 from .grazing import over_touch
@@ -168,7 +168,7 @@ def _following(
     if guard in BEGINS:
         # Friction or resistance has reached its bound from inside; the motion that begins is against it.
         slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])
-        starting = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime]
+        starting = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime._replace(slack=())]
         starting = [r for r in starting if _unique_force(phase_at(case, r, y), t, y)]
         return starting[0] if len(starting) == 1 else decide(case, t, y, LOCATION_ERROR, starting)
     slip, turn = 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn
@@ -210,10 +210,27 @@ def leave(
 ) -> Step:
     """The step if no contact follows: flight, or the end of the motion."""
     ending = _nothing_follows(case, t, y, error)
+    if ending is LIFT_OFF and (floats := _floating(case, t, y)) is not None:
+        return Step(segments, t, (y[0], y[1]), guard, tuple(y), floats)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
         slip, omega = slip_and_spin(case, t, y)
         return Step(segments, t, (y[0], y[1]), guard, in_flight(case, t, y, slip, omega, 0.0), FLIGHT)
     return Step(segments, t, (y[0], y[1]), guard, ending=ending)
+
+
+def _floating(case: Case, t: float, y: Sequence[float]) -> Regime | None:
+    """The regime of a contact that opens by roundings alone, as its forces vanish all the time: under a load of exactly
+    the weight. None if they change along the motion."""
+    weak = AT_BOUND * _approach_scale(case, t, y)
+    if abs(free_quantities(case, t, y).free_approach) > weak:
+        return None
+    moves = senses(case, t, y, *slip_and_spin(case, t, y), LOCATION_ERROR)
+    regime = decide(case, t, y, LOCATION_ERROR, able(case, *moves), weak)
+    if regime is None:
+        return None
+    now = phase_at(case, regime, y)
+    slack = slack_of(now, t, y, LOCATION_ERROR, weak)
+    return regime._replace(slack=slack) if slack else None
 
 
 def slip_and_spin(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:

@@ -12,6 +12,7 @@ from math import isfinite
 
 from cases import Case
 
+from ..scales import power_of_two
 from . import series
 from .modes import Phase, Regime, candidates, phase_at, state_in
 from .series import Series
@@ -26,6 +27,9 @@ ORDER = 8
 # tan(slope) = mu a plate would neither stick nor slip.)
 AT_BOUND = 32 * series.EPS
 
+# Forces that stay at zero may have this many times the rounding that decides about them, before they count as changes.
+SLACK = 4.0
+
 # An event's time is known to this part of it: two roundings of where a root was found, and as many in what has it.
 TIME_ROUNDING = 8 * series.EPS
 
@@ -35,15 +39,15 @@ class Undecidable(ArithmeticError):
 
 
 def decide(
-    case: Case, t: float, y: Sequence[float], error: float, among: Sequence[Regime] | None = None
+    case: Case, t: float, y: Sequence[float], error: float, among: Sequence[Regime] | None = None, weak: float = 0.0
 ) -> Regime | None:
     """The regime that follows from the state (ξ₁, ξ₂, ξ̇₁, ξ̇₂) at time t, or None if none is consistent.
 
     `error` is the relative error of the state (rounding at a start, the location's at an event): smaller values count
-    as zero and the next derivative decides. Raises Undecidable if numbers are not finite.
+    as zero and the next derivative decides; `weak` as of `follows`. Raises Undecidable if numbers are not finite.
     """
     for regime in candidates(case) if among is None else among:
-        if follows(case, phase_at(case, regime, y), t, y, error):
+        if follows(case, phase_at(case, regime, y), t, y, error, weak=weak):
             return regime
     return None
 
@@ -112,13 +116,21 @@ def vanishing(candidate: Phase, t: float, y: Sequence[float], error: float, weak
 
     An integrator would find their roundings below zero; arguments as of `follows`."""
     system = candidate.system
-    values = zip(system.conditions, system.conditions_of_numbers(t, y, candidate.parameters), strict=True)
+    numbers = system.conditions_of_numbers(t, state_in(candidate, y), candidate.parameters)
+    values = zip(system.conditions, numbers, strict=True)
     velocities = system.condition_rates
     names = [n for n, v in values if abs(v) <= weak and n not in velocities and not n.startswith("gap:")]
     if not names:
         return ()
     signs = _leading_signs(candidate, t, y, error, ORDER, weak=weak)
     return tuple(name for name in names if signs[name] == 0)
+
+
+def slack_of(
+    candidate: Phase, t: float, y: Sequence[float], error: float, weak: float
+) -> tuple[tuple[str, float], ...]:
+    """The same conditions, each with how far below zero its roundings may be (m/s²)."""
+    return tuple((name, power_of_two(SLACK * weak)) for name in vanishing(candidate, t, y, error, weak))
 
 
 def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0, weak: float = 0.0) -> dict[str, int]:

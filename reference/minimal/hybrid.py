@@ -115,5 +115,5 @@ def _advance(case: Case, regime: Regime, step: Step) -> Step:
 
     Values within `ROUGH` of their bound count as being at it, and their rates decide.
     """
-    others = [r for r in candidates(case) if r != regime]
+    others = [r for r in candidates(case) if r != regime._replace(slack=())]
     return step._replace(regime=decide(case, step.time, step.state, ROUGH, others) or step.regime)

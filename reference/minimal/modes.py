@@ -26,7 +26,7 @@ from cases.pieces import CurvePart
 from .assembly import THETA, Kind, contact_system, flight_system, parameter_values, sizes_of
 from .effects import SLIP_SIGN, Laws, laws
 from .elimination import U1, U2, X1, X2
-from .system import System
+from .system import System, slack_name
 
 _PLACES = {X1: 0, X2: 1, U1: 2, U2: 3, THETA: 4}
 
@@ -34,12 +34,14 @@ _PLACES = {X1: 0, X2: 1, U1: 2, U2: 3, THETA: 4}
 class Regime(NamedTuple):
     """A mode of contact (or flight), the side of the track that presses, and the direction of rotation.
 
-    `turn` is None without resistance to rotation, 0 if resistance prevents rotation.
+    `turn` is None without resistance to rotation, 0 if resistance prevents rotation. `slack`: the conditions on forces
+    that vanish all the time, and how far below zero they may be (m/s²): their rounding.
     """
 
     mode: Mode
     side: int = 1
     turn: int | None = None
+    slack: tuple[tuple[str, float], ...] = ()
 
     @property
     def kind(self) -> Kind:
@@ -170,8 +172,11 @@ def _make_phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
         checks, rows = bool(equations.load_quantities), tuple(range(6))
         return Phase(regime, equations, parameters, size, (size, size, 1.0), rows, case, _features(load, None), checks)
     law = laws(case)
-    form = _form(law, regime.kind, track, outline, case.track, case.plate, case.start, load, case.effect(Belt))
-    numbers = form.sizes | {"nu": float(regime.side)}
+    vanishing = tuple(name for name, _ in regime.slack)
+    form = _form(
+        law, regime.kind, track, outline, case.track, case.plate, case.start, load, case.effect(Belt), vanishing
+    )
+    numbers = form.sizes | {"nu": float(regime.side)} | {slack_name(name): size for name, size in regime.slack}
     numbers |= law.friction.values(case, regime.mode, regime.side)
     numbers |= law.resistance.values(case, regime.turn, regime.side)
     parameters = parameter_values(case, numbers, form.system)
@@ -204,9 +209,10 @@ def _form(
     start: Start,
     load: Load | None,
     belt: Belt | None,
+    vanishing: tuple[str, ...],
 ) -> _PhaseForm:
     """The form of phases on these parts of a `whole` track and of the plate's outline."""
-    system = contact_system(law, kind, track, outline)
+    system = contact_system(law, kind, track, outline, vanishing)
     lengths = _lengths(start, whole, plate)[: system.positions]
     if U2 in system.variables and U1 not in system.variables:
         lengths = (lengths[1], *lengths[1:])  # the only velocity is ξ̇₂

@@ -6,7 +6,7 @@ All integrators use the same symbolic source: sizes, friction, loads and start a
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import NamedTuple
 
@@ -57,6 +57,11 @@ class Equations:
     load_quantities: tuple[Node, ...] = ()
     check_layout: CheckLayout = CheckLayout()
 
+    def with_slack(self, names: Sequence[str]) -> Equations:
+        """The same with a slack (a parameter, m/s²) for guards that stay at zero, as their roundings are no events."""
+        slack = {name: self.guards[name] + symbol(slack_name(name)) for name in names if name in self.guards}
+        return replace(self, guards=self.guards | slack)
+
     @property
     def all(self) -> list[Node]:
         """All expressions."""
@@ -78,6 +83,11 @@ class Equations:
             constants.update((part, None) for part in parts if isinstance(part, Node) and _is_constant(part, moving))
         constants.update((e, None) for e in self.all if _is_constant(e, moving))
         return tuple(constants)
+
+
+def slack_name(guard: str) -> str:
+    """The name of the parameter that is a guard's slack."""
+    return f"slack of {guard}"
 
 
 def _is_constant(value: Node, moving: set[Node]) -> bool:

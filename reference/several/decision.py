@@ -17,7 +17,7 @@ import numpy as np
 from cases import Belt, Case, Mode
 
 from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
-from ..minimal.decision import AT_BOUND, Undecidable, _by_series, follows, vanishing
+from ..minimal.decision import AT_BOUND, SLACK, Undecidable, _by_series, follows, slack_of
 from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.elimination import T
 from ..minimal.grazing import depth_of_dip
@@ -38,8 +38,6 @@ SAME = 1e-7
 NEAR = 1e-9
 # Rows, in units of the radius of gyration, with a smaller singular value than this depend on each other.
 INDEPENDENT = 1e-9
-# Forces that stay at zero may have this many times the rounding that decides about them, before they count as changes.
-SLACK = 4.0
 # A load is balanced if the least weight is no more negative than its rounding.
 BALANCED = -1e-11
 
@@ -260,8 +258,8 @@ def with_slack(case: Case, now: DecisionInstant, regime: SeveralRegime, error: f
     if regime.has_open_forces or not regime.closed:
         return regime
     weak = weak_force(case, now)
-    names = vanishing(several_phase(case, regime), now.time, now.state, error, weak)
-    return regime._replace(slack=tuple((name, power_of_two(SLACK * weak)) for name in names)) if names else regime
+    slack = slack_of(several_phase(case, regime), now.time, now.state, error, weak)
+    return regime._replace(slack=slack) if slack else regime
 
 
 def slack_of_dip(case: Case, segment: Segment, guard: str, rtol: float) -> float:

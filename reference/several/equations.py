@@ -14,7 +14,6 @@ resist; while they prevent it, the row ω̇ = 0 has the sum of their couples, at
 from __future__ import annotations
 
 from collections import namedtuple
-from dataclasses import replace
 from enum import Enum
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -124,14 +123,7 @@ def several_system(
 def _several_system(
     forms: tuple[ContactForm, ...], law: Laws, rotation: Rotation, vanishing: tuple[str, ...]
 ) -> System:
-    equations = _equations(forms, law, rotation)
-    slack = {n: equations.guards[n] + symbol(slack_name(n)) for n in vanishing if n in equations.guards}
-    return System(replace(equations, guards=equations.guards | slack))
-
-
-def slack_name(guard: str) -> str:
-    """The name of the parameter that is a guard's slack."""
-    return f"slack of {guard}"
+    return System(_equations(forms, law, rotation).with_slack(vanishing))
 
 
 def _contact(form: ContactForm, k: int) -> _ContactTerms:

@@ -20,8 +20,9 @@ from ..minimal.assembly import parameter_values, sizes_of
 from ..minimal.effects import SLIP_SIGN, CoulombBySpeed, FixedSurface, Frictionless, laws
 from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
+from ..minimal.system import slack_name
 from .contact_law import STICKING, coefficients, resisting_arm
-from .equations import NO_ROWS, ContactForm, ContactRows, Rotation, several_system, slack_name
+from .equations import NO_ROWS, ContactForm, ContactRows, Rotation, several_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of its value when it was last
 # closed: its nearest points then move fast, and may soon be lost.
