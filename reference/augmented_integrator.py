@@ -69,7 +69,7 @@ class LiteralSystem:
 
     def system_at(self, t: float, y: Sequence[float]) -> AugmentedSystem:
         """Assemble (27) at a state of the mode."""
-        mode, side, turn = self.regime
+        mode, side, turn, _ = self.regime
         state = full_state(self.case, self.phase, t, y)
         if self.original is None:
             return fill(self.case, mode, state, side, turn, t)
@@ -114,7 +114,7 @@ class LiteralSystem:
 
     def _contacts(self, times: np.ndarray, states: np.ndarray) -> contact_forces.Contacts | None:
         """(27) solved at many instants at once; None where it has to be solved one by one, as at a singular one."""
-        mode, side, turn = self.regime
+        mode, side, turn, _ = self.regime
         if not len(times) or self.original is not None or self.regime == FLIGHT:
             return None
         if not contact_forces.fits(self.case, turn):
