@@ -23,8 +23,9 @@ LONG_CHORD = 10.0
 # jump: a slope as steep as that is no track either.
 JUMP = 1e-6
 # Sides of the polygon for the search of self-intersections: the fewest, per radian of turning for a curve with many
-# loops, and the most, each with less than one turn. The pairs are processed in blocks of rows.
-FEWEST_SIDES, SIDES_A_RADIAN, MOST_SIDES, BLOCK = 240, 8.0, 2400, 200
+# loops, and the most, each with less than one turn. The pairs are processed in blocks of rows, those that are near
+# each other in groups of PAIRS.
+FEWEST_SIDES, SIDES_A_RADIAN, MOST_SIDES, BLOCK, PAIRS = 240, 8.0, 2400, 200, 2000
 # Where two sides cross, each is divided into so many pieces, so many times.
 PIECES, CLOSER = 16, 3
 # The included part of the neighbours, so that two stretches with one between them stay separate.
@@ -199,9 +200,11 @@ def _meeting(curve: CurveToCheck, grid: np.ndarray) -> tuple[str, float, float] 
         for i, j in zip(*np.nonzero(later & polygon.crossings(rows)), strict=True):
             if _crosses(curve, (grid[first + i], grid[first + i + 1]), (grid[j], grid[j + 1]), (low, high)):
                 return CROSSES, float(grid[first + i]), float(grid[j])
-        for i, j in zip(*np.nonzero(later & polygon.beside(rows, TOGETHER * size)), strict=True):
-            if _together(curve, float(grid[first + i]), float(grid[j]), float(grid[j + 1]), size):
-                return "runs over itself", float(grid[first + i]), float(grid[j])
+        pairs = np.argwhere(later & polygon.beside(rows, TOGETHER * size))
+        for i, j in (pairs[k : k + PAIRS].T for k in range(0, len(pairs), PAIRS)):
+            meets = np.flatnonzero(_together(curve, grid[first + i], grid[j], grid[j + 1], size))
+            if meets.size:
+                return "runs over itself", float(grid[first + i[meets[0]]]), float(grid[j[meets[0]]])
     return None
 
 
@@ -264,15 +267,19 @@ def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
     return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
 
 
-def _together(curve: CurveToCheck, s: float, low: float, high: float, size: float) -> bool:
-    """Whether the curve's point at s lies on the curve between two later parameters."""
+def _together(curve: CurveToCheck, s: np.ndarray, low: np.ndarray, high: np.ndarray, size: float) -> np.ndarray:
+    """Which of the curve's points at s (n,) lie on the curve between two later parameters, each with its own (n,)."""
     here, width = curve.point(s), high - low
-    low, high = low - 0.5 * width, high + 0.5 * width
+    low, high, away = low - 0.5 * width, high + 0.5 * width, np.zeros_like(s)
+    near = np.arange(len(s))
     for _ in range(8):  # ever closer around the nearest of seventeen
-        places = np.linspace(max(low, s + width), high, 17)
-        away = np.hypot(*(curve.point(places) - here[:, None]))
-        nearest, step = float(places[np.argmin(away)]), places[1] - places[0]
-        low, high = nearest - step, nearest + step
-        if not away.min() <= size:
-            return False
-    return bool(away.min() <= TOGETHER * size)
+        places = np.linspace(np.maximum(low[near], s[near] + width[near]), high[near], 17, axis=1)
+        points = curve.point(places.ravel()).reshape(2, -1, 17)
+        distances = np.hypot(*(points - here[:, near, None]))
+        away[near] = distances.min(axis=1)
+        nearest, step = places[np.arange(len(near)), np.argmin(distances, axis=1)], places[:, 1] - places[:, 0]
+        low[near], high[near] = nearest - step, nearest + step
+        # Between two samples, the curve is no farther from them than its length there: less than two chords.
+        chords = np.hypot(*np.diff(points, axis=2)).max(axis=1)
+        near = near[away[near] <= 2.0 * chords + TOGETHER * size]
+    return np.isin(np.arange(len(s)), near) & (away <= TOGETHER * size)

@@ -145,9 +145,10 @@ class Features:
 
     def places(self, low: float, high: float, apart: float = inf) -> np.ndarray:
         """Sorted parameters on (low, high), at most `apart` from each other, that resolve every feature."""
-        fine = [np.linspace(a, b, DEGREE, endpoint=False) for a, b, stride in self._pieces(low, high) if stride < inf]
+        ends = np.array([(a, b) for a, b, stride in self._pieces(low, high) if stride < inf]).reshape(-1, 2).T
         count = int(np.ceil((high - low) / apart)) if apart < inf else 1
-        every = np.concatenate([np.linspace(low, high, count + 1), *fine])
+        fine = np.linspace(*ends, DEGREE, endpoint=False)
+        every = np.concatenate([np.linspace(low, high, count + 1), fine.ravel()])
         return union(every[(every >= low) & (every <= high)])
 
     def piece_length(self, at: float) -> float:

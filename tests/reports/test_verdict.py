@@ -113,6 +113,8 @@ def test_two_engines_are_compared_over_the_cases_that_both_answer():
     assert (pair["common_cases"], pair["nearer"], pair["other_nearer"], pair["undecided"]) == (2, 1, 1, 0)
     (pair,) = verdict.pairs(experiment(*runs[:-1], vague, truths=TRUTHS | OTHERS))
     assert (pair["nearer"], pair["other_nearer"], pair["undecided"]) == (1, 0, 1)
+    (pair,) = verdict.pairs(experiment(run("a", "one", "native", 1e-3), unanswered("a", "none", "native")))
+    assert (pair["common_cases"], pair["nearer"], pair["other_nearer"], pair["undecided"]) == (0, 0, 0, 0)
 
 
 @pytest.mark.parametrize("outcome", ["unsupported", "crashed", "timed_out"])
