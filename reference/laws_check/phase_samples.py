@@ -85,8 +85,9 @@ def of_phases(case: Case, segments: Sequence[Segment], few: int = FEW) -> PhaseS
             continue
         phase = some[0].segment.phase
         every = [step.segment.phase.parameters for step in some]
-        shared = every[0] if all(one is every[0] for one in every) else np.array(every).T[:, :, None]
-        outputs = phase.system.record(*phase.system.outputs_of_arrays(times[here], y, shared))
+        shared = every[0] if all(one is every[0] for one in every) else np.array(every).T.repeat(len(NODES), axis=1)
+        rows = phase.system.outputs_of_arrays(times[here].ravel(), y.reshape(len(y), -1), shared)
+        outputs = phase.system.record(*(np.broadcast_to(row, times[here].size).reshape(-1, len(NODES)) for row in rows))
         parameters[:, here], is_closed[here], spin[here] = y[:2], True, outputs.omega
         contact[SLIP, here], contact[NORMAL, here], contact[FRICTION, here] = (
             outputs.slip, outputs.normal, outputs.friction,
