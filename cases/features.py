@@ -147,7 +147,7 @@ class Features:
         """Sorted parameters on (low, high), at most `apart` from each other, that resolve every feature."""
         ends = np.array([(a, b) for a, b, stride in self._pieces(low, high) if stride < inf]).reshape(-1, 2).T
         count = int(np.ceil((high - low) / apart)) if apart < inf else 1
-        fine = np.linspace(*ends, DEGREE, endpoint=False)
+        fine = np.linspace(ends[0], ends[1], DEGREE, endpoint=False)
         every = np.concatenate([np.linspace(low, high, count + 1), fine.ravel()])
         return union(every[(every >= low) & (every <= high)])
 

@@ -155,6 +155,15 @@ class _OneContact:
         )
 
 
+def _read_only(values: np.ndarray) -> np.ndarray:
+    """The values as an array that cannot be written; itself if it is one."""
+    if isinstance(values, np.ndarray) and not values.flags.writeable:
+        return values
+    view = np.asarray(values).view()
+    view.flags.writeable = False
+    return view
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """A motion, sampled at times `t` (increasing; two equal times mark both sides of a jump), read-only arrays of one
@@ -291,7 +300,7 @@ class Trajectory:
             if sample is not None:
                 times, state = sample()
                 for column, values in {"t": times, **state._asdict()}.items():
-                    attributes.setdefault(column, values)  # another thread may have made the same
+                    attributes.setdefault(column, _read_only(values))  # another thread may have made the same
                 self.__post_init__()
                 attributes.pop("_sample", None)
             if name not in attributes:
@@ -309,9 +318,7 @@ class Trajectory:
     def _protect(self) -> None:
         """Make the samples read-only: a motion that is changed is another motion, with `dataclasses.replace`."""
         for name in _SAMPLES:
-            values = np.asarray(getattr(self, name)).view()
-            values.flags.writeable = False
-            vars(self)[name] = values
+            vars(self)[name] = _read_only(getattr(self, name))
 
     def __post_init__(self):
         length = len(self.t)

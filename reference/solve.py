@@ -25,7 +25,6 @@ from cases.sampled_contacts import SampledPlates
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, plates, several
-from .laws_check import ending_by_laws
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import simulate_phases
 from .minimal.integrators import taylor
@@ -146,29 +145,18 @@ class InitialValueProblem:
 def initial_value_problem(case: Case, rtol: float, method: str) -> InitialValueProblem:
     """Decide the regime of the first contact; the case is not integrated yet."""
     relative, (_, integrate) = relative_case(case), INTEGRATORS[method]
-
-    def by_laws(solve: Callable[[], Any]) -> InitialValueProblem:
-        return InitialValueProblem(case, relative, None, partial(_checked, relative, rtol, solve))
-
     if method == "augmented" and relative is not case:
         integrate = partial(augmented_integrator.integrate, original=case)
     if case.others or touches_by_features(relative):
-        return by_laws(partial(solve_supports, relative, rtol, integrate))
+        return InitialValueProblem(case, relative, None, partial(solve_supports, relative, rtol, integrate))
     start = start_state(relative)
     try:
         regime = first_regime(relative, start)
     except Undecidable:
         return InitialValueProblem(case, relative, None, lambda: ([], [], undecidable(0.0)))
-    problem = by_laws(partial(solve_motion, relative, regime, start, rtol, integrate, case))
-    return replace(problem, regime=regime)
-
-
-def _checked(case: Case, rtol: float, solve: Callable[[], Any]):
-    """A solution, with the status `broken_law` if it breaks a law."""
-    segments, transitions, ending = solution = solve()
-    if segments and _finite(segments):
-        ending = ending_by_laws(case, solution, rtol, as_trajectory)
-    return segments, transitions, ending
+    return InitialValueProblem(
+        case, relative, regime, partial(solve_motion, relative, regime, start, rtol, integrate, case)
+    )
 
 
 def solve_supports(case: Case, rtol: float, integrate: Callable[..., Segment]):

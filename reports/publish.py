@@ -235,10 +235,9 @@ def numbers(place: Path) -> str:
     if _manifest(place).get("format", 1) == 1:  # up to version 0.1.0: one default setting, errors of the time in s
         keys = {"case": CASE, "route": "native"}
         late = [abs(_number(place, "headline", "default_first_error", solver=name, **keys)) for name in _ENGINES]
-        words = (
-            f"{name} is {1e3 * error:.2g} ms off" for (name, _), error in zip(_ENGINES.values(), late, strict=True)
-        )
-        return f"{start} With default settings, {' and '.join(words)}."
+        pairs = zip(_ENGINES.values(), late, strict=True)
+        errors = " and ".join(f"{name} is {1e3 * error:.2g} ms off" for (name, _), error in pairs)
+        return f"{start} With default settings, {errors}."
     engines = " and ".join(_default_words(place, *engine) for engine in _ENGINES.items())
     words = f"{start} With default settings, {engines} (100 % off: as bad as ignoring friction's law)"
     return f"{words}{_friction(place)}.{_in_common(place)}"

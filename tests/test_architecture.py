@@ -131,6 +131,7 @@ PARTS = {
     "plates": {"minimal", "several", "scales"},
     "solve": {"minimal", "augmented_integrator", "several", "plates"},
     "narration": {"solve"},
+    "laws_check": {"minimal"},
     "errata": {"paper", "solve"},
     "proofs": set(),
     "proof_checker": set(),

@@ -99,7 +99,7 @@ MAY_IMPORT = {
     "face": {"interface", "lookup"},
     "common": {"interface"},
     "gate": {"interface"},
-    "laws": {"interface", "lookup"},
+    "laws": {"interface", "lookup", "gate"},
     "lookup": {"interface", "by_process"},
     "by_process": {"interface", "common"},
     "engine": {"interface", "common"},

@@ -14,7 +14,6 @@ import numpy as np
 
 from cases import Case, CaseError, Mode
 
-from ..laws_check import BROKEN_LAW
 from .bars import METHOD_ULPS, Bar, Shares, ambiguity, bar, roundings, shares
 from .proof_kind import kinds
 from .witnesses import EPS, Witness, quantities, witnesses
@@ -61,17 +60,12 @@ class Certificate:
 def certify(case: Case) -> Certificate:
     """Compute the case's motion with error bars.
 
-    Raises NotCertified, with the witnesses and their answers, if they contradict each other or their bars are too wide,
-    and with the law, the place and the time if the motion of one breaks a law.
+    Raises NotCertified, with the witnesses and their answers, if they contradict each other or their bars are too wide.
     """
     try:
         able, missing = witnesses(case)
     except FloatingPointError as problem:
         raise NotCertified(f"{case.label}: {problem}") from problem
-    if broken := [one for one in able if one.status == BROKEN_LAW]:
-        raise NotCertified(
-            f"{case.label}: {'; '.join(f'{one.name}: {one.reason}' for one in broken)} Please report it."
-        )
     if not able:
         raise NotCertified(f"{case.label}: no witness reaches the end of the motion: {'; '.join(missing)}")
     if len(able) < 2:

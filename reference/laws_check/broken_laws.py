@@ -14,7 +14,7 @@ from cases.moving_frame import in_track_frame, relative_case
 from ..minimal.phase_end import CAUSES
 from . import laws, penetration
 from .laws import Defects, Jumps
-from .samples import ContactSamples, MotionSamples, of_motion, steps_of
+from .samples import ContactInstants, MotionSamples, of_motion, steps_of
 from .tolerances import part_of
 
 OVERLAP = "no overlap"
@@ -49,7 +49,7 @@ def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLa
     normal forces press, Coulomb's law, no slip in a roll, contacts stay closed, poses are continuous, velocities jump
     in impacts only, whose impulse lies in the cone, energy is not created (where no load, belt or effect of a package
     gives some), and momenta change by the forces. Forces that are not unique (NaN) are in no balance, and the modes
-    within a series of impacts that are not listed are not known.
+    within a series of impacts that are not listed are not instants.
     Raises BadValue for a motion without dense output.
     """
     if not isinstance(motion, Trajectory) or motion.dense is None:
@@ -116,32 +116,32 @@ def _speed(samples: MotionSamples, reach: list[float]) -> float:
 def _other_defects(samples: MotionSamples, part: float) -> Iterator[Defects]:
     reach = [plate.reach for plate in plates_of(samples.case)]
     speed = _speed(samples, reach)
-    found = laws.jumps(samples, reach, speed, part)
+    sudden = laws.jumps(samples, reach, speed, part)
     for contact in samples.contacts:
         keep = ~samples.is_straight[contact.steps]
         if keep.any():
             law, *rows = contact
-            solved = contact if keep.all() else ContactSamples(law, *(row[keep] for row in rows))
+            solved = contact if keep.all() else ContactInstants(law, *(row[keep] for row in rows))
             yield from laws.contact_defects(
-                samples, solved, speed, max(reach), _is_listed(samples, found, solved.steps)
+                samples, solved, speed, max(reach), _is_listed(samples, sudden, solved.steps)
             )
     yield from laws.continuity_defects(samples, reach)
-    if len(found.steps):
-        yield from laws.impact_defects(samples, found, reach, speed)
+    if len(sudden.steps):
+        yield from laws.impact_defects(samples, sudden, reach, speed)
     yield from laws.energy_defects(samples, speed)
     size = max(float(np.abs(p.place).max()) + r for p, r in zip(samples.plates, reach, strict=True))
     for depth in penetration.depths(samples, False):
         yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, size, "m")
 
 
-def _is_listed(samples: MotionSamples, found: Jumps, steps: np.ndarray) -> np.ndarray:
+def _is_listed(samples: MotionSamples, sudden: Jumps, steps: np.ndarray) -> np.ndarray:
     """Which of some steps have the modes that the transitions list: not those of a series of impacts that are not
-    listed, from the last transition before one of these to the end of the series."""
-    known = np.array([0.0, *(change.time for change in samples.transitions)])
+    in_list, from the last transition before one of these to the end of the series."""
+    instants = np.array([0.0, *(change.time for change in samples.transitions)])
     rests = np.array([*(c.time for c in samples.transitions if c.cause == CAUSES["rest"]), np.inf])
-    unlisted = np.setdiff1d(samples.start[found.steps], known)
-    first = known[np.searchsorted(known, unlisted) - 1]
-    last = rests[np.searchsorted(rests, unlisted)]
+    others = np.setdiff1d(samples.start[sudden.steps], instants)
+    first = instants[np.searchsorted(instants, others) - 1]
+    last = rests[np.searchsorted(rests, others)]
     start = samples.start[steps]
     return ~((start[:, None] >= first) & (start[:, None] < last)).any(axis=1)
 

@@ -20,8 +20,8 @@ from ..minimal.phase_end import CAUSES
 from .samples import (
     CREEP,
     WEIGHTS,
+    ContactInstants,
     ContactLaw,
-    ContactSamples,
     MotionSamples,
     PlateSamples,
     law_at,
@@ -104,7 +104,7 @@ def sums(samples: MotionSamples) -> Sums:
     return Sums(forces, moments, largest)
 
 
-def _couple(samples: MotionSamples, contact: ContactSamples, here) -> np.ndarray | float:
+def _couple(samples: MotionSamples, contact: ContactInstants, here) -> np.ndarray | float:
     """The couple of rolling resistance, N m; NaN where it prevents the rotation, also of a plate that slips."""
     arm, spin = contact.law.arm, samples.plates[contact.law.body].spin
     if not arm:
@@ -152,7 +152,7 @@ def _turns(one: PlateSamples, last: float) -> float:
 
 
 def contact_defects(
-    samples: MotionSamples, contact: ContactSamples, speed: float, size: float, is_listed: np.ndarray
+    samples: MotionSamples, contact: ContactInstants, speed: float, size: float, is_listed: np.ndarray
 ) -> Iterator[Defects]:
     """Signorini's and Coulomb's laws at a contact, and that it stays closed with the slip that the motion has. In
     steps that are not listed the modes are not known, and friction lies in its cone."""
@@ -161,10 +161,10 @@ def contact_defects(
     pressure, force = np.abs(normal), _largest(samples, contact)
     if samples.case.effect(Unilateral) is not None:
         yield Defects("normal force presses", name, times, -normal, force, "N")
-    listed = is_listed[:, None]
-    sense = listed * np.array([SENSE.get(mode, 0.0) for mode in contact.modes])[:, None]
-    sticks = listed & np.array([mode in STICKING for mode in contact.modes])[:, None]
-    slides = listed & np.array([mode is Mode.SLIDE for mode in contact.modes])[:, None]
+    in_list = is_listed[:, None]
+    sense = in_list * np.array([SENSE.get(mode, 0.0) for mode in contact.modes])[:, None]
+    sticks = in_list & np.array([mode in STICKING for mode in contact.modes])[:, None]
+    slides = in_list & np.array([mode is Mode.SLIDE for mode in contact.modes])[:, None]
     if (sense != 0.0).any():
         kinetic = -sense * law.coefficient(contact.slip) * pressure
         yield Defects(
@@ -185,17 +185,17 @@ def contact_defects(
     moving = (_material(samples, contact, law.body) - _material(samples, contact, law.base)) * contact.tangent.conj()
     slip = moving.real - (law.belt.at_arrays(times.ravel()).reshape(times.shape) if law.belt else 0.0)
     yield Defects("contact stays closed", name, times, np.abs(moving.imag), speed, "m/s")
-    yield Defects("slip velocity", name, times, np.where(listed, np.abs(slip - contact.slip), 0.0), speed, "m/s")
+    yield Defects("slip velocity", name, times, np.where(in_list, np.abs(slip - contact.slip), 0.0), speed, "m/s")
 
 
-def _largest(samples: MotionSamples, contact: ContactSamples) -> float:
+def _largest(samples: MotionSamples, contact: ContactInstants) -> float:
     """The scale of a contact's forces, N: the largest of them, or a weight."""
     gravity, mass = samples.case.effect(Gravity), plates_of(samples.case)[contact.law.body].mass
     every = np.abs(contact.normal)
     return max(float(np.max(every, where=np.isfinite(every), initial=0.0)), mass * gravity.g if gravity else 0.0)
 
 
-def _material(samples: MotionSamples, contact: ContactSamples, body: int | None) -> np.ndarray | complex:
+def _material(samples: MotionSamples, contact: ContactInstants, body: int | None) -> np.ndarray | complex:
     """The velocity of a plate's point at a contact, complex, m/s; 0 of track and supports."""
     if body is None:
         return 0j
@@ -234,18 +234,18 @@ def continuity_defects(samples: MotionSamples, reach: list[float]) -> Iterator[D
         )
 
 
-def impact_defects(samples: MotionSamples, found: Jumps, reach: list[float], speed: float) -> Iterator[Defects]:
+def impact_defects(samples: MotionSamples, sudden: Jumps, reach: list[float], speed: float) -> Iterator[Defects]:
     """Velocities jump in impacts only, whose impulses press, lie in the cone, and act at the contact."""
-    case, times = samples.case, samples.start[found.steps]
+    case, times = samples.case, samples.start[sudden.steps]
     if case.effect(Impact) is None:
         for b, name in enumerate(names_of(case)):
-            yield Defects("velocity is continuous", name, times, np.abs(found.velocity[b]), speed, "m/s")
-            yield Defects("spin is continuous", name, times, np.abs(found.spin[b]), speed / reach[b], "rad/s")
+            yield Defects("velocity is continuous", name, times, np.abs(sudden.velocity[b]), speed, "m/s")
+            yield Defects("spin is continuous", name, times, np.abs(sudden.spin[b]), speed / reach[b], "rad/s")
         return
     names = {change.contact for change in samples.transitions}
     if len(samples.plates) > 1 or len(samples.contacts) > 1 or len(names) > 1 or case.supports:
         return  # several contacts may share an impulse
-    one, k = samples.plates[0], found.steps
+    one, k = samples.plates[0], sudden.steps
     law = law_at(case, (names.pop() if names else CONTACT) or CONTACT)
     before, after = np.array([one.velocity, one.spin])[:, k - 1, -1], np.array([one.velocity, one.spin])[:, k, 0]
     yield from landing_defects(case, law, samples.transitions, times, one.place[k, 0], before, after, speed)
@@ -260,18 +260,19 @@ def landing_defects(
     presses, lies in the cone and acts there, and the normal velocity turns to −e times itself. Poisson's restitution
     has that only if the centre of mass lies on the normal."""
     plate, impact, name = case.plate, case.effect(Impact), law.name
+    assert impact is not None, "a velocity that jumps needs a law of impact"
     change, scale, inertia = after - before, case.plate.mass * speed, plate.inertia if plate.turns else 0.0
     if law.belt is None and (impact.law == "poisson" or impact.restitution == 0.0):
         work = plate.mass * (change[0].conj() * (after[0] + before[0])).real
         work += inertia * (change[1] * (after[1] + before[1])).real
         yield Defects("energy is not created", "", times, 0.5 * work, scale * speed, "J")
     places = {c.time: c.xi1 for c in transitions if c.cause == CAUSES["landing"]}
-    listed = np.array([t in places for t in times.tolist()], dtype=bool)
-    if not listed.any():
+    in_list = np.array([t in places for t in times.tolist()], dtype=bool)
+    if not in_list.any():
         return
-    base, tangent = point_and_tangent(law.track, np.array([places[t] for t in times[listed].tolist()]))
-    times, before, after, change = times[listed], before[:, listed], after[:, listed], change[:, listed]
-    arm = base - place[listed]
+    base, tangent = point_and_tangent(law.track, np.array([places[t] for t in times[in_list].tolist()]))
+    times, before, after, change = times[in_list], before[:, in_list], after[:, in_list], change[:, in_list]
+    arm = base - place[in_list]
     parts = plate.mass * change[0] * tangent.conj()
     yield Defects("impulse presses", name, times, -parts.imag, scale, "N s")
     if np.isfinite(law.stick):

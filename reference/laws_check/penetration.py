@@ -42,8 +42,10 @@ def _corners(outline: Curve) -> np.ndarray | None:
     """Corners (k,) of a polygon inside an outline, complex, in the plate's frame; None if it encloses nothing."""
     if not outline.period:
         return None
-    is_chain = isinstance(outline, Chain)
-    s = outline.vertices(CHAIN_TURN)[:-1] if is_chain else np.linspace(*outline.span, CORNERS, endpoint=False)
+    if isinstance(outline, Chain):
+        s = outline.vertices(CHAIN_TURN)[:-1]
+    else:
+        s = np.linspace(*outline.span, CORNERS, endpoint=False)
     x, y = outline.point(s)
     corners = x + 1j * y
     return corners[np.abs(corners - np.roll(corners, 1)) > 0.0]
@@ -121,8 +123,10 @@ def _in_plate(first: tuple[Plate, PlateSamples], second: tuple[Plate, PlateSampl
         return None
     if other.radius is not None:
         return plate.radius + other.radius - np.abs(one.place - base.place)
-    centre = (one.place - base.place) * base.turn.conj()
-    return plate.radius - _distance(centre, _corners(other.outline))
+    corners = _corners(other.outline)
+    if corners is None:
+        return None
+    return plate.radius - _distance((one.place - base.place) * base.turn.conj(), corners)
 
 
 def _distance(points: np.ndarray, corners: np.ndarray) -> np.ndarray:

@@ -66,7 +66,7 @@ class ContactLaw(NamedTuple):
         return self.friction.at(np.abs(slip)) if self.friction else 0.0
 
 
-class ContactSamples(NamedTuple):
+class ContactInstants(NamedTuple):
     """One contact in the m steps in which it is closed, given by their numbers (m,): arrays (m, 5) of the point of its
     base (complex, m) and the unit tangent there (complex), the slip velocity (m/s), normal and friction force (N, NaN
     where they are not unique), and the point of its plate (complex, m), which is the base's where the pose is computed
@@ -94,7 +94,7 @@ class MotionSamples(NamedTuple):
     length: np.ndarray
     times: np.ndarray
     plates: tuple[PlateSamples, ...]
-    contacts: tuple[ContactSamples, ...]
+    contacts: tuple[ContactInstants, ...]
     is_next: np.ndarray
     is_straight: np.ndarray
     near: dict[str, np.ndarray]
@@ -188,15 +188,17 @@ def _plate(state: State, shape: tuple[int, ...]) -> PlateSamples:
 def _contact(
     case: Case, motion: Trajectory, name: str, state: State, plates: tuple[PlateSamples, ...], times: np.ndarray,
     near: dict[str, list[float]],
-) -> ContactSamples:  # fmt: skip
+) -> ContactInstants:  # fmt: skip
     """One contact of a motion at the nodes of its steps; its parameters are added to those that are near."""
     law, columns = law_at(case, name or CONTACT), motion.contact_columns
+    first: Mode | None
     if columns is not None:
         now = getattr(columns, "without_ranges", columns)(name, times.ravel())
         own = [t for t in motion.transitions if t.contact == name]
         first = own[0].before if own else _only_mode(law, now.slip, float(np.abs(plates[law.body].velocity).max()))
     else:
-        now, own, first = state, list(motion.transitions), motion.first_mode
+        now, own = state, list(motion.transitions)
+        first = motion.first_mode
     rows = (now.slip, now.normal_force, now.friction_force, now.xi1, now.xi2)
     slip, normal, friction, xi1, xi2 = (np.reshape(np.broadcast_to(row, times.size), times.shape) for row in rows)
     changes = np.array([change.time for change in own])
@@ -215,4 +217,4 @@ def _contact(
         base = under.place[steps] + under.turn[steps] * base
         tangent = -under.turn[steps] * tangent
     point = plates[law.body].place[steps] + plates[law.body].turn[steps] * point_and_tangent(law.outline, xi2)[0]
-    return ContactSamples(law, steps, base, tangent, slip, normal, friction, point, mode[steps])
+    return ContactInstants(law, steps, base, tangent, slip, normal, friction, point, mode[steps])

@@ -12,17 +12,13 @@ from cases.contact import belt_speed, start_motion
 from cases.mechanics import energy
 from cases.piece_case import PieceCase
 
-from ..laws_check import BROKEN_LAW, ending_by_laws
 from ..minimal.contact_end import slip_and_spin
 from ..minimal.decision import Undecidable
 from ..minimal.modes import FLIGHT, Phase, full_state, start_state
 from ..minimal.phase_end import CAUSES, undecidable
-from ..solve import INTEGRATORS, METHODS, as_trajectory, at_once, first_regime, solve_motion
+from ..solve import INTEGRATORS, METHODS, at_once, first_regime, solve_motion
 from .scenario_values import ScenarioGroup
 
-# One of so many scenarios is checked by the laws, and every one that does not end by its duration, by leaving its track
-# or at the end of a curve.
-CHECKED, USUAL = 1000, ("completed", "lift_off", "track_end", "outline_end")
 MODES = tuple(Mode)
 PHRASES = tuple(dict.fromkeys(CAUSES.values()))
 NUMBER = {mode: number for number, mode in enumerate(MODES)}
@@ -105,8 +101,6 @@ def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> list[Transit
         )
     except Undecidable:
         segments, transitions, ending = [], [], undecidable(0.0)
-    if i % CHECKED == 0 or ending[0] not in USUAL:
-        ending = ending_by_laws(case, (segments, transitions, ending), rtol, as_trajectory)
     motions.status[i], motions.reason[i] = ending
     motions.alone[i], motions.steps[i] = True, sum(segment.steps for segment in segments)
     first = segments[0].phase.regime.mode if segments else at_once(ending[0])
@@ -120,23 +114,6 @@ def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> list[Transit
             energy(case, _motion_in(case, last.phase, last.event.time, last.event.state)),
         )
     return transitions
-
-
-def check_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motions: Motions) -> None:
-    """Check by the laws, simulated alone, one of CHECKED scenarios that were simulated together, and those whose end is
-    not usual; a motion that breaks a law gets that status."""
-    is_usual = np.isin(motions.status[indices].astype(str), USUAL)
-    for i in indices[~is_usual | (scenes.rows[indices] % CHECKED == 0)].tolist():
-        case = scenes.alone(i)
-        with np.errstate(all="ignore"):  # as in `simulate`
-            start = start_state(case)
-            try:
-                solution = solve_motion(case, first_regime(case, start), start, rtol, INTEGRATORS[METHODS[0]][1])
-            except Undecidable:
-                continue
-            ending = ending_by_laws(case, solution, rtol, as_trajectory)
-        if ending[0] == BROKEN_LAW:
-            motions.status[i], motions.reason[i] = ending
 
 
 def _motion_in(case: Case, now: Phase, t: float, own) -> geometry.MotionPoint | State:

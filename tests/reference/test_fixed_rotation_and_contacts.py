@@ -168,7 +168,7 @@ def test_a_motion_with_impacts_is_certified():
     assert certificate.transitions and all(time.bar <= 1e-11 for _, _, time, _ in certificate.transitions)
 
 
-def test_engines_reject_it_in_one_sentence():
+def test_engines_model_it_or_reject_it_in_one_sentence():
     case, count = in_v(0.1, 0.2), 0
     for name in lookup.engines():
         try:
@@ -177,6 +177,6 @@ def test_engines_reject_it_in_one_sentence():
             continue
         for route in module.routes:
             reason = adapters.refusal(module, case, route)
-            assert reason and reason.endswith(".") and "\n" not in reason
-            count += 1
+            assert reason is None or reason.endswith(".") and "\n" not in reason
+            count += reason is not None
     assert count

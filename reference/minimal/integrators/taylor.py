@@ -6,7 +6,6 @@ Optional: without heyoka, `AVAILABLE` is False and DOP853 is used.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
 from copy import deepcopy
 from functools import lru_cache, partial
 from math import inf, ulp
@@ -17,7 +16,7 @@ from ..defect_check import Expansion, good_part
 from ..modes import Phase
 from ..system import System
 from .pool import IntegratorPool
-from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Record, Segment
+from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Segment
 
 try:
     import heyoka as hy
@@ -54,9 +53,6 @@ SHORTEST = 16
 # those of a hundred steps that a motion amplifies tenfold are then the tolerance. (On a sliver, with 1 in place of 0.1,
 # they were ten tolerances.) Forces have the error ROUNDING, as differences of terms up to 1000 times as large.
 DEFECT, ROUNDING = 0.1, 1e-12
-# The steps of a phase are kept as they are taken up to this many, half a millisecond's; of more, which would fill
-# memory, they are repeated when they are requested.
-MOST_KEPT = 128
 # The compiled loop returns after this many steps, so that it does not run forever towards a singularity.
 CHUNK = 1000
 
@@ -152,10 +148,11 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float, optimised: boo
     outcome = None if phase.checks_steps else integrators.call(_at_once, phase, t, y, end, tolerance)
     if outcome is None:
         return integrators.call(_one_by_one, phase, t, y, end, tolerance)
-    event, steps, course = outcome
+    event, steps = outcome
     # No closure, to spare the garbage collector.
-    record = course or partial(_again, phase, t, y, end, tolerance, event.time, steps, optimised)
-    return Segment(phase, t, event, steps, steps, record)
+    return Segment(
+        phase, t, event, steps, steps, partial(_again, phase, t, y, end, tolerance, event.time, steps, optimised)
+    )
 
 
 def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: float, steps: int, optimised: bool):
@@ -165,69 +162,24 @@ def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: fl
     return np.append(again.times[:-1], end_time), again.states
 
 
-def steps_taken(segment: Segment) -> tuple[list[float], list[np.ndarray]]:
-    """The step times of a phase, and the coefficients (variables, powers) of each step; none by another method."""
-    if isinstance(segment.record, TaylorSteps):
-        return segment.record.times, segment.record.coefficients
-    times, states = segment.times.tolist(), segment.states
-    is_known = isinstance(states, TaylorOutput) and len(states.starts) >= len(times) - 1
-    return times, list(states.by_power.transpose(2, 1, 0)) if is_known else []
-
-
-def start_and_step(segment: Segment) -> tuple[Sequence[float], float, np.ndarray] | None:
-    """The state at the start of a phase, and the start (s) and coefficients (variables, powers) of its middle step, or
-    of one from its end on where the compiled loop has left none; None if it was integrated by another method."""
-    record = segment.record
-    if isinstance(record, TaylorSteps):
-        i = len(record.coefficients) // 2
-        constant = np.array(record.y, dtype=float)[:, None]
-        return record.y, record.times[i], record.coefficients[i] if record.coefficients else constant
-    if isinstance(record, partial) and record.func is _again:
-        phase, t, y, _, tolerance, end, _, optimised = record.args
-        integrators = integrators_of(phase.system, tolerance, float, optimised)
-        more = integrators.call(_one_by_one, phase, end, segment.event.state, 2.0 * end - t, tolerance, most_steps=1)
-        return y, end, more.states.by_power[:, :, 0].T
-    states = record[1] if isinstance(record, tuple) else None
-    if not isinstance(states, TaylorOutput):
-        return None
-    i = min(segment.steps // 2, len(states.starts) - 1)
-    return states.by_power[0, :, 0].tolist(), float(states.starts[i]), states.by_power[:, :, i].T
-
-
 def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
     """Integrate in quadruple precision, start and end of the phase rounded to double; `rtol` is ignored."""
     integrators = integrators_of(phase.system, QUADRUPLE_TOLERANCE, hy.real128)
     return integrators.call(_one_by_one, phase, t, y, end, QUADRUPLE_TOLERANCE)
 
 
-def _at_once(
-    workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float
-) -> tuple[Event, int, TaylorSteps | None] | None:
-    """The event that ends the phase, the number of steps and, of few, the steps, by heyoka's own loop; None if its
-    outcome is unclear."""
-    integrator, coefficients = workspace.integrator, workspace.coefficients
+def _at_once(workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
+    """The event that ends the phase and the number of steps, by heyoka's own loop; None if its outcome is unclear."""
+    integrator = workspace.integrator
     first = _leave(workspace, phase, t, y, end, tolerance)
     if first.guard:
         return None
-    course = TaylorSteps([t], [], y)
-    if first.steps:
-        course.add(coefficients, first.time)
-    outcome = int(integrator.step(min(end - first.time, first.longest), True)[0])
+    outcome = int(integrator.step(min(end - first.time, first.longest))[0])
     steps, guard, time = first.steps + 1, _guard(outcome, phase), integrator.time
-    if time > course.times[-1]:
-        course.add(coefficients, time)
     if guard is None and outcome not in (SUCCESS, TIME_LIMIT):
         return None
-
-    def keep(after) -> bool:
-        if len(course.coefficients) < MOST_KEPT:
-            course.add(coefficients, after.time)
-        return True
-
     while guard is None and time < end:
-        result, shortest, _, count, _, _ = integrator.propagate_until(
-            end, max_steps=CHUNK, callback=keep, write_tc=True
-        )
+        result, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
         outcome, time = int(result), integrator.time
         steps, guard = steps + count, _guard(outcome, phase)
         if guard is None and steps >= MOST_STEPS:
@@ -235,7 +187,7 @@ def _at_once(
         is_known = guard is not None or outcome in (TIME_LIMIT, STEP_LIMIT)
         if shortest <= SHORTEST * ulp(time) or not is_known:
             return None
-    return Event(guard, time, tuple(workspace.state.tolist())), steps, course if course.times[-1] == time else None
+    return Event(guard, time, tuple(workspace.state.tolist())), steps
 
 
 def _guard(outcome: int, phase: Phase) -> str | None:
@@ -270,7 +222,7 @@ def _one_by_one(
             elif times[-1] < end and times[-1] - times[-2] <= SHORTEST * ulp(times[-1]):
                 return _breakdown(phase, times, coefficients, y)
     event = Event(guard, float(integrator.time), tuple(float(v) for v in workspace.state))
-    return Segment.of(phase, np.array(times), TaylorOutput(times, coefficients, y), event, len(coefficients))
+    return Segment.of(phase, np.array(times), _TaylorOutput(times, coefficients, y), event, len(coefficients))
 
 
 def _step(workspace: Workspace, phase: Phase, longest, tolerance: float):
@@ -315,7 +267,7 @@ def _breakdown(phase: Phase, times, coefficients, y) -> Segment:
     # Towards a singularity the coefficients of quadruple precision outgrow doubles while the state is still finite.
     while steps > 1 and not np.all(np.isfinite(coefficients[steps - 1])):
         steps -= 1
-    states = TaylorOutput(times[: steps + 1], coefficients[:steps], y)
+    states = _TaylorOutput(times[: steps + 1], coefficients[:steps], y)
     last = times[steps]
     event = Event(BREAKDOWN, last, tuple(float(v) for v in states(np.array([last]))[:, 0]))
     return Segment.of(phase, np.array(times[: steps + 1]), states, event, len(coefficients))
@@ -332,26 +284,7 @@ def _leave(workspace: Workspace, phase: Phase, t: float, y, end: float, toleranc
     return first
 
 
-class TaylorSteps:
-    """The steps of a phase as the integrator leaves them: times (one more than steps), and for each step the
-    coefficients (variables, powers); `y`: the state at its start. Called, it returns times and dense output, which
-    takes as long as a phase."""
-
-    __slots__ = ("times", "coefficients", "y")
-
-    def __init__(self, times: list[float], coefficients: list[np.ndarray], y):
-        self.times, self.coefficients, self.y = times, coefficients, y
-
-    def add(self, coefficients: np.ndarray, end: float) -> None:
-        """Add a step; its coefficients are copied."""
-        self.coefficients.append(coefficients.copy())
-        self.times.append(end)
-
-    def __call__(self) -> Record:
-        return np.array(self.times), TaylorOutput(self.times, self.coefficients, self.y)
-
-
-class TaylorOutput:
+class _TaylorOutput:
     """Dense output from the steps' Taylor polynomials, t ↦ states (variables, n).
 
     Two arrays and no closures: with 10⁵ phases each object adds to the garbage collector's work.
@@ -380,7 +313,7 @@ class TaylorOutput:
 
 
 @lru_cache(maxsize=16)
-def _rows(dense: TaylorOutput, i: int) -> tuple[float, list[list[float]]]:
+def _rows(dense: _TaylorOutput, i: int) -> tuple[float, list[list[float]]]:
     """The start of one step, and its polynomials from the highest power down, without vanishing powers."""
     own = dense.by_power[:, :, i]
     used = max(np.flatnonzero(own.any(axis=1)), default=0) + 1
