@@ -104,7 +104,7 @@ def test_rows_whose_question_is_not_known_are_another_sweeps(tmp_path, monkeypat
         (["disc_in_circle"], "nothing varies"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--vary", "mu=0:1:3"], "given twice"),
         (["disc_in_circle", "--vary", "mu=0:1", "--sample", "sobol"], "needs the number of scenarios"),
-        (["disc_in_circle", "--vary", "mu=0:1:3", "--refine", "0"], "give a width above zero"),
+        (["disc_in_circle", "--vary", "mu=0:1:3", "--refine", "0"], "--refine is 0; give a number greater than zero"),
         (["disc_in_circle", "--vary", "mu=0.1,0.2", "--refine", "1e-3"], "needs a range to divide"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--solver", "exudin"], "there is no solver 'exudin'"),
         (["disc_in_circle", "--vary", "mu=0:1:3", "--jobs", "0"], "from 1 to"),
