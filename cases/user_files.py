@@ -26,7 +26,7 @@ def place(what: str, path: object) -> Path:
 def existing(what: str, path: object, follow: bool = True) -> Path:
     """The path of an existing regular file; raises BadValue or UnknownName.
 
-    `follow`: whether it may be a link. Of a stranger's files none may: messages quote them, and the target is not
+    `follow`: whether it may be a link. Of files from outside none may: messages quote them, and the target is not
     theirs.
     """
     file = place(what, path)

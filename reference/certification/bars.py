@@ -29,7 +29,7 @@ ULPS = 4
 # times of the catalogue's transitions differ from those in quadruple precision by 8e-15 s and 32 roundings (medians),
 # and by as much again on machines with other elementary functions. The README and docs/truth.md give the errors of a
 # time of one second: 1e-15 and 1e-14 s.
-METHOD_ULPS = {"taylor": ULPS, "taylor_quadruple": ULPS, "dop853": 64}
+METHOD_ULPS = {"taylor": ULPS, "dop853": 64}
 # The state is moved by this many roundings, and the difference is divided by the number: the integrator's own rounding
 # is then far below the difference. If the larger move changes the events, the smaller one is used.
 STEPS = (64.0, float(ULPS))

@@ -44,14 +44,13 @@ FINEST = {"taylor": 1e-12, "dop853": 1e-13}
 
 class Witness(NamedTuple):
     """One solution: its transitions, status, end of the motion, and states at any times, by quantity (those of the
-    first formulation include the contact's parameters); `reason`: that of the status, if known."""
+    first formulation include the contact's parameters)."""
 
     name: str
     transitions: Sequence[Transition]
     status: str
     end: float
     states: Callable[[np.ndarray], dict[str, np.ndarray]]
-    reason: str = ""
 
     @property
     def events(self):
@@ -114,7 +113,7 @@ def _witness(name: str, motion: Trajectory) -> Witness:
     def states(times):
         return states_of(motion, np.minimum(times, motion.t[-1]))
 
-    return Witness(name, motion.transitions, motion.status, float(motion.t[-1]), states, motion.reason)
+    return Witness(name, motion.transitions, motion.status, float(motion.t[-1]), states)
 
 
 def quantities(case: Case) -> tuple[str, ...]:

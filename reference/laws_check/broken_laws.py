@@ -49,7 +49,7 @@ def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLa
     normal forces press, Coulomb's law, no slip in a roll, contacts stay closed, poses are continuous, velocities jump
     in impacts only, whose impulse lies in the cone, energy is not created (where no load, belt or effect of a package
     gives some), and momenta change by the forces. Forces that are not unique (NaN) are in no balance, and the modes
-    within a series of impacts that are not listed are not instants.
+    within a series of impacts that are not listed are not known.
     Raises BadValue for a motion without dense output.
     """
     if not isinstance(motion, Trajectory) or motion.dense is None:
@@ -130,13 +130,13 @@ def _other_defects(samples: MotionSamples, part: float) -> Iterator[Defects]:
         yield from laws.impact_defects(samples, sudden, reach, speed)
     yield from laws.energy_defects(samples, speed)
     size = max(float(np.abs(p.place).max()) + r for p, r in zip(samples.plates, reach, strict=True))
-    for depth in penetration.depths(samples, False):
+    for depth in penetration.depths(samples):
         yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, size, "m")
 
 
 def _is_listed(samples: MotionSamples, sudden: Jumps, steps: np.ndarray) -> np.ndarray:
     """Which of some steps have the modes that the transitions list: not those of a series of impacts that are not
-    in_list, from the last transition before one of these to the end of the series."""
+    listed, from the last transition before one of these to the end of the series."""
     instants = np.array([0.0, *(change.time for change in samples.transitions)])
     rests = np.array([*(c.time for c in samples.transitions if c.cause == CAUSES["rest"]), np.inf])
     others = np.setdiff1d(samples.start[sudden.steps], instants)

@@ -161,10 +161,10 @@ def contact_defects(
     pressure, force = np.abs(normal), _largest(samples, contact)
     if samples.case.effect(Unilateral) is not None:
         yield Defects("normal force presses", name, times, -normal, force, "N")
-    in_list = is_listed[:, None]
-    sense = in_list * np.array([SENSE.get(mode, 0.0) for mode in contact.modes])[:, None]
-    sticks = in_list & np.array([mode in STICKING for mode in contact.modes])[:, None]
-    slides = in_list & np.array([mode is Mode.SLIDE for mode in contact.modes])[:, None]
+    is_certain = is_listed[:, None]
+    sense = is_certain * np.array([SENSE.get(mode, 0.0) for mode in contact.modes])[:, None]
+    sticks = is_certain & np.array([mode in STICKING for mode in contact.modes])[:, None]
+    slides = is_certain & np.array([mode is Mode.SLIDE for mode in contact.modes])[:, None]
     if (sense != 0.0).any():
         kinetic = -sense * law.coefficient(contact.slip) * pressure
         yield Defects(
@@ -185,7 +185,7 @@ def contact_defects(
     moving = (_material(samples, contact, law.body) - _material(samples, contact, law.base)) * contact.tangent.conj()
     slip = moving.real - (law.belt.at_arrays(times.ravel()).reshape(times.shape) if law.belt else 0.0)
     yield Defects("contact stays closed", name, times, np.abs(moving.imag), speed, "m/s")
-    yield Defects("slip velocity", name, times, np.where(in_list, np.abs(slip - contact.slip), 0.0), speed, "m/s")
+    yield Defects("slip velocity", name, times, np.where(is_certain, np.abs(slip - contact.slip), 0.0), speed, "m/s")
 
 
 def _largest(samples: MotionSamples, contact: ContactInstants) -> float:
@@ -267,12 +267,12 @@ def landing_defects(
         work += inertia * (change[1] * (after[1] + before[1])).real
         yield Defects("energy is not created", "", times, 0.5 * work, scale * speed, "J")
     places = {c.time: c.xi1 for c in transitions if c.cause == CAUSES["landing"]}
-    in_list = np.array([t in places for t in times.tolist()], dtype=bool)
-    if not in_list.any():
+    has_place = np.array([t in places for t in times.tolist()], dtype=bool)
+    if not has_place.any():
         return
-    base, tangent = point_and_tangent(law.track, np.array([places[t] for t in times[in_list].tolist()]))
-    times, before, after, change = times[in_list], before[:, in_list], after[:, in_list], change[:, in_list]
-    arm = base - place[in_list]
+    base, tangent = point_and_tangent(law.track, np.array([places[t] for t in times[has_place].tolist()]))
+    times, before, after, change = times[has_place], before[:, has_place], after[:, has_place], change[:, has_place]
+    arm = base - place[has_place]
     parts = plate.mass * change[0] * tangent.conj()
     yield Defects("impulse presses", name, times, -parts.imag, scale, "N s")
     if np.isfinite(law.stick):

@@ -58,17 +58,13 @@ def _line(curve: Curve) -> tuple[complex, complex] | None:
     return None if line is None else (complex(*line.point), complex(*line.direction))
 
 
-def depths(samples: MotionSamples, is_proven: bool) -> Iterator[Depth]:
-    """The depths of all pairs; `is_proven`: plate and track touch nowhere but in their contact."""
+def depths(samples: MotionSamples) -> Iterator[Depth]:
+    """The depths of all pairs."""
     case, names, plates = samples.case, names_of(samples.case), plates_of(samples.case)
     curves = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
     for name, plate, one in zip(names, plates, samples.plates, strict=True):
         for base, curve in curves:
-            where = _apart(samples) if is_proven else slice(None)
-            times = samples.times[where]
-            if times.size:
-                posed = PlateSamples(*(row[where] for row in one))
-                yield from in_curve(f"{name}/{base}", curve, plate, posed, times, samples.near.get(base))
+            yield from _in_curve(f"{name}/{base}", curve, plate, one, samples.times, samples.near.get(base))
     for i in range(1, len(plates)):
         for j in range(i):
             depth = _in_plate((plates[i], samples.plates[i]), (plates[j], samples.plates[j]))
@@ -76,15 +72,7 @@ def depths(samples: MotionSamples, is_proven: bool) -> Iterator[Depth]:
                 yield Depth(f"{names[i]}/{names[j]}", samples.times, depth)
 
 
-def _apart(samples: MotionSamples) -> np.ndarray:
-    """The numbers of the steps without contact."""
-    is_open = np.ones(len(samples.start), dtype=bool)
-    for contact in samples.contacts:
-        is_open[contact.steps] = False
-    return np.flatnonzero(is_open)
-
-
-def in_curve(
+def _in_curve(
     pair: str, curve: Curve, plate: Plate, one: PlateSamples, times: np.ndarray, near: np.ndarray | None
 ) -> Iterator[Depth]:
     """A plate in a track or support."""

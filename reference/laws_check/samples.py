@@ -126,17 +126,12 @@ def point_and_tangent(curve, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return (point[0] + 1j * point[1]).reshape(s.shape), (tangent[0] + 1j * tangent[1]).reshape(s.shape)
 
 
-def steps_of(motion: Trajectory, most: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Starts and lengths (s) of the steps of a motion between its samples and transitions; of `most`, if it has
-    more."""
+def steps_of(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
+    """Starts and lengths (s) of the steps of a motion between its samples and transitions."""
     end = float(motion.t[-1])
     knots = np.unique([*motion.t, *(change.time for change in motion.transitions if 0.0 < change.time < end)])
     knots = knots[np.insert(np.diff(knots) > CLOSE * end, 0, True)]
-    start, length = knots[:-1], np.diff(knots)
-    if most is not None and len(start) > most:
-        some = np.unique(np.linspace(0, len(start) - 1, most).astype(int))
-        start, length = start[some], length[some]
-    return start, length
+    return knots[:-1], np.diff(knots)
 
 
 def of_motion(case: Case, motion: Trajectory, start: np.ndarray, length: np.ndarray) -> MotionSamples:

@@ -66,7 +66,7 @@ def faults() -> list[Fault]:
 def with_patch(fault: Fault, text: str) -> str:
     """The file's text with the fault; raises ValueError if the text before is not there exactly once."""
     if (count := text.count(fault.before)) != 1:
-        raise ValueError(f"{fault.id}: {fault.file} has the text to replace {count} times; write `before` anew")
+        raise ValueError(f"{fault.id}: {fault.file} has the text to replace {count} times; write `before` again")
     return text.replace(fault.before, fault.after)
 
 
