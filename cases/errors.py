@@ -160,6 +160,13 @@ def whole(what: str, value: object, least: int, most: int) -> int:
     return int(number)
 
 
+def whole_in(what: str, text: str, least: int, most: int) -> int:
+    """The whole number from `least` to `most` that a text is; raises BadValue for any other text."""
+    if not _NUMBER.fullmatch(text):
+        raise BadValue(f"{what} is {text[:40]!r}; give a whole number from {least} to {most}")
+    return whole(what, float(text), least, most)
+
+
 def between(what: str, value: object, least: float, most: float) -> float:
     """`value` as a float; raises BadValue unless it is a number from `least` to `most`."""
     number = real(value)

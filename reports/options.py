@@ -16,7 +16,7 @@ import adapters
 import cases
 from cases import BadValue, lookup
 from cases.command_line import Parser, program
-from cases.errors import not_negative, number_in, unknown_name, whole
+from cases.errors import not_negative, number_in, unknown_name, whole_in
 from cases.owned_folder import OwnedFolder, TemporaryFolder
 from cases.user_files import place
 
@@ -316,7 +316,7 @@ def points_of(text: str | None) -> int | None:
     """Parse --points; raises BadValue unless it is a whole number from FEWEST_POINTS to MOST_POINTS."""
     if text is None:
         return None
-    return whole("--points", number_in("--points", text), FEWEST_POINTS, MOST_POINTS)
+    return whole_in("--points", text, FEWEST_POINTS, MOST_POINTS)
 
 
 def _submissions(folder: str | None, case_list: Sequence[Case]) -> tuple[External, ...]:
@@ -331,7 +331,7 @@ def _submissions(folder: str | None, case_list: Sequence[Case]) -> tuple[Externa
 
 def whole_jobs(text: str) -> int:
     """Parse the number of concurrent runs; raises BadValue unless it is a whole number from 1 to MOST_JOBS."""
-    return whole("--jobs", number_in("--jobs", text), 1, MOST_JOBS)
+    return whole_in("--jobs", text, 1, MOST_JOBS)
 
 
 def choose_cases(texts: Sequence[str], effort: str) -> tuple[tuple[Case, ...], tuple[str, ...]]:

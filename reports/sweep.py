@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from cases import BadValue, lookup
 from cases.command_line import status
-from cases.errors import finite, number_in, positive, whole
+from cases.errors import finite, number_in, positive, whole_in
 
 from . import options
 
@@ -58,8 +58,8 @@ def _plan(arguments, case: str, files: Sequence[str]):
         if name.strip() in vary:
             raise BadValue(f"--vary {name.strip()} is given twice; give each parameter once")
         vary[name.strip()] = values.strip()
-    number = None if arguments.number is None else whole("--number", number_in("--number", arguments.number), 1, MOST)
-    seed = whole("--seed", number_in("--seed", arguments.seed), 0, MOST)
+    number = None if arguments.number is None else whole_in("--number", arguments.number, 1, MOST)
+    seed = whole_in("--seed", arguments.seed, 0, MOST)
     rtol = finite("--rtol", number_in("--rtol", arguments.rtol))
     sweep_plan = plan(case, vary, arguments.sample, number, seed, rtol, files)
     table.check_names(sweep_plan)

@@ -149,12 +149,11 @@ def read(model):
     if how == "gives up":
         raise EngineFailure("Newton gave up")
     motion = bowled(case, np.linspace(0.0, case.duration, 301))
-    if how == "nan":
-        motion.x[5] = np.nan
+    if how == "nan" or way == "far":
+        fifth = np.arange(len(motion.x)) == 5
+        motion = dataclasses.replace(motion, x=np.where(fifth, np.nan if how == "nan" else 1e300, motion.x))
     if how == "never rolls":
-        motion.slip[:] += 0.5
-    if way == "far":
-        motion.x[5] = 1e300
+        motion = dataclasses.replace(motion, slip=motion.slip + 0.5)
     if way in ODD_STEPS:
         motion = dataclasses.replace(motion, cost=Cost(steps=ODD_STEPS[way]))
     if way == "own":

@@ -201,8 +201,8 @@ def test_tables_have_the_promised_columns(report):
     promised = {
         "transitions": "case,solver,version,route,setting,event,before,after,time,reference_time,error,"
         "truth_error_bar,pairing,contact,reading_doubt",
-        "trajectories": "case,solver,version,route,setting,outcome,grade,off,off_doubt,friction_factor,reason,"
-        "sequence,pose_score,mode_score,slip_score,creep,status,first_mode,transitions_true,paired,"
+        "trajectories": "case,solver,version,route,setting,outcome,grade,off,off_doubt,mu_equivalent,friction_factor,"
+        "reason,refusal,sequence,pose_score,mode_score,slip_score,creep,status,first_mode,transitions_true,paired,"
         "missed,spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"
         "energy_mean,cpu_s,setup_s,steps,run_at",
         "convergence": "case,solver,version,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
@@ -239,7 +239,7 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
 
 def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
     figures, texts = list((report / "figures").glob("*.svg")), list((report / "tables").glob("*.md"))
-    assert len(figures) == 7 and {text.stem for text in texts} == {*tables.TABLES, "verdict", "columns"}
+    assert len(figures) == 7 and {text.stem for text in texts} == {*tables.TABLES, "verdict", "pairs", "columns"}
     for figure in figures:
         assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text()), figure
     for file in texts:

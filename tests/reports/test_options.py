@@ -95,7 +95,7 @@ def by_hand(name: str = "bowled_by_hand", **changes) -> cases.Case:
         ([by_hand()], dict(store=""), "is empty"),
         ([by_hand()], dict(store="."), "--store"),
         ([by_hand()], dict(out="out", store=Path.cwd().anchor), "--store"),
-        ([by_hand()], dict(jobs="1_0"), "give a number"),
+        ([by_hand()], dict(jobs="1_0"), "give a whole number from 1 to"),
     ],
 )
 def test_a_report_that_makes_no_sense_is_refused_before_anything_runs(given, more, hint, tmp_path, monkeypatch):
