@@ -137,7 +137,7 @@ def _build(plan: BuildPlan) -> int:
             study_results = _study(plan, calls)
             experiment = external_motions.join_external(local_runs, plan.trajectories)
             with report_folder.of_report(plan.out).staging(whole=True) as place, for_print(plan.paper):
-                verdicts, left_out = _write(plan, experiment, local_runs, costs, study_results, calls, place)
+                verdicts, pair_rows, left_out = _write(plan, experiment, local_runs, costs, study_results, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
     except cluster.NoWorkers as problem:
@@ -145,7 +145,7 @@ def _build(plan: BuildPlan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, experiment, verdicts, study_results, left_out, calls))
+    print(_summary(plan, experiment, verdicts, pair_rows, study_results, left_out, calls))
     lacking = _without_truth(experiment) + (_run_by_nobody(experiment) if plan.is_selection else [])
     lacking = lacking or _nothing_ran(experiment)
     for sentence in lacking:
@@ -250,10 +250,10 @@ def _write(
     study_results: Sequence[Result],
     calls: Calls,
     place: Path,
-) -> tuple[list[dict[str, Any]], list[LeftOut]]:
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[LeftOut]]:
     """Write tables, figures, page and manifest into a folder.
 
-    Returns the rows of the verdict, and the items made without a solver because they fail with its results.
+    Returns the rows of the verdict and of pairs, and the items made without a solver as they fail with its results.
     `local_runs`: the experiment without external motions."""
     from .drawing.figure_files import embed_command
     from .page import chapters, html, motions, pictures, report_folder, table_files
@@ -276,7 +276,7 @@ def _write(
     facts["not installed"] = "; ".join(missing_words(local_runs.versions))
     facts["solvers"] |= external_motions.sources(plan.trajectories)
     output = table_files.Tables(place / "tables", command, local_runs.versions, plan.paper)
-    rows = table_files.write(output, experiment, local_runs, costs, study_results)
+    rows, pair_rows = table_files.write(output, experiment, local_runs, costs, study_results)
     calls.times.book("tables")
     figures = place / "figures"
     entries, of_studies = pictures.draw(experiment, local_runs, costs, study_results, figures, calls)
@@ -317,7 +317,7 @@ def _write(
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     facts["left_out"] = [one._asdict() for one in output.left_out]
     report_folder.sign(place, facts)
-    return rows, output.left_out
+    return rows, pair_rows, output.left_out
 
 
 def _options(plan: BuildPlan) -> str:
@@ -334,6 +334,7 @@ def _summary(
     plan: BuildPlan,
     experiment: Experiment,
     verdicts: Sequence[dict[str, Any]],
+    pair_rows: Sequence[dict[str, Any]],
     study_results: Sequence[Result],
     left_out: Sequence[LeftOut],
     calls: Calls,
@@ -344,7 +345,7 @@ def _summary(
     from .running.timing import phase_times
 
     lines = [
-        *verdict.filled(verdict.sentence(verdicts, verdict.pairs(experiment))),
+        *verdict.filled(verdict.sentence(verdicts, pair_rows)),
         "",
         verdict.in_terminal(verdicts),
         "",

@@ -104,8 +104,8 @@ def with_short_numbers(frame: pd.DataFrame) -> pd.DataFrame:
 
 def write(
     output: Tables, shown: Experiment, ran: Experiment, measurements: CostMeasurements, results: Sequence[Result]
-) -> list[dict]:
-    """Write all tables of a report except that of omitted results; returns the rows of the verdict.
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Write all tables of a report except that of omitted results; returns the rows of the verdict and of pairs.
 
     `ran`: the experiment without external motions.
     """
@@ -137,7 +137,7 @@ def write(
     words = {"verdict": verdict.HOLDS, "pairs": verdict.PAIRS_HOLD}
     output.add(make_verdict, (shown, *times), words, "tables verdict and pairs")
     output.frames = {"verdict": output.frames.pop("verdict")} | output.frames
-    return verdicts
+    return verdicts, in_pairs
 
 
 def describe(output: Tables) -> None:

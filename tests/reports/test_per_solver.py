@@ -183,7 +183,10 @@ def rows_of_others(report: Path) -> dict[str, list]:
         frame = pd.read_csv(file, dtype=str, keep_default_na=False)
         if file.stem != "left_out":
             of = frame["solver"] if "solver" in frame.columns else pd.Series([""] * len(frame), dtype=str)
-            found[file.stem] = frame[~of.str.startswith(SPOILT)].to_dict("records")
+            spoilt = of.str.startswith(SPOILT)
+            if "other_solver" in frame:  # a pair is of both
+                spoilt |= frame["other_solver"].str.startswith(SPOILT)
+            found[file.stem] = frame[~spoilt].to_dict("records")
     return found
 
 

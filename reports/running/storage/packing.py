@@ -21,7 +21,6 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 
 import cases
-from cases.errors import printable
 
 # Allowed kinds of an array's elements: booleans, signed and unsigned integers, floats.
 _ELEMENTS = "biuf"
@@ -67,14 +66,14 @@ def unpack(kind: Any, data: Any, arrays: Sequence[bytes]) -> Any:
     # A count written as 100.0 is a count.
     if kind is int and type(data) is float and data.is_integer():
         return int(data)
-    if type(data) is not kind or (kind is str and printable(data) != data):
+    if type(data) is not kind:
         raise ValueError(f"{data!r} is not a {getattr(kind, '__name__', kind)}")
     return data
 
 
 def _unpack_union(kinds: tuple, data: Any, arrays: Sequence[bytes]) -> Any:
     if type(data) in kinds:
-        return unpack(type(data), data, arrays)
+        return data
     others = [kind for kind in kinds if kind is not NoneType]
     if len(others) != 1:
         raise ValueError(f"{data!r} has none of the types {kinds}")

@@ -71,6 +71,8 @@ class Store:
             if data["key"] != key:
                 raise ValueError("it has another key")
             value, when = unpack(record, data["record"], arrays), unpack(str, data["when"], ())
+            if not when.isprintable():
+                raise ValueError("its time is no text that a command writes")
             with suppress(OSError):
                 os.utime(path)  # marks the file as used recently
         except UnknownName:
