@@ -74,6 +74,7 @@ def _child(
     sentence = "its problem cannot be described"
     try:
         os.setsid()
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a command makes it an interruption, which is not for this copy
         signal.alarm(int(seconds) + 10)  # in case the parent has ended
         nothing = os.open(os.devnull, os.O_RDONLY)
         for own, standard in ((nothing, 0), (output.fileno(), 1), (output.fileno(), 2)):

@@ -7,9 +7,11 @@ change. The answers of a changed process are discarded, and it makes no further 
 
 from __future__ import annotations
 
+import inspect
 import operator
+import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from copy import copy
 from types import ModuleType
 from typing import Any
@@ -63,9 +65,9 @@ class Canary:
             if is_adapters(str(getattr(value, "__module__", "")), self._packages):
                 return f"{known_as} was replaced"
         self._attributes += new_attributes
-        for container, content, known_as in self._contents:
+        for container, content, _ in self._contents:
             if not _is_same(container, content):
-                return f"{known_as} was changed"
+                return f"{_assigned_as([name for one, _, name in self._contents if one is container])} was changed"
         try:
             same = self._numbers is None or _known_run() == self._numbers
         except Exception as problem:
@@ -107,6 +109,15 @@ def _attributes(known_as: str, module: ModuleType, methods: bool) -> Iterator[_A
             for inner, method in list(vars(value).items()):
                 if callable(method) or isinstance(method, property):
                     yield vars(value), inner, method, f"{known_as}.{name}.{inner}"
+
+
+def _assigned_as(names: Sequence[str]) -> str:
+    """Of the names of one table, each `module.NAME`, the one of the module that assigns it; others import it."""
+    for known_as in names:
+        module, _, name = known_as.rpartition(".")
+        if re.search(rf"^{name}\b[^=\n]*=", inspect.getsource(sys.modules[module]), re.M):
+            return known_as
+    return names[0]
 
 
 def _is_same(container: Any, content: Any) -> bool:

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 import cases
-from adapters import lookup
+from adapters import Setting, lookup
 from cases import CoulombFriction, Gravity, NotSupported, Unilateral
+from reports.judging.grades import LIMITS, Grade, is_within
 from reports.running.tasks import find_truth, perform
 
 pytestmark = pytest.mark.builds
@@ -68,13 +69,13 @@ def truth(label: str):
 
 @pytest.fixture
 def run(build_engine, monkeypatch):
-    """Runs a scene at the finest step of the ladder by the engine of a language."""
+    """Runs a scene by the engine of a language, at the finest step of the ladder or at another one (s)."""
     monkeypatch.setenv(lookup.EXECUTABLES, "")
 
-    def perform_finest(language: str, label: str):
+    def perform_finest(language: str, label: str, h: float | None = None):
         name = lookup.register(build_engine(language))
         case = cases.load(label)
-        setting = lookup.engine(name).ladder(case, "process")[-1]
+        setting = Setting.of(h=h) if h else lookup.engine(name).ladder(case, "process")[-1]
         return perform(case, name, "process", setting, 7, truth(label))
 
     return perform_finest
@@ -140,6 +141,7 @@ def test_a_disc_that_does_not_turn_slides_until_it_stops(language, build_engine,
 
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_it_ends_where_the_disc_leaves_the_track(language, run):
-    result = run(language, "disc_rolling_off_hill[mu=0.3]")
-    assert result.outcome == "answered" and result.grade in ("excellent", "very good"), result.reason
+    # At the ladder's finest step the samples leave 0.11 % in doubt, more than very good allows.
+    result = run(language, "disc_rolling_off_hill[mu=0.3]", h=1e-4)
+    assert result.outcome == "answered" and is_within(result.score, LIMITS[Grade.VERY_GOOD]), result.reason
     assert result.sequence == "same sequence"
