@@ -126,6 +126,11 @@ def test_without_heyoka_a_constraint_forbids_it():
             "3 passed, 1 skipped",
         ),
         (("sh", "-c", "echo '1 failed, 3 passed in 0.1s'; exit 1"), False, "1 failed, 3 passed"),
+        (
+            ("sh", "-c", "printf 'FAILED t.py::a - x\\nFAILED t.py::b\\n2 failed in 0.1s\\n'; exit 1"),
+            False,
+            "2 failed: `t.py::a`",
+        ),
         (("sh", "-c", "echo $HOME >&2; exit 4"), False, "failed (exit status 4)"),
     ],
 )

@@ -162,7 +162,7 @@ def test_drag_by_the_square_root_of_a_square_begins_at_rest():
         line(-slope), disc(0.1, mass, inf), (Gravity(G), CoulombFriction(mu), Unilateral(), load), Start(0.0), 3.0
     )
     a, c = G * (sin(slope) - mu * cos(slope)), drag / mass
-    for method in ("taylor", "dop853"):
+    for method in reference.METHODS:
         last = reference.simulate(case, rtol=1e-12, method=method)(3.0)
         assert hypot(last.vx, last.vy) == pytest.approx(sqrt(a / c) * np.tanh(sqrt(a * c) * 3.0), rel=1e-10)
 
