@@ -1,0 +1,37 @@
+"""Scenes over all features at once: the same from the same seed, and an answer of the suite to each."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from itertools import combinations
+
+from tests.composition.draw import OTHERS, PLATES, SUPPORT_CURVES, TRACKS, draw, features
+from tests.composition.judge import answer
+
+# A scene's CPU time (s) is asked to stay below this.
+SECONDS = 20.0
+
+
+def test_a_seed_has_one_scene_of_plain_data():
+    for seed in range(50):
+        assert json.loads(json.dumps(draw(seed))) == json.loads(json.dumps(draw(seed)))
+
+
+def test_the_first_three_thousand_seeds_have_every_pair_of_kinds():
+    counts = Counter(pair for seed in range(3000) for pair in combinations(features(draw(seed)), 2))
+    rows = {
+        "track": TRACKS,
+        "plate": PLATES,
+        "plates": {n + 1: w for n, w in OTHERS.items()},
+        "support": SUPPORT_CURVES,
+    }
+    named = [[f"{row} {kind}" for kind in kinds] for row, kinds in rows.items()]
+    pairs = [(a, b) for one, other in combinations(named, 2) for a in one for b in other]
+    assert [pair for pair in pairs if not counts[tuple(sorted(pair))]] == []
+
+
+def test_every_scene_has_an_answer():
+    outcomes = [answer(draw(seed), SECONDS) for seed in range(40)]
+    assert [one for one in outcomes if one["outcome"] in ("error", "out of time")] == []
+    assert sum(one["outcome"] == "motion" for one in outcomes) >= 8
