@@ -15,7 +15,7 @@ from . import effects
 from .chain import Chain
 from .curves import Curve
 from .effects import E, Effect, Gravity
-from .errors import BadValue, DoesNotFit, parameter, positive, real
+from .errors import BadValue, DoesNotFit, instance, parameter, positive, real
 from .free_plates import FreePlate, check_others, check_places
 from .plate import Plate
 from .size_limits import check_arm, check_belt, check_sizes
@@ -71,8 +71,7 @@ class Case:
             ("plate", self.plate, (Plate,)),
             ("start", self.start, (Start, StartPose)),
         ):
-            if not isinstance(value, kinds):
-                raise BadValue(f"the {what} of a case is {value!r}; give a {kinds[0].__name__}")
+            instance(f"{what} of a case", value, *kinds)
         object.__setattr__(self, "effects", effects.check_formula(self.effects))
         object.__setattr__(self, "start", self._checked_start())
         object.__setattr__(self, "duration", positive("duration of the case", self.duration))
@@ -117,7 +116,7 @@ class Case:
 
     def with_name(self, name: str, parameters: Mapping[str, float]) -> Case:
         """The same scene as the catalogue's case of that name with those parameters."""
-        return _restore(self._values() | {"name": name, "parameters": dict(parameters)})
+        return _restore(self._values() | {"name": _check_name(name), "parameters": _check_parameters(parameters)})
 
     def _values(self) -> dict[str, Any]:
         own = vars(self)
@@ -125,7 +124,10 @@ class Case:
 
     def effect(self, kind: type[E]) -> E | None:
         """The case's effect of that kind, or None if the case has none."""
-        return self._effects_by_type.get(kind)
+        try:
+            return self._effects_by_type.get(kind)
+        except TypeError:
+            raise BadValue(f"{kind!r} is no kind of effect; give a class, such as Gravity") from None
 
     @cached_property
     def _effects_by_type(self) -> dict[type, Any]:
@@ -198,12 +200,13 @@ def _check_rotation(case: Case) -> None:
         raise DoesNotFit("a plate of infinite inertia on a track that turns is not supported; leave angle of Drive out")
 
 
-def _check_name(name: object) -> None:
-    """Raise BadValue for a name that cannot be used in file names, tables and `--case`."""
+def _check_name(name: object) -> str:
+    """The name; raises BadValue for one that cannot be used in file names, tables and `--case`."""
     if not isinstance(name, str) or not name or len(name) > LONGEST_NAME:
         raise BadValue(f"the name of a case is {name!r}; give a text of up to {LONGEST_NAME} characters")
     if not name.isprintable() or name.startswith(".") or set(name) & set("/\\[]<>$\"'`"):
         raise BadValue(f"the name of a case is {name!r}; give one of letters, digits, spaces and hyphens")
+    return name
 
 
 def _check_parameters(parameters: object) -> Mapping[str, float]:

@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .corner import Corner, Edge, Piece
+from .curve_tables import MOST_ANGLES
 from .curves import Curve
 from .derivation import derived
-from .errors import BadCurve, BadValue, NotSupported, finite
+from .errors import BadCurve, BadValue, NotSupported, between, boolean, finite, numbers, whole
 
 # Positions and directions where pieces meet, relative to the chain's size and in rad: the rounding of a few operations
 # with sines and cosines. Two pieces that turn by less than the second meet without a corner.
@@ -25,6 +26,8 @@ MEETING, SMOOTH = 1e-12, 1e-12
 CUSP = 1e-6
 # Sides by which a curved piece is replaced when the chain is checked for crossings.
 SIDES = 64
+# Most rounds of a closed chain by which elements are counted, and most vertices of rounds whose length is summed.
+MOST = 10_000_000
 
 
 class Element(NamedTuple):
@@ -67,7 +70,7 @@ class Chain(Curve):
         for i, piece in enumerate(some):
             if piece.domain is None and not (len(some) == 1 and piece.period):
                 raise BadCurve(f"piece {i} of the chain has no ends; give its domain=(a, b)")
-        vars(self).update(pieces=some, is_closed=bool(is_closed or some[0].period), residual=None)
+        vars(self).update(pieces=some, is_closed=boolean("is_closed", is_closed) or bool(some[0].period), residual=None)
         self._check_joints()
         _check_crossings(self)
         vars(self).update(domain=None if self.is_closed else self.span)
@@ -186,7 +189,7 @@ class Chain(Curve):
     def element(self, number: int) -> Element | None:
         """An element by its number, which is counted on from round to round of a closed chain, or None."""
         count = len(self._round)
-        turn, i = divmod(number, count)
+        turn, i = divmod(whole("number of the element", number, -MOST, MOST), count)
         if turn and not self.is_closed:
             return None
         element = self._round[i]
@@ -195,7 +198,7 @@ class Chain(Curve):
 
     def element_at(self, s: float) -> Element:
         """The element on which a parameter lies; the earlier one where two meet, but for the chain's start."""
-        low, high = self.span
+        s, (low, high) = finite("parameter of a curve", s), self.span
         turn = floor((s - low) / (high - low)) if self.is_closed else 0
         starts = [element.start for element in self._round]
         i = max(int(np.searchsorted(starts, s - turn * (high - low))) - 1, 0)
@@ -207,7 +210,7 @@ class Chain(Curve):
 
     def _evaluate(self, s, function: Callable[[Element, np.ndarray], Any], rows: int) -> np.ndarray:
         """A function of elements and their own parameters at chain parameters: shape (rows, n), or (rows,)."""
-        values = np.atleast_1d(np.asarray(s, dtype=float))
+        values = np.atleast_1d(numbers("parameters of a curve", s))
         result = np.full((rows, *values.shape), np.nan)
         low, high = self.span
         turns = np.floor((values - low) / (high - low)) if self.is_closed else np.zeros(values.shape)
@@ -247,7 +250,8 @@ class Chain(Curve):
         low, high = self.span
         angle = self._number(s, lambda e, local: e.piece.tangent_angle(local) + 2 * pi * e.turns)
         if self.is_closed:
-            angle = angle + 2 * pi * self.rotation * np.floor((np.asarray(s) - low) / (high - low))
+            s = numbers("parameters of a curve", s)
+            angle = angle + 2 * pi * self.rotation * np.floor((s - low) / (high - low))
         return angle if np.ndim(s) else float(angle)
 
     def place(self, s) -> tuple[np.ndarray, Any]:
@@ -262,12 +266,13 @@ class Chain(Curve):
 
     def translate(self, x: float, y: float) -> Chain:
         """The same chain, moved by (x, y) m."""
+        x, y = finite("x", x), finite("y", y)
         return _restore(type(self), tuple(translate(piece, x, y) for piece in self.pieces), self.is_closed)
 
     def vertices(self, longest_turn: float) -> np.ndarray:
         """Parameters of the vertices of a polygon along the chain: all joints, and on curved pieces places between
         which the tangent turns by at most `longest_turn` (rad)."""
-        places: list[float] = []
+        longest_turn, places = between("longest turn", longest_turn, 1e-6, 2 * pi), list[float]()
         for element in self._round:
             low, high = element.piece.span
             places += [value + element.shift for value in _divided(element.piece, low, high, longest_turn)[:-1]]
@@ -280,13 +285,16 @@ class Chain(Curve):
 
     def even(self, low: float, high: float, count: int) -> np.ndarray:
         """So many parameters from `low` to `high` at nearly even distances along the chain."""
-        grid = self._grid(low, high)
+        count, grid = whole("count of parameters", count, 1, MOST_ANGLES), self._grid(low, high)
         lengths = np.insert(np.cumsum(np.hypot(*np.diff(self.point(grid), axis=1))), 0, 0.0)
         return np.interp(np.linspace(0.0, lengths[-1], count), lengths, grid)
 
     def _grid(self, low: float, high: float) -> np.ndarray:
         """Parameters between two that resolve the chain: the vertices of each round, and a few between them."""
+        low, high = finite("low", low), finite("high", high)
         vertices, (first, last) = self.vertices(0.01), self.span
+        if self.is_closed and (high - low) / (last - first) * len(vertices) > MOST:
+            raise BadValue(f"from {low:g} to {high:g} are too many rounds of the chain; give fewer")
         rounds = range(floor((low - first) / (last - first)), floor((high - first) / (last - first)) + 1)
         all_rounds = np.unique([vertices + turn * (last - first) for turn in (rounds if self.is_closed else (0,))])
         return np.union1d([low, high], all_rounds[(all_rounds > low) & (all_rounds < high)])

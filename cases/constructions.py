@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 import sympy as sp
 
 from .curves import Curve, cos, integral, sin
-from .errors import BadValue, finite, items, point
+from .errors import finite, instance, items, point
 from .expressions import value_of
 from .matching import matched
 
@@ -46,6 +46,5 @@ def piecewise(curves: Iterable[Curve], may_cross: bool = False) -> Curve:
     """
     pieces = items("curves of piecewise", curves)
     for number, curve in enumerate(pieces, start=1):
-        if not isinstance(curve, Curve):
-            raise BadValue(f"piece {number} of the curve is {curve!r}; give a Curve")
+        instance(f"curve {number} of piecewise", curve, Curve)
     return Curve.in_pieces(matched(pieces), may_cross=may_cross)

@@ -15,6 +15,7 @@ import sympy as sp
 
 from .curves import Curve, restore
 from .derivation import derived
+from .errors import BadCurve
 from .expressions import PARAMETER
 
 # Not named like the sizes of a formula (c0, c1, …), which are positive.
@@ -111,6 +112,8 @@ class Edge(Curve):
         """The edge from one point to another, m; its parameter is the length from its start."""
         start, end = (float(start[0]), float(start[1])), (float(end[0]), float(end[1]))
         length = hypot(end[0] - start[0], end[1] - start[1])
+        if not length > 0.0:
+            raise BadCurve(f"an edge at ({start[0]:g}, {start[1]:g}) m has no length; give points that differ")
         along = (end[0] - start[0]) / length, (end[1] - start[1]) / length
         return cls(lambda s: (start[0] + along[0] * s, start[1] + along[1] * s), (0.0, length))
 

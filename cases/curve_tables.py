@@ -94,7 +94,7 @@ def corners(curve: CurveFormula, count: int, offset: float = 0.0) -> np.ndarray:
 
 def angles(curve: CurveFormula, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
     """Parameters on that range and the tangent's continuous angle; within half a turn of 0 at `Curve.span[0]`."""
-    count = min(MOST_ANGLES, max(4 * SAMPLES, int(ANGLES * (span[1] - span[0]) / curve.unit))) + 1
+    count = int(min(MOST_ANGLES, max(4 * SAMPLES, ANGLES * (span[1] - span[0]) / curve.unit))) + 1
     grid = _with_features(curve, np.linspace(*span, count))
     for _ in range(HALVINGS):
         values, rate = _turning(curve, grid)

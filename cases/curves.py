@@ -21,7 +21,21 @@ from . import curve_formula, expressions, features, parametrisation, point_sourc
 from . import curve_tables as tables
 from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
-from .errors import BadCurve, BadValue, NotSupported, finite, not_negative, positive, real, whole
+from .errors import (
+    BadCurve,
+    BadValue,
+    CaseError,
+    NotSupported,
+    between,
+    boolean,
+    finite,
+    instance,
+    numbers,
+    point,
+    positive,
+    real,
+    whole,
+)
 from .expression_graph import derivatives, from_sympy
 from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, integral, log, pi, sin, sinh, sqrt, tan, tanh
 from .jets import S, jet_function
@@ -78,6 +92,7 @@ class Curve:
     @in_one_thread
     def __post_init__(self):
         object.__setattr__(self, "domain", curve_formula.check_domain(self.domain))
+        object.__setattr__(self, "may_cross", boolean("may_cross", self.may_cross))
         object.__setattr__(self, "_expression", _the_one(curve_formula.as_expression(self.function)))
         self._check()
 
@@ -92,7 +107,8 @@ class Curve:
     @classmethod
     def in_pieces(cls, pieces: CurvePieces, residual: float | None = None, may_cross: bool = False) -> Curve:
         """A curve made of pieces with formulas of their own."""
-        curve = _restore_pieces(pieces, residual, may_cross)
+        instance("argument of in_pieces", pieces, CurvePieces)
+        curve = _restore_pieces(pieces, residual, boolean("may_cross", may_cross))
         curve._check()
         return curve
 
@@ -153,10 +169,10 @@ class Curve:
         columns x and y, the name of a CSV file with two columns (in a case file its path counts from there), or SVG
         path data; `scale`: metres per unit of the points. Raises BadValue or BadCurve.
         """
-        if not isinstance(closed, bool | np.bool_):
-            raise BadValue(f"closed is {closed!r}; give True for a closed curve, False for an open one")
         places = positive("scale", scale) * point_sources.as_points(points)
-        result = spline(places, not_negative("smoothing", smoothing), bool(closed))
+        result = spline(
+            places, between("smoothing", smoothing, 0.0, expressions.LARGEST_NUMBER), boolean("closed", closed)
+        )
         try:
             return cls.in_pieces(result.pieces, result.residual, may_cross)
         except BadCurve as problem:
@@ -200,7 +216,9 @@ class Curve:
 
     def part(self, number: int) -> Curve | CurvePart:
         """One piece of a curve in pieces as a curve with ends; any other curve is its only part."""
-        return self if self.parts is None else self.parts.part(number)
+        if self.parts is None:
+            return self
+        return self.parts.part(whole("number of the piece", number, 0, self.parts.count - 1))
 
     @derived
     def _jet(self) -> Callable:
@@ -214,15 +232,20 @@ class Curve:
         return jet_function(self.structure, on_arrays=True)
 
     def jet(self, s: float) -> tuple[float, ...]:
-        """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives."""
-        return self._jet(s, self.constants)
+        """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives. Raises
+        BadValue where the formula has no value that fits a double."""
+        number = s if isinstance(s, float) else finite("parameter of a curve", s)
+        function, constants = self._jet, self.constants
+        try:
+            return function(number, constants)
+        except CaseError:
+            raise
+        except (ArithmeticError, ValueError) as problem:
+            raise BadValue(f"the curve has no place at the parameter {number:g} ({problem}); give another") from None
 
     def jets(self, s) -> np.ndarray:
         """The same for an array of parameters, shape (8, n)."""
-        try:
-            s = np.atleast_1d(np.asarray(s, dtype=float))
-        except (TypeError, ValueError):
-            raise BadValue(f"the parameters of a curve are {s!r}; give an array of numbers") from None
+        s = np.atleast_1d(numbers("parameters of a curve", s))
         if self.parts is not None:
             return self.parts.jets(s)
         jets = np.empty((8, *s.shape))
@@ -341,16 +364,18 @@ class Curve:
         For a number or an array; this is what makes the plate's rotation θ a function of (ξ₁, ξ₂) alone, by (6).
         """
         if _is_number(s):
-            return self._angle_of(float(s), *self.jet(float(s))[2:4])
-        s = np.asarray(s, dtype=float)
+            number = real(s) or 0.0
+            return self._angle_of(number, *self.jet(number)[2:4])
+        s = numbers("parameters of a curve", s)
         return self._angles_of(s, self.jets(s)[2:4])
 
     def place(self, s) -> tuple[Any, Any]:
         """`point` (of a number: a pair of numbers) and `tangent_angle` from one evaluation."""
         if _is_number(s):
-            x, y, xp, yp = self.jet(float(s))[:4]
-            return (x, y), self._angle_of(float(s), xp, yp)
-        s = np.asarray(s, dtype=float)
+            number = real(s) or 0.0
+            x, y, xp, yp = self.jet(number)[:4]
+            return (x, y), self._angle_of(number, xp, yp)
+        s = numbers("parameters of a curve", s)
         jets = self.jets(s)
         return jets[:2], self._angles_of(s, jets[2:4])
 
@@ -403,9 +428,12 @@ class Curve:
         grid, angles = self.angle_table(self.span)
         return grid.tolist(), angles.tolist()
 
-    @lru_cache(maxsize=64)  # noqa: B019 - curves are few, small and live as long as their case
     def angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
         """Parameters on that range, and the tangent's continuous angle there: what `tangent_angle` counts turns by."""
+        return self._angle_table(point("range of the parameter", span))
+
+    @lru_cache(maxsize=64)  # noqa: B019 - curves are few, small and live as long as their case
+    def _angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
         return tables.angles(self, span)
 
 

@@ -7,8 +7,14 @@ import re
 from collections.abc import Iterable
 from math import inf, isfinite
 from numbers import Integral
+from typing import TYPE_CHECKING, TypeVar
 
 from .derivation import LOCK
+
+if TYPE_CHECKING:
+    import numpy as np
+
+T = TypeVar("T")
 
 # A number as it is written everywhere: no digits of other alphabets, no underscores. What is not finite is said to be.
 _NUMBER = re.compile(r"\s*[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|inf|infinity|nan)\s*", re.ASCII | re.IGNORECASE)
@@ -86,6 +92,29 @@ def unknown_name(kind: str, name: str, names: Iterable[str]) -> UnknownName:
     return UnknownName(f"there is no {kind} {name!r}; choose from {listing}")
 
 
+def choice(kind: str, name: object, names: Iterable[str]) -> str:
+    """`name`, if it is one of `names`; raises UnknownName for anything else."""
+    choices = tuple(names)
+    if not isinstance(name, str) or name not in choices:
+        raise unknown_name(kind, str(name), choices)
+    return name
+
+
+def instance(what: str, value: object, *kinds: type[T]) -> T:
+    """`value`, if it is of one of the classes; raises BadValue for anything else."""
+    if not isinstance(value, kinds):
+        raise BadValue(f"the {what} is {value!r}; give a {' or '.join(kind.__name__ for kind in kinds)}")
+    return value
+
+
+def boolean(what: str, value: object) -> bool:
+    """`value` as a bool; raises BadValue unless it is a truth value of Python or NumPy."""
+    of_numpy = getattr(getattr(value, "dtype", None), "kind", "") == "b" and not getattr(value, "ndim", 0)
+    if not isinstance(value, bool) and not of_numpy:
+        raise BadValue(f"{what} is {value!r}; give True or False")
+    return bool(value)
+
+
 def real(value: object) -> float | None:
     """A real number of any type as a float (Python's own, Fraction, Decimal, NumPy's, SymPy's), infinite if it is too
     large; None for anything else: text, a truth value, a complex number, an array, a formula."""
@@ -103,6 +132,24 @@ def real(value: object) -> float | None:
         return inf
     except (TypeError, ValueError):
         return None
+
+
+def numbers(what: str, value: object) -> np.ndarray:
+    """`value` as an array of floats, shape () for a number; raises BadValue unless it is a real number or an array of
+    them. Infinite ones and NaN are accepted."""
+    import numpy as np  # help needs none
+
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        array = np.asarray(None)
+    if array.dtype.kind == "O":  # of numbers of other types, or of anything
+        floats = [real(each) for each in array.flat]
+        if None not in floats:
+            return np.array(floats, dtype=float).reshape(array.shape)
+    elif array.dtype.kind in "iuf":
+        return array.astype(float, copy=False)
+    raise BadValue(f"{what}: {value!r}; give a number or an array of numbers")
 
 
 def number_in(what: str, text: str) -> float:

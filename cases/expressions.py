@@ -12,7 +12,7 @@ from typing import Any
 import sympy as sp
 from sympy import pi
 
-from .errors import BadValue, real
+from .errors import BadValue, CaseError, describe, real
 
 # Of every curve.
 PARAMETER = sp.Symbol("s", real=True)
@@ -60,7 +60,13 @@ def value_of(formula: Callable[[sp.Expr], Any], variable: sp.Symbol) -> sp.Expr:
     """What an author's function returns for a symbol; raises BadValue unless it is a number or an expression."""
     if not callable(formula):
         raise BadValue(f"a formula is {shortened(formula)}; give a function of its variable, as lambda u: 2 * u")
-    return _expression(formula(variable), "the value of a formula")
+    try:
+        value = formula(variable)
+    except CaseError:
+        raise
+    except Exception as problem:  # an author's code can raise anything
+        raise BadValue(f"a formula fails ({describe(problem)}); give a function of its variable") from problem
+    return _expression(value, "the value of a formula")
 
 
 def _expression(value: object, what: str) -> sp.Expr:

@@ -15,7 +15,7 @@ import sympy as sp
 from . import expressions, features
 from .derivation import derived, in_one_thread
 from .effect_formulas import features_in_time, formula_in, values_of
-from .errors import BadValue
+from .errors import BadValue, numbers
 from .expression_code import ON_ARRAYS, function_of
 
 TIME = sp.symbols("t", real=True)
@@ -153,7 +153,8 @@ class Drive:
 
     def at_times(self, t: np.ndarray) -> TrackPlace:
         """The track's places at times (n,), each component of shape (n,)."""
-        rows = (np.broadcast_to(row, np.shape(t)).astype(float) for row in self._of_arrays(np.asarray(t, dtype=float)))
+        times = numbers("times", t)
+        rows = (np.broadcast_to(row, times.shape).astype(float) for row in self._of_arrays(times))
         return TrackPlace(*rows)  # type: ignore[arg-type]
 
     @derived

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import pi
+from math import hypot, pi
 
 import numpy as np
 
-from .chain import Chain, corner_points
+from .chain import MEETING, Chain, corner_points
 from .corner import Edge
 from .curves import Curve, cos, sin
 from .errors import BadCurve, BadValue, finite, not_negative, point, positive
@@ -33,6 +33,10 @@ class Outline(Chain):
         places, radius = corner_points(points, 3), not_negative("radius of the corners", radius)
         if places[0] == places[-1]:
             raise BadValue("the last point of the polygon is its first; leave it out")
+        if 0.0 < radius < MEETING * max(hypot(*here) for here in places):
+            raise BadValue(
+                f"the radius of the corners is {radius:g} m, too small for the polygon; give 0 or a larger one"
+            )
         if not radius:
             return cls(tuple(map(Edge.between, places, [*places[1:], places[0]])))
         return cls(_rounded(places, radius))

@@ -14,7 +14,7 @@ from .area import area_inside
 from .chain import Chain, translate
 from .corner import Edge
 from .curves import Curve
-from .errors import BadCurve, BadValue, items, not_negative, positive, positive_or_infinite, whole
+from .errors import BadCurve, BadValue, instance, items, not_negative, positive, positive_or_infinite, whole
 from .library import circle
 from .outline import Outline, arc
 
@@ -63,8 +63,7 @@ class Plate:
             inlay, density = (*items("inlay", pair), None, None)[:2]
             parts.append((inlay, not_negative("density of an inlay", density)))
         for curve in (outline, *(part for part, _ in parts)):
-            if not isinstance(curve, Curve):
-                raise BadValue(f"an outline of Plate.homogeneous is {curve!r}; give a Curve")
+            instance("outline of Plate.homogeneous", curve, Curve)
         rows = [(1.0, area_inside(outline))]
         for part, density in parts:
             if not _contains(outline, part.point(_places(part)).T):

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import user_files
 from .derivation import LOCK, in_one_thread
-from .errors import BadValue, CaseError, describe, items, number_in, parameter, unknown_name
+from .errors import BadValue, CaseError, boolean, describe, instance, items, number_in, parameter, unknown_name
 
 if TYPE_CHECKING:
     from .case_class import Case
@@ -61,7 +61,7 @@ class CatalogueEntry:
     @cached_property
     def parameters(self) -> dict[str, Any]:
         """Parameter names and defaults, from the function's signature."""
-        return {name: p.default for name, p in inspect.signature(self.function).parameters.items()}
+        return parameters_of(self.function)
 
     @property
     def summary(self) -> str:
@@ -101,7 +101,7 @@ def case(
         other = _entries.get(name)
         if other and inspect.getsourcefile(other.function) != inspect.getsourcefile(function):
             raise BadValue(f"there is already a case {name!r}; give this function another name")
-        if bool(hard) != bool(outcome):
+        if bool(instance("hard= of @case", hard, str)) != bool(instance("outcome= of @case", outcome, str)):
             raise BadValue(f"the hard case {name!r} has only one of hard= and outcome=; give both")
         short, minutes = (_parameter_sets(name, some) for some in (variants, long))
         _entries[name] = CatalogueEntry(name, function, short, hard, outcome, minutes)
@@ -130,7 +130,16 @@ def entry(name: str) -> CatalogueEntry:
 def names(hard: bool | None = None) -> list[str]:
     """The names of all cases in alphabetical order; with `hard`, only those of the hard atlas or only the others."""
     _import_catalogue()
-    return sorted(name for name, item in list(_entries.items()) if hard is None or bool(item.hard) == hard)
+    is_chosen = {True, False} if hard is None else {boolean("hard", hard)}
+    return sorted(name for name, item in list(_entries.items()) if bool(item.hard) in is_chosen)
+
+
+def parameters_of(function: Callable) -> dict[str, Any]:
+    """Names and defaults of a function's parameters. Raises BadValue if they are unknown."""
+    try:
+        return {name: p.default for name, p in inspect.signature(function).parameters.items()}
+    except (TypeError, ValueError):
+        raise BadValue(f"the parameters of {function!r} are unknown; give a function that makes a case") from None
 
 
 def summaries() -> list[CaseSummary]:
@@ -209,7 +218,7 @@ def select(text: str, long: bool = False) -> list[Case]:
     if changes or "[" in text:
         return [load(text)]
     item = entry(bare)
-    return [load(bare, **variant) for variant in (*item.variants, *(item.long if long else ()))]
+    return [load(bare, **variant) for variant in (*item.variants, *(item.long if boolean("long", long) else ()))]
 
 
 class _UncachedLoader(importlib.machinery.SourceFileLoader):

@@ -8,9 +8,10 @@ from functools import lru_cache
 import numpy as np
 
 from . import geometry
+from .corner import Corner
 from .curves import Curve
 from .effects import Effect, Flight, Impact, PerfectlyRough
-from .errors import BadValue, DoesNotFit, finite, not_negative
+from .errors import BadValue, DoesNotFit, finite, instance, items, not_negative
 from .overlap import first_overlap
 from .start_overlap import deepest_overlap, meets_once
 
@@ -49,14 +50,15 @@ class Start:
 
     def motion(self, track: Curve, outline: Curve) -> geometry.MotionPoint:
         """The start as pose, velocities and contact rates. Raises DoesNotFit for an xi2 that cannot be guessed."""
-        return _motion(self, track, outline)
+        return _motion(self, instance("track", track, Curve, Corner), instance("outline", outline, Curve, Corner))
 
     def check(self, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> None:
         """Raise DoesNotFit or BadValue for an inadmissible contact, or a start that needs an effect the case lacks."""
+        track, outline = instance("track", track, Curve), instance("outline", outline, Curve)
         xi1, ends = self.xi1, track.ends
         if ends and not ends[0] <= xi1 <= ends[1]:
             raise BadValue(f"xi1 = {xi1:g} of Start is outside the track's domain ({ends[0]:g}, {ends[1]:g})")
-        self._check_effects(tuple(type(effect) for effect in effects))
+        self._check_effects(tuple(type(effect) for effect in items("effects", effects)))
         _check_place(self, track, outline)
 
     def _check_effects(self, kinds: tuple[type, ...]) -> None:

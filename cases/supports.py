@@ -18,7 +18,7 @@ from .chain import Chain
 from .corner import Corner, Edge, Piece
 from .curves import Curve
 from .effects import CoulombFriction, Effect, Impact, PerfectlyRough, RollingResistance
-from .errors import BadValue, DoesNotFit
+from .errors import BadValue, DoesNotFit, items
 from .line_or_circle import as_line
 from .moving_surface import Belt
 from .nearest_samples import nearest_samples
@@ -92,7 +92,10 @@ class Support:
         if self.effects is not None:
             replaced += RESISTING
             replaced += (Impact,) if all_effects.one(self.effects, Impact) else ()
-        return (*(effect for effect in of_case if not isinstance(effect, replaced)), *(self.effects or ()))
+        return (
+            *(effect for effect in items("effects", of_case) if not isinstance(effect, replaced)),
+            *(self.effects or ()),
+        )
 
 
 def base_of(contact: str) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .contact_names import CONTACT, FIRST
-from .errors import BadValue, unknown_name, whole
+from .errors import BadValue, choice, numbers, unknown_name, whole
 from .owned_folder import atomic_path
 from .user_files import place
 
@@ -40,6 +40,10 @@ class Mode(StrEnum):
     ROLL = "roll"
     REST = "rest"  # neither slips nor turns: held by friction and rolling resistance, or by an infinite inertia
     FLIGHT = "flight"
+
+    @classmethod
+    def _missing_(cls, value: object) -> None:
+        raise unknown_name("mode", str(value), cls)
 
 
 @dataclass(frozen=True)
@@ -214,8 +218,7 @@ class Trajectory:
         """The motion of one plate of several: its pose and velocities. Slip, forces and parameters are NaN: `contacts`
         has them. Raises UnknownName for a plate that the motion does not have.
         """
-        if name not in self.plate_names:
-            raise unknown_name("plate of the motion", str(name), self.plate_names)
+        choice("plate of the motion", name, self.plate_names)
         if self.plate_columns is None:
             return self
         dense = self.dense and partial(self.plate_columns, name)
@@ -234,8 +237,7 @@ class Trajectory:
 
         Raises UnknownName for a contact that the motion does not have.
         """
-        if contact not in self.contact_names:
-            raise unknown_name("contact of the motion", str(contact), self.contact_names)
+        choice("contact of the motion", contact, self.contact_names)
         if self.contact_columns is None:
             return self
         # The ranges of open forces may take long to compute, and are no part of the motion of one contact.
@@ -321,22 +323,17 @@ class Trajectory:
             vars(self)[name] = _read_only(getattr(self, name))
 
     def __post_init__(self):
-        length = len(self.t)
-        for name in State._fields:
-            if np.shape(getattr(self, name)) != (length,):
-                raise ValueError(f"{name} has shape {np.shape(getattr(self, name))}, t has ({length},)")
+        for name in _SAMPLES:
+            vars(self)[name] = numbers(name, getattr(self, name))
+            if np.ndim(self.t) != 1 or getattr(self, name).shape != self.t.shape:
+                shape = getattr(self, name).shape
+                raise BadValue(f"{name} has shape {shape} and t {self.t.shape}; give arrays (n,) of one length")
         self._protect()
 
     def __call__(self, t) -> State:
         """The state at a time, or at each of an array (n,) of times; raises BadValue outside the motion's span and for
         values that are no times."""
-        try:
-            array = np.asarray(t)
-            if array.size and array.dtype.kind not in "iufO":  # a text or a truth value is a mistake
-                raise TypeError
-            times = array.astype(float)
-        except (TypeError, ValueError, OverflowError):
-            raise BadValue(f"the time is {t!r}; give a number of seconds, or an array of them") from None
+        times = numbers("time", t)
         if times.ndim > 1:
             raise BadValue(f"the times have shape {times.shape}; give a number, or an array of shape (n,)")
         if times.size and not (self.t[0] <= times.min() and times.max() <= self.t[-1]):
@@ -416,7 +413,7 @@ class Trajectory:
 
         # A picture of the scene has one place of the track.
         scene = self.case.scene if self.case and not self._is_driven else None
-        return plot(self, scene, quantities or ("slip", "normal_force", "x", "y"), colour or PLATE)
+        return plot(self, scene, quantities or ("slip", "normal_force", "x", "y"), PLATE if colour is None else colour)
 
     def animate(self, factor: float | None = None, quantity: str = "slip") -> Animation:
         """The motion as a film, which shows itself in a notebook and whose `save` writes GIF or MP4.

@@ -9,7 +9,7 @@ from .errors import BadValue, UnknownName
 
 def place(what: str, path: object) -> Path:
     """The path with ~ expanded; raises BadValue, in a sentence that calls it `what`, if it is no valid path."""
-    if path == "":
+    if isinstance(path, str) and not path:
         raise BadValue(f"the {what} is empty; give a path")
     try:
         file = Path(path).expanduser()  # type: ignore[arg-type]

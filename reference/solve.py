@@ -99,7 +99,7 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     """
     if not isinstance(case, Case):
         raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
-    rtol = between("rtol", rtol, *TOLERANCES)
+    rtol, method = between("rtol", rtol, *TOLERANCES), _method_name(method, case)
     if method == "augmented" and case.others:
         raise NotSupported("the method 'augmented' has one plate; leave method out, or give 'dop853'")
     if method == "augmented" and touches_by_features(case):
@@ -108,7 +108,7 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
         raise NotSupported("the method 'augmented' does not integrate over corners; leave method out, or give 'dop853'")
     # Not as a decorator: NumPy 1 would store the state to restore in one place for all threads.
     with np.errstate(all="ignore"):  # non-finite values end the motion with a reason
-        return _simulate(case, rtol, _method_name(method, case))
+        return _simulate(case, rtol, method)
 
 
 def _simulate(case: Case, rtol: float, method: str) -> Trajectory:

@@ -16,7 +16,7 @@ from adapters import EngineFailure, Setting
 from adapters.common import motion_table
 from adapters.common.motion_file import trajectory_of
 from cases import BadValue, Case, DoesNotFit, NotSupported, Trajectory
-from cases.errors import unknown_name
+from cases.errors import instance, unknown_name
 
 from .running import tasks
 from .running.calls import Calls
@@ -64,7 +64,7 @@ def compare(case: Case, **solvers: str | Path | Trajectory) -> Comparison:
     `solvers`: by name, a Trajectory, the path of an exported one (ending in .csv), or a route of the engine of that
     name, run at its finest setting. Raises CaseError if there is no truth, or a motion is not one of the case.
     """
-    truth = tasks.find_truth(case)
+    truth = tasks.find_truth(instance("case", case, Case))
     if truth.failure:
         raise DoesNotFit(f"there is no truth to judge by: {truth.failure}")
     motions, runs = {}, []

@@ -74,7 +74,7 @@ def _work(words: list[str]) -> None:
         raise BadValue("name an engine, for example pymunk")
     if wrong := next((name for name in arguments.ENGINE if "@" in name or name == "reference"), ""):
         raise BadValue(f"{wrong} has no history of releases; give an engine without a version, for example pymunk")
-    engines = options.choose_solvers(arguments.ENGINE)
+    engines = options.choose_solvers(arguments.ENGINE or None)
     _, own = options.load_files(arguments.case_file)
     cases, _ = options.choose_cases(arguments.case or own or SCENES, "quick" if not (arguments.case or own) else "")
     from .running.storage.result_store import Store

@@ -16,7 +16,7 @@ import adapters
 import cases
 from cases import BadValue, lookup
 from cases.command_line import Parser, program
-from cases.errors import not_negative, number_in, unknown_name, whole_in
+from cases.errors import boolean, choice, instance, items, not_negative, number_in, whole_in
 from cases.owned_folder import OwnedFolder, TemporaryFolder
 from cases.user_files import place
 
@@ -253,21 +253,26 @@ def plan_by_hand(
     """The plan of a report on cases made in Python, with the same checks; raises CaseError."""
     from cases import Case  # imports SymPy, which a command's help does not need
 
-    case_list = tuple(own_cases)
-    for case in case_list:
-        if not isinstance(case, Case):
-            raise BadValue(f"{case!r} is not a Case; give a list of cases")
+    case_list = tuple(instance("item of cases", case, Case) for case in items("cases", own_cases))
     labels = [case.label for case in case_list]
     twice = next((label for label in labels if labels.count(label) > 1), "")
     if not case_list:
         raise BadValue("there is no case; give at least one")
     if twice:
         raise BadValue(f"two cases have the name {twice!r}; give each a different name=")
-    if effort not in RUN_SECONDS:
-        raise unknown_name("effort", effort, RUN_SECONDS)
+    choice("effort", effort, RUN_SECONDS)
     solver_names, folder = choose_solvers(solvers), check_out(out)
     return BuildPlan(
-        folder, case_list, (), solver_names, effort, whole_jobs(str(jobs)), (), True, check_store(store, folder), fresh
+        folder,
+        case_list,
+        (),
+        solver_names,
+        effort,
+        whole_jobs(str(jobs)),
+        (),
+        True,
+        check_store(store, folder),
+        boolean("fresh", fresh),
     )
 
 
@@ -281,11 +286,13 @@ def register_engines(files: Iterable[str]) -> tuple[str, ...]:
 
 def choose_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
     """Each named solver once, or all; raises UnknownName, and BadValue for a version that cannot be used."""
-    solver_names = tuple(dict.fromkeys(names or solvers()))
+    chosen = solvers() if names is None else items("solvers", names)
+    solver_names = tuple(dict.fromkeys(instance("name of a solver", name, str) for name in chosen))
+    if not solver_names:
+        raise BadValue("there is no solver; give at least one")
     for name in solver_names:
         engine, mark, _ = name.partition("@")
-        if engine not in solvers():
-            raise unknown_name("solver", engine, solvers())
+        choice("solver", engine, solvers())
         if mark:
             from .running import versions
 

@@ -15,7 +15,7 @@ from matplotlib import animation as movies
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
-from ..errors import BadValue, positive, unknown_name
+from ..errors import BadValue, choice, positive
 from ..owned_folder import atomic_path
 from . import MADE_BY, drawn_scene, layout
 from .layout import DrawnScene
@@ -41,8 +41,7 @@ class Animation:
     """
 
     def __init__(self, motion: Any, scene: DrawnScene, weight: float, factor: float | None, quantity: str):
-        if quantity not in LABELS:
-            raise unknown_name("quantity of a motion", quantity, LABELS)
+        choice("quantity of a motion", quantity, LABELS)
         self._motion, self._scene, self._weight, self._quantity = motion, scene, weight, quantity
         lasts = float(motion.t[-1] - motion.t[0])
         if not lasts > 0.0:

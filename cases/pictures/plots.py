@@ -6,11 +6,12 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.colors import is_color_like
 from matplotlib.lines import Line2D
 
 from ..chain import Chain
 from ..curves import Curve
-from ..errors import unknown_name
+from ..errors import BadValue, choice
 from . import drawn_scene
 from .layout import DrawnScene, Instant, free_plates, instants
 from .style import FAINT, PLATE, Picture, apply_style
@@ -80,8 +81,9 @@ def plot(motion: Any, scene: DrawnScene | None, quantities: Iterable[str], colou
     """
     names = tuple(quantities)
     for name in names:
-        if name not in LABELS:
-            raise unknown_name("quantity of a motion", name, LABELS)
+        choice("quantity of a motion", name, LABELS)
+    if not is_color_like(colour):
+        raise BadValue(f"the colour is {colour!r}; give a name or a code, such as 'C0' or '#1f77b4'")
     times = motion.times()
     state = motion(times)
     labels = LABELS | (parameter_labels(scene) if scene else {})

@@ -5,7 +5,6 @@ Scenarios are numbered. Any range of numbers can be computed by itself, on any m
 
 from __future__ import annotations
 
-import inspect
 import warnings
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, fields
@@ -17,8 +16,8 @@ import numpy as np
 
 import cases
 from cases import BadValue, Case
-from cases.errors import between, finite, real, unknown_name, whole
-from cases.registry import parse
+from cases.errors import between, choice, finite, number_in, real, unknown_name, whole
+from cases.registry import parameters_of, parse
 
 from ..solve import TOLERANCES
 
@@ -105,12 +104,10 @@ def _from_text(name: str, text: str) -> Axis:
     parts = parts[:-1] if log else parts
     try:
         if len(parts) == 1 and not log:
-            return Axis.of(name, [float(part) for part in parts[0].split(",") if part.strip()])
-        numbers = [float(part) for part in parts]
-    except ValueError as problem:
-        if isinstance(problem, BadValue):
-            raise
-        raise BadValue(how) from None
+            return Axis.of(name, [number_in(name, part) for part in parts[0].split(",") if part.strip()])
+        numbers = [number_in(name, part) for part in parts]
+    except BadValue as problem:
+        raise BadValue(f"{problem}; {how}") from None
     if len(numbers) not in (2, 3):
         raise BadValue(how)
     limits = _range(name, numbers[0], numbers[1], log=log)
@@ -146,8 +143,7 @@ class Plan:
     files: tuple[str, ...] = ()
 
     def __post_init__(self):
-        if self.sample not in SAMPLES:
-            raise unknown_name("sampling", str(self.sample), SAMPLES)
+        choice("sampling", self.sample, SAMPLES)
         parameters = self.parameters
         names = [axis.name for axis in self.axes]
         for name in (*names, *self.fixed):
@@ -202,7 +198,7 @@ class Plan:
         """The case's parameters and their defaults."""
         if self._entry is not None:
             return self._entry.parameters
-        return {name: p.default for name, p in inspect.signature(self.function).parameters.items()}
+        return parameters_of(self.function)
 
     def __len__(self) -> int:
         return prod(map(len, self.axes)) if self.sample == "grid" else int(self.number or 0)

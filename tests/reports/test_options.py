@@ -85,7 +85,7 @@ def by_hand(name: str = "bowled_by_hand", **changes) -> cases.Case:
     [
         ([], {}, "there is no case"),
         ([by_hand(), by_hand()], {}, "give each a different name="),
-        (["disc_on_line"], {}, "is not a Case"),
+        (["disc_on_line"], {}, "give a Case"),
         ([by_hand()], dict(solvers=["pymonk"]), "pymunk"),
         ([by_hand()], dict(effort="some"), "quick"),
         ([by_hand()], dict(jobs=0), "from 1 to"),
