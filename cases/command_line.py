@@ -12,6 +12,7 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from contextvars import ContextVar
 from typing import Any, NoReturn
 
+from . import owned_folder
 from .errors import BadValue, CaseError, printable, unknown_name
 
 # Equations in quadruple precision need 1.5 GB of address space to compile. With less than 1 GB SciPy's BLAS waits for
@@ -69,6 +70,7 @@ def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence
             finally:
                 code = 143 if terminations else 130
     except KeyboardInterrupt as stop:
+        owned_folder.remove_unfinished()
         print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a progress bar may be on the line
         return code
 

@@ -79,6 +79,7 @@ def atomic_path(
             _sync(path.parent)
     finally:
         partial.unlink(missing_ok=True)
+        _unfinished.discard(partial)
         os.close(lock)
 
 
@@ -121,6 +122,10 @@ def _sync(path: Path) -> None:
 # --- unfinished files -------------------------------------------------------------------------------------------------
 
 
+# Unfinished files and temporary folders of this process.
+_unfinished: set[Path] = set()
+
+
 class TemporaryFolder:
     """A new folder inside another (default: the system's temporary folder), locked while this process needs it."""
 
@@ -136,6 +141,7 @@ class TemporaryFolder:
     def remove(self) -> None:
         """Remove the folder and its content. May be called again."""
         shutil.rmtree(self.path, ignore_errors=True)
+        _unfinished.discard(self.path)
         if self._lock >= 0:
             os.close(self._lock)
             self._lock = -1
@@ -145,6 +151,13 @@ def check_usable(folder: Path) -> None:
     """Raise OSError unless a new file in the folder can take the text of a run."""
     with tempfile.TemporaryFile(dir=folder) as file:
         file.write(bytes(_PROBE_BYTES))
+
+
+def remove_unfinished() -> None:
+    """Remove the unfinished files and folders of this process: a signal may have come before their own end was set."""
+    while _unfinished:
+        path = _unfinished.pop()
+        shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(missing_ok=True)
 
 
 def remove_leftovers(folder: Path | None = None) -> None:
@@ -165,6 +178,7 @@ def _claim(folder: Path, suffix: str, make: Callable[[Path], None]) -> tuple[Pat
     """A new unfinished file or folder, and the open handle that locks it."""
     for _ in range(10):
         path = folder / f".slip-to-roll-{secrets.token_hex(8)}.partial{suffix}"
+        _unfinished.add(path)
         make(path)
         with suppress(FileNotFoundError):  # another process may remove it before it is locked
             handle = os.open(path, os.O_RDONLY)

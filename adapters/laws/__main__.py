@@ -7,8 +7,8 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 
-from cases import CaseError
-from cases.command_line import Parser, program
+from cases import BadValue
+from cases.command_line import Parser, program, status
 from cases.errors import unknown_name
 
 HELP = """\
@@ -29,6 +29,10 @@ same scenes.
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
+    return status("adapters.laws", _work, argv)
+
+
+def _work(words: list[str]) -> int:
     parser = Parser(
         prog=program("adapters.laws"), description="Check any adapter against the laws of mechanics.", epilog=HELP
     )
@@ -37,12 +41,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--route", metavar="ROUTE", nargs="+", help="only these routes (default: all)")
     parser.add_argument("--law", metavar="LAW", nargs="+", help="only these laws, with all their scenes (default: all)")
     parser.add_argument("--seed", metavar="N", type=_seed, default=0, help="selects the scenes' values (default: 0)")
+    options = parser.parse_args(words)
     try:
-        options = parser.parse_args(argv)
         return _judge(options.adapter, options.route, options.law, options.seed)
-    except (CaseError, ImportError) as problem:
-        print(f"adapters.laws: {CaseError(str(problem))}", file=sys.stderr)  # an import's message becomes one line
-        return 2
+    except ImportError as problem:
+        raise BadValue(str(problem)) from problem
 
 
 def _seed(text: str) -> int:

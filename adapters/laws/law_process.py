@@ -46,11 +46,13 @@ class AdapterProcess:
 
     def __init__(self, name: str, limit: float | None = None):
         self.name, self.limit = name, limit or LIMIT_SECONDS
+        self.process = _SPAWN.Process()  # not started yet
         # Temporary files of an engine whose process is ended; another command removes those of a killed command.
         self._folder = TemporaryFolder()
         try:
             self.face = self._begin()
         except BaseException:
+            self._end()
             self._folder.remove()
             raise
 
@@ -118,8 +120,9 @@ class AdapterProcess:
             return "crashed", f"its process ended with exit code {self.process.exitcode}"
 
     def _end(self) -> None:
-        self.process.kill()
-        self.process.join()
+        if self.process.pid is not None:
+            self.process.kill()
+            self.process.join()
 
 
 def _serve(name: str, there: Connection, folder: str) -> None:

@@ -12,9 +12,11 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from cases.command_line import status
 from cases.owned_folder import write
 
 FOLDER = Path(__file__).parent / "vendor"
@@ -65,6 +67,10 @@ def _fetch(name: str, version: str, files: dict[str, str]) -> dict[str, Any]:
     }
 
 
-if __name__ == "__main__":
-    for package in update("--latest" in sys.argv[1:]):
+def _update_and_list(words: Sequence[str]) -> None:
+    for package in update("--latest" in words):
         print(f"{package['package']} {package['version']} ({package['licence']}): {', '.join(package['files'])}")
+
+
+if __name__ == "__main__":
+    sys.exit(status("reports.page.vendor", _update_and_list, None))

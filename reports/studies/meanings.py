@@ -5,9 +5,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
+
+from cases.command_line import status
 
 from ..analysis.columns import Table
 from ..drawing.figure_files import FigureEntry
@@ -98,8 +101,12 @@ def as_text(findings: Sequence[dict[str, Any]]) -> str:
     return "\n".join([f"# {TITLE}", "", QUESTION, "", *head, *as_lines(findings), "", note])
 
 
-if __name__ == "__main__":
+def _print_page(words: Sequence[str]) -> None:
     from reports.studies import meanings  # workers import functions by their module's name, which is not __main__
 
     with Calls() as calls:
         print(meanings.as_text(meanings.run(Request(), calls)))
+
+
+if __name__ == "__main__":
+    sys.exit(status("reports.studies.meanings", _print_page, None))

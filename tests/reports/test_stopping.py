@@ -119,6 +119,17 @@ def test_an_interrupt_is_one_sentence_in_every_command_at_any_time(command, afte
     check_interrupt(folder, command, after)
 
 
+@pytest.mark.parametrize("command", ["build", "laws"])
+def test_a_command_that_is_terminated_leaves_nothing(command, folder):
+    program = started(folder, COMMANDS[command])
+    deadline = time.monotonic() + 60.0
+    while not left(folder) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    program.terminate()
+    _, output = program.communicate(timeout=120.0)
+    assert program.returncode == 143 and f"{NAMES[command]}: stopped" in output and left(folder) == []
+
+
 # --- kills ------------------------------------------------------------------------------------------------------------
 
 # Builds that are killed, one in each part of equal CPU time from the first import to the page. A trial costs about 10 s
