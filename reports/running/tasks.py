@@ -51,7 +51,7 @@ def survey(case: Case, name: str, knobs: str = "ladder") -> tuple[Offer, ...]:
     try:
         routes = gate.routes(module.routes)[:_MOST_ROUTES]
     except Exception as problem:  # they may also be a property that fails
-        return (Offer("", (), "crashed", sentence(problem)),)
+        return (Offer("", (), "crashed", reason_of_crash(problem)),)
     return tuple(_offer(module, case, legible(route), knobs) for route in routes)
 
 
@@ -78,7 +78,7 @@ def _offer(module: ModuleType, case: Case, route: str, knobs: str) -> Offer:
         one_only = legible(refusal_of_several_contacts(module, case, route))
         return Offer(route, tuple(map(_plain, settings)), our_part=part, one_contact_only=one_only)
     except (Exception, SystemExit) as problem:
-        return Offer(route, (), "crashed", f"its {knobs} fails: {sentence(problem)}", part)
+        return Offer(route, (), "crashed", f"its {knobs} fails: {reason_of_crash(problem)}", part)
 
 
 def _plain(given: object) -> Setting:
@@ -210,7 +210,7 @@ def perform(case: Case, name: str, route: str, setting: Setting, rung: int, trut
     except ImportError:
         raise
     except Exception as problem:
-        return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {sentence(problem)}")
+        return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {reason_of_crash(problem)}")
     assess = lambda row, motion: judge(row, case, motion, true_motion(case, truth.method), truth, laws)  # noqa: E731
     if is_truth(row, truth):
         return attempt(row, case, assess, lambda: true_motion(case, truth.method))
@@ -237,8 +237,7 @@ def attempt(
     except (ImportError, MemoryError, OSError):
         raise
     except (Exception, SystemExit) as problem:
-        owned_folder.check_usable(Path.cwd())  # of a full disk an engine may make an error of its own
-        return replace(row, outcome="crashed", reason=sentence(problem).removeprefix("EngineFailure: "))
+        return replace(row, outcome="crashed", reason=reason_of_crash(problem).removeprefix("EngineFailure: "))
     row = replace(row, status=legible(motion.status), cost=motion.cost)
     if not validation.sound(motion):
         return replace(row, outcome="crashed", reason=f"it gave {validation.UNSOUND}")
@@ -324,6 +323,13 @@ def _thin(values: np.ndarray) -> np.ndarray:
     if len(values) <= _SHOWN_SAMPLES:
         return values
     return values[np.linspace(0, len(values) - 1, _SHOWN_SAMPLES).round().astype(int)]
+
+
+def reason_of_crash(problem: BaseException) -> str:
+    """An engine's exception in one line. Raises OSError if the call's folder is gone or full: of that an engine may
+    make an error of its own, and whoever made the call decides whose fault it is."""
+    owned_folder.check_usable(Path.cwd())
+    return sentence(problem)
 
 
 def sentence(problem: BaseException) -> str:

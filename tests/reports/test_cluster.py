@@ -67,6 +67,26 @@ def test_calls_have_the_answers_they_have_here(within):
     assert output[0] == output[1]
 
 
+@pytest.mark.parametrize("times", [1, 3])
+def test_a_fault_of_a_worker_is_no_answer(times, within, monkeypatch):
+    """The call is made again, elsewhere if there is another worker; a fault that stays ends the command."""
+    run, faults = WorkerPool.run, []
+
+    def fails(pool, *call, **how):
+        faults.append(call)
+        if len(faults) <= times:
+            raise OSError("no space left")
+        return run(pool, *call, **how)
+
+    monkeypatch.setattr(WorkerPool, "run", fails)
+    if times == 1:
+        ((_, answer),) = within.run(operator.call, [(math.sqrt, 2.0)])
+        assert answer.value == math.sqrt(2.0)
+    else:
+        with pytest.raises(NoWorkers, match="no worker of the cluster can make a call .*no space left"):
+            list(within.run(operator.call, [(math.sqrt, 2.0)]))
+
+
 def test_a_worker_that_was_not_asked_makes_nothing():
     with pytest.raises(cluster_worker.UnknownWorker):
         cluster_worker.make(b"", 1.0, "")

@@ -191,6 +191,30 @@ class InThisProcess(Calls):
             yield index, CallResult("died", reason="gone") if died else CallResult("done", value=function(*call))
 
 
+@pytest.mark.parametrize("place", ["routes", "ladder", "run"])
+def test_an_engine_that_fails_since_its_folder_is_gone_has_no_row(place, monkeypatch, line, tmp_path):
+    """The error reaches the pool, which decides whose fault it is."""
+    case, truth = line
+    (tmp_path / "scratch").mkdir()
+    monkeypatch.chdir(tmp_path / "scratch")
+
+    def fail(*_):
+        (tmp_path / "scratch").rmdir()
+        raise ValueError("an error of the engine's own")
+
+    engine = fake_engine(bowling)
+    if place == "routes":
+        engine.routes = (type("Route", (), {"__str__": fail})(),)
+    else:
+        setattr(engine, place, fail)
+    monkeypatch.setattr(tasks, "solver", lambda name: engine)
+    with pytest.raises(OSError, match="scratch|No such file"):
+        if place == "run":
+            tasks.perform(case, "fake", "native", Setting.of(h=0.01), 1, truth)
+        else:
+            tasks.survey(case, "fake")
+
+
 def test_a_solver_that_fails_for_one_of_many_cases_is_asked_about_each_alone():
     some = [cases.load("disc_in_circle", mu=mu) for mu in (0.1, 0.2, 0.3)]
     usual, broken = InThisProcess(), InThisProcess()

@@ -16,6 +16,7 @@ from dataclasses import replace
 from typing import Any
 
 from cases import BadValue
+from cases.errors import describe
 
 from ..names import legible
 from ..solvers import groups_of
@@ -29,7 +30,7 @@ LOCAL = "local"
 CALLS_PER_WORKER = 4
 # Seconds between two checks of the workers; longest absence of the scheduler or of all suitable workers, s.
 POLL_SECONDS, PATIENCE = 2.0, 600.0
-# A call that ended so many workers is not submitted again.
+# A call that so many times ended its worker, or that workers could not make, is not submitted again.
 DEADLY = 3
 # Time limit for the connection to a scheduler, s.
 ANSWERS = 5.0
@@ -258,22 +259,18 @@ class _ClusterRun:
                 yield from self._retry_or_fail(self.in_flight.pop(future)[0], future)
 
     def _retry_or_fail(self, index: int, future) -> Iterator[tuple[int, CallResult]]:
-        """Submit a call without an answer again, or yield its failure if the call itself is the cause."""
+        """Submit a call without an answer again; after DEADLY failures yield one if it ended its workers, and raise
+        NoWorkers for any other exception: what a call raises is an answer, so the machines or the suite raised it."""
         problem = future.exception() if future.status == "error" else None
-        is_killed = isinstance(problem, self.cluster.dask.scheduler.KilledWorker)
-        self.deaths[index] += is_killed
         if isinstance(problem, cluster_worker.UnknownWorker):
-            self.fit = []  # all identities are requested again
-        if (
-            problem is None
-            or isinstance(problem, cluster_worker.UnknownWorker)
-            or (is_killed and self.deaths[index] < DEADLY)
-        ):
+            problem, self.fit = None, []  # all identities are requested again
+        self.deaths[index] += problem is not None
+        if problem is None or self.deaths[index] < DEADLY:
             self.waiting.append(index)
-        elif is_killed:
+        elif isinstance(problem, self.cluster.dask.scheduler.KilledWorker):
             yield index, CallResult("died", reason=f"it ended {DEADLY} workers of the cluster", lasting=False)
         else:
-            yield index, CallResult("raised", reason=legible(f"{type(problem).__name__}: {problem}"))
+            raise NoWorkers(f"no worker of the cluster can make a call ({describe(problem)}); repeat the command")
 
 
 def _unpickle_value(answer: CallResult) -> CallResult:
