@@ -195,7 +195,8 @@ def test_every_file_of_the_users_survives(name, made, monkeypatch, capsys, befor
             (x / linked).symlink_to(outside / linked)
         shutil.copytree(made["made"], work / "made")
         there = contents(root)
-        free = ours(x / command.at, command.kind) | {x / file for file in command.forced}
+        # A folder of --out that is a link is the folder that it leads to; links inside are not followed.
+        free = ours((x / command.at).resolve(), command.kind) | {x / file for file in command.forced}
         monkeypatch.chdir(work / command.inside)
         monkeypatch.setattr(options, "STORE", ".slip-to-roll" if command.inside == "x" else str(root / "store"))
         ended = command.main(command.words)
@@ -207,3 +208,15 @@ def test_every_file_of_the_users_survives(name, made, monkeypatch, capsys, befor
         assert not lost, f"{name}: {lost}"
         left = [path for path in after if ".partial" in path.name and path not in there]
         assert not left
+
+
+def test_a_report_is_written_to_the_folder_that_out_links_to(made, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(options, "STORE", str(tmp_path / "store"))
+    shutil.copytree(made["build"], tmp_path / "disk" / "report")
+    (tmp_path / "disk" / "report" / "thesis.tex").write_text("precious")
+    (tmp_path / "x").symlink_to("disk/report")
+    assert build.main([*BUILD, "--out", "x"]) == 0
+    there = tmp_path / "disk" / "report"
+    assert (tmp_path / "x").is_symlink() and ours(there, "report") == contents(there).keys() - {there / "thesis.tex"}
+    assert (there / "thesis.tex").read_text() == "precious"
