@@ -11,7 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from . import curve_tables, features
-from .curve_tables import SAMPLES, corners, total_turning
+from .curve_tables import SAMPLES, corners, least_turning, total_turning
 from .errors import BadCurve
 
 # Distance from a special point of the formula, in spans: a jump shows as a step there, a smooth curve has none.
@@ -23,8 +23,8 @@ LONG_CHORD = 10.0
 # jump: a slope as steep as that is no track either.
 JUMP = 1e-6
 # Sides of the polygon for the search of self-intersections: the fewest, per radian of turning for a curve with many
-# loops, and the most, each with less than one turn. The pairs are processed in blocks of rows, those that are near
-# each other in groups of PAIRS.
+# loops, and the most, each with at most two radians: near longer ones lie most others, each of which is then checked
+# closely. The pairs are processed in blocks of rows, those that are near each other in groups of PAIRS.
 FEWEST_SIDES, SIDES_A_RADIAN, MOST_SIDES, BLOCK, PAIRS = 240, 8.0, 2400, 200, 2000
 # Where two sides cross, each is divided into so many pieces, so many times.
 PIECES, CLOSER = 16, 3
@@ -152,7 +152,9 @@ def check_simple(curve: CurveToCheck) -> None:
     """
     if curve.may_cross:
         return
-    turning = total_turning(curve)
+    turning = least_turning(curve, 2 * MOST_SIDES)
+    if not turning > 2 * MOST_SIDES:  # else the tables would take seconds
+        turning = total_turning(curve)
     if not np.isfinite(turning):
         return
     low, high = curve.span
@@ -163,10 +165,10 @@ def check_simple(curve: CurveToCheck) -> None:
                 f"the closed curve turns {round(abs(times))} times in its period {curve.period:.6g}, so that it meets "
                 "itself; give one round"
             )
-    if turning > 2 * np.pi * MOST_SIDES:
+    if turning > 2 * MOST_SIDES:
         raise BadCurve(
-            f"the curve turns by {turning:.3g} rad, and whether it meets itself is known up to "
-            f"{2 * np.pi * MOST_SIDES:.3g} rad; give a shorter domain, or may_cross=True"
+            f"the curve turns by {turning:.3g} rad or more, and whether it meets itself is known up to "
+            f"{2 * MOST_SIDES} rad; give a shorter domain, or may_cross=True"
         )
     # An open curve comes back to itself only if it turns by more than half a turn, a closed one that turns by exactly
     # one is convex; 0.1 is well below what a loop adds.

@@ -71,6 +71,13 @@ def sizes(curve: CurveFormula) -> tuple[float, float]:
     return reach, min(reach, 1.0 / bend) if bend > 0.0 else reach
 
 
+def least_turning(curve: CurveFormula, count: int) -> float:
+    """A lower bound of the total absolute turn, rad: that between even samples, each less than half a turn."""
+    with np.errstate(all="ignore"):
+        _, _, xp, yp, *_ = curve.jets(np.linspace(*curve.span, count + 1))
+        return float(np.abs(np.angle(np.exp(1j * np.diff(np.arctan2(yp, xp))))).sum())
+
+
 def total_turning(curve: CurveFormula) -> float:
     """The total absolute turn of the tangent along the whole curve, rad."""
     return float(np.abs(np.diff(curve.angle_table(curve.span)[1])).sum())

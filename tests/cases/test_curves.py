@@ -121,6 +121,7 @@ def test_the_tangents_angle_counts_the_same_turns_for_a_number_as_for_an_array(c
     [
         lambda: Curve(("s", "sin(1e6*s)"), domain=(-1.0, 1.0)),
         lambda: Curve(("s", "sin(1e9*s)"), domain=(-1.0, 1.0)),
+        lambda: Curve(("s", "sin(5e3*s)"), domain=(-1.0, 1.0)),
         lambda: Curve(("cos(1e6*s)", "sin(1e6*s)"), domain=(-1.0, 1.0), may_cross=True),
         lambda: Curve(("cos(s)*(1 + 0.1*sin(1e6*s))", "sin(s)*(1 + 0.1*sin(1e6*s))")),
         lambda: library.logarithmic_spiral(1.0, 0.1, 5e-324),
