@@ -17,10 +17,11 @@ from cases import Case, Mode
 
 from ..minimal.decision import ORDER, Undecidable, _by_series, _leading_signs, follows
 from ..minimal.effects import SLIP_SIGN
-from ..several import forces
 from ..several.contact_law import slip_modes
+from ..several.decision import BALANCED
+from .held_plates import held_sets, inner_contacts, margin, pressing_forces
 from .plate_places import PlateContactPlace, flush, numbers_of, places, plates_in, regions_of
-from .plates_phase import PlatesRegime, plates_phase
+from .plates_phase import PlatesPhase, PlatesRegime, moving_contacts, plates_phase, regime_of
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
 STILL = 1e-11
@@ -28,79 +29,126 @@ STILL = 1e-11
 SAME = 1e-7
 # Numbers exclude a combination of modes that violates a condition by this part of the largest force or acceleration.
 VIOLATED = 1e-6
-# A load is balanced if the least weight is no more negative than its rounding.
-BALANCED = -1e-11
 # Rows are dependent if one is the sum of others to this part.
 DEPENDENT = 1e-9
 
 
 class GroupDecision(NamedTuple):
-    """The modes of a group's contacts that follow, whether its plates rest, and the contacts whose force vanishes; None
-    if there are none or several.
+    """The modes of a group's contacts that follow, the plates that rest, and the contacts whose force vanishes; None if
+    there are none or several.
 
     `motions`: how many different motions are consistent; `is_singular`: whether modes were left out because their
     forces are not unique.
     """
 
     modes: tuple[Mode, ...] | None
-    rests: bool
+    resting: frozenset[int]
     idle: frozenset[int]
     motions: tuple[tuple[Mode, ...], ...]
     is_singular: bool
 
 
+class _Consistent(NamedTuple):
+    """Modes that hold just after an instant, the plates that rest in them, and the accelerations (3n,)."""
+
+    modes: tuple[Mode, ...]
+    resting: frozenset[int]
+    acceleration: np.ndarray
+
+
 def decide(
     case: Case, t: float, state: tuple[float, ...], group: Sequence[int], speed: float, error: float,
-    fixed: Mapping[int, tuple[Mode, ...]],
+    fixed: Mapping[int, tuple[Mode, ...]], released: frozenset[int] = frozenset(),
 ) -> GroupDecision:  # fmt: skip
     """The modes of one group's contacts that follow. `speed` (m/s): the largest of the motion so far; `error`: the
-    relative error of the state; `fixed` limits the modes of some contacts. Raises Undecidable."""
+    relative error of the state; `fixed` limits the modes of some contacts; `released`: plates that their contacts no
+    longer hold all at once. Raises Undecidable."""
     now = places(case, group, state)
-    motions: list[tuple[tuple[Mode, ...], bool, np.ndarray]] = []
-    plates, is_singular = plates_in(case, group), False
-    own = np.repeat([b in plates for b in range(len(state) // 6)], 3)
-    if _rests(case, state, now, plates):
-        still = tuple(Mode.ROLL if at.stick > 0.0 else Mode.SLIDE for at in now)
-        motions.append((still, True, np.zeros(len(state) // 2)))
-    pairs = [(group.index(one), group.index(other)) for one, other in flush(case, group).items()]
-    for modes in product(*_options(state, group, now, speed, fixed)):
+    motions: list[_Consistent] = []
+    plates = plates_in(case, group)
+    if _rests(case, state, group, plates):
+        still = tuple(_still_mode(at) for at in now)
+        motions.append(_Consistent(still, plates, np.zeros(len(state) // 2)))
+    moving, is_singular = _consistent_modes(case, t, state, group, now, speed, error, fixed, frozenset())
+    motions += moving
+    if is_singular:  # forces of contacts that do not move may be the reason
+        for held in held_sets(case, state, group):
+            if not released or not released <= held:
+                motions += _consistent_modes(case, t, state, group, now, speed, error, fixed, held)[0]
+    if any(at.stick > at.mu for at in now):
+        # With static friction a contact that may stick does.
+        most = max((_sticking(one.modes) for one in motions), default=0)
+        motions = [one for one in motions if _sticking(one.modes) == most]
+    clusters = _clusters(case, motions)
+    if len(clusters) != 1:
+        none = frozenset[int]()
+        return GroupDecision(None, none, none, tuple(some[0].modes for some in clusters), is_singular)
+    # Of equations of one motion: those of a rest, or else those in which most forces are unique.
+    modes, resting, _ = max(
+        clusters[0],
+        key=lambda one: (
+            one.resting == plates, -len(one.resting), len(group) - one.modes.count(Mode.FLIGHT), _sticking(one.modes)
+        ),
+    )  # fmt: skip
+    idle = frozenset[int]() if resting == plates else _idle(case, t, state, group, modes, error, resting)
+    return GroupDecision(modes, resting, idle, (modes,), is_singular)
+
+
+def _consistent_modes(
+    case: Case, t: float, state: tuple[float, ...], group: Sequence[int], now: Sequence[PlateContactPlace],
+    speed: float, error: float, fixed: Mapping[int, tuple[Mode, ...]], held: frozenset[int],
+) -> tuple[list[_Consistent], bool]:  # fmt: skip
+    """The modes that follow while some plates are held at rest, and whether some were left out because their forces are
+    not unique."""
+    results, is_singular = list[_Consistent](), False
+    own = np.repeat([b in plates_in(case, group) - held for b in range(len(state) // 6)], 3)
+    inner = inner_contacts(case, group, held)
+    pairs = [(group.index(one), group.index(other)) for one, other in flush(case, group).items() if one not in inner]
+    options = _options(state, group, now, speed, fixed)
+    for i, number in enumerate(group):
+        options[i] = (_still_mode(now[i]),) if number in inner else options[i]
+    for modes in product(*options):
         if any(modes[i] is not modes[j] and Mode.FLIGHT not in (modes[i], modes[j]) for i, j in pairs):
             continue
-        answer = _by_numbers(case, now, modes, {i: j for i, j in pairs if modes[i] is Mode.ROLL is modes[j]})
+        rows = [Mode.FLIGHT if number in inner else mode for number, mode in zip(group, modes, strict=True)]
+        answer = _by_numbers(case, now, rows, {i: j for i, j in pairs if modes[i] is Mode.ROLL is modes[j]}, own)
         if answer is None:
             is_singular = True
             continue
         if not answer.is_possible:
             continue
-        phase = plates_phase(case, PlatesRegime(tuple(group), modes, regions=regions_of(case, group, now)))
+        phase = plates_phase(case, PlatesRegime(tuple(group), modes, held, regions=regions_of(case, group, now)))
         near = any(mode is Mode.FLIGHT for mode in modes)
         holds = _by_series(phase, t, state, error) if near else follows(case, phase, t, state, error)
-        if holds:
-            motions.append((modes, False, np.where(own, answer.acceleration, 0.0)))
-    if any(at.stick > at.mu for at in now):
-        # With static friction a contact that may stick does.
-        most = max((_sticking(modes) for modes, _, _ in motions), default=0)
-        motions = [motion for motion in motions if _sticking(motion[0]) == most]
-    clusters = _clusters(case, motions)
-    if len(clusters) != 1:
-        return GroupDecision(None, False, frozenset(), tuple(some[0][0] for some in clusters), is_singular)
-    modes, rests, _ = max(
-        clusters[0], key=lambda one: (one[1], len(one[0]) - one[0].count(Mode.FLIGHT), _sticking(one[0]))
-    )
-    idle = frozenset[int]() if rests else _idle(case, t, state, group, modes, error)
-    return GroupDecision(modes, rests, idle, (modes,), is_singular)
+        if holds and (not held or _is_held(phase, t, state, inner, held)):
+            results.append(_Consistent(modes, held, np.where(own, answer.acceleration, 0.0)))
+    return results, is_singular
+
+
+def _still_mode(at: PlateContactPlace) -> Mode:
+    """The mode of a contact of plates at rest."""
+    return Mode.ROLL if at.stick > 0.0 else Mode.SLIDE
+
+
+def _is_held(
+    phase: PlatesPhase, t: float, state: tuple[float, ...], inner: Sequence[int], held: frozenset[int]
+) -> bool:
+    """Whether inner contacts hold plates on which others press."""
+    return margin(phase.case, state, inner, held, pressing_forces(phase, t, state, held)) >= BALANCED
 
 
 def _idle(
-    case: Case, t: float, state: tuple[float, ...], group: Sequence[int], modes: tuple[Mode, ...], error: float
-) -> frozenset[int]:
+    case: Case, t: float, state: tuple[float, ...], group: Sequence[int], modes: tuple[Mode, ...], error: float,
+    resting: frozenset[int],
+) -> frozenset[int]:  # fmt: skip
     """The closed contacts whose normal force vanishes along the motion, as far as its series shows."""
     own = regions_of(case, group, places(case, group, state))
-    signs = _leading_signs(plates_phase(case, PlatesRegime(tuple(group), modes, regions=own)), t, state, error, ORDER)
+    phase = plates_phase(case, PlatesRegime(tuple(group), modes, resting, regions=own))
+    signs = _leading_signs(phase, t, state, error, ORDER)
     return frozenset(
         number
-        for k, number in enumerate(group)
-        if modes[k] is not Mode.FLIGHT
+        for k, (number, mode) in enumerate(moving_contacts(case, regime_of(phase)))
+        if mode is not Mode.FLIGHT
         and not any(signs.get(f"{name}:{k}", 0) for name in ("normal", "cone_forward", "cone_backward"))
     )
 
@@ -135,11 +183,12 @@ class _Answer(NamedTuple):
 
 
 def _by_numbers(
-    case: Case, now: Sequence[PlateContactPlace], modes: Sequence[Mode], shares: Mapping[int, int]
+    case: Case, now: Sequence[PlateContactPlace], modes: Sequence[Mode], shares: Mapping[int, int], moves: np.ndarray
 ) -> _Answer | None:
     """The accelerations in these modes; None if the forces are not unique. `shares`: corners that stick, with the one
-    that has the friction force of both."""
-    numbers = numbers_of(case)
+    that has the friction force of both; `moves` (3n,): which velocities of all may change."""
+    every = numbers_of(case)
+    numbers = every._replace(inverse=np.where(moves, every.inverse, 0.0), load=np.where(moves, every.load, 0.0))
     rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
     for i, (at, mode) in enumerate(zip(now, modes, strict=True)):
         if mode is Mode.FLIGHT:
@@ -177,33 +226,26 @@ def _by_numbers(
     return _Answer(acceleration, bool(possible))
 
 
-def _rests(case: Case, state: tuple[float, ...], now: Sequence[PlateContactPlace], plates: frozenset[int]) -> bool:
+def _rests(case: Case, state: tuple[float, ...], group: Sequence[int], plates: frozenset[int]) -> bool:
     """Whether these plates are still, and forces of their contacts balance the load."""
     half = len(state) // 2
     if any(state[half + 3 * b + c] for b in plates for c in range(3)):
         return False
-    load, units = load_and_units(case, plates)
-    if not np.isfinite(load).all():
+    if not np.isfinite(numbers_of(case).load).all():
         raise Undecidable
-    return forces.margin(now, load, units, [at.stick for at in now]) >= BALANCED
+    return margin(case, state, group, plates) >= BALANCED
 
 
-def load_and_units(case: Case, plates: frozenset[int]) -> tuple[np.ndarray, np.ndarray]:
-    """The load (3n,) on some plates (N, N, N m), and the units of the equations of their equilibrium: 0 for those of
-    other plates, and for the moment of a plate that cannot turn."""
-    numbers = numbers_of(case)
-    own = np.repeat([b in plates for b in range(len(numbers.radii))], 3) & (numbers.inverse > 0.0)
-    mass = np.divide(1.0, numbers.inverse, out=np.zeros(len(own)), where=own)
-    return numbers.load * mass, own / numbers.lengths
-
-
-def _clusters(case: Case, motions) -> list[list]:
+def _clusters(case: Case, motions: Sequence[_Consistent]) -> list[list[_Consistent]]:
     """Modes with the same accelerations together."""
-    numbers, clusters = numbers_of(case), list[list]()
+    numbers, clusters = numbers_of(case), list[list[_Consistent]]()
     for motion in motions:
         for some in clusters:
-            largest = max(float(np.abs(one * numbers.lengths).max()) for one in (numbers.load, motion[2], some[0][2]))
-            if np.abs((motion[2] - some[0][2]) * numbers.lengths).max() <= SAME * largest:
+            largest = max(
+                float(np.abs(one * numbers.lengths).max())
+                for one in (numbers.load, motion.acceleration, some[0].acceleration)
+            )
+            if np.abs((motion.acceleration - some[0].acceleration) * numbers.lengths).max() <= SAME * largest:
                 some.append(motion)
                 break
         else:

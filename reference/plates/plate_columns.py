@@ -15,7 +15,7 @@ from cases.trajectory import ContactColumns
 
 from ..minimal.integrators.segment import Segment, blocks
 from ..several import forces
-from .group_decision import load_and_units
+from .held_plates import held_plates, inner_contacts, load_and_units, pressing_forces
 from .plate_places import coordinates, flush, groups, place, places, plates_in
 from .plates_phase import PlatesPhase, moving_contacts, regime_of
 from .plates_system import COLUMNS
@@ -90,10 +90,10 @@ def contact_columns(case: Case, now: PlatesPhase, times: np.ndarray, y: np.ndarr
     moving = moving_contacts(case, regime)
     k = next((k for k, (other, _) in enumerate(moving) if other == number), None)
     if k is None:
-        normal, friction = _rest_ranges(case, now, y[:, 0], number)
-        limits = [np.repeat(limit[:, None], len(times), axis=1) for limit in (normal, friction)]
+        normal, friction = _rest_ranges(case, now, times, y, number)
         weight = float(np.abs(load_and_units(case, frozenset(range(len(y) // 6)))[0]).max())
-        values = [nothing + forces.values(limit[None], weight)[0] for limit in (normal, friction)]
+        values = [nothing + forces.values(limit.T, weight) for limit in (normal, friction)]
+        limits = [nothing + limit for limit in (normal, friction)]
         return ContactColumns(nothing, nothing, values[0], values[1], xi1, xi2, limits[0], limits[1])
     columns = now.system.outputs_of_arrays(times, y, now.parameters)
     first = 2 + len(y) // 2 + len(COLUMNS) * k
@@ -127,19 +127,30 @@ def _at_partner(
     return ContactColumns(nothing, nothing, normals[0], friction, *parameters, np.array([normals[0]] * 2), limits)
 
 
-def _rest_ranges(case: Case, now: PlatesPhase, state: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest normal and friction force (N) of a contact of plates at rest, (2,) each."""
-    group = next(some for some in groups(case, regime_of(now).closed) if number in some)
-    limits = _group_ranges(case, tuple(group), state.tobytes())
-    return limits.normal[group.index(number)], limits.friction[group.index(number)]
+def _rest_ranges(
+    case: Case, now: PlatesPhase, times: np.ndarray, y: np.ndarray, number: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest normal and friction force (N) of a contact of plates at rest, (2, n) each; (2, 1) if they are
+    the same all the time, as nothing that moves presses on the plates."""
+    regime = regime_of(now)
+    inner = inner_contacts(case, regime.closed, regime.resting)
+    group = tuple(next(some for some in groups(case, inner) if number in some))
+    plates, ranges = plates_in(case, group), list[forces.ForceRanges]()
+    is_pressed = bool(plates & held_plates(now))
+    for t, state in zip(times.tolist(), y.T, strict=True) if is_pressed else [(0.0, y[:, 0])]:
+        pressing = pressing_forces(now, t, state.tolist(), plates) if is_pressed else np.zeros(len(y) // 2)
+        ranges.append(_group_ranges(case, group, np.ascontiguousarray(state).tobytes(), pressing.tobytes()))
+    k = group.index(number)
+    return np.array([one.normal[k] for one in ranges]).T, np.array([one.friction[k] for one in ranges]).T
 
 
-@lru_cache(maxsize=64)
-def _group_ranges(case: Case, group: tuple[int, ...], state: bytes) -> forces.ForceRanges:
-    """The ranges of the forces of some contacts of plates at rest, computed once for all contacts and all times.
-    `state`: the variables' bytes, because keys that are equal may differ in the sign of a zero."""
+# The ranges of all contacts at so many instants are kept: those of a motion's samples, for one contact after the other.
+@lru_cache(maxsize=4096)
+def _group_ranges(case: Case, group: tuple[int, ...], state: bytes, pressing: bytes) -> forces.ForceRanges:
+    """The ranges of the forces of some contacts of plates at rest, computed once for all contacts. `state`, `pressing`
+    (as of `load_and_units`): the numbers' bytes, because keys that are equal may differ in the sign of a zero."""
     at = places(case, group, np.frombuffer(state))
-    load, units = load_and_units(case, plates_in(case, group))
+    load, units = load_and_units(case, plates_in(case, group), np.frombuffer(pressing))
     limits = forces.ranges(at, load, units, [one.stick for one in at])
     for each in limits:
         each.flags.writeable = False  # shared by all callers

@@ -30,6 +30,7 @@ from ..several.impact import Inertia, NoImpact, impact_of_all
 from ..several.phase_loop import PhaseLoop, several_motions
 from ..several.watched_plate import CLOSES, SOME_ROUNDINGS, TOUCHES, MotionEnds
 from .group_decision import GroupDecision, decide
+from .held_plates import end_of_hold, held_plates, inner_contacts
 from .plate_places import (
     PlateContactPlace,
     groups,
@@ -68,6 +69,7 @@ class PlatesSimulation(PhaseLoop):
         self.hops = NestedSeries()
         self.causes: dict[int, str] = {}
         self.fixed: dict[int, tuple[Mode, ...]] = {}
+        self.released = frozenset[int]()
         numbers = numbers_of(case)
         self.speed = speed_scale(float(np.abs(numbers.load).max()), min(numbers.radii))
         self.idle, self.work, self.begins = 0, 0, True
@@ -91,15 +93,15 @@ class PlatesSimulation(PhaseLoop):
         modes, resting, idle = dict.fromkeys(self.modes, Mode.FLIGHT), set[int](), set[int]()
         for group in groups(self.case, sorted(self.touching)):
             self._check_count(group)
-            decision = decide(self.case, self.t, self.state, group, self.speed, error, self.fixed)
-            if decision.modes is None and self.fixed and not decision.motions:
+            decision = decide(self.case, self.t, self.state, group, self.speed, error, self.fixed, self.released)
+            if decision.modes is None and (self.fixed or self.released) and not decision.motions:
                 decision = decide(self.case, self.t, self.state, group, self.speed, error, {})
             if decision.modes is None:
                 raise MotionEnds(self._no_modes(group, decision))
             modes |= dict(zip(group, decision.modes, strict=True))
             idle |= decision.idle
-            if decision.rests:
-                resting |= plates_in(self.case, group)
+            resting |= decision.resting
+            if decision.resting:
                 continue
             for part in self._resting_parts(group, decision.modes, error):
                 modes |= part
@@ -117,7 +119,7 @@ class PlatesSimulation(PhaseLoop):
             changes, self.begins = [], False
         came_to_rest = CAUSES["rest"] in self.causes.values()
         self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "")
-        self.modes, self.causes, self.fixed = modes, {}, {}
+        self.modes, self.causes, self.fixed, self.released = modes, {}, {}, frozenset()
         return PlatesRegime(
             tuple(modes), tuple(modes.values()), frozenset(resting), frozenset(idle), self._regions(modes, self.state)
         )
@@ -136,7 +138,7 @@ class PlatesSimulation(PhaseLoop):
             if links and plates_in(self.case, part) & plates_in(self.case, list(links)):
                 continue  # a plate that moves presses on it
             decision = decide(self.case, self.t, self.state, part, self.speed, error, {})
-            if decision.modes is not None and decision.rests:
+            if decision.modes is not None and decision.resting == plates_in(self.case, part):
                 parts.append(dict(zip(part, decision.modes, strict=True)))
         return parts
 
@@ -177,6 +179,8 @@ class PlatesSimulation(PhaseLoop):
             self._settle({n for n, mode in self.modes.items() if mode is Mode.ROLL})
             return None
         segment = self.integrate(phase, self.t, self.state, self.case.duration, self.rtol)
+        limit = end_of_hold(segment)
+        segment = segment if limit is None else segment.cut(limit, "hold")
         self._advance(segment)
         guard = segment.event.guard
         self.touching = set(regime.closed)
@@ -190,6 +194,12 @@ class PlatesSimulation(PhaseLoop):
         kind, _, index = guard.partition(":")
         if kind in ENDS:
             return ENDS[kind]
+        if kind == "hold":
+            self.released = held_plates(phase)
+            inner = inner_contacts(self.case, regime.closed, self.released)
+            self.causes |= dict.fromkeys(inner, "the forces reached their limit")
+            self._settle(stuck)
+            return None
         number, _ = moving_contacts(self.case, regime)[int(index)]
         if kind == "gap":
             self._wait_for_sharper(phase, number)

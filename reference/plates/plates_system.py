@@ -79,7 +79,8 @@ def _rotate(x: Node, y: Node, theta: Node) -> tuple[Node, Node]:
     return c * x - s * y, s * x + c * y
 
 
-def _contact(form: PlateContactForm, k: int) -> _PlateContactTerms:
+def _contact(form: PlateContactForm, k: int, resting: frozenset[int]) -> _PlateContactTerms:
+    """One contact's expressions; plates at rest have no part in its rows, as a line has none."""
     body = form.body
     (x, y, theta), spin = _at("position", body), _at("velocity", body)[2]
     radius: Node = ZERO if form.is_corner else symbol(f"radius_{body}")
@@ -94,7 +95,10 @@ def _contact(form: PlateContactForm, k: int) -> _PlateContactTerms:
         across, along = ty * ax - tx * ay, tx * ax + ty * ay
         own[body, 2], slip[body, 2] = along, across
         turning, slip_turning = turning + spin * spin * across, slip_turning - spin * spin * along
-    lift_row, slip_row = own | lift_row, slip | slip_row
+    lift_row, slip_row = (
+        {place: entry for place, entry in row.items() if place[0] not in resting}
+        for row in (own | lift_row, slip | slip_row)
+    )
     lift_now, slip_now = (_apply(row, lambda one: _at("velocity", one[0])[one[1]]) for row in (lift_row, slip_row))
     return _PlateContactTerms(lift_row, slip_row, lift_now, slip_now, gap, turning, slip_turning, borders)
 
@@ -218,7 +222,7 @@ def _solve(matrix: list[list[Node]], right: list[Node]) -> tuple[list[Node], Nod
 
 
 def _equations(forms: tuple[PlateContactForm, ...], count: int, resting: frozenset[int]) -> Equations:
-    contacts = [_contact(form, k) for k, form in enumerate(forms)]
+    contacts = [_contact(form, k, resting) for k, form in enumerate(forms)]
     gravity = symbol("gx"), symbol("gy"), ZERO
     rows, columns, right = list[Row](), list[Row](), list[Node]()
     ratios = [symbol(f"k_{k}") if form.rubs else ZERO for k, form in enumerate(forms)]

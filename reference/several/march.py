@@ -268,7 +268,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
             segment, meeting = self._move(phase, y)
             limit = limit_on_belts(segment) if regime.guides else None
             if limit is not None:
-                segment, meeting = _cut(segment, limit, "rest"), None
+                segment, meeting = segment.cut(limit, "rest"), None
             if meeting is not None:
                 self._advance(segment)
                 return self._meet(*meeting)
@@ -313,7 +313,7 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         first = self._first_meeting(segment)
         if first is None:
             return segment, None
-        return _cut(segment, first[1].time, None), first
+        return segment.cut(first[1].time, None), first
 
     def _rest(self, phase, y) -> Segment:
         """A rest: it ends where the forces cannot balance the load any more."""
@@ -402,10 +402,3 @@ class SeveralSimulation(WatchedPlate, PhaseLoop):
         watch = self.new_watch(contact, (meeting.xi1, meeting.xi2))
         self.settle({n for n, m in zip(regime.names, regime.modes, strict=True) if m in STICKING}, {watch.name})
         return None
-
-
-def _cut(segment: Segment, time: float, guard: str | None) -> Segment:
-    """A segment that ends at a time (s) by that guard."""
-    cut = segment.until(time, segment.evaluations)
-    state = tuple(segment.states(np.array([time]))[:, 0].tolist())
-    return Segment.of(segment.phase, cut.times, segment.states, Event(guard, time, state), segment.evaluations)

@@ -22,9 +22,9 @@ from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
 LOOKS = 64
 # A root is located to roundings of its time, the finest that SciPy allows, whatever the unit of time.
 SOONEST, FINEST = 1e-300, 4.0 * EPS
-# On belts it is located to this time (s).
-ON_BELTS = 1e-15
-# Looks in each step of a plate that belts move; the steps resolve the features of belts and loads.
+# In a motion it is located to this time (s).
+IN_MOTION = 1e-15
+# Looks in each step of a motion; the steps resolve the features of belts and loads.
 LOOKS_IN_STEP = 4
 
 
@@ -69,10 +69,15 @@ def limit_on_belts(segment: Segment) -> float | None:
             raise np.linalg.LinAlgError("the plate sticks to belts whose motions differ")
         return value
 
+    return first_loss_in(segment, margin)
+
+
+def first_loss_in(segment: Segment, margin: Callable[[float], float]) -> float | None:
+    """When a margin is lost in a segment, s; None if it is not at any look in its steps."""
     steps = np.unique(segment.times)
     parts = np.arange(1, LOOKS_IN_STEP + 1) / LOOKS_IN_STEP
     looks = (steps[:-1, None] + np.diff(steps)[:, None] * parts).ravel()
-    return _first_loss(margin, [float(steps[0]), *looks.tolist()], ON_BELTS)
+    return _first_loss(margin, [float(steps[0]), *looks.tolist()], IN_MOTION)
 
 
 def _first_loss(margin: Callable[[float], float], looks: list[float], within: float = SOONEST) -> float | None:

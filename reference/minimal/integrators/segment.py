@@ -82,6 +82,12 @@ class Segment:
         times = np.append(self.times[self.times < time], time)
         return Segment.of(self.phase, times, self.states, self.event._replace(time=time), evaluations)
 
+    def cut(self, time: float, guard: str | None) -> Segment:
+        """The same motion that ends at a time (s) by that guard, in its state there."""
+        cut = self.until(time, self.evaluations)
+        state = tuple(self.states(np.array([time]))[:, 0].tolist())
+        return replace(cut, event=Event(guard, time, state))
+
     def ended_by(self, guard: str) -> Segment:
         """The same motion, with another reason for its end."""
         return replace(self, event=self.event._replace(guard=guard))
