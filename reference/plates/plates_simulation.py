@@ -28,7 +28,7 @@ from ..scales import doubt_of_closing, frequency, speed_scale
 from ..several.hops import NestedSeries, Strike
 from ..several.impact import Inertia, NoImpact, impact_of_all
 from ..several.phase_loop import PhaseLoop, several_motions
-from ..several.watched_plate import CLOSES, SOME_ROUNDINGS, TOUCHES, MotionEnds
+from ..several.watched_plate import CLOSES, NO_GAP, SOME_ROUNDINGS, TOUCHES, MotionEnds
 from .group_decision import GroupDecision, decide
 from .held_plates import end_of_hold, held_plates, inner_contacts
 from .plate_places import (
@@ -198,38 +198,66 @@ class PlatesSimulation(PhaseLoop):
             self.released = held_plates(phase)
             inner = inner_contacts(self.case, regime.closed, self.released)
             self.causes |= dict.fromkeys(inner, "the forces reached their limit")
-            self._settle(stuck)
+            self._settle(stuck, self._closing())
             return None
         number, _ = moving_contacts(self.case, regime)[int(index)]
         if kind == "gap":
             self._wait_for_sharper(phase, number)
             self._settle(stuck, closing={number})
             return None
+        closing = self._closing()  # an impact at the same instant
         if kind in ("low", "high"):  # the contact passes a corner of a polygon, or a disc flies past it
             self.causes[number] = "the contact passed a corner"
-            self._settle(stuck)
+            self._settle(stuck, closing)
             return None
         self.causes[number] = CAUSES["normal_force" if kind == "normal" else kind]
         if kind == "slip":
             stuck.add(number)
-        if kind == "normal":
+        if kind == "normal" and not closing:
             self.fixed = {number: (Mode.FLIGHT,)}
-        self._settle(stuck)
+        self._settle(stuck, closing)
         return None
+
+    def _closing(self) -> set[int] | None:
+        """The open contacts without a gap that close; None if there are none."""
+        velocity, least = np.array(self.state[self.half :]), NO_GAP * size(self.case, self.state)
+        every = [(n, place(self.case, n, self.state)) for n in self.modes if n not in self.touching]
+        fast = CLOSES * self.speed
+        return {n for n, at in every if at.gap <= least and float(at.lift_row @ velocity) < -fast} or None
 
     def _low_hops(self, phase: PlatesPhase) -> set[int]:
         """The contacts that an impact has just opened, whose hops rise no higher than positions' rounding: the other
-        contacts' forces may drive plates together that their loads do not."""
+        contacts' forces may drive plates together that their loads do not.
+
+        Where impacts follow each other ever faster without a fixed ratio, all of their contacts: which of them open is
+        a question of forces then. Raises MotionEnds if one of these opens faster."""
         if not self.hops.strikes or self.hops.strikes[-1].time != self.t:
             return set()
-        velocity, low = np.array(self.state[self.half :]), set[int]()
+        velocity, extent = np.array(self.state[self.half :]), size(self.case, self.state)
         acceleration = np.array(phase.system.rates_of_numbers(0.0, self.state, phase.parameters)[self.half :])
+        slow = ACCUMULATES * self.speed
+        recent = self.hops.recent(self.t) if self.hops.strikes[-1].closing < slow else frozenset[str]()
+        low = set[int]()
         for number in set(self.modes) - self.touching:
-            at = place(self.case, number, self.state)
+            at, name = place(self.case, number, self.state), self.contacts[number].name
             lift, pull = float(at.lift_row @ velocity), -float(at.lift_row @ acceleration + at.lift_bias)
-            if lift > 0.0 and at.gap <= TOUCHES * size(self.case, self.state) and self._is_unresolved(lift, pull):
+            if at.gap > TOUCHES * extent:
+                continue
+            if (lift > 0.0 and self._is_unresolved(lift, pull)) or (name in recent and abs(lift) <= slow):
                 low.add(number)
+            elif name in recent:
+                self._end_accumulation(name)
         return low
+
+    def _end_accumulation(self, name: str) -> None:
+        """Raises MotionEnds: no end of impacts is known."""
+        raise MotionEnds(
+            (
+                "accumulation",
+                f"Impacts at {', '.join(sorted(self.hops.strikes[-1].contacts))} follow each other ever faster at t = "
+                f"{self.t:.9g} s, without a fixed ratio, and {name} opens: their end is not computed.",
+            )
+        )
 
     def _advance(self, segment: Segment) -> None:
         self._count(segment)
@@ -366,8 +394,6 @@ class PlatesSimulation(PhaseLoop):
         end = self.hops.limit(self.t, small)
         if end is None and CAUSES["rest"] in self.causes.values():
             end = self.hops.lowest(frozenset(self.contacts[n].name for n in self.touching))
-        if end is None:
-            self._check_accumulation()
         if end is None or not end.time < self.case.duration:
             return
         limit, values = end.time, end.body
@@ -396,22 +422,6 @@ class PlatesSimulation(PhaseLoop):
             self.hops.record(self.t, [], CAUSES["rest"])
             self.causes = {}
             self._settle(set(stuck), closing=landing)
-
-    def _check_accumulation(self) -> None:
-        """End the motion where impacts follow each other ever faster, and no end of them is found."""
-        last = self.hops.strikes[-1] if self.hops.strikes else None
-        if last is None or last.time != self.t:
-            return
-        if last.contacts - {self.contacts[number].name for number in self.touching} and (
-            last.closing < ACCUMULATES * self.speed
-        ):
-            raise MotionEnds(
-                (
-                    "accumulation",
-                    f"Impacts at {', '.join(sorted(last.contacts))} follow each other ever faster at t = "
-                    f"{self.t:.9g} s, without a fixed ratio: their end is not computed.",
-                )
-            )
 
     def _slips_less(self, number: int, state: tuple[float, ...], remains: float) -> bool:
         at = place(self.case, number, state)

@@ -115,10 +115,17 @@ class ImpactSeries:
         """The end of small impacts, the last of them at t, if the contacts that bounce move by less than `size` (m)
         until then; None otherwise."""
         some, contacts = self._series() if self.recent(t) else ([], frozenset())
+        end = self._end_of(some, contacts, t, size, False) if len(some) > FEW else None
+        few = some[-FEW:]
+        if end is None and len(few) == FEW and few[2].closing <= FAST * few[1].closing <= FAST**2 * few[0].closing:
+            return self._end_of(few, contacts, t, size, True)
+        return end
+
+    def _end_of(
+        self, some: Sequence[Strike], contacts: frozenset[str], t: float, size: float, are_few: bool
+    ) -> SeriesEnd | None:
+        """The end of those impacts of a series, if it is accepted."""
         speeds, times = [one.closing for one in some], [one.time for one in some]
-        are_few = len(some) == FEW and speeds[2] <= FAST * speeds[1] <= FAST**2 * speeds[0]
-        if len(some) <= FEW and not are_few:
-            return None
         (time, _), (before, _) = extrapolate(speeds, times), extrapolate(speeds[:-1], times[:-1])
         remaining = time - t
         waits = time - times[-2] if are_few else remaining

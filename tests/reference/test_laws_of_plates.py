@@ -179,6 +179,26 @@ def test_random_plates_between_walls_obey_the_laws(seed):
     obeys(motion, np.linspace(0.0, float(motion.t[-1]), 1001))
 
 
+# Held plates; impacts without a fixed ratio, of contacts that nothing pulls together, or too few to have one.
+GO_ON = [
+    17,
+    80,
+    14,
+    51,
+    71,
+    107,
+    *(pytest.param(seed, marks=pytest.mark.slow) for seed in (11, 85, 101, 112, 119, 139)),
+]
+
+
+@pytest.mark.parametrize("seed", GO_ON)
+def test_random_plates_go_on_where_they_ended_early(seed):
+    """They ended as `breakdown` or `accumulation`."""
+    case = random_walled_plates(seed)
+    motion = reference.simulate(case, method="dop853")
+    assert motion.status == "completed" and not reference.check(case, motion)
+
+
 @pytest.mark.parametrize("seed", [*range(5), *(pytest.param(s, marks=pytest.mark.slow) for s in range(5, 200))])
 def test_a_motion_that_is_stopped_goes_on_as_it_would_have(seed):
     case = random_walled_plates(seed, duration=0.4)
