@@ -11,7 +11,7 @@ touched.)
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
+from itertools import combinations, product
 from math import inf
 from typing import NamedTuple, Protocol
 
@@ -26,6 +26,8 @@ from .geometry import TURNING_ROW, ContactPlace
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10
+# A linear program's tolerance.
+WITHIN = 1e-7
 # Impulses that change nothing at closed contacts turn the plate if they change its velocity by more than this part.
 TURNS = 1e-9
 STICK, FORWARD, BACKWARD, OPEN = "stick", "forward", "backward", "open"
@@ -151,8 +153,10 @@ def _collide(
         for mu in law.mu
     ]
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
-    turns = (0, 1, -1) if law.arms.any() else (None,)
+    turns, alike = (0, 1, -1) if law.arms.any() else (None,), _with_one_slip(inertia, places_hit, law)
     for modes, turn in product(product(*options), turns):
+        if any(modes[i] != modes[j] and OPEN not in (modes[i], modes[j]) for i, j in alike):
+            continue
         for one in _in_modes(
             modes, before, places_hit, law._replace(turn=turn, gyration=inertia.lengths[2]), inertia.inverse, speed
         ):
@@ -162,6 +166,15 @@ def _collide(
         count = "no" if not solutions else f"{len(solutions)} different"
         raise NoImpact(f"{count} velocities after the impact agree with its law")
     return solutions[0]
+
+
+def _with_one_slip(inertia: Inertia, places_hit: Sequence[TouchedContact], law: _ImpactLaw) -> list[tuple[int, int]]:
+    """The pairs of contacts that always have one slip, as two corners of a plate on one line."""
+    rows = np.array([at.slip_row / inertia.lengths for at in places_hit])
+    return [
+        (i, j) for i, j in combinations(range(len(rows)), 2)
+        if np.abs(rows[i] - rows[j]).max() <= ROUNDING and law.belts[i] == law.belts[j] and law.mu[i] and law.mu[j]
+    ]  # fmt: skip
 
 
 def _differ(one: ImpactVelocities, other: ImpactVelocities, lengths: np.ndarray, speed: float) -> bool:
@@ -359,8 +372,6 @@ def _check(
             limit[which.index((k, True))] = law.mu[k]
         admissible += [limit + row, limit - row]
         bounds += [0.0 if (k, True) in which else -law.mu[k] * float(law.least[k])] * 2
-    if not _is_admissible(admissible, np.array(bounds), impulses, free, small):
-        return None
     for k, mode in enumerate(modes):
         rebound = lift[k] + law.restitution[k] * (places_hit[k].lift_row @ before)
         if mode == OPEN:
@@ -379,6 +390,8 @@ def _check(
     lift[np.abs(lift) <= small] = 0.0
     if law.turn and law.turn * law.gyration * after[2] < -small:
         return None
+    if not _is_admissible(admissible, np.array(bounds), impulses, free, small):  # last, as it may be a linear program
+        return None
     if law.turn == 0:
         after[2] = 0.0
     return ImpactVelocities(after, lift, slip, law.turn != 0), normal
@@ -392,9 +405,14 @@ def _is_admissible(rows: list[np.ndarray], bounds: np.ndarray, impulses, free, s
     room = matrix @ impulses - bounds + small
     if not free.size:
         return bool((room >= 0.0).all())
+    # The solver's tolerance is 1e-7 in the units that it gets: those of the impulses.
+    scale, gains = float(np.abs(room).max()), matrix @ free
+    if free.shape[1] == 1:  # gains x >= -room: an interval
+        gains, room = gains[:, 0], room / scale + WITHIN
+        up, down = gains > 0.0, gains < 0.0
+        least = (-room[up] / gains[up]).max(initial=-inf)
+        return bool((room[~up & ~down] >= 0.0).all() and least <= (-room[down] / gains[down]).min(initial=inf))
     from scipy.optimize import linprog
 
-    # The solver's tolerance is 1e-7 in the units that it gets: those of the impulses.
-    scale = float(np.abs(room).max())
-    answer = linprog(np.zeros(free.shape[1]), A_ub=-matrix @ free, b_ub=room / scale, bounds=(None, None))
+    answer = linprog(np.zeros(free.shape[1]), A_ub=-gains, b_ub=room / scale, bounds=(None, None))
     return bool(answer.status == 0)
