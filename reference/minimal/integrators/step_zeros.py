@@ -155,8 +155,11 @@ def never_opens(phase: Phase, piece, guard: str, when: float, first: bool) -> bo
     least = OPEN * (phase.size + abs(piece.y_old[0]) + abs(piece.y_old[1]))
     if not closed or guard_at(phase, piece, index, half) > least:
         return False
+    rate, rounding = _rate(phase, piece, guard), gap_rounding(phase, piece.y_old)
+    if not first and rate * piece.h < -rounding:  # it has opened by a rounding and closes
+        return False
     # A hop of the least height that is no rounding, `flight_end.REBOUND_ROUNDINGS`, rises to a quarter of this.
-    return _rate(phase, piece, guard) * (when - piece.t_old) <= gap_rounding(phase, piece.y_old)
+    return rate * (when - piece.t_old) <= rounding
 
 
 def _rate(phase: Phase, piece, guard: str) -> float:
