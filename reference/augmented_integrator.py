@@ -137,10 +137,11 @@ class LiteralSystem:
             slip = np.zeros(len(times)) if self.regime.mode in WITHOUT_SLIP else contact.slip
             mass = self.case.plate.mass
             return [slip, contact.theta_dot, contact.normal_force / mass, contact.friction_force / mass]
-        rows = [self._observe(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
+        rows = [self.outputs_of_numbers(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
         return list(np.array(rows).reshape(-1, len(ContactQuantities._fields)).T)
 
-    def _observe(self, t: float, y: Sequence[float]) -> ContactQuantities:
+    def outputs_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> ContactQuantities:
+        """The same at one instant."""
         equations = self.system_at(t, y)
         slip = 0.0 if equations.rolls else slip_velocity(equations.k, belt_of(self.case, t)[0])
         omega = 0.0 if equations.rotation_fixed else equations.k.turning

@@ -90,16 +90,29 @@ def approach_scale(phase: PhaseNumbers, t: float, y: Sequence[float]) -> float:
     return phase.system.approach_error(t, y, phase.parameters)
 
 
-def acceleration_scale(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
-    """The size of what a contact force per mass is a sum of, m/s²: weight and load, each alone, as they may cancel, and
-    what turns the velocities of a plate (x, y, θ, vx, vy, ω). It vanishes only for a plate at rest without any of
-    these."""
+def applied_acceleration(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
+    """Weight and load of a plate (x, y, θ, vx, vy, ω) per mass, m/s², each alone, as they may cancel."""
     plate, gravity, load = case.plate, case.effect(Gravity), case.effect(Load)
-    x, y, theta, vx, vy, omega = (float(v) for v in body)
-    fx, fy, moment = load.at(t, x, y, theta, vx, vy, omega) if load else (0.0, 0.0, 0.0)
-    applied = (abs(fx) + abs(fy) + abs(moment) / plate.gyration) / plate.mass
+    fx, fy, moment = load.at(t, *(float(v) for v in body)) if load else (0.0, 0.0, 0.0)
+    return (gravity.g if gravity else 0.0) + (abs(fx) + abs(fy) + abs(moment) / plate.gyration) / plate.mass
+
+
+def acceleration_scale(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
+    """The size of what a contact force per mass is a sum of, m/s²: weight, load, and what turns the velocities of a
+    plate (x, y, θ, vx, vy, ω). It vanishes only for a plate at rest without any of these."""
+    plate, (vx, vy, omega) = case.plate, (float(v) for v in body[3:])
     turning = (vx * vx + vy * vy) / plate.gyration + omega * omega * plate.reach
-    return (gravity.g if gravity else 0.0) + applied + turning
+    return applied_acceleration(case, t, body) + turning
+
+
+# --- forces -------------------------------------------------------------------------------------------------------
+
+
+def force_scale(largest: float, mass: float, acceleration: float, speed: float, size: float) -> float:
+    """The scale of a motion's contact forces, N: the largest of them at all times, or what weight and load (m/s²), or
+    that speed (m/s) on a path of that size (m), would make. Forces on a straight weightless track are roundings
+    alone."""
+    return max(largest, mass * max(acceleration, speed * speed / size))
 
 
 def power_of_two(value: float) -> float:

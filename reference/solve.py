@@ -25,6 +25,7 @@ from cases.sampled_contacts import SampledPlates
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, plates, several
+from .laws_check import ending_by_laws
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import simulate_phases
 from .minimal.integrators import taylor
@@ -147,16 +148,24 @@ def initial_value_problem(case: Case, rtol: float, method: str) -> InitialValueP
     relative, (_, integrate) = relative_case(case), INTEGRATORS[method]
     if method == "augmented" and relative is not case:
         integrate = partial(augmented_integrator.integrate, original=case)
+
+    def by_laws(regime: Regime | None, solve: Callable[[], Any]) -> InitialValueProblem:
+        return InitialValueProblem(case, relative, regime, partial(_with_check, relative, rtol, solve))
+
     if case.others or touches_by_features(relative):
-        return InitialValueProblem(case, relative, None, partial(solve_supports, relative, rtol, integrate))
+        return by_laws(None, partial(solve_supports, relative, rtol, integrate))
     start = start_state(relative)
     try:
         regime = first_regime(relative, start)
     except Undecidable:
         return InitialValueProblem(case, relative, None, lambda: ([], [], undecidable(0.0)))
-    return InitialValueProblem(
-        case, relative, regime, partial(solve_motion, relative, regime, start, rtol, integrate, case)
-    )
+    return by_laws(regime, partial(solve_motion, relative, regime, start, rtol, integrate, case))
+
+
+def _with_check(case: Case, rtol: float, solve: Callable[[], Any]):
+    """A solution, with the status `broken_law` if it breaks a law."""
+    segments, transitions, ending = solution = solve()
+    return segments, transitions, ending_by_laws(case, solution, rtol) if _finite(segments) else ending
 
 
 def solve_supports(case: Case, rtol: float, integrate: Callable[..., Segment]):

@@ -12,6 +12,7 @@ from cases.free_plates import plates_of
 from cases.moving_frame import in_track_frame, relative_case
 
 from ..minimal.phase_end import CAUSES
+from ..scales import speed_scale
 from . import laws, penetration
 from .laws import Defects, Jumps
 from .samples import ContactInstants, MotionSamples, of_motion, steps_of
@@ -72,10 +73,15 @@ def broken_by(
     samples = of_motion(case, motion, start, length)
     results = list[BrokenLaw]()
     for defects in _motion_defects(samples):
-        if _worst(defects, part) and (closer := _closer(case, motion, samples, defects, part)):
+        if worst(defects, part) and (closer := _closer(case, motion, samples, defects, part)):
             results.append(closer)
-    results += [one for defects in _other_defects(samples, part) if (one := _worst(defects, part))]
-    return tuple(sorted(results, key=lambda one: (one.law != OVERLAP, one.limit / one.size)))
+    results += [one for defects in _other_defects(samples, part) if (one := worst(defects, part))]
+    return worst_first(results)
+
+
+def worst_first(laws: list[BrokenLaw]) -> tuple[BrokenLaw, ...]:
+    """Overlaps first, then the law that is broken most, in parts of its limit."""
+    return tuple(sorted(laws, key=lambda one: (one.law != OVERLAP, one.limit / one.size)))
 
 
 def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, part: float) -> BrokenLaw | None:
@@ -94,7 +100,7 @@ def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Def
         steps, sizes = (values[np.abs(sizes) > limit[steps]] for values in (steps, sizes))
         if not len(steps):
             return None
-    return _worst(defects._replace(times=defects.times[steps], sizes=sizes, scale=limit[steps] / part), part)
+    return worst(defects._replace(times=defects.times[steps], sizes=sizes, scale=limit[steps] / part), part)
 
 
 def _motion_defects(samples: MotionSamples) -> Iterator[Defects]:
@@ -105,12 +111,14 @@ def _motion_defects(samples: MotionSamples) -> Iterator[Defects]:
 
 
 def _speed(samples: MotionSamples, reach: list[float]) -> float:
-    """The largest speed of the motion, m/s."""
+    """The scale of the motion's velocities, m/s."""
     speeds = [
         float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in zip(samples.plates, reach, strict=True)
     ]
     belts = [float(np.abs(c.law.belt.at_arrays(samples.times.ravel())).max()) for c in samples.contacts if c.law.belt]
-    return max(*speeds, *belts, 0.0)
+    return max(
+        *speeds, *belts, speed_scale(laws.acceleration(samples), max(reach)) or max(reach) / samples.case.duration
+    )
 
 
 def _other_defects(samples: MotionSamples, part: float) -> Iterator[Defects]:
@@ -127,10 +135,11 @@ def _other_defects(samples: MotionSamples, part: float) -> Iterator[Defects]:
             )
     yield from laws.continuity_defects(samples, reach)
     if len(sudden.steps):
-        yield from laws.impact_defects(samples, sudden, reach, speed)
+        closed = {contact.law.name for contact in samples.contacts}
+        yield from laws.impact_defects(samples.case, samples.transitions, sudden, closed, reach, speed)
     yield from laws.energy_defects(samples, speed)
     size = max(float(np.abs(p.place).max()) + r for p, r in zip(samples.plates, reach, strict=True))
-    for depth in penetration.depths(samples):
+    for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):
         yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, size, "m")
 
 
@@ -146,7 +155,7 @@ def _is_listed(samples: MotionSamples, sudden: Jumps, steps: np.ndarray) -> np.n
     return ~((start[:, None] >= first) & (start[:, None] < last)).any(axis=1)
 
 
-def _worst(defects: Defects, part: float) -> BrokenLaw | None:
+def worst(defects: Defects, part: float) -> BrokenLaw | None:
     """The law where it is broken most, if a defect is larger than an error of the motion."""
     sizes = np.abs(defects.sizes) if np.iscomplexobj(defects.sizes) else defects.sizes
     limit = part * defects.scale

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from math import isfinite
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from cases.own_effects import ContactEffect, own_effects
 from cases.trajectory import CONTACT
 
 from ..minimal.phase_end import CAUSES
+from ..scales import force_scale
 from .samples import (
     CREEP,
     WEIGHTS,
@@ -32,6 +34,8 @@ from .tolerances import EPS, EXACT
 # The sign of the slip in each mode that has one, and the modes without slip.
 SENSE = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 STICKING = (Mode.ROLL, Mode.REST)
+# The name of that law.
+ENERGY = "energy is not created"
 # Eight roundings of an angle, in parts of an error of the motion.
 MANY = 8 * EPS / EXACT
 
@@ -70,6 +74,24 @@ def _own(effect: ContactEffect):
     return function_of(AT_CONTACT, effect.formulas[:3], ON_ARRAYS)
 
 
+def _load(samples: MotionSamples) -> tuple[np.ndarray | complex, np.ndarray | float]:
+    """Force (complex, N) and moment (N m) of the load on the first plate."""
+    load, one = samples.case.effect(Load), samples.plates[0]
+    if load is None:
+        return 0j, 0.0
+    fx, fy, moment = load_on_arrays(load)(
+        samples.times, one.place.real, one.place.imag, one.angle, one.velocity.real, one.velocity.imag, one.spin
+    )
+    return fx + 1j * np.asarray(fy), moment
+
+
+def acceleration(samples: MotionSamples) -> float:
+    """Weight and the largest load per mass, m/s²: each alone, as they may cancel."""
+    gravity, (force, moment), plate = samples.case.effect(Gravity), _load(samples), samples.case.plate
+    applied = np.abs(force) + np.abs(moment) / plate.gyration
+    return (gravity.g if gravity else 0.0) + float(np.max(applied)) / plate.mass
+
+
 def sums(samples: MotionSamples) -> Sums:
     """All forces on each plate: gravity, load, and those of the contacts as the motion has them."""
     case, shape, gravity = samples.case, samples.times.shape, samples.case.effect(Gravity)
@@ -77,15 +99,9 @@ def sums(samples: MotionSamples) -> Sums:
     forces = [np.full(shape, plate.mass * pull) for plate in plates_of(case)]
     moments = [np.zeros(shape) for _ in forces]
     largest = [np.full(shape[0], plate.mass * abs(pull)) for plate in plates_of(case)]
-    load = case.effect(Load)
-    if load is not None:
-        one = samples.plates[0]
-        fx, fy, moment = load_on_arrays(load)(
-            samples.times, one.place.real, one.place.imag, one.angle, one.velocity.real, one.velocity.imag, one.spin
-        )
-        forces[0] = forces[0] + fx + 1j * np.asarray(fy)
-        moments[0] = moments[0] + moment
-        largest[0] = np.maximum(largest[0], np.abs(forces[0]).max(axis=1))
+    force, moment = _load(samples)
+    forces[0], moments[0] = forces[0] + force, moments[0] + moment
+    largest[0] = np.maximum(largest[0], np.abs(forces[0]).max(axis=1))
     for contact in samples.contacts:
         law, steps = contact.law, contact.steps
         here = slice(None) if len(steps) == len(shape) and len(steps) == shape[0] else steps
@@ -151,33 +167,44 @@ def _turns(one: PlateSamples, last: float) -> float:
     return 1.0 + MANY * float(np.abs(one.angle).max(initial=0.0) + np.abs(one.spin).max(initial=0.0) * last)
 
 
+def contact_laws(
+    law: ContactLaw, mode: Mode | None, is_unilateral: bool, slip: Any, normal: Any, friction: Any
+) -> Iterator[tuple[str, Any, str]]:
+    """Signorini's and Coulomb's laws at a contact in a mode (None: any mode): for each its name, how far it is broken,
+    and the unit. Slip velocity (m/s), normal and friction force (N) are numbers, or arrays of one shape."""
+    pressure, sense = abs(normal), SENSE.get(mode, 0.0) if mode else 0.0
+    if is_unilateral:
+        yield "normal force presses", -normal, "N"
+    if sense:
+        yield "Coulomb's law in slip", abs(friction + sense * law.coefficient(slip) * pressure), "N"
+        yield "sense of slip", -sense * slip, "m/s"
+        return
+    if mode in STICKING:
+        yield "no slip", abs(slip), "m/s"
+    if isfinite(law.stick):
+        yield "Coulomb's cone", abs(friction) - law.stick * pressure, "N"
+    if mode is Mode.SLIDE:
+        yield "no friction", abs(friction), "N"
+
+
 def contact_defects(
     samples: MotionSamples, contact: ContactInstants, speed: float, size: float, is_listed: np.ndarray
 ) -> Iterator[Defects]:
     """Signorini's and Coulomb's laws at a contact, and that it stays closed with the slip that the motion has. In
     steps that are not listed the modes are not known, and friction lies in its cone."""
-    law, name, normal, friction = contact.law, contact.law.name, contact.normal, contact.friction
-    times = samples.times[contact.steps]
-    pressure, force = np.abs(normal), _largest(samples, contact)
-    if samples.case.effect(Unilateral) is not None:
-        yield Defects("normal force presses", name, times, -normal, force, "N")
-    is_certain = is_listed[:, None]
-    sense = is_certain * np.array([SENSE.get(mode, 0.0) for mode in contact.modes])[:, None]
-    sticks = is_certain & np.array([mode in STICKING for mode in contact.modes])[:, None]
-    slides = is_certain & np.array([mode is Mode.SLIDE for mode in contact.modes])[:, None]
-    if (sense != 0.0).any():
-        kinetic = -sense * law.coefficient(contact.slip) * pressure
-        yield Defects(
-            "Coulomb's law in slip", name, times, np.where(sense, np.abs(friction - kinetic), 0.0), force, "N"
-        )
-        yield Defects("sense of slip", name, times, -sense * contact.slip, speed, "m/s")
-    if sticks.any():
-        yield Defects("no slip", name, times, np.where(sticks, np.abs(contact.slip), 0.0), speed, "m/s")
-    if np.isfinite(law.stick):
-        excess = np.where(sense, 0.0, np.abs(friction) - law.stick * pressure)
-        yield Defects("Coulomb's cone", name, times, excess, force, "N")
-    if slides.any():
-        yield Defects("no friction", name, times, np.where(slides, np.abs(friction), 0.0), force, "N")
+    law, name, times, force = (
+        contact.law,
+        contact.law.name,
+        samples.times[contact.steps],
+        _largest(samples, contact, speed),
+    )
+    is_unilateral, is_certain = samples.case.effect(Unilateral) is not None, is_listed[:, None]
+    modes = [mode if listed else None for mode, listed in zip(contact.modes, is_listed.tolist(), strict=True)]
+    for mode in set(modes):
+        here = np.array([other is mode for other in modes])
+        rows = contact.slip[here], contact.normal[here], contact.friction[here]
+        for which, sizes, unit in contact_laws(law, mode, is_unilateral, *rows):
+            yield Defects(which, name, times[here], sizes, speed if unit == "m/s" else force, unit)
     if contact.point is contact.base:
         return
     scale = np.abs(contact.base) + size * _turns(samples.plates[law.body], float(times.max(initial=0.0)))
@@ -188,11 +215,17 @@ def contact_defects(
     yield Defects("slip velocity", name, times, np.where(is_certain, np.abs(slip - contact.slip), 0.0), speed, "m/s")
 
 
-def _largest(samples: MotionSamples, contact: ContactInstants) -> float:
-    """The scale of a contact's forces, N: the largest of them, or a weight."""
-    gravity, mass = samples.case.effect(Gravity), plates_of(samples.case)[contact.law.body].mass
-    every = np.abs(contact.normal)
-    return max(float(np.max(every, where=np.isfinite(every), initial=0.0)), mass * gravity.g if gravity else 0.0)
+def _largest(samples: MotionSamples, contact: ContactInstants, speed: float) -> float:
+    """The scale of a contact's forces, N: `force_scale` with the forces of all contacts of its plates."""
+    law, case = contact.law, samples.case
+    bodies = {law.body, law.base} - {None}
+    largest = [
+        float(np.max(np.abs(force), where=np.isfinite(force), initial=0.0))
+        for other in samples.contacts if {other.law.body, other.law.base} & bodies
+        for force in (other.normal, other.friction)
+    ]  # fmt: skip
+    size = max(float(np.abs(one.place).max()) for one in samples.plates) + plates_of(case)[law.body].reach
+    return force_scale(max(largest), plates_of(case)[law.body].mass, acceleration(samples), speed, size)
 
 
 def _material(samples: MotionSamples, contact: ContactInstants, body: int | None) -> np.ndarray | complex:
@@ -204,21 +237,28 @@ def _material(samples: MotionSamples, contact: ContactInstants, body: int | None
 
 
 class Jumps(NamedTuple):
-    """The steps (k,) that begin with other velocities than the ones before them end with; the changes of all plates'
-    velocities and spins, (plates, k)."""
+    """The times (k,) at which velocities jump, the steps (k,) that begin there, the plates' places (plates, k), and
+    their velocities and spins before and after, (2, plates, k). Complex."""
 
+    times: np.ndarray
     steps: np.ndarray
-    velocity: np.ndarray
-    spin: np.ndarray
+    place: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
 
 
 def jumps(samples: MotionSamples, reach: list[float], speed: float, part: float) -> Jumps:
     """Where velocities jump by more than an error."""
     following = np.flatnonzero(samples.is_next)
-    velocity = np.array([one.velocity[following, 0] - one.velocity[following - 1, -1] for one in samples.plates])
-    spin = np.array([one.spin[following, 0] - one.spin[following - 1, -1] for one in samples.plates])
-    large = (np.abs(velocity) + np.abs(spin) * np.array(reach)[:, None] > part * speed).any(axis=0)
-    return Jumps(following[large], velocity[:, large], spin[:, large])
+    before, after = (
+        np.array([[getattr(one, name)[steps, i] for one in samples.plates] for name in ("velocity", "spin")])
+        for steps, i in ((following - 1, -1), (following, 0))
+    )
+    change = np.abs(after - before)
+    large = (change[0] + change[1] * np.array(reach)[:, None] > part * speed).any(axis=0)
+    steps = following[large]
+    place = np.array([one.place[steps, 0] for one in samples.plates])
+    return Jumps(samples.start[steps], steps, place, before[..., large], after[..., large])
 
 
 def continuity_defects(samples: MotionSamples, reach: list[float]) -> Iterator[Defects]:
@@ -234,21 +274,24 @@ def continuity_defects(samples: MotionSamples, reach: list[float]) -> Iterator[D
         )
 
 
-def impact_defects(samples: MotionSamples, sudden: Jumps, reach: list[float], speed: float) -> Iterator[Defects]:
-    """Velocities jump in impacts only, whose impulses press, lie in the cone, and act at the contact."""
-    case, times = samples.case, samples.start[sudden.steps]
+def impact_defects(
+    case: Case, transitions: Sequence[Transition], sudden: Jumps, contacts: set[str], reach: list[float], speed: float
+) -> Iterator[Defects]:
+    """Velocities jump in impacts only, whose impulses press, lie in the cone, and act at the contact. `contacts`: the
+    names of those that close during the motion."""
     if case.effect(Impact) is None:
-        for b, name in enumerate(names_of(case)):
-            yield Defects("velocity is continuous", name, times, np.abs(sudden.velocity[b]), speed, "m/s")
-            yield Defects("spin is continuous", name, times, np.abs(sudden.spin[b]), speed / reach[b], "rad/s")
+        for name, (change, spin), size in zip(
+            names_of(case), np.abs(sudden.after - sudden.before).swapaxes(0, 1), reach, strict=True
+        ):
+            yield Defects("velocity is continuous", name, sudden.times, change, speed, "m/s")
+            yield Defects("spin is continuous", name, sudden.times, spin, speed / size, "rad/s")
         return
-    names = {change.contact for change in samples.transitions}
-    if len(samples.plates) > 1 or len(samples.contacts) > 1 or len(names) > 1 or case.supports:
+    names = {change.contact or CONTACT for change in transitions}
+    if case.others or len(contacts | names) > 1 or case.supports:
         return  # several contacts may share an impulse
-    one, k = samples.plates[0], sudden.steps
-    law = law_at(case, (names.pop() if names else CONTACT) or CONTACT)
-    before, after = np.array([one.velocity, one.spin])[:, k - 1, -1], np.array([one.velocity, one.spin])[:, k, 0]
-    yield from landing_defects(case, law, samples.transitions, times, one.place[k, 0], before, after, speed)
+    law = law_at(case, (names or {CONTACT}).pop())
+    one = sudden.place[0], sudden.before[:, 0], sudden.after[:, 0]
+    yield from landing_defects(case, law, transitions, sudden.times, *one, speed)
 
 
 def landing_defects(
@@ -265,7 +308,7 @@ def landing_defects(
     if law.belt is None and (impact.law == "poisson" or impact.restitution == 0.0):
         work = plate.mass * (change[0].conj() * (after[0] + before[0])).real
         work += inertia * (change[1] * (after[1] + before[1])).real
-        yield Defects("energy is not created", "", times, 0.5 * work, scale * speed, "J")
+        yield Defects(ENERGY, "", times, 0.5 * work, scale * speed, "J")
     places = {c.time: c.xi1 for c in transitions if c.cause == CAUSES["landing"]}
     has_place = np.array([t in places for t in times.tolist()], dtype=bool)
     if not has_place.any():
@@ -288,11 +331,16 @@ def landing_defects(
     yield Defects("law of impact", name, times, off, speed, "m/s")
 
 
+def gives_energy(law: ContactLaw) -> bool:
+    """Whether a contact may give energy: by a belt, or an effect of the user's own."""
+    return law.belt is not None or bool(own_effects(law.effects))
+
+
 def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:
     """Energy is not created. Not where a load, a belt or an effect of the user's own may give some: there Newton's law
     has the balance; and not by impacts of Newton's restitution, which may create some."""
     case = samples.case
-    if case.effect(Load) is not None or any(c.law.belt or own_effects(c.law.effects) for c in samples.contacts):
+    if case.effect(Load) is not None or any(gives_energy(contact.law) for contact in samples.contacts):
         return
     gravity = case.effect(Gravity)
     pull = complex(*gravity.vector) if gravity is not None else 0j
@@ -301,7 +349,7 @@ def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:
         moving = plate.mass * np.abs(one.velocity) ** 2 + (plate.inertia * one.spin**2 if plate.turns else 0.0)
         energy += 0.5 * moving - plate.mass * (pull.conjugate() * one.place).real
         scale += plate.mass * (speed**2 + abs(pull) * float(np.abs(one.place).max() + plate.reach))
-    yield Defects("energy is not created", "", samples.times[:, 1:], np.diff(energy, axis=1), scale, "J")
+    yield Defects(ENERGY, "", samples.times[:, 1:], np.diff(energy, axis=1), scale, "J")
     law = case.effect(Impact)
     if law is None or law.law == "poisson" or law.restitution == 0.0:
-        yield Defects("energy is not created", "", samples.start[1:], energy[1:, 0] - energy[:-1, -1], scale, "J")
+        yield Defects(ENERGY, "", samples.start[1:], energy[1:, 0] - energy[:-1, -1], scale, "J")

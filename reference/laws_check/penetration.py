@@ -7,20 +7,20 @@ where it is curved, a part of it lies inside the plate.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Chain, Curve, Plate
+from cases import Case, Chain, Curve, Plate
 from cases.free_plates import names_of, plates_of
 from cases.line_or_circle import as_line
 from cases.overlap import first_overlap
 from cases.start_overlap import deepest_overlap
 from cases.supports import TRACK
 
-from .samples import MotionSamples, PlateSamples
+from .samples import PlateSamples
 
 # Corners of the polygon inside a smooth outline, and the turn (rad) between those on a chain's arcs: it misses overlaps
 # of a thousandth of the plate's size.
@@ -58,18 +58,20 @@ def _line(curve: Curve) -> tuple[complex, complex] | None:
     return None if line is None else (complex(*line.point), complex(*line.direction))
 
 
-def depths(samples: MotionSamples) -> Iterator[Depth]:
-    """The depths of all pairs."""
-    case, names, plates = samples.case, names_of(samples.case), plates_of(samples.case)
+def depths(
+    case: Case, times: np.ndarray, motions: Sequence[PlateSamples], near: dict[str, np.ndarray]
+) -> Iterator[Depth]:
+    """The depths of all pairs; times and samples of one shape, `near` as in `MotionSamples`."""
+    names, plates = names_of(case), plates_of(case)
     curves = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
-    for name, plate, one in zip(names, plates, samples.plates, strict=True):
+    for name, plate, one in zip(names, plates, motions, strict=True):
         for base, curve in curves:
-            yield from _in_curve(f"{name}/{base}", curve, plate, one, samples.times, samples.near.get(base))
+            yield from _in_curve(f"{name}/{base}", curve, plate, one, times, near.get(base))
     for i in range(1, len(plates)):
         for j in range(i):
-            depth = _in_plate((plates[i], samples.plates[i]), (plates[j], samples.plates[j]))
+            depth = _in_plate((plates[i], motions[i]), (plates[j], motions[j]))
             if depth is not None:
-                yield Depth(f"{names[i]}/{names[j]}", samples.times, depth)
+                yield Depth(f"{names[i]}/{names[j]}", times, depth)
 
 
 def _in_curve(

@@ -6,6 +6,7 @@ both ends: it integrates polynomials of degree seven exactly. Plane vectors are 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -143,18 +144,24 @@ def of_motion(case: Case, motion: Trajectory, start: np.ndarray, length: np.ndar
     flat = times.ravel()
     every = [_state(motion, name, flat) for name in motion.plate_names]
     plates = tuple(_plate(state, times.shape) for state in every)
-    near = {TRACK: [case.start.xi1]} | {support.name: [support.curve.span[0]] for support in case.supports}
+    near = parameters_near(case, motion.transitions)
     contacts = [_contact(case, motion, name, every[0], plates, times, near) for name in motion.contact_names]
     is_next = np.insert(start[1:] == end[:-1], 0, False)
     rests = [change.time for change in motion.transitions if change.cause == CAUSES["rest"]]
     is_straight = np.isin(end, rests) if rests else np.zeros(len(start), dtype=bool)
-    for change in motion.transitions:
-        if np.isfinite(change.xi1) and base_of(change.contact or CONTACT) in near:
-            near[base_of(change.contact or CONTACT)].append(change.xi1)
     return MotionSamples(
         case, start, length, times, plates, tuple(c for c in contacts if len(c.steps)), is_next, is_straight,
         {name: np.array(values) for name, values in near.items()}, motion.transitions,
     )  # fmt: skip
+
+
+def parameters_near(case: Case, transitions: Sequence[Transition]) -> dict[str, list[float]]:
+    """Parameters of track and supports, by name, at which plates are in the start and in the transitions."""
+    near = {TRACK: [case.start.xi1]} | {support.name: [support.curve.span[0]] for support in case.supports}
+    for change in transitions:
+        if np.isfinite(change.xi1) and base_of(change.contact or CONTACT) in near:
+            near[base_of(change.contact or CONTACT)].append(change.xi1)
+    return near
 
 
 def _only_mode(law: ContactLaw, slip: np.ndarray, speed: float) -> Mode:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -35,6 +35,8 @@ class Event(NamedTuple):
 
 
 States = Callable[[np.ndarray], np.ndarray]
+# A time (s) and the state there.
+Instant = tuple[float, Sequence[float]]
 
 
 Record = tuple[np.ndarray, States]
@@ -43,7 +45,8 @@ Record = tuple[np.ndarray, States]
 @dataclass(eq=False, slots=True)
 class Segment:
     """A phase's motion: start (s), event, work, and `record`: its step times and its dense output, t ↦ states of shape
-    (variables, n), or a function that returns these. Simulating a motion seldom needs them."""
+    (variables, n), or a function that returns these. Simulating a motion seldom needs them. `first`: the states, with
+    their times, at its start and after its first step, of a phase without a record."""
 
     phase: Phase
     start: float
@@ -51,6 +54,7 @@ class Segment:
     evaluations: int
     steps: int
     record: Record | Callable[[], Record]
+    first: tuple[Instant, ...] = ()
 
     @classmethod
     def of(cls, phase: Phase, times: np.ndarray, states: States, event: Event, evaluations: int) -> Segment:
@@ -77,10 +81,23 @@ class Segment:
         """Pickle the segment with all its steps, without the function that would compute them."""
         return Segment, (self.phase, self.start, self.event, self.evaluations, self.steps, self._full_record)
 
+    def instants(self) -> list[Instant]:
+        """The states at the start, inside (where the steps have one that costs no evaluation of all) and at the end."""
+        last = self.event.time, self.event.state
+        if not isinstance(self.record, tuple):
+            return [*self.first, last]
+        times, states = self.record
+        at_step = getattr(states, "at_step", None)
+        if at_step is None or len(times) < 3:
+            some = np.array([self.start, 0.5 * (self.start + self.event.time)])
+            return [*zip(some.tolist(), states(some).T.tolist(), strict=True), last]
+        return [at_step(0), at_step(len(times) // 2), last]
+
     def until(self, time: float, evaluations: int) -> Segment:
         """The same motion cut at a time, with the given number of evaluations."""
         times = np.append(self.times[self.times < time], time)
-        return Segment.of(self.phase, times, self.states, self.event._replace(time=time), evaluations)
+        event = self.event._replace(time=time, state=tuple(self.states(np.array([time]))[:, 0].tolist()))
+        return Segment.of(self.phase, times, self.states, event, evaluations)
 
     def cut(self, time: float, guard: str | None) -> Segment:
         """The same motion that ends at a time (s) by that guard, in its state there."""

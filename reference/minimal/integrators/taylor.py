@@ -16,7 +16,7 @@ from ..defect_check import Expansion, good_part
 from ..modes import Phase
 from ..system import System
 from .pool import IntegratorPool
-from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Segment
+from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Instant, Segment
 
 try:
     import heyoka as hy
@@ -148,11 +148,10 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float, optimised: boo
     outcome = None if phase.checks_steps else integrators.call(_at_once, phase, t, y, end, tolerance)
     if outcome is None:
         return integrators.call(_one_by_one, phase, t, y, end, tolerance)
-    event, steps = outcome
+    event, steps, inside = outcome
     # No closure, to spare the garbage collector.
-    return Segment(
-        phase, t, event, steps, steps, partial(_again, phase, t, y, end, tolerance, event.time, steps, optimised)
-    )
+    again = partial(_again, phase, t, y, end, tolerance, event.time, steps, optimised)
+    return Segment(phase, t, event, steps, steps, again, ((t, y), inside))
 
 
 def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: float, steps: int, optimised: bool):
@@ -168,8 +167,11 @@ def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> S
     return integrators.call(_one_by_one, phase, t, y, end, QUADRUPLE_TOLERANCE)
 
 
-def _at_once(workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float) -> tuple[Event, int] | None:
-    """The event that ends the phase and the number of steps, by heyoka's own loop; None if its outcome is unclear."""
+def _at_once(
+    workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float
+) -> tuple[Event, int, Instant] | None:
+    """The event that ends the phase, the number of steps, and the state after the first of them, by heyoka's own loop;
+    None if its outcome is unclear."""
     integrator = workspace.integrator
     first = _leave(workspace, phase, t, y, end, tolerance)
     if first.guard:
@@ -178,6 +180,7 @@ def _at_once(workspace: Workspace, phase: Phase, t: float, y, end: float, tolera
     steps, guard, time = first.steps + 1, _guard(outcome, phase), integrator.time
     if guard is None and outcome not in (SUCCESS, TIME_LIMIT):
         return None
+    inside = time, workspace.state.tolist()
     while guard is None and time < end:
         result, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
         outcome, time = int(result), integrator.time
@@ -187,7 +190,7 @@ def _at_once(workspace: Workspace, phase: Phase, t: float, y, end: float, tolera
         is_known = guard is not None or outcome in (TIME_LIMIT, STEP_LIMIT)
         if shortest <= SHORTEST * ulp(time) or not is_known:
             return None
-    return Event(guard, time, tuple(workspace.state.tolist())), steps
+    return Event(guard, time, tuple(workspace.state.tolist())), steps, inside
 
 
 def _guard(outcome: int, phase: Phase) -> str | None:
@@ -296,6 +299,10 @@ class _TaylorOutput:
         # By power, variable and step; a phase without a step has a constant state.
         powers = np.array(coefficients).transpose(2, 1, 0) if coefficients else np.array(y, dtype=float)[None, :, None]
         self.starts, self.by_power = np.array(times[: powers.shape[2]]), np.ascontiguousarray(powers)
+
+    def at_step(self, i: int) -> Instant:
+        """The time and the state at which a step begins."""
+        return float(self.starts[i]), self.by_power[0, :, i].tolist()
 
     def __call__(self, when: np.ndarray) -> np.ndarray:
         if len(when) == 1:  # searches evaluate single instants: a tenth of the time of the general code below
