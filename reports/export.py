@@ -76,14 +76,15 @@ def truth(case: Case) -> dict:
     }
 
 
-def motion(case: Case) -> tuple[tuple[str, ...], np.ndarray]:
-    """Columns and rows of the true motion, in the format of `reports.compare`; forces are zero in flight."""
+def motion(case: Case, samples: int = SAMPLES) -> tuple[tuple[str, ...], np.ndarray]:
+    """Columns and rows of the true motion at even times, in the format of `reports.compare`; forces are zero in
+    flight."""
     import reference
     from adapters.common.motion_table import of_plate
     from cases.free_plates import POSE
 
     true = reference.simulate(case, rtol=1e-13)
-    times = np.linspace(0.0, true.t[-1], SAMPLES)
+    times = np.linspace(0.0, true.t[-1], samples)
     names = ("x", "y", "theta", "vx", "vy", "omega", "normal_force", "friction_force")
     columns = {"t": times, **{name: getattr(true(times), name) for name in names}}
     for plate in true.plate_names[1:]:

@@ -253,9 +253,9 @@ def _in_common(place: Path) -> str:
         return ""
     try:
         errors = "; ".join(
-            " and ".join((f"{row['solver']} {percent(default)}", percent(finest)))
+            " and ".join((f"{row['solver']} {percent(usual)}", percent(finest)))
             for row in own
-            for default, finest in [(float(row["common_default_off"]), float(row["common_finest_off"]))]
+            for usual, finest in [(float(row["common_default_off"]), float(row["common_finest_off"]))]
         )
     except ValueError:
         raise BadValue(f"tables/verdict.csv of the report has an error that is no number; {_AGAIN}") from None

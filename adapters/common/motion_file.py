@@ -39,8 +39,8 @@ from .motion_table import CREEP, LEAST_SAMPLES, LEVER, OPTIONAL_COLUMNS, REQUIRE
 if TYPE_CHECKING:
     import pandas as pd
 
-# Relative to the plate's size: the largest distance from the track that a solver's penalty or facets may leave, and the
-# rounding of a printed start. Beyond, it is another scene.
+# Relative to the plate's size: the largest distance from the track that a solver's penalty or facets may leave; and the
+# largest difference of its first angle (rad).
 LOOSE = 1e-2
 # Relative to the plate's size: the gap below which one of several contacts is closed, besides what gravity closes or
 # opens within two samples. At the speeds of an impact it is a matter of a millisecond.
@@ -57,7 +57,8 @@ MOST_TURN = 0.5 * pi
 # Another unit of a rate leaves at most this part of it.
 FITS = 0.1
 # Relative to the plate's size: the largest distance that an engine keeps between the surfaces, as a skin or by its
-# correction of poses (the default of a game engine at a tenth of its usual sizes has 5 %).
+# correction of poses (the default of a game engine at a tenth of its usual sizes has 5 %), also at the start. A start
+# that is farther off is of another scene.
 SKIN = 0.1
 # A plate that is off its track keeps its distance while that is within this factor of its usual one, and leaves above.
 STEADY = 1.5
@@ -103,7 +104,7 @@ def check_start(case: Case, table: pd.DataFrame) -> None:
 
 def _check_pose(start: MotionPoint | StartPose, first: Mapping | pd.Series, reach: float) -> None:
     """Raise DoesNotFit if the first pose is not the start of a plate of that size (m)."""
-    if np.hypot(first["x"] - start.x, first["y"] - start.y) > LOOSE * reach:
+    if np.hypot(first["x"] - start.x, first["y"] - start.y) > SKIN * reach:
         raise DoesNotFit(
             f"the centre of mass starts at ({first['x']:.6g}, {first['y']:.6g}), the case's at "
             f"({start.x:.6g}, {start.y:.6g}) m; {_frame(first, start, reach)}"
@@ -284,6 +285,7 @@ def follow_contact(case: Case, columns, from_differences: bool = False) -> tuple
             break
     xi1, xi2, gap = contacts.T
     if flies:
+        off = max(off, STEADY * _skin(case, columns, gap, from_differences))
         aloft = _aloft(gap <= off, columns.get("normal_force"))
         if "vx" in columns and "normal_force" not in columns:
             lasting = ~aloft & momentum.push(case, columns, aloft, from_differences)
@@ -294,6 +296,22 @@ def follow_contact(case: Case, columns, from_differences: bool = False) -> tuple
     if turn > MOST_TURN:
         raise DoesNotFit(f"the track turns by {turn:.3g} rad between two samples, too coarse; give more samples")
     return xi1, xi2, gap
+
+
+def _skin(case: Case, columns, gap: np.ndarray, from_differences: bool) -> float:
+    """The gap (m) that a plate usually keeps where its track pushes it, by its forces or else by its momentum; 0 for
+    one that keeps none."""
+    near = gap <= SKIN * case.plate.reach
+    if not np.any(near & (gap > LOOSE * case.plate.reach)):
+        return 0.0
+    if "normal_force" in columns:
+        pushing = near & (columns["normal_force"] > 0.0)
+    elif "vx" in columns:
+        pushing = near & momentum.push(case, columns, ~near, from_differences)
+    else:
+        return 0.0
+    usual = float(np.median(gap[pushing])) if pushing.any() else 0.0
+    return usual if usual > LOOSE * case.plate.reach else 0.0
 
 
 def _aloft(near: np.ndarray, force: np.ndarray | None) -> np.ndarray:
@@ -384,14 +402,15 @@ def _slip_doubt(case: Case, columns, slip: np.ndarray, xi1: np.ndarray, gap: np.
 def _check_slip(file_values: np.ndarray, slip: np.ndarray, doubt: np.ndarray) -> None:
     """Raise DoesNotFit if the file's slip is another quantity than the slip of the poses, m/s.
 
-    Half of the samples that slip by either of the two must differ: at a kink or an impact few differ, and a sticking
-    contact has no slip whose unit or sign could be wrong.
+    Half of the samples that slip by either of the two, and more than two, must differ: at a kink or an impact few
+    differ, and a sticking contact has no slip whose unit or sign could be wrong.
     """
     if np.isfinite(slip).any() and not np.isfinite(file_values - slip).any():
         raise DoesNotFit("slip is empty wherever the plate touches its track; give it there, or leave it out")
     tolerance = OFF * np.abs(slip) + doubt
     slips = (np.fmax(np.abs(file_values), np.abs(slip)) > tolerance) & np.isfinite(file_values - slip)
-    if 2 * np.sum(np.abs(file_values - slip)[slips] > tolerance[slips]) > np.sum(slips):
+    count = int(np.sum(np.abs(file_values - slip)[slips] > tolerance[slips]))
+    if count >= LEAST_SAMPLES and 2 * count > np.sum(slips):
         raise DoesNotFit(
             "slip is not the velocity of the plate's point of contact along the track's increasing parameter; "
             "give it so, in m/s, or leave it out"

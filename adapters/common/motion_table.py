@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 REQUIRED_COLUMNS = ("t", "x", "y", "theta")
 OPTIONAL_COLUMNS = ("vx", "vy", "omega", "slip", "normal_force", "friction_force")
+# Those of them that have no value at some times.
+OPEN_COLUMNS = ("slip", "normal_force", "friction_force")
 # What the comments before the columns may declare: the creep (m/s), and the share of a gap or an overlap, from the
 # plate, at which the engine's friction acts.
 CREEP, LEVER = "creep", "lever"
@@ -136,12 +138,13 @@ def _declarations(comments: list[str]) -> dict[str, str]:
 
 
 def _numbers(cells: pd.Series, name: str, file: str, first_line: int) -> pd.Series:
-    """The cells of a column as floats; NaN where the slip's cell is empty. Raises BadValue for what is no number."""
+    """The cells of a column as floats; NaN where a slip's or a force's cell is empty. Raises BadValue for what is no number."""
     import pandas as pd
 
     numbers = pd.to_numeric(cells, errors="coerce")
-    # In flight there is no slip: `Trajectory.to_csv` writes an empty cell.
-    empty = cells.isna() if name == "slip" else np.zeros(len(cells), dtype=bool)
+    # In flight there is no slip, and where it is open which forces act there are none: `Trajectory.to_csv` writes an
+    # empty cell.
+    empty = cells.isna() if name in OPEN_COLUMNS else np.zeros(len(cells), dtype=bool)
     bad = np.flatnonzero(~np.isfinite(numbers) & ~empty)
     if len(bad):
         raise BadValue(f"{name} in line {bad[0] + first_line} of {file} is not a finite number")

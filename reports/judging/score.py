@@ -48,8 +48,11 @@ _LEAST_SLIP = 0.01
 # Slip below this part of the fastest of the truth and of its nearest null motion may count as none, whatever the
 # engine's creep is: as an error of slip it makes no more than about this part of a score.
 _MOST_CREEP = 0.01
-# A threshold of slip is this part of the truth's fastest slip at most: of what slips half as fast nothing is creep.
-_FASTEST_CREEP = 0.25
+# Creep is free up to this part of the truth's fastest slip. Beyond, a reading that takes it for creep adds to the score
+# in proportion, up to 1 at that speed: creep that is as fast as the slip is no creep.
+_FREE_CREEP = 0.5
+# Such a reading has a threshold that is larger than the creep by this factor.
+_BEYOND = 1.05
 # Creep is this quantile of the slip in the middle half of the truth's rolls: at their ends slip ends and begins.
 _CREEP_QUANTILE, _END_OF_ROLL, _FEWEST = 0.95, 0.25, 3
 # What is less than this part of a score does not count.
@@ -270,10 +273,10 @@ def _modes(
     unresolved = 0.0 if is_exact else doubts.unresolved(motion, scale.phases, scale.slips, scale.hops)
     gaps, last = _sample_gaps(motion), _last(motion, scale.end)
     true_flights, best = flights(scale.phases), None
-    for reading, sampled in _readings(case, motion, scale, creep, read):
+    for reading, sampled, surcharge in _readings(case, motion, scale, creep, read):
         phases = rolling_within(phases_of(reading.first_mode, reading.transitions, last), scale.either)
         phases = outside(phases, gaps)
-        wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time
+        wrong = time_in_another_mode(phases, scale.phases, scale.end) / scale.time + surcharge
         if scale.end == 0.0:  # the truth leaves the track at once, and has its first mode only
             wrong = float(reading.first_mode != scale.phases[0].mode)
         if best is None or wrong < best.wrong * (1.0 - _SAME):
@@ -291,23 +294,23 @@ def _modes(
 
 def _readings(
     case: Case, motion: Trajectory, scale: Scale, creep: float, read: Reader
-) -> Iterator[tuple[Reading, Trajectory | None]]:
-    """The motion's modes by several thresholds of slip, with the samples that they are read from; before them its own,
-    where it locates its transitions itself.
+) -> Iterator[tuple[Reading, Trajectory | None, float]]:
+    """The motion's modes by several thresholds of slip, with the samples that they are read from and what each adds to
+    the score; before them its own, where it locates its transitions itself.
 
     A single threshold fails both ways: one that is too large loses short rolls and slow slips, one that is too small
     takes creep and noise for slip. Slip that is none by the threshold is an error of slip and pose.
     """
     if motion.first_mode is not None:
         own = tuple(motion.transitions)
-        yield Reading(motion.first_mode, own, (float("nan"),) * len(own)), None
+        yield Reading(motion.first_mode, own, (float("nan"),) * len(own)), None, 0.0
         motion = replace(motion if motion.dense is None else even_samples(motion), first_mode=None, transitions=())
     cap = scale.most_creep
     creep_limit = min(motion.slip_resolution, cap)
-    yield read(case, replace(motion, slip_resolution=creep_limit)), motion
+    yield read(case, replace(motion, slip_resolution=creep_limit)), motion, 0.0
     # Where the truth's rolls are too short for the creep to be known, slip within its noise may be none.
     slowest = creep if np.isfinite(creep) else doubts.roughness(motion.t, motion.slip)
-    most = _FASTEST_CREEP * scale.fastest_slip
+    most = _FREE_CREEP * scale.fastest_slip / SURELY
     multiples = [min(share * slowest, most) for share in (2.0, 1.0, 4.0, 0.6)]
     others = dict.fromkeys((*multiples, 0.0, cap / 8.0, cap))
     # A reading takes long, so only the thresholds are read by which fewer samples are in another mode than the truth.
@@ -315,7 +318,10 @@ def _readings(
     better = sorted((part, threshold) for threshold, part in zip(others, wrong[1:], strict=True))
     for part, threshold in better[:_MOST_READINGS]:
         if part < (1.0 - _SMALL_PART) * wrong[0]:
-            yield read(case, replace(motion, slip_resolution=threshold)), motion
+            yield read(case, replace(motion, slip_resolution=threshold)), motion, 0.0
+    surcharge = (slowest / scale.fastest_slip - _FREE_CREEP) / (1.0 - _FREE_CREEP)
+    if 0.0 < surcharge < 1.0:
+        yield read(case, replace(motion, slip_resolution=_BEYOND * slowest / SURELY)), motion, surcharge
 
 
 def _samples_in_another_mode(motion: Trajectory, scale: Scale, thresholds: Sequence[float]) -> list[float]:

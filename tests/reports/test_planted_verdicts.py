@@ -54,10 +54,15 @@ def judgement(case: Case, hertz: float, names=ALL, fault: Callable[[Columns], Co
 # --- faults -----------------------------------------------------------------------------------------------------------
 
 
-def skin(columns: Columns) -> Columns:
+def skin(columns: Columns, begin: float = 0.0) -> Columns:
     """An exact roll 5 mm above its ramp, as a skin leaves it: 5 % of the disc's radius."""
-    after = columns["t"] > 0.0
+    after = columns["t"] > begin
     return columns | {"x": columns["x"] + 5e-3 * np.sin(0.2) * after, "y": columns["y"] + 5e-3 * np.cos(0.2) * after}
+
+
+def skin_at_start(columns: Columns) -> Columns:
+    """The same from the first pose on."""
+    return skin(columns, begin=-1.0)
 
 
 def drift(columns: Columns) -> Columns:
@@ -92,7 +97,7 @@ class Row:
     """A fault of an exported motion, the bounds of its off, a word of its reason and words that it must not have."""
 
     name: str
-    label: str
+    scene: str | Case
     fault: Callable[[Columns], Columns]
     names: tuple[str, ...]
     low: float
@@ -102,9 +107,16 @@ class Row:
 
 
 INCLINE, LINE, BOX = "disc_on_incline[slope=0.2]", "disc_on_line[mu=0.1]", "sliding_box"
+_ROLL = cases.select(INCLINE)[0]
+FREE = replace(_ROLL, effects=(*_ROLL.effects, Flight(), Impact(0.0)), name="free_disc_on_incline")
 ROWS = (
     Row("5 mm above", INCLINE, skin, RATES, 0.02, 0.05),  # "ends at 0.0167 s", 500 % off
     Row("5 mm above, with slip", INCLINE, skin, ALL, 0.01, 0.04),  # the same
+    # "the centre of mass starts at", and of a plate that may fly a flight from the start: 100 % off.
+    Row("5 mm above from the start", INCLINE, skin_at_start, RATES, 0.02, 0.05, "frame seems to be moved", ()),
+    Row("5 mm above, may fly", FREE, skin, RATES, 0.02, 0.05),
+    Row("5 mm above, may fly, with forces", FREE, skin, ALL, 0.01, 0.04),
+    Row("5 mm above, may fly, poses only", FREE, skin_at_start, POSES, 0.02, 0.05, absent=()),
     Row("drift of 0.2 µm", BOX, drift, RATES, 0.0, 1e-4),
     Row(
         "corrected poses", LINE, correction, ALL, 0.0, 0.02, absent=("metres, radians",)
@@ -117,7 +129,8 @@ ROWS = (
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_a_fault_is_judged_by_its_size(row):
-    run = judgement(cases.select(row.label)[0], 100.0, row.names, row.fault)
+    case = cases.select(row.scene)[0] if isinstance(row.scene, str) else row.scene
+    run = judgement(case, 100.0, row.names, row.fault)
     assert run.score is not None, run.reason
     assert row.low <= run.score.off <= row.high, run.reason
     assert row.phrase in run.reason and not any(word in run.reason for word in row.absent), run.reason
@@ -184,6 +197,23 @@ def test_creep_counts_by_its_size(speed):
     for one in (sampled, with_events):
         run = judge(row, case, one, motion, truth)
         assert run.score is not None and run.score.off == pytest.approx(size, rel=0.01), run.reason
+
+
+@pytest.mark.parametrize("label", ["disc_on_line[mu=0.1]", "disc_in_circle[mu=0.2]"])
+def test_creep_counts_continuously(label):
+    # Above half of the truth's fastest slip it jumped: from 33 to 100 % on the line.
+    case = cases.select(label)[0]
+    truth, motion = truth_of(case)
+    assert truth.scale is not None
+    row, step = Run(case.label, "one", "", Setting.of(), 0, outcome=""), 0.05
+    offs = []
+    for share in np.arange(0.3, 1.25, step):
+        sampled = with_creep(motion, truth.scale, share * truth.scale.fastest_slip)
+        run = judge(row, case, sampled, motion, truth)
+        assert run.score is not None
+        offs.append(run.score.off)
+    # The steepest part is what a reading adds: 1 over half of the fastest slip.
+    assert np.all(np.diff(offs) >= -1e-9) and max(np.diff(offs)) <= 2.0 * step + 1e-6, offs
 
 
 def test_a_motion_has_one_score_dense_or_sampled():
