@@ -138,7 +138,8 @@ def _declarations(comments: list[str]) -> dict[str, str]:
 
 
 def _numbers(cells: pd.Series, name: str, file: str, first_line: int) -> pd.Series:
-    """The cells of a column as floats; NaN where a slip's or a force's cell is empty. Raises BadValue for what is no number."""
+    """The cells of a column as floats; NaN where those of `OPEN_COLUMNS` are empty. Raises BadValue for what is no
+    number."""
     import pandas as pd
 
     numbers = pd.to_numeric(cells, errors="coerce")

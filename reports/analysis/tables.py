@@ -93,7 +93,7 @@ def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def impact_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per impact of a motion with several contacts, next to the truth's, and one with event 0 for the time of
+    """One row per impact of a motion, next to the truth's, and with several contacts one with event 0 for the time of
     rest. There is no error of a plate that ends at rest later than its case."""
     return [
         {
@@ -108,6 +108,10 @@ def impact_rows(experiment: Experiment) -> list[dict[str, Any]]:
             "error": row.time - row.reference_time,
             "swing": row.swing,
             "reference_swing": row.reference_swing,
+            "closing_speed": row.closing,
+            "reference_closing_speed": row.reference_closing,
+            "restitution": row.restitution,
+            "reference_restitution": row.reference_restitution,
         }
         for run in experiment.runs
         for row in run.impacts
@@ -240,7 +244,7 @@ HOLDS = {
     "headline": "Grade and errors of each route with default settings and at the finest setting run, case by case",
     "levels": levels.HOLDS,
     "transitions": "Every transition of every run, paired with the truth's",
-    "impacts": "Impacts and the time of rest of motions with several contacts, next to the truth's",
+    "impacts": "Impacts next to the truth's: restitution with one contact, swings and the time of rest with several",
     "trajectories": "Every run: outcome, grade, score and reason, distance from the truth, cost",
     "convergence": "Observed order of every route",
     "truth": "The certified transitions that runs are compared with",
@@ -252,6 +256,7 @@ HOLDS = {
 _IMPACT_COLUMNS = (
     *("case", "solver", "route", "setting", "event", "contact", "time", "reference_time", "error"),
     *("swing", "reference_swing"),
+    *("closing_speed", "reference_closing_speed", "restitution", "reference_restitution"),
 )
 
 

@@ -9,14 +9,18 @@ from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise, zip_longest
 from math import isfinite, nan
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Drive, Load, Mode, State, Trajectory, Transition, mechanics
+from cases import Case, Mode, State, Trajectory, Transition, mechanics
+from cases.contact import track_place
+from cases.free_plates import POSE
 from cases.mechanics import kinetic_energy
 from cases.nearest import nearest
 
+from . import doubts
 from .ledger import LedgerRow
 
 # A plate is at rest once its kinetic energy stays below this part of its largest: it has lost 99 % of its speed.
@@ -28,7 +32,7 @@ _EVEN = 4001
 class ImpactRow(NamedTuple):
     """An impact of the truth, of a solver, or of both, with how far the plate turns afterwards before the next one:
     `swing` and `reference_swing`, rad. `event` numbers the rows from 1; the row with event 0 is the time of rest. Times
-    in s; NaN where there is none."""
+    in s; NaN where there is none. With one contact: closing speed (m/s) and restitution, as in `Rebound`."""
 
     event: int
     contact: str
@@ -36,6 +40,10 @@ class ImpactRow(NamedTuple):
     reference_time: float
     swing: float
     reference_swing: float
+    closing: float = nan
+    reference_closing: float = nan
+    restitution: float = nan
+    reference_restitution: float = nan
 
 
 def rows(case: Case, motion: Trajectory, truth: Trajectory, ledger_rows: Sequence[LedgerRow]) -> tuple[ImpactRow, ...]:
@@ -88,20 +96,23 @@ class Rebound(NamedTuple):
     restitution: float
 
 
-def rebounds(case: Case, motion: Trajectory, events: Sequence[Transition]) -> tuple[Rebound, ...]:
+@lru_cache(maxsize=4)
+def rebounds(case: Case, motion: Trajectory, events: tuple[Transition, ...]) -> tuple[Rebound, ...]:
     """The impacts of a motion with one contact among its transitions, from its velocities in flight before and after.
 
-    Velocities are extrapolated to the impact with gravity alone. Impacts under a load, and those without a sample in
-    flight on both sides, are omitted; where the plate stays, none is needed after it."""
-    if case.effect(Load) is not None or case.effect(Drive) is not None:
-        return ()
+    Velocities are extrapolated to the impact with gravity and load. Impacts without a sample in flight on both sides
+    are omitted; where the plate stays, none is needed after it. Cached, as all motions of a case are compared with one
+    truth."""
     t, state = _samples(motion)
     # Solvers with impacts of finite duration report no force in them.
     aloft = np.isnan(np.asarray(state.xi1)) & ~np.isnan(np.asarray(state.normal_force))
     edges, result = [-np.inf, *(event.time for event in events), np.inf], list[Rebound]()
+    # A central difference next to an impact has velocities of both sides in it.
+    skip = int(doubts.are_differences(motion))
     for event, last, following in zip(events, edges[:-2], edges[2:], strict=True):
         before = np.flatnonzero(aloft & (t > last) & (t < event.time))
-        after = np.flatnonzero(aloft & (t > event.time) & (t < following))
+        before = before[: len(before) - skip]
+        after = np.flatnonzero(aloft & (t > event.time) & (t < following))[skip:]
         stays = event.after is not Mode.FLIGHT
         if event.before is Mode.FLIGHT and len(before) and (stays or len(after)):
             i = int(before[-1])
@@ -112,17 +123,33 @@ def rebounds(case: Case, motion: Trajectory, events: Sequence[Transition]) -> tu
     return tuple(result)
 
 
+def rebound_rows(own: Sequence[Rebound], true: Sequence[Rebound]) -> tuple[ImpactRow, ...]:
+    """The nth impact of a motion with one contact next to the truth's nth."""
+    none = Rebound(nan, nan, nan)
+    return tuple(
+        ImpactRow(number, "", a.time, b.time, nan, nan, a.closing, b.closing, a.restitution, b.restitution)
+        for number, (a, b) in enumerate(zip_longest(own, true, fillvalue=none), start=1)
+    )
+
+
 def _normal_speed(case: Case, t: np.ndarray, state: State, k: int, pose: int, time: float) -> float:
     """The velocity at a time, from sample k in flight, of the outline's point that is nearest to the track in sample
-    `pose`, along the normal there, m/s; 0 where no point of the track is near."""
+    `pose`, relative to the track along its normal there, m/s; 0 where no point of the track is near."""
+    now = SimpleNamespace(t=t[k : k + 1], **{name: np.asarray(getattr(state, name))[k : k + 1] for name in POSE})
+    force = mechanics.loads(case, now)[:, 0]
+    turning = float(now.omega[0]) + (time - t[k]) * force[2] / case.plate.inertia
+    velocity = np.array([now.vx[0], now.vy[0]]) + (time - t[k]) * (
+        mechanics.gravity(case) + force[:2] / case.plate.mass
+    )
     x, y, theta = (float(np.asarray(values)[pose]) for values in (state.x, state.y, state.theta))
-    contact = nearest(case, x, y, theta)
+    place = track_place(case, time)
+    x, y, vx, vy, turning = place.seen_from_track(x, y, velocity[0], velocity[1], turning)
+    contact = nearest(case, x, y, theta - place.angle)
     if contact is None:
         return 0.0
     lever = np.asarray(case.track.point(contact.xi1)) - (x, y)
-    turning = np.asarray(state.omega)[k] * np.array([-lever[1], lever[0]])
-    there = np.array([np.asarray(state.vx)[k], np.asarray(state.vy)[k]]) + turning
-    return float(np.asarray(case.track.normal(contact.xi1)) @ (there + (time - t[k]) * mechanics.gravity(case)))
+    there = np.array([vx, vy]) + turning * np.array([-lever[1], lever[0]])
+    return float(np.asarray(case.track.normal(contact.xi1)) @ there)
 
 
 def rebound_note(own: Sequence[Rebound], law: float, energy_change: float) -> str:

@@ -56,8 +56,10 @@ def _change(row: Mapping[str, Any]) -> str:
 
 def impacts(rows: Sequence[dict[str, Any]], settings: Mapping[tuple, str]) -> dict[str, Any]:
     """A row for each impact of the truth, and one for the time of rest: the swing after it, and for each engine at its
-    finest setting run its time and swing minus the truth's. `settings`: that setting by solver and route."""
-    mine = [row for row in rows if settings.get((row["solver"], row["route"])) == str(row["setting"])]
+    finest setting run its time and swing minus the truth's, with several contacts. `settings`: that setting by solver
+    and route."""
+    several = [row for row in rows if row["contact"] or not row["event"]]
+    mine = [row for row in several if settings.get((row["solver"], row["route"])) == str(row["setting"])]
     keys = list(dict.fromkeys((row["solver"], row["route"]) for row in mine if row["solver"] != REFERENCE))
     # Each route has its own numbers, as its own impacts count; the truth's times are the same in all.
     by_instant = {(row["solver"], row["route"], _instant(row)): row for row in mine if isfinite(row["reference_time"])}

@@ -86,7 +86,7 @@ class Run:
     friction × (NaN where it is not known), and as `reason` what the grade is due to; any other has as `reason` why
     there is no motion. `refusal`: whether the engine cannot do an unsupported case, or its adapter does not yet.
     `samples` and `off` (solver minus truth) are for figures, thinned; `spreads` (s) are the reading doubts of the
-    solver's transitions; `impacts` those of a motion with several contacts. `when`: time of the run, since CPU times
+    solver's transitions; `impacts` those on the track, or on several contacts. `when`: time of the run, since CPU times
     vary from day to day.
     """
 

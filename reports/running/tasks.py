@@ -19,7 +19,7 @@ from adapters import Setting, gate, other_laws, our_part, refusal, refusal_kind,
 from cases import Case, CaseError, Impact, NotSupported, Trajectory, Transition, owned_folder
 from reference.certification import Certificate, NotCertified, contradiction, is_within_bars, stored_or_new
 
-from ..judging import distances, grades, impacts, ledger, several_contacts, transitions, validation
+from ..judging import claims, distances, grades, impacts, ledger, several_contacts, transitions, validation
 from ..judging.friction_factor import friction_factor, is_defined
 from ..judging.friction_sensitivity import LEAST, friction_sensitivity
 from ..judging.null_motions import null_motions
@@ -255,6 +255,8 @@ def judge(
     """The row of a sound trajectory compared with the truth: score, grade and its reason, ledger, distances. `laws`:
     the effects that the solver models by another law than the case's; the reason names them first."""
     assert truth.scale is not None, "a case with a truth has a scale"
+    if not claims.forces_hold(case, trajectory):
+        trajectory, laws = claims.without_forces(trajectory), (*laws, "its forces do not make its motion")
     # Of a dense motion both its distances and its friction need samples, which take long by the paper's matrix.
     is_sampled = trajectory.dense is not None and is_defined(case, trajectory, truth.scale.losses)
     even = distances.even_samples(trajectory) if is_sampled else None
@@ -273,12 +275,15 @@ def judge(
     begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
     remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
     remarks += validation.jumps(case, trajectory, motion, distance.centre_max) + validation.tips(trajectory, motion)
-    impact = case.effect(Impact)
-    if impact is not None and not truth.friction_sensitivity >= LEAST and not truth.has_several_contacts:
-        # Friction says nothing there.
-        own = impacts.rebounds(case, trajectory, _own_events(reading))
-        change = float(off["energy_share"][-1]) if len(off["t"]) else 0.0
-        remarks.insert(0, impacts.rebound_note(own, impact.restitution, change))
+    impact, rows = case.effect(Impact), tuple[impacts.ImpactRow, ...]()
+    if isinstance(reading, several_contacts.SeveralJudgement):
+        rows = impacts.rows(case, trajectory, motion, paired)
+    elif impact is not None:
+        own = impacts.rebounds(case, trajectory, reading.transitions)
+        rows = impacts.rebound_rows(own, impacts.rebounds(case, motion, truth.transitions))
+        if not truth.friction_sensitivity >= LEAST:  # friction says nothing there
+            change = float(off["energy_share"][-1]) if len(off["t"]) else 0.0
+            remarks.insert(0, impacts.rebound_note(own, impact.restitution, change))
     return replace(
         row,
         outcome="answered",
@@ -290,15 +295,11 @@ def judge(
         friction_factor=friction,
         grade=str(grades.grade(scored.off, scored.doubt)),
         sequence=grades.sequence_note(scored, scale),
-        impacts=impacts.rows(case, trajectory, motion, paired) if truth.has_several_contacts else (),
+        impacts=rows,
         distance=distance,
         samples=_drawn_samples(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
     )
-
-
-def _own_events(reading: Reading | several_contacts.SeveralJudgement) -> tuple[Transition, ...]:
-    return reading.transitions if isinstance(reading, Reading) else ()
 
 
 def reading_of(case: Case, trajectory: Trajectory) -> Reading:

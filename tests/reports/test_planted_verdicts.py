@@ -87,6 +87,12 @@ def tip(columns: Columns) -> Columns:
     return columns | {"theta": columns["theta"] + 0.05 * np.sin(np.pi * np.clip((columns["t"] - 0.2) / 0.3, 0.0, 1.0))}
 
 
+def other_forces(columns: Columns) -> Columns:
+    """Forces that vanish in the middle of a roll that its velocities show."""
+    away = (columns["t"] > 0.1) & (columns["t"] < 0.5)
+    return columns | {name: np.where(away, 0.0, 3.0 * columns[name]) for name in ("normal_force", "friction_force")}
+
+
 def rounding(columns: Columns) -> Columns:
     """A constant offset of 6e-17 rad."""
     return columns | {"theta": columns["theta"] + 6e-17}
@@ -123,6 +129,8 @@ ROWS = (
     ),  # "give both in metres, radians and seconds"
     Row("reversed friction", LINE, reversal, RATES, 0.0, 0.1),
     Row("tips", BOX, tip, RATES, 0.0, 1.0, "turns by up to 2.9 degrees between 0.2", ("seem",)),  # "in degrees"
+    Row("other forces", LINE, other_forces, ALL, 0.0, 1e-4, "its forces do not make its motion"),
+    Row("other forces, may fly", FREE, other_forces, ALL, 0.0, 1e-4, "its forces do not make its motion"),
     Row("6e-17 rad", BOX, rounding, RATES, 0.0, 1e-4),  # "theta seems to have the constant offset"
 )
 
@@ -151,6 +159,7 @@ def test_the_truth_is_never_worse_than_not_decided(label, hertz):
         assert run.score is not None and run.grade in ("excellent", "not decided"), (names, run.reason)
         assert is_within(run.score, LIMITS[Grade.EXCELLENT]) is not False, (names, run.reason)
         assert not [row for row in run.ledger if row.pairing == "spurious"], names
+        assert "its forces" not in run.reason, names
 
 
 @pytest.mark.parametrize("samples", [2, 5, 11])
