@@ -42,6 +42,14 @@ EFFECTS = {
     "judging_transitions": _replaced("reports.judging.transitions.read_motion"),
     "judging_distances": _replaced("reports.judging.distances.differences"),
     "adapters_gate": _replaced("adapters.gate.motion"),
+    "limits_of_grades": Effect(
+        "from reports.judging import grades; grades.LIMITS[grades.Grade.EXCELLENT] = 1e9",
+        "crashed", "reports.judging.grades.LIMITS was changed",
+    ),
+    "code_of_score": Effect(
+        "from reports.judging import score; score.score_and_reading.__code__ = (lambda *given: None).__code__",
+        "crashed", "reports.judging.score.score_and_reading was changed",
+    ),
     "track_speed": Effect("type(case.track).speed = lambda *given: 1.0", "crashed", "speed was replaced"),
     # Settings of the process.
     "random_state": Effect("import random, numpy; random.seed(1); numpy.random.seed(1)"),

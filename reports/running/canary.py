@@ -1,19 +1,18 @@
 """Checks whether a process still computes as it did before third-party code ran in it.
 
 An engine that replaces `numpy.hypot`, or anything else used to judge a motion, would influence its own row. Therefore
-the functions, limits and tables are compared one by one, and a known run is made and judged again: its bits must not
-change. The answers of a changed process are discarded, and it makes no further call.
+the functions, what is inside them, limits and tables are compared one by one, and a known run is made and judged
+again: its bits must not change. The answers of a changed process are discarded, and it makes no further call.
 """
 
 from __future__ import annotations
 
 import inspect
-import operator
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from copy import copy
-from types import ModuleType
+from functools import cached_property
+from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -32,9 +31,12 @@ _CASE, _SAMPLES, _RTOL = "disc_on_line[mu=0.1]", 31, 1e-9
 _OURS = ("cases", "reference", "adapters", "reports")
 _LIBRARIES = (
     "builtins", "math", "cmath", "operator", "functools", "itertools", "statistics", "pickle", "time", "numpy",
-    "numpy.linalg", "numpy.fft", "scipy.integrate", "scipy.interpolate", "scipy.linalg", "scipy.optimize",
-    "scipy.special", "sympy", "mpmath", "heyoka",
+    "numpy.linalg", "numpy.fft", "scipy.integrate", "scipy.interpolate", "scipy.linalg", "scipy.ndimage",
+    "scipy.optimize", "scipy.special", "sympy", "mpmath", "heyoka",
 )  # fmt: skip
+
+# Variables of these types have a content that is compared.
+_TABLES = (dict, list, set, tuple, np.ndarray)
 
 # A namespace, a name in it, its value, and the full name.
 _Attribute = tuple[Any, str, Any, str]
@@ -51,6 +53,7 @@ class Canary:
         self._packages = adapter_packages()  # read now, because an engine may change the search path
         self._modules: set[str] = set()
         self._contents: list[tuple[Any, Any, str]] = []
+        self._bodies: dict[int, tuple[FunctionType, Any, Any, Any, str]] = {}
         self._attributes = self._new_attributes()
         self._numbers = _known_run() if known_run else None
 
@@ -65,6 +68,10 @@ class Canary:
             if is_adapters(str(getattr(value, "__module__", "")), self._packages):
                 return f"{known_as} was replaced"
         self._attributes += new_attributes
+        for function, code, defaults, by_name, known_as in self._bodies.values():
+            changes = function.__defaults__ is not defaults or function.__kwdefaults__ is not by_name
+            if changes or function.__code__ is not code:
+                return f"{known_as} was changed"
         for container, content, _ in self._contents:
             if not _is_same(container, content):
                 return f"{_assigned_as([name for one, _, name in self._contents if one is container])} was changed"
@@ -86,10 +93,14 @@ class Canary:
             for attribute in _attributes(name, module, methods=name in ours)
         ]
         self._contents += [
-            (value, copy(value), known_as)
+            (value, _content(value), known_as)
             for _, name, value, known_as in attributes
-            if name.isupper() and isinstance(value, dict | list | set)
+            if name.isupper() and isinstance(value, _TABLES)
         ]
+        for function, known_as in ((_function(value), known_as) for _, _, value, known_as in attributes):
+            if isinstance(function, FunctionType) and id(function) not in self._bodies:
+                body = function.__code__, function.__defaults__, function.__kwdefaults__
+                self._bodies[id(function)] = function, *body, known_as
         return attributes
 
 
@@ -107,7 +118,7 @@ def _attributes(known_as: str, module: ModuleType, methods: bool) -> Iterator[_A
             yield vars(module), name, value, f"{known_as}.{name}"
         if methods and isinstance(value, type) and value.__module__ == known_as:
             for inner, method in list(vars(value).items()):
-                if callable(method) or isinstance(method, property):
+                if callable(method) or isinstance(method, property | cached_property):
                     yield vars(value), inner, method, f"{known_as}.{name}.{inner}"
 
 
@@ -120,13 +131,33 @@ def _assigned_as(names: Sequence[str]) -> str:
     return names[0]
 
 
-def _is_same(container: Any, content: Any) -> bool:
+def _function(value: Any) -> Any:
+    """The function behind a method, a property or a cache."""
+    for name in ("fget", "func", "__func__"):
+        value = getattr(value, name, None) or value
+    return getattr(value, "__wrapped__", value)
+
+
+def _content(table: Any) -> Any:
+    """A copy of a table, of the tables in it and of arrays."""
+    if isinstance(table, np.ndarray):
+        return table.copy()
+    if isinstance(table, dict):
+        return {key: _content(value) for key, value in table.items()}
+    if isinstance(table, list | tuple):
+        return [_content(value) for value in table]
+    return set(table) if isinstance(table, set) else table
+
+
+def _is_same(table: Any, content: Any) -> bool:
     """Whether a table holds the same objects as its copy."""
-    if isinstance(container, set):
-        return container == content
-    if isinstance(container, dict):
-        return container.keys() == content.keys() and all(container[key] is content[key] for key in content)
-    return len(container) == len(content) and all(map(operator.is_, container, content))
+    if isinstance(table, np.ndarray):
+        return table.shape == content.shape and table.tobytes() == content.tobytes()
+    if isinstance(table, dict):
+        return table.keys() == content.keys() and all(_is_same(table[key], content[key]) for key in content)
+    if isinstance(table, list | tuple):
+        return len(table) == len(content) and all(map(_is_same, table, content))
+    return table == content if isinstance(table, set) else table is content
 
 
 def _is_replaced(place: Any, name: str, value: Any) -> bool:

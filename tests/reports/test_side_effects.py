@@ -10,7 +10,9 @@ import resource
 import signal
 import sys
 from collections.abc import Iterable
+from copy import deepcopy
 from dataclasses import replace
+from types import FunctionType
 
 import numpy as np
 import pytest
@@ -129,6 +131,34 @@ def test_a_changed_limit_of_judging_is_named(module, name, value, canary, monkey
             patch.setattr(judging, name, value)
         assert canary.change().startswith(f"reports.judging.{module}.{name} was ")
     assert canary.change() == ""
+
+
+def double(values: np.ndarray) -> None:
+    values.flags.writeable = True
+    values *= 2.0
+
+
+@pytest.mark.parametrize(
+    ("place", "change"),
+    [
+        (
+            "reports.judging.score.score_and_reading",
+            lambda score: setattr(score, "__code__", (lambda *_: None).__code__),
+        ),
+        ("reports.judging.grades.grade", lambda grade: setattr(grade, "__defaults__", (1e9, 0.0))),
+        ("reports.judging.residuals._GAUSS", lambda nodes: double(nodes[1])),
+    ],
+)
+def test_what_is_exchanged_inside_a_function_or_a_table_is_named(place, change, monkeypatch):
+    """The objects are the same as before."""
+    module, _, name = place.rpartition(".")
+    value = getattr(importlib.import_module(module), name)
+    copies = deepcopy(value) if isinstance(value, tuple) else FunctionType(value.__code__, vars(sys.modules[module]))
+    monkeypatch.setattr(f"{module}.{name}", copies)
+    canary = Canary(known_run=False)
+    assert canary.change() == ""
+    change(copies)
+    assert canary.change().endswith(f"{name} was changed")
 
 
 def test_a_late_import_that_is_stored_as_it_is_is_no_replacement(canary, monkeypatch):
