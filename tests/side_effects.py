@@ -21,6 +21,7 @@ def _replaced(name: str, by: str = "lambda *given, **options: 0.0") -> Effect:
     return Effect(f"import {name.rpartition('.')[0]}; {name} = {by}", "crashed", f"{name} was replaced")
 
 
+WRONG = "import cases, dataclasses; case = dataclasses.replace(case, plate=cases.disc(0.13, 1.0))"
 EFFECTS = {
     # Functions that motions are computed and judged with.
     "numpy_hypot": _replaced("numpy.hypot"),
@@ -51,6 +52,14 @@ EFFECTS = {
         "crashed", "reports.judging.score.score_and_reading was changed",
     ),
     "track_speed": Effect("type(case.track).speed = lambda *given: 1.0", "crashed", "speed was replaced"),
+    # A wrong motion; and the same where what judges it, and the comparison after the call, are replaced.
+    "wrong": Effect(WRONG),
+    "wrong_and_flattered": Effect(
+        f"{WRONG}; from reports.running import canary; canary.Canary.change = lambda self: ''; "
+        "from reports.judging import grades, score; grades.LIMITS[grades.Grade.EXCELLENT] = 1e9; "
+        "score.score_and_reading.__code__ = (lambda *given: 1 / 0).__code__; "
+        "import numpy; numpy.hypot = lambda *given: 0.0",
+    ),
     # Settings of the process.
     "random_state": Effect("import random, numpy; random.seed(1); numpy.random.seed(1)"),
     "numpy_errors": Effect("import numpy; numpy.seterr(all='raise')"),

@@ -27,7 +27,7 @@ from ..judging.score import Scale, scale_of, score_and_reading
 from ..judging.slip_phases import Reading
 from .clocked_run import run_on_clock
 from .names import legible
-from .processes.worker_process import settle
+from .processes.worker_process import settle, without_engines
 from .records import TRUTH_RTOL, Offer, Run, Truth, is_truth, now
 from .solvers import NOT_INSTALLED, solver
 from .true_motions import true_motion
@@ -198,7 +198,7 @@ def _evenly(motion: Trajectory) -> Trajectory:
 
 
 def perform(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
-    """Run one setting of one route and judge it. Only `run` of the solver is timed.
+    """Run one setting of one route and judge it, in a process without engines. Only `run` of the solver is timed.
 
     The run that the others are compared with is the truth's motion, with the times measured when that was computed.
 
@@ -211,10 +211,14 @@ def perform(case: Case, name: str, route: str, setting: Setting, rung: int, trut
         raise
     except Exception as problem:
         return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {reason_of_crash(problem)}")
-    assess = lambda row, motion: judge(row, case, motion, true_motion(case, truth.method), truth, laws)  # noqa: E731
+    assess = lambda row, motion: without_engines(_judge_alone, case, motion, row, truth, laws)  # noqa: E731
     if is_truth(row, truth):
         return attempt(row, case, assess, lambda: true_motion(case, truth.method))
     return attempt(row, case, assess)
+
+
+def _judge_alone(case: Case, motion: Trajectory, row: Run, truth: Truth, laws: tuple[str, ...]) -> Run:
+    return judge(row, case, motion, true_motion(case, truth.method), truth, laws)
 
 
 def attempt(

@@ -139,6 +139,16 @@ def meet(thing: str, own: str, other: str, folder: Path) -> int:
     return os.getpid()
 
 
+def group_of_rest(how: str) -> str | None:
+    """The group of the worker that makes the rest of a call."""
+    return worker_process.without_engines(own_group, how)
+
+
+def own_group(how: str) -> str | None:
+    """The group of this worker; or fail."""
+    return worker_process.group if how == "work" else misbehave(how)
+
+
 def grow(megabytes: int) -> int:
     """Keep so much memory, as a cache would; the process it is kept in."""
     kept.append(b"x" * (megabytes * 2**20))

@@ -77,6 +77,18 @@ def test_what_an_adapter_does_to_its_process_reaches_no_other_row(install):
     assert sum(run.outcome == "answered" for run in others) > 1
 
 
+def test_what_judges_a_motion_is_out_of_reach_of_its_engine(install):
+    """With limits, scores and functions of its own an engine that is far off was excellent, or crashed."""
+    install(["wrong", "wrong_and_flattered"])
+    runs = rows(("wrong", "wrong_and_flattered")).runs
+    honest, flattered = runs[: len(runs) // 2], runs[len(runs) // 2 :]
+    assert {run.solver for run in flattered} == {"wrong_and_flattered"} and len(flattered) == 2
+    assert all(run.outcome == "answered" and run.grade != "excellent" for run in honest)
+    assert identical(
+        comparable(replace(run, solver="") for run in honest), comparable(replace(run, solver="") for run in flattered)
+    )
+
+
 @pytest.mark.slow
 def test_no_side_effect_of_an_adapter_reaches_another_row(install):
     names, others = tuple(side_effects.EFFECTS), ("reference", "pymunk", "exudyn")

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from ..solvers import version
 from ..storage import fingerprint, source_code
-from .worker_process import CallResult
+from .worker_process import CallResult, NextCall, without_engines
 from .workers import WorkerPool
 
 # Names and values that decide the answers of a machine.
@@ -106,7 +106,10 @@ class _PickledCall:
 def run_pickle(call: tuple[Callable, tuple]) -> bytes:
     """Make the call in this process; returns the pickled value."""
     function, arguments = call
-    return pickle.dumps(function(*arguments))
+    value = function(*arguments)
+    if isinstance(value, NextCall):
+        return without_engines(run_pickle, (value.function, value.arguments))
+    return pickle.dumps(value)
 
 
 @lru_cache(maxsize=1)

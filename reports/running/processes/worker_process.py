@@ -75,6 +75,19 @@ class CallResult:
         return outcome, f"{self.reason}; it last printed: {self.output[-200:]}" if self.output else self.reason
 
 
+@dataclass(frozen=True)
+class NextCall:
+    """The rest of a call, which its pool makes in a process without engines; the answer is that of the rest."""
+
+    function: Callable
+    arguments: tuple
+
+
+def without_engines(function: Callable, *arguments: Any) -> Any:
+    """`function(*arguments)` as a call's value, computed where no engine's code has run; at once outside workers."""
+    return NextCall(function, arguments) if group else function(*arguments)
+
+
 def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: bool, preload: str = "") -> None:
     """Receive calls and send each answer with the call's number, until the pipe is closed.
 

@@ -32,7 +32,7 @@ from .. import versions
 from ..names import legible
 from ..solvers import groups_of
 from ..storage.source_code import is_adapters
-from .worker_process import MEMORY_BYTES, START_MESSAGE, CallResult, serve
+from .worker_process import MEMORY_BYTES, START_MESSAGE, CallResult, NextCall, serve
 
 # Time limit for the start of a process (s), for a busy machine; it does not count towards the call's limit.
 _STARTUP_SECONDS = 60.0
@@ -124,25 +124,28 @@ class WorkerPool:
         a worker; a group named as a solver with a version runs with that version. Yields (i, answer) as calls end;
         `skip(i)`, called just before call i would start, may return an answer instead. The function and its arguments
         are pickled, so the function must be at the top level of a module. Calls still running when the iterator is
-        closed are killed. `brief`: each call takes milliseconds, so that few calls start no additional workers.
+        closed are killed. The rest of a call (`worker_process.without_engines`) is made before others, so that few
+        motions wait. `brief`: each call takes milliseconds, so that few calls start no additional workers.
         """
-        groups = groups or groups_of(arguments)
+        groups = list(groups or groups_of(arguments))
+        calls = [NextCall(function, args) for args in arguments]
         waiting = dict(enumerate(arguments))
-        once_more = set(waiting)
+        once_more, begun = set(waiting), set[int]()
         try:
             while waiting or self._busy():
                 while waiting and len(self._busy()) < self._jobs:
-                    choice = self._next(waiting, groups, brief)
+                    rests = {i: args for i, args in waiting.items() if i in begun}
+                    choice = self._next(rests or waiting, groups, brief)
                     if choice is None:
                         break
                     worker, index = choice
                     args = waiting.pop(index)
-                    substitute = skip(index)
+                    substitute = None if index in begun else skip(index)
                     if substitute is not None:
                         yield index, substitute
                         continue
                     try:
-                        worker.start(index, function, args, limit)
+                        worker.start(index, calls[index].function, args, limit)
                     except (pickle.PicklingError, TypeError, AttributeError) as problem:
                         yield index, CallResult("raised", reason=legible(f"its arguments cannot be pickled: {problem}"))
                 busy = self._busy()
@@ -155,7 +158,13 @@ class WorkerPool:
                         continue
                     if self._is_retried(worker, answer, worker.index in once_more):
                         once_more.remove(worker.index)
-                        waiting = {worker.index: arguments[worker.index], **waiting}
+                        waiting = {worker.index: calls[worker.index].arguments, **waiting}
+                        continue
+                    if isinstance(answer.value, NextCall):
+                        calls[worker.index], groups[worker.index] = answer.value, ""
+                        waiting = {worker.index: answer.value.arguments, **waiting}
+                        begun.add(worker.index)
+                        once_more.add(worker.index)
                         continue
                     if worker.is_lost(answer):  # twice: by the call itself, or not for certain by the machine
                         answer = replace(answer, outcome="died", lasting=False)

@@ -27,7 +27,7 @@ from ...judging.score import scale_of
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import hopeless, offers
 from ...running.names import REFERENCE
-from ...running.processes.worker_process import CallResult
+from ...running.processes.worker_process import CallResult, without_engines
 from ...running.records import TRUTH_RTOL, Offer, Run, Truth, first_error, one_default
 from ...running.tasks import attempt, find_truth, in_catalogue, judge
 from ...running.true_motions import true_motion
@@ -260,18 +260,22 @@ def _middle(settings: Sequence[Setting]) -> Setting | None:
 def assess(
     case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth, motion: Trajectory
 ) -> tuple[Run, Residuals]:
-    """Run one setting, compare it with the true motion and compute its residuals."""
-    residual_values = Residuals()
+    """Run one setting; in a process without engines compare it with the true motion and compute its residuals."""
 
-    def judged(row: Run, trajectory: Trajectory) -> Run:
-        nonlocal residual_values
-        residual_values = residuals.examine(case, trajectory)
-        run = replace(judge(row, case, trajectory, motion, truth), samples={}, off={})
-        if truth.status == "paradox" and trajectory.status != "paradox":
-            run = replace(run, reason=f"{run.reason}; it continues although rigid contact has no solution there")
-        return run
+    def judged(row: Run, trajectory: Trajectory) -> Any:
+        return without_engines(_judge_alone, case, trajectory, row, truth, motion)
 
-    return attempt(Run(case.label, name, route, setting, rung, outcome=""), case, judged), residual_values
+    outcome: Any = attempt(Run(case.label, name, route, setting, rung, outcome=""), case, judged)
+    return (outcome, Residuals()) if isinstance(outcome, Run) else outcome
+
+
+def _judge_alone(
+    case: Case, trajectory: Trajectory, row: Run, truth: Truth, motion: Trajectory
+) -> tuple[Run, Residuals]:
+    run = replace(judge(row, case, trajectory, motion, truth), samples={}, off={})
+    if truth.status == "paradox" and trajectory.status != "paradox":
+        run = replace(run, reason=f"{run.reason}; it continues although rigid contact has no solution there")
+    return run, residuals.examine(case, trajectory)
 
 
 def assess_own(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> tuple[Run, Residuals]:
