@@ -104,6 +104,7 @@ def consistent_motions(
     """All motions that rigid Coulomb contact allows, each with every regime that gives its accelerations. Arguments as
     of `decide`. Raises Undecidable."""
     motions: list[tuple[SeveralRegime, np.ndarray]] = []
+    singular: list[SeveralRegime] = []
     most = freedoms(case.plate)
     for modes, turn in _combinations(case, now, fixed or {}):
         regime = SeveralRegime(modes, now.names, now.limits, now.pairs, now.away, turn=turn)
@@ -118,11 +119,17 @@ def consistent_motions(
             if guides is None or (rows > most and modes == last_modes):
                 continue
             regime = regime._replace(guides=guides if rows > most else ())
+        if not regime.has_open_forces and _is_singular(case, now, regime):
+            if not _is_smooth(case, now, regime):
+                singular.append(regime)
+                continue
+            regime = regime._replace(guides=_independent_rows(case, now, modes))
         phase = several_phase(case, regime)
-        is_regular = regime.has_open_forces or not _is_singular(case, now, regime)
-        if is_regular and _is_consistent(case, now, phase, error) and _has_forces(phase, now):
+        if _is_consistent(case, now, phase, error) and _has_forces(phase, now):
             rates = phase.system.rates_of_numbers(now.time, now.state, phase.parameters)
             motions.append((regime, np.array(rates[-3:])))
+    for regime in singular:
+        motions += _braced(case, now, regime, motions)
     if any(now.places[k].stick > now.places[k].mu for k in now.touching):
         # With static friction a contact that may stick does.
         most = max((_sticking(regime) for regime, _ in motions), default=0)
@@ -215,8 +222,13 @@ def _is_on_belt(now: DecisionInstant, modes: tuple[Mode, ...]) -> bool:
 
 
 def _guides(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> tuple[tuple[bool, bool], ...] | None:
-    """Normal and tangential rows of each contact in those modes that determine the motion: the first that are
-    independent, as many as the plate's velocities; None if there are fewer."""
+    """The rows that determine the motion, if they are as many as the plate's velocities; None if there are fewer."""
+    picks = _independent_rows(case, now, modes)
+    return picks if sum(map(sum, picks)) == freedoms(case.plate) else None
+
+
+def _independent_rows(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> tuple[tuple[bool, bool], ...]:
+    """Normal and tangential rows of each contact in those modes, the first that are independent."""
     picks, rows = [[False, False] for _ in modes], list[np.ndarray]()
     normals = [(k, 0) for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
     tangents = [(k, 1) for k, mode in enumerate(modes) if mode in STICKING]
@@ -224,11 +236,15 @@ def _guides(case: Case, now: DecisionInstant, modes: tuple[Mode, ...]) -> tuple[
     for k, which in (*normals, *tangents):
         at = now.places[k]
         more = [*rows, (at.slip_row if which else at.lift_row) * units]
-        if np.linalg.matrix_rank(np.array(more), tol=INDEPENDENT) == len(more):
+        if np.linalg.matrix_rank(np.array(more), tol=INDEPENDENT) == len(more) <= freedoms(case.plate):
             rows, picks[k][which] = more, True
-        if len(rows) == freedoms(case.plate):
-            return tuple((normal, tangent) for normal, tangent in picks)
-    return None
+    return tuple((normal, tangent) for normal, tangent in picks)
+
+
+def _is_smooth(case: Case, now: DecisionInstant, regime: SeveralRegime) -> bool:
+    """Whether no force of a regime depends on a normal force: what is not unique about its forces moves nothing."""
+    rows, columns = _rows_and_columns(case, now, regime)
+    return bool((rows == columns).all())
 
 
 def _is_consistent(case: Case, now: DecisionInstant, phase: SeveralPhase, error: float) -> bool:
@@ -273,8 +289,19 @@ def slack_of_dip(case: Case, segment: Segment, guard: str, rtol: float) -> float
 
 
 def _is_singular(case: Case, now: DecisionInstant, regime: SeveralRegime) -> bool:
-    """Whether friction makes the rows of a regime depend on each other: its forces have no value, as those of a disc in
-    a groove of the angle of friction, if it slipped inward on both flanks."""
+    """Whether the rows of a regime depend on each other, by themselves, as those of a disc in a tube of its width, or
+    by friction: its forces have no value, as those of a disc in a groove of the angle of friction, if it slipped inward
+    on both flanks."""
+    rows, columns = _rows_and_columns(case, now, regime)
+    if len(rows) < 2:
+        return False
+    some_rows, some_columns = (each / np.linalg.norm(each, axis=1)[:, None] for each in (rows, columns))
+    return bool(abs(np.linalg.det(some_rows @ some_columns.T)) <= PAINLEVE_LEAST)
+
+
+def _rows_and_columns(case: Case, now: DecisionInstant, regime: SeveralRegime) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of the velocities that vanish in a regime, and of the forces that belong to them, (n, 3) each, both by the
+    roots of mass and moment of inertia."""
     some = [(now.places[k], regime.modes[k]) for k in regime.closed]
     limits = limits_of_friction([at for at, _ in some], [mode for _, mode in some], now.time, now.state)
     rows, columns = list[np.ndarray](), list[np.ndarray]()
@@ -285,13 +312,31 @@ def _is_singular(case: Case, now: DecisionInstant, regime: SeveralRegime) -> boo
         if mode in STICKING:
             rows.append(at.slip_row)
             columns.append(at.slip_row)
-    if len(rows) < 2 or not any(isinstance(limit, forces.Slipping) for limit in limits):
-        return False
     rows += [TURNING_ROW] if regime.turn == 0 else []
     columns += [TURNING_ROW] if regime.turn == 0 else []
     units = np.sqrt(compliance(case.plate))
-    some_rows, some_columns = ([units * row / np.linalg.norm(units * row) for row in each] for each in (rows, columns))
-    return bool(abs(np.linalg.det(np.array(some_rows) @ np.array(some_columns).T)) <= PAINLEVE_LEAST)
+    return np.array(rows).reshape(-1, 3) * units, np.array(columns).reshape(-1, 3) * units
+
+
+def _braced(
+    case: Case, now: DecisionInstant, regime: SeveralRegime, motions: Sequence[tuple[SeveralRegime, np.ndarray]]
+) -> list[tuple[SeveralRegime, np.ndarray]]:
+    """A regime in which two contacts that slip may press against each other as much as they like, with accelerations
+    (3,) that differ by what their friction then does; none if there is no such force, or no motion to which it adds."""
+    rows, columns = _rows_and_columns(case, now, regime)
+    if len(rows) != 2 or len(regime.closed) != 2:
+        return []
+    matrix = rows @ columns.T
+    _, sizes, basis = np.linalg.svd(matrix)
+    pressing, units = basis[-1] * np.sign(basis[-1, 0]), np.sqrt(compliance(case.plate))
+    added = units * (columns.T @ pressing)
+    if sizes[-1] > PAINLEVE_LEAST * sizes[0] or pressing.min() <= 0.0 or np.abs(added).max() <= SAME:
+        return []
+    added *= acceleration_scale(case, now.time, body_of(now.state)) / float(np.abs(added).max())
+    return [
+        (regime, acceleration + added) for other, acceleration in motions
+        if all(one is mode or one is Mode.FLIGHT for one, mode in zip(other.modes, regime.modes, strict=True))
+    ][:1]  # fmt: skip
 
 
 def _has_forces(phase: SeveralPhase, now: DecisionInstant) -> bool:
@@ -312,10 +357,13 @@ def margin_on_belts(phase: SeveralPhase, t: float, state: Sequence[float], every
     case, regime = phase.case, regime_of(phase)
     load, units = load_on_belts(phase, t, state), forces.units_of(case.plate)
     outputs = phase.system.outputs_of_numbers(t, tuple(state), phase.parameters)
-    size = float(np.abs(load * units).max()) / case.plate.mass
+    pressed, scale = float(np.abs(load * units).max()) / case.plate.mass, acceleration_scale(case, t, body_of(state))
+    size = max(pressed, scale)
     firsts = [FIRST_COLUMN + len(COLUMNS) * k for k in regime.closed]
     if not max(abs(value) for first in firsts for value in outputs[first : first + 2]) <= SAME * size:
         return -inf
+    if pressed <= AT_BOUND * scale:  # contacts of which nothing presses any
+        return 0.0
     some = [every[k] for k in regime.closed]
     limits = limits_of_friction(some, [regime.modes[k] for k in regime.closed], t, state)
     return forces.margin(some, load, units, limits, limits_of_couples(some, regime.turn))

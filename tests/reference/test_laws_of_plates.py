@@ -154,6 +154,35 @@ def test_a_disc_falls_to_the_lowest_point_of_a_track_whose_nearest_points_are_be
     assert motion.transitions[0].time == pytest.approx(sqrt(2.0 * (height - 0.1) / G), abs=1e-12)
 
 
+def tube(tilt: float, mu: float, spin: float) -> Case:
+    """A disc at rest or with a spin between two walls that are as far apart as it is wide, `tilt` (rad) from the
+    vertical."""
+    c, s, r = cos(tilt), sin(tilt), 0.1
+    low, high = Curve((f"{s!r}*s", f"-{c!r}*s")), Curve((f"{2 * r * c!r}-{s!r}*s", f"{2 * r * s!r}+{c!r}*s"))
+    start = StartPose(r * c, r * s, 0.0, 0.0, 0.0, spin)
+    return Case(low, disc(r, 1.0), effects(mu), start, 1.0, supports=(Support(high, "high"),))
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+@pytest.mark.parametrize("tilt,spin", [(0.0, 0.0), (0.0, 3.0), (0.4, 0.0), (-0.4, -2.0)])
+def test_a_smooth_disc_slides_through_a_tube_of_its_own_width(tilt, spin, method):
+    """The walls' forces are not unique, and move nothing. The status was `breakdown` or, with a spin, `unfinished`."""
+    case = tube(tilt, 0.0, spin)
+    motion = reference.simulate(case, method=method)
+    assert motion.status == "completed" and not motion.transitions
+    last, fall = motion(1.0), 0.5 * G * cos(tilt)
+    away = last.x - 0.1 * cos(tilt), last.y - 0.1 * sin(tilt), last.omega
+    assert away == pytest.approx((fall * sin(tilt), -fall * cos(tilt), spin), abs=1e-13)
+    assert not reference.check(case, motion)
+
+
+@pytest.mark.parametrize("spin", [0.0, 3.0])
+def test_friction_in_a_tube_of_its_own_width_is_not_unique(spin):
+    """Walls may press on the disc as much as they like, which holds it or stops its spin."""
+    motion = reference.simulate(tube(0.0, 0.3, spin), method="dop853")
+    assert motion.status == "not_unique" and motion.t[-1] == 0.0
+
+
 def test_drag_by_the_square_root_of_a_square_begins_at_rest():
     """v' = a − c v² has the solution √(a/c) tanh(√(a c) t)."""
     mass, slope, mu, drag = 80.0, 0.3, 0.03, 0.3
