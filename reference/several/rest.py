@@ -22,8 +22,6 @@ from .regimes import SeveralPhase, body_of, contacts_of, pairs_of, regime_of
 LOOKS = 64
 # A root is located to roundings of its time, the finest that SciPy allows, whatever the unit of time.
 SOONEST, FINEST = 1e-300, 4.0 * EPS
-# In a motion it is located to this time (s).
-IN_MOTION = 1e-15
 # Looks in each step of a motion; the steps resolve the features of belts and loads.
 LOOKS_IN_STEP = 4
 
@@ -77,18 +75,18 @@ def first_loss_in(segment: Segment, margin: Callable[[float], float]) -> float |
     steps = np.unique(segment.times)
     parts = np.arange(1, LOOKS_IN_STEP + 1) / LOOKS_IN_STEP
     looks = (steps[:-1, None] + np.diff(steps)[:, None] * parts).ravel()
-    return _first_loss(margin, [float(steps[0]), *looks.tolist()], IN_MOTION)
+    return _first_loss(margin, [float(steps[0]), *looks.tolist()])
 
 
-def _first_loss(margin: Callable[[float], float], looks: list[float], within: float = SOONEST) -> float | None:
-    """When a margin is lost, s, located to `within` (s) or to rounding; None if it is not at any of these times. One
-    that touches zero is kept: it is known to its rounding only."""
+def _first_loss(margin: Callable[[float], float], looks: list[float]) -> float | None:
+    """When a margin is lost, s, located to rounding; None if it is not at any of these times. One that touches zero is
+    kept: it is known to its rounding only."""
     from scipy.optimize import brentq
 
     last = looks[0]
     for look in looks:
         value = margin(look)
         if value < BALANCED:
-            return float(brentq(margin, last, look, xtol=within, rtol=FINEST)) if margin(last) > 0.0 else last
+            return float(brentq(margin, last, look, xtol=SOONEST, rtol=FINEST)) if margin(last) > 0.0 else last
         last = look if value > 0.0 else last
     return None

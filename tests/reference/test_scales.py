@@ -59,11 +59,7 @@ def check(seed: int) -> None:
     assert [late / time for late in times[1]] == pytest.approx(times[0], abs=1e-9 * case.duration), seed
 
 
-# A disc with two contacts: in one of the units it ends as a paradox at once. A known fault (docs/truth.md).
-PARADOX = pytest.mark.xfail(reason="ends as a paradox in one of the units", strict=True)
-
-
-@pytest.mark.parametrize("seed", [pytest.param(k, marks=PARADOX) if k == 5 else k for k in range(10)])
+@pytest.mark.parametrize("seed", range(10))
 def test_random_scenes_in_other_units(seed):
     check(seed)
 
