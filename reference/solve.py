@@ -64,13 +64,33 @@ METHODS = ("taylor", "dop853") if taylor.AVAILABLE else ("dop853",)
 ROUTES = (*METHODS, "augmented")
 
 
+# Forces that are negative by less than this part of the weight are zero.
+FORCE_ROUNDING = 1e-12
+
+
 def _integrate_taylor(phase: Phase, t: float, y, end: float, rtol: float) -> Segment:
-    """By Taylor's method; a phase that begins where its forces have no second derivative, as drag of √(v²) at rest, by
-    DOP853, which needs none."""
+    """By Taylor's method; by DOP853 a phase that begins where its forces have no second derivative, as drag of √(v²) at
+    rest, which it does not need, and one with a force that is zero at first, with all derivatives."""
     segment = taylor.integrate(phase, t, y, end, rtol)
-    if segment.event.guard == BREAKDOWN and segment.event.time == t:
+    if (segment.event.guard == BREAKDOWN and segment.event.time == t) or _passes_zero(segment, t, y):
         return _integrate_dop853(phase, t, y, end, rtol)
     return segment
+
+
+def _passes_zero(segment: Segment, t: float, y) -> bool:
+    """Whether a force that is zero at a phase's start becomes negative without an event: the loop looks for roots after
+    the start of a step."""
+    phase = segment.phase
+    if not phase.checks_steps:
+        return False
+    starts = phase.system.guards_of_numbers(t, tuple(y), phase.parameters)
+    names = list(phase.system.guards)
+    zero = [i for i, name in enumerate(names) if name.startswith(("normal", "cone")) and not starts[i] > 0.0]
+    if not zero:
+        return False
+    values = phase.system.guards_of_arrays(segment.times, segment.states(segment.times), phase.parameters)
+    rounding = FORCE_ROUNDING * phase.case.weight / phase.case.plate.mass
+    return any(float(np.min(values[i])) < -rounding for i in zero)
 
 
 # By name: the functions that prepare and integrate a phase. The last two are no routes: one is for many runs, with code
