@@ -102,13 +102,18 @@ class LiteralSystem:
         except np.linalg.LinAlgError:
             forces = _NO_SOLUTION
         contact = _Instant(self.phase.case, equations, forces, t)
-        return [_guard(self.phase, name, contact) for name in self.guards]
+        return self._values(contact)
+
+    def _values(self, contact: Any) -> list[Any]:
+        """The guards' values of an `_Instant` or of `contact_forces.Contacts`, with the regime's slack (m/s²)."""
+        slack = dict(self.regime.slack)
+        return [_guard(self.phase, name, contact) + slack.get(name, 0.0) for name in self.guards]
 
     def guards_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """The guards' values at many instants, states of shape (variables, n)."""
         contact = self._contacts(times, states) if self.guards else None
         if contact is not None:
-            return [_guard(self.phase, name, contact) for name in self.guards]
+            return self._values(contact)
         columns = [self.guards_of_numbers(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
         return list(np.array(columns).T)
 
