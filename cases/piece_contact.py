@@ -7,7 +7,7 @@ track and a curve.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import lru_cache, partial
 from math import cos, hypot, pi, sin
 from typing import NamedTuple
 
@@ -323,6 +323,7 @@ def _zero(gap: Callable[[float], float], low: float, high: float) -> float:
     return 0.5 * (low + high)
 
 
+@lru_cache(maxsize=256)
 def excludes_second(track: Curve, outline: Curve) -> bool:
     """Whether convexity alone excludes a second contact: a convex plate on a track of straight pieces that bends to its
     right only. (It lies on a flat side where a piece ends.)"""

@@ -12,9 +12,8 @@ from cases.free_plates import plates_of
 from cases.moving_frame import in_track_frame, relative_case
 
 from ..minimal.phase_end import CAUSES
-from ..scales import speed_scale
 from . import laws, penetration
-from .laws import Defects, Jumps
+from .laws import Defects, Joins
 from .samples import ContactInstants, MotionSamples, of_motion, steps_of
 from .tolerances import part_of
 
@@ -106,25 +105,16 @@ def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Def
 def _motion_defects(samples: MotionSamples) -> Iterator[Defects]:
     """The defects of momenta and rates of poses in each step."""
     reach = [plate.reach for plate in plates_of(samples.case)]
-    for one in laws.motion_defects(samples, laws.sums(samples), reach, _speed(samples, reach)):
+    speed = laws.speed_of(samples, reach, laws.acceleration(samples))
+    for one in laws.motion_defects(samples, laws.sums(samples), reach, speed):
         yield one._replace(sizes=np.where(samples.is_straight, 0.0, one.sizes))
-
-
-def _speed(samples: MotionSamples, reach: list[float]) -> float:
-    """The scale of the motion's velocities, m/s."""
-    speeds = [
-        float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in zip(samples.plates, reach, strict=True)
-    ]
-    belts = [float(np.abs(c.law.belt.at_arrays(samples.times.ravel())).max()) for c in samples.contacts if c.law.belt]
-    return max(
-        *speeds, *belts, speed_scale(laws.acceleration(samples), max(reach)) or max(reach) / samples.case.duration
-    )
 
 
 def _other_defects(samples: MotionSamples, part: float) -> Iterator[Defects]:
     reach = [plate.reach for plate in plates_of(samples.case)]
-    speed = _speed(samples, reach)
-    sudden = laws.jumps(samples, reach, speed, part)
+    speed = laws.speed_of(samples, reach, laws.acceleration(samples))
+    every = laws.joins(samples)
+    sudden = laws.jumps(every, reach, speed, part)
     for contact in samples.contacts:
         keep = ~samples.is_straight[contact.steps]
         if keep.any():
@@ -133,17 +123,19 @@ def _other_defects(samples: MotionSamples, part: float) -> Iterator[Defects]:
             yield from laws.contact_defects(
                 samples, solved, speed, max(reach), _is_listed(samples, sudden, solved.steps)
             )
-    yield from laws.continuity_defects(samples, reach)
+    last = float(samples.times.max(initial=0.0))
+    turns = [laws.turns_of(one, last) for one in samples.plates]
+    yield from laws.continuity_defects(samples.case, every, reach, turns)
     if len(sudden.steps):
         closed = {contact.law.name for contact in samples.contacts}
         yield from laws.impact_defects(samples.case, samples.transitions, sudden, closed, reach, speed)
     yield from laws.energy_defects(samples, speed)
-    size = max(float(np.abs(p.place).max()) + r for p, r in zip(samples.plates, reach, strict=True))
+    size = laws.extent_of(samples, reach)
     for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):
         yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, size, "m")
 
 
-def _is_listed(samples: MotionSamples, sudden: Jumps, steps: np.ndarray) -> np.ndarray:
+def _is_listed(samples: MotionSamples, sudden: Joins, steps: np.ndarray) -> np.ndarray:
     """Which of some steps have the modes that the transitions list: not those of a series of impacts that are not
     listed, from the last transition before one of these to the end of the series."""
     instants = np.array([0.0, *(change.time for change in samples.transitions)])
@@ -157,9 +149,10 @@ def _is_listed(samples: MotionSamples, sudden: Jumps, steps: np.ndarray) -> np.n
 
 def worst(defects: Defects, part: float) -> BrokenLaw | None:
     """The law where it is broken most, if a defect is larger than an error of the motion."""
-    sizes = np.abs(defects.sizes) if np.iscomplexobj(defects.sizes) else defects.sizes
-    limit = part * defects.scale
-    if not (sizes > limit).any():
+    sizes, limit = defects.sizes, part * defects.scale
+    if sizes.dtype.kind == "c":
+        sizes = np.abs(sizes)
+    if not np.count_nonzero(sizes > limit):
         return None
     limits = np.broadcast_to(limit, sizes.shape)
     parts = np.where(sizes > limits, sizes / np.maximum(limits, np.finfo(float).tiny), 0.0)

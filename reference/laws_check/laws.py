@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from math import isfinite
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from cases.own_effects import ContactEffect, own_effects
 from cases.trajectory import CONTACT
 
 from ..minimal.phase_end import CAUSES
-from ..scales import force_scale
+from ..scales import force_scale, speed_scale
 from .samples import (
     CREEP,
     WEIGHTS,
@@ -87,9 +87,11 @@ def _load(samples: MotionSamples) -> tuple[np.ndarray | complex, np.ndarray | fl
 
 def acceleration(samples: MotionSamples) -> float:
     """Weight and the largest load per mass, m/s²: each alone, as they may cancel."""
-    gravity, (force, moment), plate = samples.case.effect(Gravity), _load(samples), samples.case.plate
-    applied = np.abs(force) + np.abs(moment) / plate.gyration
-    return (gravity.g if gravity else 0.0) + float(np.max(applied)) / plate.mass
+    gravity, plate, applied = samples.case.effect(Gravity), samples.case.plate, 0.0
+    if samples.case.effect(Load) is not None:
+        force, moment = _load(samples)
+        applied = float(np.max(np.abs(force) + np.abs(moment) / plate.gyration)) / plate.mass
+    return (gravity.g if gravity else 0.0) + applied
 
 
 def sums(samples: MotionSamples) -> Sums:
@@ -156,12 +158,12 @@ def motion_defects(samples: MotionSamples, total: Sums, reach: list[float], spee
             name,
             end,
             off + 0j,
-            _turns(one, float(samples.times.max(initial=0.0))) + np.abs(angle),
+            turns_of(one, float(samples.times.max(initial=0.0))) + np.abs(angle),
             "rad",
         )
 
 
-def _turns(one: PlateSamples, last: float) -> float:
+def turns_of(one: PlateSamples, last: float) -> float:
     """The scale of angles, rad, until a time `last`: a radian, and many turns, whose roundings, and their changes
     during those of the time, are large."""
     return 1.0 + MANY * float(np.abs(one.angle).max(initial=0.0) + np.abs(one.spin).max(initial=0.0) * last)
@@ -181,8 +183,9 @@ def contact_laws(
         return
     if mode in STICKING:
         yield "no slip", abs(slip), "m/s"
-    if isfinite(law.stick):
-        yield "Coulomb's cone", abs(friction) - law.stick * pressure, "N"
+    stick = law.stick
+    if isfinite(stick):
+        yield "Coulomb's cone", abs(friction) - stick * pressure, "N"
     if mode is Mode.SLIDE:
         yield "no friction", abs(friction), "N"
 
@@ -192,12 +195,9 @@ def contact_defects(
 ) -> Iterator[Defects]:
     """Signorini's and Coulomb's laws at a contact, and that it stays closed with the slip that the motion has. In
     steps that are not listed the modes are not known, and friction lies in its cone."""
-    law, name, times, force = (
-        contact.law,
-        contact.law.name,
-        samples.times[contact.steps],
-        _largest(samples, contact, speed),
-    )
+    law, name, times = contact.law, contact.law.name, samples.times[contact.steps]
+    reach = [plate.reach for plate in plates_of(samples.case)]
+    force = largest_force(samples, law, acceleration(samples), speed, extent_of(samples, reach))
     is_unilateral, is_certain = samples.case.effect(Unilateral) is not None, is_listed[:, None]
     modes = [mode if listed else None for mode, listed in zip(contact.modes, is_listed.tolist(), strict=True)]
     for mode in set(modes):
@@ -207,7 +207,7 @@ def contact_defects(
             yield Defects(which, name, times[here], sizes, speed if unit == "m/s" else force, unit)
     if contact.point is contact.base:
         return
-    scale = np.abs(contact.base) + size * _turns(samples.plates[law.body], float(times.max(initial=0.0)))
+    scale = np.abs(contact.base) + size * turns_of(samples.plates[law.body], float(times.max(initial=0.0)))
     yield Defects("contact is closed", name, times, np.abs(contact.point - contact.base), scale, "m")
     moving = (_material(samples, contact, law.body) - _material(samples, contact, law.base)) * contact.tangent.conj()
     slip = moving.real - (law.belt.at_arrays(times.ravel()).reshape(times.shape) if law.belt else 0.0)
@@ -215,17 +215,33 @@ def contact_defects(
     yield Defects("slip velocity", name, times, np.where(is_certain, np.abs(slip - contact.slip), 0.0), speed, "m/s")
 
 
-def _largest(samples: MotionSamples, contact: ContactInstants, speed: float) -> float:
+def largest_force(samples: MotionSamples, law: ContactLaw, applied: float, speed: float, extent: float) -> float:
     """The scale of a contact's forces, N: `force_scale` with the forces of all contacts of its plates."""
-    law, case = contact.law, samples.case
-    bodies = {law.body, law.base} - {None}
-    largest = [
-        float(np.max(np.abs(force), where=np.isfinite(force), initial=0.0))
-        for other in samples.contacts if {other.law.body, other.law.base} & bodies
-        for force in (other.normal, other.friction)
-    ]  # fmt: skip
-    size = max(float(np.abs(one.place).max()) for one in samples.plates) + plates_of(case)[law.body].reach
-    return force_scale(max(largest), plates_of(case)[law.body].mass, acceleration(samples), speed, size)
+    largest, bodies = 0.0, {law.body, law.base} - {None}
+    for other in samples.contacts:
+        if other.law.body in bodies or other.law.base in bodies:
+            forces = np.abs(np.array((other.normal, other.friction)))
+            largest = max(largest, float(np.fmax.reduce(forces, axis=None, initial=0.0)))
+    return force_scale(largest, plates_of(samples.case)[law.body].mass, applied, speed, extent)
+
+
+def speed_of(samples: MotionSamples, reach: list[float], applied: float) -> float:
+    """The scale of a motion's velocities, m/s: the largest of plates, slips and belts, and that of
+    a fall from a plate's size; without weight and load a plate's size in the case's duration."""
+    speeds = [
+        float((np.abs(p.velocity) + r * np.abs(p.spin)).max()) for p, r in zip(samples.plates, reach, strict=True)
+    ]
+    for contact in samples.contacts:
+        speeds.append(float(np.fmax.reduce(np.abs(contact.slip), axis=None, initial=0.0)))
+        if contact.law.belt:
+            speeds.append(float(np.abs(contact.law.belt.at_arrays(samples.times.ravel())).max()))
+    size = max(reach)
+    return max(*speeds, speed_scale(applied, size)) or size / samples.case.duration
+
+
+def extent_of(samples: MotionSamples, reach: list[float]) -> float:
+    """How far from the origin plates are, m."""
+    return max([float(np.abs(one.place).max()) + r for one, r in zip(samples.plates, reach, strict=True)])
 
 
 def _material(samples: MotionSamples, contact: ContactInstants, body: int | None) -> np.ndarray | complex:
@@ -236,52 +252,50 @@ def _material(samples: MotionSamples, contact: ContactInstants, body: int | None
     return one.velocity[steps] + 1j * one.spin[steps] * (contact.base - one.place[steps])
 
 
-class Jumps(NamedTuple):
-    """The times (k,) at which velocities jump, the steps (k,) that begin there, the plates' places (plates, k), and
-    their velocities and spins before and after, (2, plates, k). Complex."""
+class Joins(NamedTuple):
+    """Where a step or phase begins at the end of the one before: times (k,), numbers of the steps (k,), and each
+    plate's place, turn, velocity and spin before and after, (plates, 4, k), complex."""
 
     times: np.ndarray
     steps: np.ndarray
-    place: np.ndarray
     before: np.ndarray
     after: np.ndarray
 
 
-def jumps(samples: MotionSamples, reach: list[float], speed: float, part: float) -> Jumps:
-    """Where velocities jump by more than an error."""
+def joins(samples: MotionSamples) -> Joins:
+    """Where steps follow each other."""
     following = np.flatnonzero(samples.is_next)
     before, after = (
-        np.array([[getattr(one, name)[steps, i] for one in samples.plates] for name in ("velocity", "spin")])
+        np.array([[row[steps, i] for row in one[:4]] for one in samples.plates])
         for steps, i in ((following - 1, -1), (following, 0))
     )
-    change = np.abs(after - before)
-    large = (change[0] + change[1] * np.array(reach)[:, None] > part * speed).any(axis=0)
-    steps = following[large]
-    place = np.array([one.place[steps, 0] for one in samples.plates])
-    return Jumps(samples.start[steps], steps, place, before[..., large], after[..., large])
+    return Joins(samples.start[following], following, before, after)
 
 
-def continuity_defects(samples: MotionSamples, reach: list[float]) -> Iterator[Defects]:
-    """Poses are continuous from step to step."""
-    following = np.flatnonzero(samples.is_next)
-    times = samples.start[following]
-    for name, one, size in zip(names_of(samples.case), samples.plates, reach, strict=True):
-        off = np.abs(one.place[following, 0] - one.place[following - 1, -1])
-        yield Defects("place is continuous", name, times, off, np.abs(one.place[following, 0]) + size, "m")
-        off = np.abs(one.turn[following, 0] - one.turn[following - 1, -1])
-        yield Defects(
-            "angle is continuous", name, times, off, _turns(one, float(samples.times.max(initial=0.0))), "rad"
-        )
+def jumps(every: Joins, reach: list[float], speed: float, part: float) -> Joins:
+    """Those where velocities jump by more than an error."""
+    change = np.abs(every.after[:, 2:] - every.before[:, 2:])
+    large = (change[:, 0] + change[:, 1] * np.array(reach)[:, None] > part * speed).any(axis=0)
+    return Joins(every.times[large], every.steps[large], every.before[..., large], every.after[..., large])
+
+
+def continuity_defects(case: Case, every: Joins, reach: list[float], turns: Sequence[float]) -> Iterator[Defects]:
+    """Poses are continuous; `turns`: the scale of each plate's angles, rad."""
+    change = np.abs(every.after[:, :2] - every.before[:, :2])
+    for b, (name, size) in enumerate(zip(names_of(case), reach, strict=True)):
+        scale = np.abs(every.after[b, 0]) + size
+        yield Defects("place is continuous", name, every.times, change[b, 0], scale, "m")
+        yield Defects("angle is continuous", name, every.times, change[b, 1], turns[b], "rad")
 
 
 def impact_defects(
-    case: Case, transitions: Sequence[Transition], sudden: Jumps, contacts: set[str], reach: list[float], speed: float
+    case: Case, transitions: Sequence[Transition], sudden: Joins, contacts: set[str], reach: list[float], speed: float
 ) -> Iterator[Defects]:
     """Velocities jump in impacts only, whose impulses press, lie in the cone, and act at the contact. `contacts`: the
     names of those that close during the motion."""
     if case.effect(Impact) is None:
-        for name, (change, spin), size in zip(
-            names_of(case), np.abs(sudden.after - sudden.before).swapaxes(0, 1), reach, strict=True
+        for name, (_, _, change, spin), size in zip(
+            names_of(case), np.abs(sudden.after - sudden.before), reach, strict=True
         ):
             yield Defects("velocity is continuous", name, sudden.times, change, speed, "m/s")
             yield Defects("spin is continuous", name, sudden.times, spin, speed / size, "rad/s")
@@ -290,7 +304,7 @@ def impact_defects(
     if case.others or len(contacts | names) > 1 or case.supports:
         return  # several contacts may share an impulse
     law = law_at(case, (names or {CONTACT}).pop())
-    one = sudden.place[0], sudden.before[:, 0], sudden.after[:, 0]
+    one = sudden.after[0, 0], sudden.before[0, 2:], sudden.after[0, 2:]
     yield from landing_defects(case, law, transitions, sudden.times, *one, speed)
 
 
@@ -331,16 +345,10 @@ def landing_defects(
     yield Defects("law of impact", name, times, off, speed, "m/s")
 
 
-def gives_energy(law: ContactLaw) -> bool:
-    """Whether a contact may give energy: by a belt, or an effect of the user's own."""
-    return law.belt is not None or bool(own_effects(law.effects))
-
-
 def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:
-    """Energy is not created. Not where a load, a belt or an effect of the user's own may give some: there Newton's law
-    has the balance; and not by impacts of Newton's restitution, which may create some."""
+    """Energy is not created in steps, nor, but by impacts of Newton's restitution, from one to the next."""
     case = samples.case
-    if case.effect(Load) is not None or any(gives_energy(contact.law) for contact in samples.contacts):
+    if not keeps_energy(case, [contact.law for contact in samples.contacts]):
         return
     gravity = case.effect(Gravity)
     pull = complex(*gravity.vector) if gravity is not None else 0j
@@ -350,6 +358,16 @@ def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:
         energy += 0.5 * moving - plate.mass * (pull.conjugate() * one.place).real
         scale += plate.mass * (speed**2 + abs(pull) * float(np.abs(one.place).max() + plate.reach))
     yield Defects(ENERGY, "", samples.times[:, 1:], np.diff(energy, axis=1), scale, "J")
-    law = case.effect(Impact)
-    if law is None or law.law == "poisson" or law.restitution == 0.0:
+    if not impacts_create_energy(case):
         yield Defects(ENERGY, "", samples.start[1:], energy[1:, 0] - energy[:-1, -1], scale, "J")
+
+
+def keeps_energy(case: Case, contacts: Iterable[ContactLaw]) -> bool:
+    """Whether nothing gives energy: no load, belt or effect of the user's own, where Newton's law has the balance."""
+    return case.effect(Load) is None and not any(law.belt or own_effects(law.effects) for law in contacts)
+
+
+def impacts_create_energy(case: Case) -> bool:
+    """Whether impacts may, as those of Newton's restitution."""
+    law = case.effect(Impact)
+    return law is not None and law.law != "poisson" and law.restitution != 0.0

@@ -87,11 +87,12 @@ class Segment:
         if not isinstance(self.record, tuple):
             return [*self.first, last]
         times, states = self.record
-        at_step = getattr(states, "at_step", None)
-        if at_step is None or len(times) < 3:
+        if not hasattr(states, "at_step"):
             some = np.array([self.start, 0.5 * (self.start + self.event.time)])
             return [*zip(some.tolist(), states(some).T.tolist(), strict=True), last]
-        return [at_step(0), at_step(len(times) // 2), last]
+        if len(times) < 3:
+            return [states.at_step(0), states.inside(0, 0.5 * (self.event.time - self.start)), last]
+        return [states.at_step(0), states.at_step(len(times) // 2), last]
 
     def until(self, time: float, evaluations: int) -> Segment:
         """The same motion cut at a time, with the given number of evaluations."""

@@ -151,7 +151,7 @@ def integrate(phase: Phase, t: float, y, end: float, rtol: float, optimised: boo
     event, steps, inside = outcome
     # No closure, to spare the garbage collector.
     again = partial(_again, phase, t, y, end, tolerance, event.time, steps, optimised)
-    return Segment(phase, t, event, steps, steps, again, ((t, y), inside))
+    return Segment(phase, t, event, steps, steps, again, ((t, y), *inside))
 
 
 def _again(phase: Phase, t: float, y, end: float, tolerance: float, end_time: float, steps: int, optimised: bool):
@@ -169,9 +169,9 @@ def integrate_quadruple(phase: Phase, t: float, y, end: float, rtol: float) -> S
 
 def _at_once(
     workspace: Workspace, phase: Phase, t: float, y, end: float, tolerance: float
-) -> tuple[Event, int, Instant] | None:
-    """The event that ends the phase, the number of steps, and the state after the first of them, by heyoka's own loop;
-    None if its outcome is unclear."""
+) -> tuple[Event, int, tuple[Instant, ...]] | None:
+    """The event that ends the phase, the number of steps, and, of several, the state after the first, by heyoka's own
+    loop; None if its outcome is unclear."""
     integrator = workspace.integrator
     first = _leave(workspace, phase, t, y, end, tolerance)
     if first.guard:
@@ -180,7 +180,7 @@ def _at_once(
     steps, guard, time = first.steps + 1, _guard(outcome, phase), integrator.time
     if guard is None and outcome not in (SUCCESS, TIME_LIMIT):
         return None
-    inside = time, workspace.state.tolist()
+    inside = ((time, workspace.state.tolist()),) if guard is None and time < end else ()
     while guard is None and time < end:
         result, shortest, _, count, _, _ = integrator.propagate_until(end, max_steps=CHUNK)
         outcome, time = int(result), integrator.time
@@ -303,6 +303,11 @@ class _TaylorOutput:
     def at_step(self, i: int) -> Instant:
         """The time and the state at which a step begins."""
         return float(self.starts[i]), self.by_power[0, :, i].tolist()
+
+    def inside(self, i: int, part: float) -> Instant:
+        """The time and the state `part` seconds after a step's beginning."""
+        powers = part ** np.arange(len(self.by_power))
+        return float(self.starts[i]) + part, (powers @ self.by_power[:, :, i]).tolist()
 
     def __call__(self, when: np.ndarray) -> np.ndarray:
         if len(when) == 1:  # searches evaluate single instants: a tenth of the time of the general code below
