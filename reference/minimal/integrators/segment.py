@@ -81,15 +81,18 @@ class Segment:
         """Pickle the segment with all its steps, without the function that would compute them."""
         return Segment, (self.phase, self.start, self.event, self.evaluations, self.steps, self._full_record)
 
-    def instants(self) -> list[Instant]:
-        """The states at the start, inside (where the steps have one that costs no evaluation of all) and at the end."""
+    def instants(self, inside: bool = True) -> list[Instant]:
+        """The states at the start and the end, and one between them, where it costs no further step: at the end of a
+        step, or, of a single one, inside it."""
         last = self.event.time, self.event.state
         if not isinstance(self.record, tuple):
-            return [*self.first, last]
+            return [*self.first[: 1 + inside], last]
         times, states = self.record
         if not hasattr(states, "at_step"):
-            some = np.array([self.start, 0.5 * (self.start + self.event.time)])
+            some = np.array([self.start, 0.5 * (self.start + self.event.time)][: 1 + inside])
             return [*zip(some.tolist(), states(some).T.tolist(), strict=True), last]
+        if not inside:
+            return [states.at_step(0), last]
         if len(times) < 3:
             return [states.at_step(0), states.inside(0, 0.5 * (self.event.time - self.start)), last]
         return [states.at_step(0), states.at_step(len(times) // 2), last]

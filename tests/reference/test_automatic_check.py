@@ -1,0 +1,130 @@
+"""Every motion is checked by the laws before it is returned: solvers with planted faults end as `broken_law`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+import cases
+import reference
+from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, StartPose, Unilateral, disc
+from reference import solve
+from reference.laws_check import BROKEN_LAW
+from tests.scenes.lifted_plates import lifted_plate
+from tests.scenes.ties import tie
+from tests.scenes.walled_plates import random_walled_plates
+
+CIRCLE, BOX, FREE = "disc_in_circle[mu=0.2]", "sliding_box[mu=0.4,slope=0.2]", "disc_on_free_disc[mu=0.5]"
+HILL, BOUNCE, ROW = "disc_sliding_off_hill", "bouncing_disc[e=0.5]", "row_of_discs"
+
+
+def other_scene(change: Callable[[Case], Case]) -> Callable:
+    """A solver of another scene."""
+    return lambda right: lambda case, *more: right(change(case), *more)
+
+
+def with_effect(effect) -> Callable[[Case], Case]:
+    """The scene with an effect in the place of that of its kind."""
+    return lambda case: replace(case, effects=(*(e for e in case.effects if type(e) is not type(effect)), effect))
+
+
+def without(*kinds: type) -> Callable[[Case], Case]:
+    """The scene without some effects."""
+    return lambda case: replace(case, effects=tuple(e for e in case.effects if not isinstance(e, kinds)))
+
+
+def other_state(number: int, row: int, factor: float) -> Callable:
+    """A solver that ends a phase with one variable multiplied."""
+
+    def solver(right):
+        def solution(*arguments):
+            segments, transitions, ending = right(*arguments)
+            segment = segments[number]
+            state = list(segment.event.state)
+            state[row] *= factor
+            segments[number] = replace(segment, event=segment.event._replace(state=tuple(state)))
+            return segments, transitions, ending
+
+        return solution
+
+    return solver
+
+
+def other_mode(right):
+    """A solver that calls its first phase, a slip, by the mode of the second, a roll."""
+
+    def solution(*arguments):
+        segments, transitions, ending = right(*arguments)
+        first, second = segments[0].phase, segments[1].phase
+        segments[0] = replace(segments[0], phase=first._replace(regime=second.regime))
+        return segments, transitions, ending
+
+    return solution
+
+
+FAULTS = {
+    "friction a millionth larger": (CIRCLE, other_scene(with_effect(CoulombFriction(0.2 * (1 + 1e-6)))), "Coulomb"),
+    "no friction": (CIRCLE, other_scene(with_effect(CoulombFriction(1e-12))), "Coulomb's law in slip"),
+    "a track that pulls": (HILL, other_scene(without(Unilateral, Flight)), "normal force presses"),
+    "a weight that grows": (CIRCLE, other_scene(with_effect(Gravity(9.82))), "energy is not created"),
+    "a phase that begins elsewhere": (CIRCLE, other_state(0, 0, 1 + 1e-6), "angle is continuous"),
+    "a phase that begins faster": (CIRCLE, other_state(0, 2, 1.001), "velocity is continuous"),
+    "a slip that is called a roll": (CIRCLE, other_mode, "no slip"),
+    "restitution": (BOUNCE, other_scene(with_effect(Impact(0.6))), "law of impact"),
+    "friction at two contacts": (BOX, other_scene(with_effect(CoulombFriction(0.4 * (1 + 1e-6)))), "Coulomb"),
+    "friction of free plates": (FREE, other_scene(with_effect(CoulombFriction(0.51))), "Coulomb"),
+    "a lower floor": (
+        ROW,
+        other_scene(lambda case: replace(case, track=Curve(("s", "-0.01")))),
+        "no overlap",
+    ),
+    "free plates that fall faster": (FREE, other_scene(with_effect(Gravity(9.9))), "energy is not created"),
+}
+
+
+@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_planted_solver_ends_as_a_broken_law(fault, method, monkeypatch):
+    """The status, and which law, where, when and by how much in the reason; without the fault neither."""
+    if method not in reference.METHODS:
+        pytest.skip("heyoka is not installed")
+    label, solver, law = FAULTS[fault]
+    case = cases.load(label)
+    assert reference.simulate(case, method=method).status != BROKEN_LAW
+    for name in ("solve_motion", "solve_supports"):
+        monkeypatch.setattr(solve, name, solver(getattr(solve, name)))
+    motion = reference.simulate(case, method=method)
+    assert motion.status == BROKEN_LAW
+    assert law in motion.reason and "broken by" in motion.reason and "It ended as" in motion.reason
+    assert BROKEN_LAW in motion.in_words()
+
+
+def test_the_papers_matrix_is_checked(monkeypatch):
+    monkeypatch.setattr(solve, "solve_motion", other_scene(with_effect(CoulombFriction(0.21)))(solve.solve_motion))
+    assert reference.simulate(cases.load(CIRCLE), method="augmented").status == BROKEN_LAW
+
+
+REST = StartPose(0.0, 0.1, 0.0, 0.0, 0.0, 1e-16)
+
+
+@pytest.mark.parametrize("effects", [(Gravity(9.81),), ()], ids=["weight", "weightless"])
+@pytest.mark.parametrize("method", reference.METHODS)
+def test_a_rest_with_roundings_breaks_no_law(effects, method):
+    """Speeds and forces of roundings are compared with scales that do not vanish with them."""
+    case = Case(cases.library.line(), disc(0.1, 1.0), (*effects, CoulombFriction(0.3), Unilateral()), REST, 1.0)
+    assert reference.simulate(case, method=method).status == "completed"
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+@pytest.mark.parametrize("number", range(3))
+@pytest.mark.parametrize("scene", ["walled", "lifted", "tie"])
+def test_random_scenes_break_no_law(scene, number, method):
+    scenes = {
+        "walled": random_walled_plates,
+        "lifted": lambda seed: lifted_plate(seed).case,
+        "tie": lambda seed: tie(seed).case,
+    }
+    motion = reference.simulate(scenes[scene](100 + number), method=method)
+    assert motion.status != BROKEN_LAW, motion.reason
