@@ -179,7 +179,9 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     if not touches_twice:
         return motion
     clear = _clear(case, t)
-    return by_track(case, motion, partial(several_contacts.with_contacts, clear=lambda xi1: np.full(len(xi1), clear)))
+    rounding = support_contacts.rounding_of(case, motion)
+    complete = partial(several_contacts.with_contacts, clear=lambda xi1: np.full(len(xi1), clear), rounding=rounding)
+    return by_track(case, motion, complete)
 
 
 def _complete_rates(columns: dict[str, np.ndarray], t: np.ndarray, plate: str, slow: float, reach: float) -> None:

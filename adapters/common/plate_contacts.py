@@ -20,7 +20,8 @@ from cases.sampled_contacts import SampledContacts, SampledPlates
 from cases.trajectory import ContactColumns
 
 from . import several_contacts
-from .support_contacts import ROUGH, ROUNDING, UNNEEDED, from_first_to_last, ranges, touching
+from .closed_samples import from_first_to_last, lasting, ranges, touching
+from .support_contacts import ROUGH, ROUNDING, UNNEEDED
 
 # Singular values of the contacts' directions below this part of the largest are roundings of 0: such forces cancel.
 _UNIQUE = 1e-9
@@ -97,7 +98,9 @@ def with_plates(
         lengths = np.array([plate.reach for plate in plates_of(case)])
         momenta = (torsor / [(1.0, 1.0, length) for length in lengths]).reshape(len(t), -1)
         steady = _pushing(some, closed, steady, momenta, lengths, turning)
-    closed = [from_first_to_last(shut, holds) for shut, holds in zip(closed, steady, strict=True)]
+        closed = [from_first_to_last(shut, holds) for shut, holds in zip(closed, steady, strict=True)]
+    else:
+        closed = [lasting(holds) for holds in steady]
     closed = [_with_instants(t, shut, impact) for shut in closed]
     forces = np.full((len(some), 2, len(t)), np.nan)
     if torsor is not None:

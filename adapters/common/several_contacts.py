@@ -19,6 +19,7 @@ from cases.line_or_circle import Circle
 from cases.sampled_contacts import SampledContacts
 from cases.trajectory import CONTACT, ContactColumns
 
+from .closed_samples import lasting, touching
 from .facets import round_plate, visible_span
 
 # Samples of the track within the disc's radius: two places that are closer than two of them are one.
@@ -61,11 +62,14 @@ def may_touch_twice(case: Case) -> bool:
     return bool(np.max(bend) * circle.radius >= 1.0)
 
 
-def with_contacts(case: Case, motion: Trajectory, clear: Callable[[np.ndarray], np.ndarray]) -> Trajectory:
+def with_contacts(
+    case: Case, motion: Trajectory, clear: Callable[[np.ndarray], np.ndarray], rounding: float | None = None
+) -> Trajectory:
     """The motion with the columns of each contact, if its disc touches the track in more than one place; else the
     motion as it is.
 
-    `clear`: of contact parameters (n,), the gaps (m) below which such contacts are closed. The trajectory's own slip,
+    `clear`: of contact parameters (n,), the gaps (m) below which such contacts are closed; with `rounding` (m) one that
+    opens slowly is open as soon as its gap grows beyond that. The trajectory's own slip,
     forces and parameters are then those of the first closed contact. With one closed contact its forces are the
     motion's, with more they are unknown (NaN): the momentum gives only their sum. Where none is closed the plate flies.
     """
@@ -75,6 +79,8 @@ def with_contacts(case: Case, motion: Trajectory, clear: Callable[[np.ndarray], 
     if len(places) < 2:
         return motion
     closed = {name: place.gap <= clear(place.xi1) for name, place in places.items()}
+    if rounding is not None:
+        closed = {name: lasting(touching(places[name].gap, shut, rounding)) for name, shut in closed.items()}
     count = np.sum(list(closed.values()), axis=0)
     force = _force(case, motion)
     columns = {name: _columns(case, motion, place, closed[name], count, force) for name, place in places.items()}

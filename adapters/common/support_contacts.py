@@ -26,6 +26,7 @@ from cases.supports import is_straight
 from cases.trajectory import ContactColumns
 
 from . import several_contacts
+from .closed_samples import from_first_to_last, lasting, touching
 
 # A contact force below this part of the whole is none: noise of a step's momentum in engines of single precision.
 UNNEEDED = 1e-3
@@ -122,9 +123,8 @@ def with_supports(
     if torsor is not None:
         is_closed = _pushing(contacts, is_closed, torsor, motion, case.plate.reach)
     else:
-        rounding = ROUNDING * (case.plate.reach + float(np.max(np.hypot(motion.x, motion.y))))
-        steady = [touching(one.gap, shut, rounding) for one, shut in zip(contacts, is_closed, strict=True)]
-        is_closed = [from_first_to_last(*each) for each in zip(is_closed, steady, strict=True)]
+        rounding = rounding_of(case, motion)
+        is_closed = [lasting(touching(one.gap, shut, rounding)) for one, shut in zip(contacts, is_closed, strict=True)]
     columns, names = dict[str, ContactColumns](), list[str]()
     count = np.sum(is_closed, axis=0)
     for one, shut in zip(contacts, is_closed, strict=True):
@@ -133,6 +133,11 @@ def with_supports(
         columns[names[-1]] = _columns(one, motion, shut, count, torsor)
     by_name = dict(zip(names, is_closed, strict=True))
     return _with_columns(motion, columns, by_name)
+
+
+def rounding_of(case: Case, motion: Trajectory) -> float:
+    """The gap (m) that rounding may leave at a closed contact of a motion."""
+    return ROUNDING * (case.plate.reach + float(np.max(np.hypot(motion.x, motion.y))))
 
 
 def _with_columns(motion: Trajectory, columns: dict[str, ContactColumns], closed: dict[str, np.ndarray]) -> Trajectory:
@@ -246,36 +251,6 @@ def _pushing(
             for k in here:
                 pushing[k][i] = True
     return [from_first_to_last(*each) for each in zip(closed, pushing, strict=True)]
-
-
-def touching(gap: np.ndarray, closed: np.ndarray, rounding: float) -> np.ndarray:
-    """The samples of each closed range whose gap is at most twice (noise) the largest one of its middle half, or zero
-    within `rounding` (m).
-
-    An opening under a force that fades grows as t³: a lift-off with a jerk of 10 m/s³ takes 30 ms for 50 µm.
-    """
-    result = closed.copy()
-    for start, stop in ranges(closed):
-        quarter = (stop - start) // 4
-        level = max(rounding, 2.0 * float(np.max(gap[start + quarter : stop - quarter])))
-        result[start:stop] = gap[start:stop] <= level
-    return result
-
-
-def ranges(closed: np.ndarray) -> list[tuple[int, int]]:
-    """The first sample of each range of closed samples, and the one after its last."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], closed, [False]]).astype(int))).tolist()
-    return list(zip(edges[::2], edges[1::2], strict=True))
-
-
-def from_first_to_last(closed: np.ndarray, pushing: np.ndarray) -> np.ndarray:
-    """Each range of samples with a small gap, without what is before its first push and after its last one."""
-    result = np.zeros(len(closed), dtype=bool)
-    for start, stop in ranges(closed):
-        pushes = start + np.flatnonzero(pushing[start:stop])
-        if len(pushes):
-            result[pushes[0] : pushes[-1] + 1] = True
-    return result
 
 
 def _edges(contact: _Contact, sample: int, size: float, way: int) -> np.ndarray:

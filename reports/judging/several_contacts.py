@@ -6,7 +6,7 @@ contact. Forces are not compared: where they are not unique the law leaves them 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from cases import Case, Mode, Trajectory, Transition
 from cases.supports import effects_at
-from cases.trajectory import CONTACT, ContactColumns
+from cases.trajectory import CONTACT
 
 from . import ledger
 from .distances import differences
@@ -151,10 +151,17 @@ def only(motion: Trajectory, name: str) -> Trajectory:
     return replace(one, first_mode=None, xi1=np.where(is_open, np.nan, one.xi1), xi2=np.where(is_open, np.nan, one.xi2))
 
 
-def gap_of(motion: Trajectory, name: str) -> np.ndarray:
-    """The gap of one contact at the samples, m; NaN where it is not known."""
-    columns: ContactColumns | None = motion.contacts[name] if name else None
-    return np.full(len(motion.t), np.nan) if columns is None else columns.gap
+def gap_of(motion: Trajectory, name: str) -> Callable[[np.ndarray], np.ndarray]:
+    """The gap of one contact, m, at the motion's own times or at others; NaN where it is not known."""
+
+    def gap(times: np.ndarray) -> np.ndarray:
+        if not name:
+            return np.full(len(times), np.nan)
+        if motion.contact_columns is None or np.array_equal(times, motion.t):
+            return motion.contacts[name].gap
+        return motion.contact_columns(name, times).gap
+
+    return gap
 
 
 def _matched(truth: Trajectory, nulls: Mapping[str, Trajectory], name: str) -> dict[str, Trajectory]:
@@ -163,8 +170,8 @@ def _matched(truth: Trajectory, nulls: Mapping[str, Trajectory], name: str) -> d
 
 
 class ContactReader:
-    """Reads first mode and transitions of one contact of several, with its gaps (m) at the samples, by the friction at
-    that contact.
+    """Reads first mode and transitions of one contact of several, with its gaps (m) at times, by the friction at that
+    contact.
 
     While it is open the plate may touch its track elsewhere, so that nothing follows from the laws of free flight: a
     contact closes where its gap, extrapolated by a line through the last two samples, vanishes. Slip within two samples
@@ -172,11 +179,11 @@ class ContactReader:
     fixed step reports the mean.
     """
 
-    def __init__(self, case: Case, contact: str, gap: np.ndarray):
+    def __init__(self, case: Case, contact: str, gap: Callable[[np.ndarray], np.ndarray]):
         self.gap, self.bound = gap, stick_bound(effects_at(case, contact))
 
     def __call__(self, case: Case, motion: Trajectory) -> Reading:
-        return _OneOfSeveral(case, motion, self.gap, self.bound).reading()
+        return _OneOfSeveral(case, motion, self.gap(motion.t), self.bound).reading()
 
 
 class _OneOfSeveral(MotionReader):
@@ -212,6 +219,18 @@ class _OneOfSeveral(MotionReader):
             if closing >= LEAST_SHARE * greatest and (is_last or end - change.time >= shortest):
                 yield change._replace(cause="impact")
 
+    def _leaving(self, stretch: SampleStretch, before: Mode) -> ReadChange:
+        """The opening, which may be up to a sample before the last closed one: where the contact's force fades, its gap
+        grows as t³ and is within rounding at first."""
+        change, i = super()._leaving(stretch, before), stretch.stop
+        t, gap = self.all.t[i - 1 : i + 3], self.gap[i : i + 3]
+        usual = 0.5 * float(t[0] + t[1])
+        if change.time != usual or len(gap) < 3 or not 0.0 < gap[0] < gap[1] < gap[2]:
+            return change
+        earliest = float(t[1]) - _time_since_opening(t[1:], gap)
+        time = float(np.clip(earliest, 2.0 * t[0] - t[1], t[1]))
+        return change._replace(time=time, spread=max(change.spread, abs(time - usual)))
+
     def _landing(self, flight: SampleStretch, contact: SampleStretch, after: Mode) -> ReadChange:
         i, j = flight.stop - 1, contact.start
         low, high = float(self.all.t[i]), float(self.all.t[j])
@@ -221,3 +240,14 @@ class _OneOfSeveral(MotionReader):
         # A contact counts as closed a little before its gap vanishes, but by no more than one more sample.
         latest = float(self.all.t[min(j + 1, len(self.all.t) - 1)])
         return ReadChange(float(np.clip(time, low, latest)), Mode.FLIGHT, after, 0.5 * (high - low), "landing")
+
+
+def _time_since_opening(t: np.ndarray, gap: np.ndarray) -> float:
+    """The time, s, between the opening of a contact and the first of three samples of its gap, which grows as a power
+    of time: the first one after an impact, the second under a force that vanishes at once, the third under one that
+    fades. The power is the one that fits the third sample best."""
+    fits = []
+    for power in (1, 2, 3):
+        since = float(t[1] - t[0]) / ((gap[1] / gap[0]) ** (1 / power) - 1.0)
+        fits.append((abs(power * np.log1p((t[2] - t[0]) / since) - np.log(gap[2] / gap[0])), since))
+    return min(fits)[1]

@@ -352,7 +352,7 @@ def test_bouncing_breaks_no_law_and_has_no_slip_in_flight(tmp_path, columns):
 
 
 # Rebounds too low for a pose to tell from lying on the track, a landing that sticks at once, a lift-off at the end.
-FLIGHTS = {"bouncing_disc[e=0.5]": 5, "disc_onto_incline[mu=0.5]": 0, "disc_rolling_off_hill": 0}
+FLIGHTS = {"bouncing_disc[e=0.5]": 4, "disc_onto_incline[mu=0.5]": 0, "disc_rolling_off_hill": 0}
 EVERY = [case.label for name in cases.names(hard=False) for case in cases.select(name)]
 
 
@@ -371,8 +371,9 @@ def test_the_true_motion_as_it_is_exported_is_excellent(tmp_path, label):
     short = [row for row in run.ledger if row.pairing == "unresolved"]
     if label in FLIGHTS:
         assert len(short) == FLIGHTS[label]
-    # Only what is shorter than two and a half samples, and it is the truth's.
-    assert all(row.before is row.after is cases.Mode.FLIGHT for row in short)
+    # Only what is shorter than two and a half samples: hops, and several contacts that a plate rocking to rest touches
+    # with in turn.
+    assert all(row.contact or row.before is row.after is cases.Mode.FLIGHT for row in short)
     # Bouncing ends between two samples: the last rebounds are too short to be seen. All else is read by extrapolation,
     # but for contacts of corners and several contacts, whose opening is the first sample with a gap.
     step = case.duration / (len(rows) - 1)
