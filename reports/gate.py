@@ -3,7 +3,8 @@
 Each run of the baseline is compared with the run of the same case, solver, route and setting in REPORT (default:
 `report`). A run is worse if it has no motion any more, if it is missing, or if its error (off) has grown by more than
 --worse-than, by more than the doubts of both, and to more than 0.01 %. It is not decided if their doubts leave that
-open. Exit status: 0 if no run is worse, 1 if one is, 2 with one sentence if the two cannot be compared.
+open. Exit status: 0 if no run is worse, 1 if one is, 3 if none is but some are not decided, and 2 with one sentence if
+the two cannot be compared.
 """
 
 from __future__ import annotations
@@ -34,6 +35,14 @@ KEYS, VALUES = ("case", "solver", "route", "setting"), ("outcome", "off", "off_d
 LEAST_OFF = 1e-4
 # Size limit of a table in bytes; the largest of a full report has a tenth of it.
 _LARGEST = 100 * 2**20
+
+
+# Exit status where no run is worse but some are not decided: a continuous integration can let it pass, or ask for runs
+# with more samples.
+UNDECIDED = 3
+_STATUSES = {"worse": 1, "not decided": UNDECIDED}
+# JUnit's element of a run that is neither better nor the same.
+_ELEMENTS = {"worse": "failure", "not decided": "skipped"}
 
 
 class RunChange(NamedTuple):
@@ -156,15 +165,17 @@ def as_json(changes: Sequence[RunChange]) -> str:
 
 
 def as_junit(changes: Sequence[RunChange]) -> str:
-    """JUnit's XML: a test case for each run of the baseline, with a failure if it is worse."""
+    """JUnit's XML: a test case for each run of the baseline, with a failure if it is worse; skipped if not decided."""
     runs = [run for run in changes if run.change != "new"]
-    worse = sum(run.change == "worse" for run in runs)
-    suite = ElementTree.Element("testsuite", name="slip-to-roll gate", tests=str(len(runs)), failures=str(worse))
+    counts = Counter(run.change for run in runs)
+    numbers = {"tests": len(runs), "failures": counts["worse"], "skipped": counts["not decided"]}
+    suite = ElementTree.Element("testsuite", {name: str(number) for name, number in numbers.items()})
+    suite.set("name", "slip-to-roll gate")
     for run in runs:
         name = legible(f"{run.case} {run.setting}")
         case = ElementTree.SubElement(suite, "testcase", classname=legible(f"{run.solver}.{run.route}"), name=name)
-        if run.change == "worse":
-            ElementTree.SubElement(case, "failure", message=legible(run.reason))
+        if run.change in _ELEMENTS:
+            ElementTree.SubElement(case, _ELEMENTS[run.change], message=legible(run.reason))
     return ElementTree.tostring(suite, encoding="unicode")
 
 
@@ -182,7 +193,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     def work(words: list[str]) -> int:
         parser = options.parser(
-            COMMAND, "Whether a report is worse than a baseline: exit status 1 if it is.",
+            COMMAND, "Whether a report is worse than a baseline: exit status 1 if it is, 3 if that is not decided.",
             "baseline", "solver", "worse_than", "format",
             words={"REPORT*": "the folder of a report (default: report)"},
             example=f"python -m {COMMAND} --baseline old --solver exudyn --worse-than 10% --format junit > gate.xml",
@@ -196,7 +207,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         report = place("report", (arguments.REPORT or ["report"])[0])
         changes = compare(place("report", arguments.baseline), report, tolerance, arguments.solver or ())
         print({"text": as_text, "json": as_json, "junit": as_junit}[arguments.format](changes))
-        return int(any(run.change == "worse" for run in changes))
+        return max((_STATUSES.get(run.change, 0) for run in changes), key=(0, UNDECIDED, 1).index, default=0)
 
     return status(COMMAND, work, argv)
 

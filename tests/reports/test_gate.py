@@ -19,21 +19,36 @@ def report(folder, *rows):
 
 
 @pytest.mark.parametrize(
-    ("now", "worse"),
+    ("now", "change", "status"),
     [
-        ({}, False),
-        ({"off": 0.0219}, False),  # 9.5 %
-        ({"off": 0.0221}, True),  # 10.5 %
-        ({"off": 0.0221, "off_doubt": 0.01}, False),
-        ({"off": 0.001}, False),
-        ({"outcome": "crashed", "off": ""}, True),
-        ({"solver": "exudyn@1.13.6", "off": 0.03}, True),
+        ({}, "", 0),
+        ({"off": 0.0219}, "", 0),  # 9.5 %
+        ({"off": 0.0221}, "worse", 1),  # 10.5 %
+        ({"off": 0.0221, "off_doubt": 0.01}, "not decided", 3),
+        ({"off_doubt": 0.01}, "not decided", 3),  # the same error, with so few samples that it may be twice as large
+        ({"off": 0.001}, "better", 0),
+        ({"outcome": "crashed", "off": ""}, "worse", 1),
+        ({"solver": "exudyn@1.13.6", "off": 0.03}, "worse", 1),
     ],
 )
-def test_a_run_is_worse_by_more_than_the_share_and_the_doubt(now, worse, tmp_path, capsys):
+def test_a_run_is_worse_by_more_than_the_share_and_the_doubt(now, change, status, tmp_path, capsys):
     old, new = report(tmp_path / "old", RUN), report(tmp_path / "new", RUN | now)
-    assert gate.main(["--baseline", old, new, "--worse-than", "10%"]) == int(worse)
-    assert ("worse: disc_on_line[mu=0.1], exudyn native, h=0.001: " in capsys.readouterr().out) is worse
+    assert gate.main(["--baseline", old, new, "--worse-than", "10%"]) == status
+    text = capsys.readouterr().out
+    assert text.startswith(
+        f"{change}: disc_on_line[mu=0.1], exudyn native, h=0.001: " if change else "0 worse, 0 better"
+    )
+
+
+def test_a_worse_run_decides_the_status_and_one_that_is_not_decided_is_skipped(tmp_path, capsys):
+    rows = [RUN | {"case": label} for label in ("a", "b", "c")]
+    unsure, worse = {"off": 0.0221, "off_doubt": 0.01}, {"off": 0.03}
+    old = report(tmp_path / "old", *rows)
+    new = report(tmp_path / "new", rows[0] | unsure, rows[1] | worse, rows[2])
+    assert gate.main(["--baseline", old, new, "--worse-than", "10%", "--format", "junit"]) == 1
+    suite = ElementTree.fromstring(capsys.readouterr().out)
+    assert [suite.get(name) for name in ("tests", "failures", "skipped")] == ["3", "1", "1"]
+    assert [[inner.tag for inner in case] for case in suite] == [["skipped"], ["failure"], []]
 
 
 def test_a_missing_run_is_worse_and_a_new_one_is_not(tmp_path, capsys):
