@@ -70,7 +70,7 @@ def status(command: str, work: Callable[[list[str]], int | None], argv: Sequence
             finally:
                 code = 143 if terminations else 130
     except KeyboardInterrupt as stop:
-        owned_folder.remove_unfinished()
+        owned_folder.remove_partials()
         print(f"\n{command}: stopped{str(stop) and f'; {stop}'}", file=sys.stderr)  # a progress bar may be on the line
         return code
 

@@ -79,7 +79,7 @@ def atomic_path(
             _sync(path.parent)
     finally:
         partial.unlink(missing_ok=True)
-        _unfinished.discard(partial)
+        _own_partials.discard(partial)
         os.close(lock)
 
 
@@ -123,7 +123,7 @@ def _sync(path: Path) -> None:
 
 
 # Unfinished files and temporary folders of this process.
-_unfinished: set[Path] = set()
+_own_partials: set[Path] = set()
 
 
 class TemporaryFolder:
@@ -141,7 +141,7 @@ class TemporaryFolder:
     def remove(self) -> None:
         """Remove the folder and its content. May be called again."""
         shutil.rmtree(self.path, ignore_errors=True)
-        _unfinished.discard(self.path)
+        _own_partials.discard(self.path)
         if self._lock >= 0:
             os.close(self._lock)
             self._lock = -1
@@ -153,10 +153,10 @@ def check_usable(folder: Path) -> None:
         file.write(bytes(_PROBE_BYTES))
 
 
-def remove_unfinished() -> None:
+def remove_partials() -> None:
     """Remove the unfinished files and folders of this process: a signal may have come before their own end was set."""
-    while _unfinished:
-        path = _unfinished.pop()
+    while _own_partials:
+        path = _own_partials.pop()
         shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(missing_ok=True)
 
 
@@ -178,7 +178,7 @@ def _claim(folder: Path, suffix: str, make: Callable[[Path], None]) -> tuple[Pat
     """A new unfinished file or folder, and the open handle that locks it."""
     for _ in range(10):
         path = folder / f".slip-to-roll-{secrets.token_hex(8)}.partial{suffix}"
-        _unfinished.add(path)
+        _own_partials.add(path)
         make(path)
         with suppress(FileNotFoundError):  # another process may remove it before it is locked
             handle = os.open(path, os.O_RDONLY)

@@ -130,8 +130,8 @@ def entry(name: str) -> CatalogueEntry:
 def names(hard: bool | None = None) -> list[str]:
     """The names of all cases in alphabetical order; with `hard`, only those of the hard atlas or only the others."""
     _import_catalogue()
-    is_chosen = {True, False} if hard is None else {boolean("hard", hard)}
-    return sorted(name for name, item in list(_entries.items()) if bool(item.hard) in is_chosen)
+    values = {True, False} if hard is None else {boolean("hard", hard)}
+    return sorted(name for name, item in list(_entries.items()) if bool(item.hard) in values)
 
 
 def parameters_of(function: Callable) -> dict[str, Any]:

@@ -286,8 +286,8 @@ def register_engines(files: Iterable[str]) -> tuple[str, ...]:
 
 def choose_solvers(names: Iterable[str] | None) -> tuple[str, ...]:
     """Each named solver once, or all; raises UnknownName, and BadValue for a version that cannot be used."""
-    chosen = solvers() if names is None else items("solvers", names)
-    solver_names = tuple(dict.fromkeys(instance("name of a solver", name, str) for name in chosen))
+    selection = solvers() if names is None else items("solvers", names)
+    solver_names = tuple(dict.fromkeys(instance("name of a solver", name, str) for name in selection))
     if not solver_names:
         raise BadValue("there is no solver; give at least one")
     for name in solver_names:

@@ -81,11 +81,11 @@ def test_what_judges_a_motion_is_out_of_reach_of_its_engine(install):
     """With limits, scores and functions of its own an engine that is far off was excellent, or crashed."""
     install(["wrong", "wrong_and_flattered"])
     runs = rows(("wrong", "wrong_and_flattered")).runs
-    honest, flattered = runs[: len(runs) // 2], runs[len(runs) // 2 :]
-    assert {run.solver for run in flattered} == {"wrong_and_flattered"} and len(flattered) == 2
+    honest, other = runs[: len(runs) // 2], runs[len(runs) // 2 :]
+    assert {run.solver for run in other} == {"wrong_and_flattered"} and len(other) == 2
     assert all(run.outcome == "answered" and run.grade != "excellent" for run in honest)
     assert identical(
-        comparable(replace(run, solver="") for run in honest), comparable(replace(run, solver="") for run in flattered)
+        comparable(replace(run, solver="") for run in honest), comparable(replace(run, solver="") for run in other)
     )
 
 

@@ -172,10 +172,10 @@ def test_a_fault_of_the_folder_for_temporary_files_is_no_answer(fault, tmp_path,
 
 def test_the_rest_of_a_call_is_made_where_no_engine_has_run():
     """Its failure is the call's; what is skipped is asked before a call begins, once."""
-    asked: list[int] = []
+    indices: list[int] = []
     arguments = [("work",), ("raise",), ("vanish",), ("work",)]
-    calls = run(group_of_rest, arguments, groups=["pymunk"] * 4, skip=asked.append)
-    assert sorted(asked) == [0, 1, 2, 3]
+    calls = run(group_of_rest, arguments, groups=["pymunk"] * 4, skip=indices.append)
+    assert sorted(indices) == [0, 1, 2, 3]
     assert [answer.value for _, answer in sorted(calls)][::3] == ["", ""]
     assert [answer.outcome for _, answer in sorted(calls)] == ["done", "raised", "died", "done"]
 

@@ -130,17 +130,17 @@ class WorkerPool:
         groups = list(groups or groups_of(arguments))
         calls = [NextCall(function, args) for args in arguments]
         waiting = dict(enumerate(arguments))
-        once_more, begun = set(waiting), set[int]()
+        once_more, rest_indices = set(waiting), set[int]()
         try:
             while waiting or self._busy():
                 while waiting and len(self._busy()) < self._jobs:
-                    rests = {i: args for i, args in waiting.items() if i in begun}
+                    rests = {i: args for i, args in waiting.items() if i in rest_indices}
                     choice = self._next(rests or waiting, groups, brief)
                     if choice is None:
                         break
                     worker, index = choice
                     args = waiting.pop(index)
-                    substitute = None if index in begun else skip(index)
+                    substitute = None if index in rest_indices else skip(index)
                     if substitute is not None:
                         yield index, substitute
                         continue
@@ -163,7 +163,7 @@ class WorkerPool:
                     if isinstance(answer.value, NextCall):
                         calls[worker.index], groups[worker.index] = answer.value, ""
                         waiting = {worker.index: answer.value.arguments, **waiting}
-                        begun.add(worker.index)
+                        rest_indices.add(worker.index)
                         once_more.add(worker.index)
                         continue
                     if worker.is_lost(answer):  # twice: by the call itself, or not for certain by the machine
