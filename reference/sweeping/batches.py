@@ -28,7 +28,7 @@ from ..solve import INTEGRATORS, METHODS, first_regime
 from . import geometry
 from .decisions import NO_DECISION, Columns, decide
 from .first_step import course, leave
-from .motions import NUMBER, PHRASES, Events, Motions, simulate_rows
+from .motions import NUMBER, PHRASES, Events, Motions, check_rows, simulate_rows
 from .scenario_values import ScenarioGroup, structure
 from .single_contact import one_contact
 
@@ -56,6 +56,7 @@ def _advance(scenes: ScenarioGroup, rtol: float, optimised: bool) -> Motions:
             wave.integrate_phases()
             wave.put(motions, together)
             remaining = np.flatnonzero(motions.status == "")
+            check_rows(scenes, np.setdiff1d(together, remaining), rtol, motions)
     simulate_rows(scenes, remaining, rtol, motions)
     return motions
 

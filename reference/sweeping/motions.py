@@ -12,6 +12,7 @@ from cases.contact import belt_speed, start_motion
 from cases.mechanics import energy
 from cases.piece_case import PieceCase
 
+from ..laws_check import BROKEN_LAW, ending_by_laws
 from ..minimal.contact_end import slip_and_spin
 from ..minimal.decision import Undecidable
 from ..minimal.modes import FLIGHT, Phase, full_state, start_state
@@ -19,6 +20,9 @@ from ..minimal.phase_end import CAUSES, undecidable
 from ..solve import INTEGRATORS, METHODS, at_once, first_regime, solve_motion
 from .scenario_values import ScenarioGroup
 
+# One of so many scenarios is checked by the laws, and every one that does not end by its duration, by leaving its track
+# or at the end of a curve.
+CHECKS, USUAL = 1000, ("completed", "lift_off", "track_end", "outline_end")
 MODES = tuple(Mode)
 PHRASES = tuple(dict.fromkeys(CAUSES.values()))
 NUMBER = {mode: number for number, mode in enumerate(MODES)}
@@ -84,7 +88,7 @@ def simulate_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motio
     parts = [Events.join([motions.events], keep)]
     for i in indices.tolist():
         with np.errstate(all="ignore"):  # as in `simulate`
-            transitions = _simulate(scenes.alone(i), rtol, motions, i)
+            transitions = _simulate(scenes.alone(i), rtol, motions, i, scenes.rows[i] % CHECKS == 0)
         numbers = [
             (i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause)) for e in transitions
         ]
@@ -92,15 +96,33 @@ def simulate_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motio
     motions.events = Events.join(parts, every_row)
 
 
-def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> list[Transition]:
-    """Simulate one case without samples and write the result into row i; returns the transitions."""
+def check_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motions: Motions) -> None:
+    """Check by the laws some of the scenarios that were simulated together, as CHECKS says, each simulated alone; one
+    that breaks a law gets that status."""
+    is_usual = np.isin(motions.status[indices].astype(str), USUAL)
+    for i in indices[~is_usual | (scenes.rows[indices] % CHECKS == 0)].tolist():
+        case = scenes.alone(i)
+        with np.errstate(all="ignore"):  # as in `simulate`
+            ending = ending_by_laws(case, _solution(case, rtol), rtol)
+        if ending[0] == BROKEN_LAW:
+            motions.status[i], motions.reason[i] = ending
+
+
+def _solution(case: Case, rtol: float):
+    """The motion of one case without samples: segments, transitions and ending."""
     start = start_state(case)
     try:
-        segments, transitions, ending = solve_motion(
-            case, first_regime(case, start), start, rtol, INTEGRATORS[METHODS[0]][1]
-        )
+        return solve_motion(case, first_regime(case, start), start, rtol, INTEGRATORS[METHODS[0]][1])
     except Undecidable:
-        segments, transitions, ending = [], [], undecidable(0.0)
+        return [], [], undecidable(0.0)
+
+
+def _simulate(case: Case, rtol: float, motions: Motions, i: int, is_sampled: bool) -> list[Transition]:
+    """Simulate one case without samples and write the result into row i; returns the transitions. It is checked by the
+    laws if it is one of the scenarios that CHECKS says."""
+    segments, transitions, ending = solution = _solution(case, rtol)
+    if is_sampled or ending[0] not in USUAL:
+        ending = ending_by_laws(case, solution, rtol)
     motions.status[i], motions.reason[i] = ending
     motions.alone[i], motions.steps[i] = True, sum(segment.steps for segment in segments)
     first = segments[0].phase.regime.mode if segments else at_once(ending[0])

@@ -12,6 +12,7 @@ import reference
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, StartPose, Unilateral, disc
 from reference import solve
 from reference.laws_check import BROKEN_LAW
+from reference.sweeping import batches, motions
 from tests.scenes.lifted_plates import lifted_plate
 from tests.scenes.ties import tie
 from tests.scenes.walled_plates import random_walled_plates
@@ -128,3 +129,17 @@ def test_random_scenes_break_no_law(scene, number, method):
     }
     motion = reference.simulate(scenes[scene](100 + number), method=method)
     assert motion.status != BROKEN_LAW, motion.reason
+
+
+@pytest.mark.taylor
+@pytest.mark.parametrize("together", [True, False])
+def test_a_sweep_checks_some_of_its_scenarios(together, monkeypatch):
+    """The first of a thousand, and those that end early."""
+    monkeypatch.setattr(motions, "solve_motion", other_scene(with_effect(CoulombFriction(1e-12)))(solve.solve_motion))
+    if not together:
+        monkeypatch.setattr(batches, "_plain", lambda scenes: False)
+    rows = reference.sweep("disc_in_circle", mu=[0.2, 0.3, 0.4])
+    assert rows.outcome.to_list() == [BROKEN_LAW, "completed", "completed"]
+    assert "Coulomb's law in slip" in rows.reason[0]
+    monkeypatch.setattr(motions, "USUAL", ())
+    assert set(reference.sweep("disc_in_circle", mu=[0.2, 0.3, 0.4]).outcome) == {BROKEN_LAW}
