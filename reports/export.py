@@ -85,7 +85,7 @@ def motion(case: Case, samples: int = SAMPLES) -> tuple[tuple[str, ...], np.ndar
     from cases.free_plates import POSE
 
     true = reference.simulate(case, rtol=1e-13)
-    times = np.linspace(0.0, true.t[-1], samples)
+    times = np.unique(np.linspace(0.0, true.t[-1], samples))  # a motion that ends at once has one sample
     names = ("x", "y", "theta", "vx", "vy", "omega", "normal_force", "friction_force")
     columns = {"t": times, **{name: getattr(true(times), name) for name in names}}
     for plate in true.plate_names[1:]:

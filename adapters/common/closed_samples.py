@@ -6,6 +6,8 @@ import numpy as np
 
 # An opening of so many samples has one at most whose gap is known to grow.
 SHORT_OPENING = 2
+# A hop is lower than the one before it; after so many rounds none is left that samples could show.
+MOST_ROUNDS = 50
 
 
 def touching(gap: np.ndarray, closed: np.ndarray, rounding: float) -> np.ndarray:
@@ -20,6 +22,18 @@ def touching(gap: np.ndarray, closed: np.ndarray, rounding: float) -> np.ndarray
         level = max(rounding, 2.0 * float(np.max(gap[start + quarter : stop - quarter])))
         result[start:stop] = gap[start:stop] <= level
     return result
+
+
+def by_gap(gap: np.ndarray, closed: np.ndarray, rounding: float) -> np.ndarray:
+    """The closed samples by the gap alone: those `touching` in each range that is left of one, until no more are open
+    (a plate that hops to rest does so ever lower), and openings between them that are too short to be more than noise.
+    """
+    for _ in range(MOST_ROUNDS):
+        fewer = touching(gap, closed, rounding)
+        if np.array_equal(fewer, closed):
+            break
+        closed = fewer
+    return lasting(closed)
 
 
 def lasting(closed: np.ndarray) -> np.ndarray:

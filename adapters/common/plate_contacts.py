@@ -20,7 +20,7 @@ from cases.sampled_contacts import SampledContacts, SampledPlates
 from cases.trajectory import ContactColumns
 
 from . import several_contacts
-from .closed_samples import from_first_to_last, lasting, ranges, touching
+from .closed_samples import by_gap, from_first_to_last, ranges, touching
 from .support_contacts import ROUGH, ROUNDING, UNNEEDED
 
 # Singular values of the contacts' directions below this part of the largest are roundings of 0: such forces cancel.
@@ -92,15 +92,16 @@ def with_plates(
     every = [_along(case, contact, poses, rates, slip_lever) for contact in plate_contacts(case)]
     some = [one for one in every if (one.gap <= clear).any()]
     closed = [one.gap <= clear for one in some]
-    steady = [touching(one.gap, shut, ROUNDING * size * len(t)) for one, shut in zip(some, closed, strict=True)]
+    rounding = ROUNDING * size * len(t)
     if torsor is not None:
         turning = np.array([float(plate.turns) for plate in plates_of(case)])
         lengths = np.array([plate.reach for plate in plates_of(case)])
         momenta = (torsor / [(1.0, 1.0, length) for length in lengths]).reshape(len(t), -1)
+        steady = [touching(one.gap, shut, rounding) for one, shut in zip(some, closed, strict=True)]
         steady = _pushing(some, closed, steady, momenta, lengths, turning)
         closed = [from_first_to_last(shut, holds) for shut, holds in zip(closed, steady, strict=True)]
     else:
-        closed = [lasting(holds) for holds in steady]
+        closed = [by_gap(one.gap, shut, rounding) for one, shut in zip(some, closed, strict=True)]
     closed = [_with_instants(t, shut, impact) for shut in closed]
     forces = np.full((len(some), 2, len(t)), np.nan)
     if torsor is not None:

@@ -19,7 +19,7 @@ from cases.line_or_circle import Circle
 from cases.sampled_contacts import SampledContacts
 from cases.trajectory import CONTACT, ContactColumns
 
-from .closed_samples import lasting, touching
+from .closed_samples import by_gap
 from .facets import round_plate, visible_span
 
 # Samples of the track within the disc's radius: two places that are closer than two of them are one.
@@ -80,7 +80,7 @@ def with_contacts(
         return motion
     closed = {name: place.gap <= clear(place.xi1) for name, place in places.items()}
     if rounding is not None:
-        closed = {name: lasting(touching(places[name].gap, shut, rounding)) for name, shut in closed.items()}
+        closed = {name: by_gap(places[name].gap, shut, rounding) for name, shut in closed.items()}
     count = np.sum(list(closed.values()), axis=0)
     force = _force(case, motion)
     columns = {name: _columns(case, motion, place, closed[name], count, force) for name, place in places.items()}

@@ -14,7 +14,7 @@ from math import pi
 import numpy as np
 from scipy.optimize import nnls
 
-from cases import Belt, Case, CoulombFriction, Curve, PerfectlyRough, Trajectory
+from cases import Belt, Case, CoulombFriction, Curve, DoesNotFit, PerfectlyRough, Trajectory
 from cases.contact import belt_speed
 from cases.contact_limits import touches_by_features
 from cases.contact_pairs import PairCase, contact_name, pairs
@@ -26,7 +26,7 @@ from cases.supports import is_straight
 from cases.trajectory import ContactColumns
 
 from . import several_contacts
-from .closed_samples import from_first_to_last, lasting, touching
+from .closed_samples import by_gap, from_first_to_last
 
 # A contact force below this part of the whole is none: noise of a step's momentum in engines of single precision.
 UNNEEDED = 1e-3
@@ -124,7 +124,7 @@ def with_supports(
         is_closed = _pushing(contacts, is_closed, torsor, motion, case.plate.reach)
     else:
         rounding = rounding_of(case, motion)
-        is_closed = [lasting(touching(one.gap, shut, rounding)) for one, shut in zip(contacts, is_closed, strict=True)]
+        is_closed = [by_gap(one.gap, shut, rounding) for one, shut in zip(contacts, is_closed, strict=True)]
     columns, names = dict[str, ContactColumns](), list[str]()
     count = np.sum(is_closed, axis=0)
     for one, shut in zip(contacts, is_closed, strict=True):
@@ -153,13 +153,44 @@ def _contact(pair: PairCase, motion: Trajectory, slip_lever: float) -> _Contact:
     feature = pair.plate.outline
     circle = None if isinstance(feature, Corner) else as_circle(feature)
     radius = circle.radius if circle else 0.0
-    u, v = circle.centre if circle else (feature.x, feature.y)  # type: ignore[attr-defined]
+    if circle:
+        u, v = circle.centre
+    elif isinstance(feature, Corner):
+        u, v = feature.x, feature.y
+    else:
+        u, v = feature.point(_parallel(feature, _direction(pair.track) - motion.theta))
     c, s = np.cos(motion.theta), np.sin(motion.theta)
     arm = np.array([c * u - s * v, s * u + c * v])
     place = arm + np.array([motion.x, motion.y])
     xi1, away, tangent = (_on_line if is_straight(pair.track) else _on_curve)(pair.track, place)
     gap, normal = away - radius, np.array([-tangent[1], tangent[0]])
     return _Contact(pair, gap, arm - normal * (radius + slip_lever * gap), xi1, tangent, normal)
+
+
+def _direction(track: Curve) -> float:
+    """The angle of a straight support, rad."""
+    line = as_line(track)
+    if line is None:
+        raise DoesNotFit(
+            "a plate that is neither round nor has corners is followed on straight tracks and supports only"
+        )
+    return float(np.arctan2(line.direction[1], line.direction[0]))
+
+
+def _parallel(outline: Curve, angle: np.ndarray) -> np.ndarray:
+    """The parameters (n,) at which the tangent of a closed convex outline has these angles, rad: there a line of that
+    angle touches it, by (6). Newton's method from the nearest of its samples."""
+    samples = np.linspace(*outline.span, TRACK_SAMPLES)
+    turned = np.unwrap(np.asarray(outline.tangent_angle(samples)))
+    way = np.sign(turned[-1] - turned[0])
+    low = min(turned[0], turned[-1])
+    wanted = low + (angle - low) % (2.0 * pi)
+    xi2 = np.interp(way * wanted, way * turned, samples)
+    for _ in range(FOOT_STEPS):
+        off = wanted - np.asarray(outline.tangent_angle(xi2))
+        off -= 2.0 * pi * np.round(off / (2.0 * pi))
+        xi2 = xi2 + off / (np.asarray(outline.curvature(xi2)) * np.asarray(outline.speed(xi2)))
+    return xi2
 
 
 def _on_line(track: Curve, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -216,10 +247,12 @@ def _columns(
 
 def _outline_parameter(one: _Contact, theta: np.ndarray) -> np.ndarray:
     """The whole outline's parameter where its tangent is the support's, by (6); a circle's is its angle."""
-    feature = one.pair.plate.outline
+    feature, direction = one.pair.plate.outline, np.arctan2(one.tangent[1], one.tangent[0])
+    if not isinstance(feature, Corner) and as_circle(feature) is None:
+        return _parallel(feature, direction - theta)
     middle = 0.5 * sum(feature.span)
     rate = turning(feature, middle)
-    turn = np.arctan2(one.tangent[1], one.tangent[0]) - theta - float(feature.tangent_angle(middle))
+    turn = direction - theta - float(feature.tangent_angle(middle))
     part = turn - 2.0 * pi * np.round(turn / (2.0 * pi))
     return np.asarray(one.pair.whole_xi2(middle + part / rate))
 

@@ -190,9 +190,6 @@ class _OneOfSeveral(MotionReader):
     def __init__(self, case: Case, motion: Trajectory, gap: np.ndarray, bound: float | None):
         super().__init__(case, motion)
         self.gap, self.bound = gap, bound
-        if case.others:
-            # A contact of several plates that sticks rolls, whether or not one of them turns.
-            self.turns = False
 
     def _contact(self, stretch: SampleStretch) -> Reading:
         first = stretch.start + (_EDGE if stretch.start else 0)

@@ -164,7 +164,7 @@ def _slope(t: np.ndarray, v: np.ndarray, where: slice) -> float:
 def _event(t, v, use, before: _Phase, after: _Phase, resolution: float, band: float) -> tuple[float, float, str]:
     """Time, spread and cause of the change from one phase to the next."""
     if before.sign == 0:
-        return _onset(t, v, use, before, after, resolution)
+        return _onset(t, v, use, before, after, resolution, band)
     slipping = _slipping(t, v, before, band)
     # Contaminated: the sample that may straddle the kink. Three are kept where there are no more.
     used = slipping[:-1] if len(slipping) > 3 else slipping
@@ -182,8 +182,8 @@ def _slipping(t, v, phase: _Phase, band: float) -> np.ndarray:
     return index[phase.sign * v[index] > band]
 
 
-def _onset(t, v, use, before: _Phase, after: _Phase, resolution: float) -> tuple[float, float, str]:
-    estimates = []
+def _onset(t, v, use, before: _Phase, after: _Phase, resolution: float, band: float) -> tuple[float, float, str]:
+    estimates, last = [], float(t[before.stop - 1])
     rolling = np.arange(before.start + 1, before.stop - 1)
     at_bound = np.flatnonzero(use[rolling] >= 1.0 - _AT_BOUND)
     # A regularised law stays saturated from here on; an isolated high value earlier is noise and stays in.
@@ -198,11 +198,17 @@ def _onset(t, v, use, before: _Phase, after: _Phase, resolution: float) -> tuple
     # A regularised law's slip grows from its creep, another's from zero; the one that fits moves less.
     for creep in {0.0, resolution} if len(index) > 3 else ():
         zero = branch_zero(-t[index], np.sqrt(np.maximum(np.abs(v[index]) - creep, 0.0)), float(-t[before.start]))
-        if zero:
+        # Slip that jumps, by an impact elsewhere, does not grow from zero: its branch is above the last rolling sample.
+        if zero and _square(last, -zero[0], t[after.start], abs(v[after.start])) <= SURELY * band + creep:
             estimates.append((-zero[0], zero[1], "slip grows from zero"))
     if not estimates:
         return (*_between(t, before.stop), "slip grows from zero")
     return min(estimates, key=lambda estimate: estimate[1])
+
+
+def _square(time: float, begin: float, end: float, value: float) -> float:
+    """The value at a time of what grows with the square of time from zero at `begin` to `value` at `end`."""
+    return value * (max(time - begin, 0.0) / (end - begin)) ** 2 if end > begin else 0.0
 
 
 def _between(t: np.ndarray, i: int) -> tuple[float, float]:

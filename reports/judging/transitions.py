@@ -29,6 +29,7 @@ from cases import (
     Transition,
     mechanics,
 )
+from cases.contact_limits import touches_by_features
 from cases.effects import one as one_effect
 from cases.nearest import nearest
 
@@ -108,7 +109,11 @@ class MotionReader:
         self.resolution = max(trajectory.slip_resolution, slip_phases.ROUNDING * speed / slip_phases.SURELY)
         self.smallest_jump = _SMALLEST_JUMP * speed
         self.bound = stick_bound(case.effects)
-        self.turns = case.effect(RollingResistance) is not None or not case.plate.turns
+        # Whether a contact that does not slip may rest. Without rolling resistance one on supports, or of several
+        # plates, rolls, whether or not its plate turns.
+        has_one_contact = not case.others and not touches_by_features(case)
+        resists = case.effect(RollingResistance) is not None and not case.others
+        self.turns = resists or (not case.plate.turns and has_one_contact)
 
     def reading(self) -> Reading:
         stretches = self._stretches()
