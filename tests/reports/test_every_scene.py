@@ -1,0 +1,169 @@
+"""Every scene that the reference simulates: its export is compared with itself, and engines answer or refuse it.
+
+The scenes: all cases of the catalogue, and random ones of every kind that `tests/scenes` draws. A true motion may be in
+doubt by its samples, but is never farther off than that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import cases
+import reference
+from adapters import Setting
+from adapters.common import motion_file, motion_table
+from cases import Case, CaseError
+from reports import export
+from reports.judging.grades import LIMITS, Grade, is_within
+from reports.running.external_motions import judge_external
+from reports.running.records import Run, Truth
+from reports.running.tasks import find_truth, perform, survey
+from tests.scenes import (
+    corners,
+    free_polygons,
+    hard,
+    lifted_plates,
+    loads,
+    moving,
+    ripples,
+    rolling_resistance,
+    several_laws,
+    slip_laws,
+    still_plates,
+    supports,
+    ties,
+    walled_plates,
+)
+
+# Samples per second of exports: of a film, of a game, of an engine.
+RATES = (60.0, 100.0, 1000.0)
+# Of a file with more samples the test takes too long: a disc of 1 cm that slides for an hour.
+MOST = 20_001
+# Scenes of each kind.
+NUMBER = 2
+# Kinds whose scenes take a second, and cases of the catalogue: with supports, flights, several contacts, slow slip.
+QUICK_KINDS = ("still plates", "belts", "plates that do not turn")
+QUICK_CASES = ("disc_in_circle[mu=0.2]", "bouncing_disc[e=0.5]", "sliding_box")
+# What a file of too few samples is told.
+TOO_FEW = ("give at least", "give more samples", "too few for a slope")
+
+# By kind a scene from its seed.
+KINDS: dict[str, Callable[[int], Case]] = {
+    "steps and polygons": corners.random_throw,
+    "belts with steps": lambda seed: corners.random_throw(seed, belt=True),
+    "free polygons": free_polygons.random_polygon_scene,
+    "bouncing polygons": lambda seed: free_polygons.random_polygon_scene(seed, restitution=0.5),
+    "ellipses": lambda seed: hard.hard_scene(np.random.default_rng(seed))[1],
+    "lifted plates": lambda seed: lifted_plates.lifted_plate(seed).case,
+    "loads": lambda seed: loads.scene(np.random.default_rng(seed))[0],
+    "ripples": lambda seed: ripples.rippled(seed).case,
+    "rolling resistance": rolling_resistance.random_scene,
+    "laws of several contacts": several_laws.random_scene,
+    "slip laws": lambda seed: slip_laws.random_scene(np.random.default_rng(seed)),
+    "still plates": still_plates.random_scene,
+    "supports": supports.random_case,
+    "ties": lambda seed: ties.tie(seed).case,
+    "walled plates": walled_plates.random_walled_plates,
+    **{family: lambda seed, name=family: next(moving.random_scenes(name, seed, 1)) for family in moving.FAMILIES},
+}
+ENGINES = ("pymunk", "exudyn")
+CATALOGUE = {case.label: case for name in cases.names(hard=False) for case in cases.select(name)}
+
+
+def drawn(kind: str, number: int) -> Iterator[Case]:
+    """So many scenes of a kind that the reference simulates, from the seeds 0, 1, …"""
+
+    def admissible() -> Iterator[Case]:
+        for seed in range(20 * number):
+            try:
+                case = KINDS[kind](seed)
+                reference.simulate(case)
+            except CaseError:  # an overlap, or a scene without an answer
+                continue
+            yield case
+
+    return islice(admissible(), number)
+
+
+def samples_of(case: Case, rate: float) -> int:
+    """The samples of an export with this many per second."""
+    return int(min(MOST, np.ceil(rate * case.duration))) + 1
+
+
+def judged(case: Case, truth: Truth, rate: float, has_forces: bool = True) -> Run:
+    """The judgement of the case's own export; raises CaseError where the file is refused."""
+    names, rows = export.motion(case, samples_of(case, rate))
+    frame = pd.DataFrame(rows, columns=list(names))
+    if not has_forces:
+        frame = frame.drop(columns=["normal_force", "friction_force"])
+    table = motion_table.parse(frame.to_csv(index=False), "motion.csv")
+    row = Run(case.label, "file", "", Setting.of(), 0, outcome="")
+    motion = motion_file.trajectory_of(case, table)
+    return judge_external(row, case, motion, truth, motion_table.columns_of(table))
+
+
+def fault_of_export(case: Case, truth: Truth, rate: float, has_forces: bool = True) -> str:
+    """What is wrong with the comparison of a case's export with itself: that it is surely not excellent, or refused
+    for another reason than too few samples; "" if nothing."""
+    try:
+        run = judged(case, truth, rate, has_forces)
+    except CaseError as problem:
+        return "" if any(words in str(problem) for words in TOO_FEW) else f"refused: {problem}"
+    if run.score is not None and is_within(run.score, LIMITS[Grade.EXCELLENT]) is not False:
+        return ""
+    return f"{run.grade}, {run.reason}"
+
+
+def fault_of_engine(case: Case, engine: str, truth: Truth) -> str:
+    """What is wrong with an engine's coarsest run, which is answered, or refused in one sentence; "" if nothing."""
+    offers = [offer for offer in survey(case, engine) if offer.route in ("native", "")]
+    assert offers, f"{engine} says nothing of its own route"
+    outcome, reason = offers[0].outcome, offers[0].reason
+    if not outcome:
+        run = perform(case, engine, "native", offers[0].settings[0], 1, truth)
+        outcome, reason = run.outcome, run.reason
+    is_sentence = reason.endswith(".") and "\n" not in reason
+    return "" if outcome == "answered" or (outcome == "unsupported" and is_sentence) else f"{outcome}: {reason}"
+
+
+def check(case: Case) -> None:
+    """Compare a scene's export with itself, and give the scene to the engines."""
+    truth = find_truth(case)
+    if truth.failure:
+        return  # nothing is judged by it
+    assert fault_of_export(case, truth, 1000.0) == ""
+    assert {engine: fault_of_engine(case, engine, truth) for engine in ENGINES} == dict.fromkeys(ENGINES, "")
+
+
+def slow_but(quick: Sequence[str], every: Iterable[str]) -> list:
+    """Parameters of which only these are quick."""
+    return [pytest.param(name, marks=() if name in quick else pytest.mark.slow) for name in every]
+
+
+@pytest.mark.parametrize("label", slow_but(QUICK_CASES, CATALOGUE))
+def test_every_case_of_the_catalogue_is_compared_with_itself_and_given_to_engines(label):
+    check(CATALOGUE[label])
+
+
+@pytest.mark.parametrize("kind", slow_but(QUICK_KINDS, KINDS))
+def test_random_scenes_of_every_kind_are_compared_with_themselves_and_given_to_engines(kind):
+    scenes = list(drawn(kind, NUMBER))
+    assert len(scenes) == NUMBER, "too few seeds give a scene that the reference simulates"
+    for case in scenes:
+        check(case)
+
+
+@pytest.mark.parametrize("label", slow_but(QUICK_CASES, CATALOGUE))
+def test_the_same_truth_is_never_worse_than_not_decided(label):
+    """At every rate, with and without forces."""
+    case = CATALOGUE[label]
+    truth = find_truth(case)
+    if truth.failure:
+        pytest.skip("no truth, so nothing is judged by it")
+    faults = {(rate, forces): fault_of_export(case, truth, rate, forces) for rate in RATES for forces in (True, False)}
+    assert faults == dict.fromkeys(faults, "")
