@@ -92,6 +92,9 @@ DEFAULTS = dict(h=1 / 60, substeps=4, scale=1.0)
 # The engine's limits, in its units: uncorrected overlap, and largest speed of correction and of motion.
 SLOP, PUSH, SPEED = 0.005, 3.0, 400.0
 
+# Of include/box2d/types.h; the function that mixes those of two shapes (b2FrictionCallback) is not given a speed.
+ONE_FRICTION = "b2SurfaceMaterial.friction is one number"
+
 
 def version() -> str:
     """The binding's version; it reports no other."""
@@ -104,17 +107,15 @@ def refuses(case: Case, route: str) -> str | None:
         raise unknown_name("route of box2d", route, routes)
     missing = [type(effect).__name__ for effect in case.effects if type(effect) not in KNOWN_EFFECTS]
     if missing:
-        return Refusal(f"box2d does not support {' and '.join(missing)}.", "no such field of b2SurfaceMaterial")
+        return f"This adapter does not support {' and '.join(missing)}."
     friction, outline = case.effect(CoulombFriction), case.plate.outline
     if friction and friction.by_speed:
         return Refusal(
             "Box2D's shapes have one friction coefficient for all slip velocities.",
-            "b2SurfaceMaterial.friction is one number",
+            ONE_FRICTION,
         )
     if friction and friction.stick != friction.mu:
-        return Refusal(
-            "box2d has one friction coefficient for slip and stick.", "b2SurfaceMaterial.friction is one number"
-        )
+        return Refusal("box2d has one friction coefficient for slip and stick.", ONE_FRICTION)
     if not case.effect(Unilateral):
         return "box2d's contacts only push, and this case has a bilateral guide (no Unilateral)."
     if facets.has_hollow_corners(outline):
@@ -134,7 +135,7 @@ def refuses(case: Case, route: str) -> str | None:
     if case.effect(RollingResistance) and not facets.round_plate(case):
         return Refusal(
             "box2d has RollingResistance for circles only, and this outline is none.",
-            "rollingResistance of b2SurfaceMaterial, for circles and capsules",
+            "rollingResistance is a multiple of the shape's radius, and that of a polygon with sharp corners is 0",
         )
     if case.others and (problem := shapes.refuses_plates(case)):
         return problem
