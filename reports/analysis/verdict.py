@@ -129,8 +129,7 @@ def pairs(experiment: Experiment) -> list[dict[str, Any]]:
 
 
 def _is_own(experiment: Experiment, key: Key) -> bool:
-    """Whether a route is an engine by itself, which a user can install and run, and not motions from files."""
-    return bool(key[1]) and key not in experiment.our_parts and key[1] not in _FROM_FILES
+    return _is_by_itself(key[1], experiment.our_parts.get(key, ""))
 
 
 def _sign(one: Score, other: Score) -> int:
@@ -266,8 +265,13 @@ _FROM_FILES = (external_motions.ROUTE, submissions.ROUTE)
 
 
 def is_engine(row: Mapping[str, Any]) -> bool:
-    """Whether a row is of an engine by itself, which a user can install and run, and not of motions from files."""
-    return bool(row["route"]) and not row["our_part"] and row["route"] not in _FROM_FILES
+    """Whether a row is of an engine by itself."""
+    return _is_by_itself(row["route"], row["our_part"])
+
+
+def _is_by_itself(route: str, our_part: str) -> bool:
+    """Whether a route is an engine by itself, which a user can install and run, and not motions from files."""
+    return bool(route) and not our_part and route not in _FROM_FILES
 
 
 def name(row: Mapping[str, Any]) -> str:

@@ -21,6 +21,7 @@ from . import doubts, transitions
 from .claims import claims_hold
 from .distances import differences, even_samples
 from .friction_factor import Losses, losses_of_truth
+from .mean_errors import covered_until, mean_errors, sample_gaps
 from .phases import (
     ModePhase,
     agreement,
@@ -32,7 +33,6 @@ from .phases import (
     time_in_another_mode,
 )
 from .slip_phases import RESOLVABLE_GAPS, SURELY, Reading
-from .validation import LAST_STEPS, LONG_STEPS, SHORT_PART
 
 # What differs from the truth by less than this part of its path is the truth, and slip below this part of its speed is
 # none: single precision resolves no more.
@@ -139,7 +139,9 @@ def scale_of(
     )
     phases = rolling_within(phases, either)
     slips = tuple(_largest_slip(truth, phase) for phase in phases)
-    errors = {name: _errors(motion, truth, differences(motion, truth, case), case) for name, motion in nulls.items()}
+    errors = {
+        name: mean_errors(motion, truth, differences(motion, truth, case), case) for name, motion in nulls.items()
+    }
     real = {name: pair for name, pair in errors.items() if pair[0] > _SAME * (path if moves else case.plate.reach)}
     nearest = min(real, key=lambda name: real[name][0], default="")
     others = end - max(time_by_mode(phases).values(), default=end)
@@ -235,7 +237,7 @@ def score_and_reading(
 ) -> tuple[Score, Reading]:
     """The score of a sound motion, and the reading of its transitions that agrees best with the truth. `read`: how they
     are read, by default `transitions.read_motion`."""
-    errors = _errors(motion, truth, differences(motion, truth, case) if off is None else off, case)
+    errors = mean_errors(motion, truth, differences(motion, truth, case) if off is None else off, case)
     if not claims_hold(motion):
         motion = replace(motion, first_mode=None, transitions=())
     pose, slip = (
@@ -271,7 +273,7 @@ def _modes(
     """The reading of a motion's modes that agrees best with the truth. `others`: the larger one of the other scores."""
     is_exact = motion.first_mode is not None
     unresolved = 0.0 if is_exact else doubts.unresolved(motion, scale.phases, scale.slips, scale.hops)
-    gaps, last = _sample_gaps(motion), _last(motion, scale.end)
+    gaps, last = sample_gaps(motion), covered_until(motion, scale.end)
     true_flights, best = flights(scale.phases), None
     for reading, sampled, surcharge in _readings(case, motion, scale, creep, read):
         phases = rolling_within(phases_of(reading.first_mode, reading.transitions, last), scale.either)
@@ -347,91 +349,3 @@ def _creep(motion: Trajectory, scale: Scale) -> float:
             rolls |= (motion.t > phase.begin + edge) & (motion.t < phase.end - edge)
     slip = np.abs(motion.slip[rolls & np.isfinite(motion.slip)])
     return float(np.quantile(slip, _CREEP_QUANTILE)) if len(slip) >= _FEWEST else float("nan")
-
-
-# --- what a motion leaves out -----------------------------------------------------------------------------------------
-
-
-def _step(motion: Trajectory) -> float:
-    """The motion's usual step, s; the longest where it is known between its steps."""
-    steps = np.diff(motion.t)
-    steps = steps[steps > 0.0]
-    if not len(steps):
-        return 0.0
-    return float(np.median(steps) if motion.dense is None else steps.max())
-
-
-def _last(motion: Trajectory, end: float) -> float:
-    """The end of the time that the motion covers: the truth's, if it comes within a few steps of that, else its own."""
-    own = float(motion.t[-1])
-    return end if own >= end - LAST_STEPS * _step(motion) else own
-
-
-def _sample_gaps(motion: Trajectory) -> list[tuple[float, float]]:
-    """The spans at the beginning and between samples, s, of which the motion says nothing."""
-    spans, step = [], _step(motion)
-    if motion.t[0] > LAST_STEPS * step:
-        spans.append((0.0, float(motion.t[0])))
-    if motion.dense is None:
-        long = max(LONG_STEPS * step, SHORT_PART * float(motion.t[-1] - motion.t[0]))
-        spans += [(float(motion.t[i]), float(motion.t[i + 1])) for i in np.flatnonzero(np.diff(motion.t) > long)]
-    return spans
-
-
-def _errors(motion: Trajectory, truth: Trajectory, off: Mapping[str, np.ndarray], case: Case) -> tuple[float, float]:
-    """Root-mean-square pose error, m, and mean slip error, m/s, over the truth's time.
-
-    Where the motion says nothing the plate counts as standing still where it was last; where one of both is in flight
-    there is no slip error."""
-    end, t = float(truth.t[-1]), off["t"]
-    gaps = _sample_gaps(motion)
-    last = _last(motion, end)
-    spans = [*gaps, (last, end)] if last < end else gaps
-    square, slip, total = _integrals(t, off["pose"], off["slip"], gaps)
-    for begin, stop in spans:
-        a, b = min(begin, end), min(stop, end)
-        if b > a:
-            times = np.linspace(a, b, _EVEN)
-            pose, still = _standing(motion, truth, times, begin, case)
-            more = _integrals(times, pose, still, [])
-            square, slip, total = square + more[0], slip + more[1], total + more[2]
-    if total == 0.0:  # the truth ends where it begins
-        return float(np.max(off["pose"], initial=0.0)), 0.0
-    return float(np.sqrt(square / total)), slip / total
-
-
-def _integrals(
-    t: np.ndarray, pose: np.ndarray, slip: np.ndarray, gaps: Sequence[tuple[float, float]]
-) -> tuple[float, float, float]:
-    """Integrals over time of the squared pose error and of the size of the slip error, and the time, by trapezoids."""
-    h = np.diff(t)
-    for begin, stop in gaps:
-        h = np.where((t[:-1] >= begin) & (t[1:] <= stop), 0.0, h)
-    square, size = pose**2, np.abs(slip)
-    slips = 0.5 * (size[:-1] + size[1:])
-    return (
-        float(np.sum(0.5 * (square[:-1] + square[1:]) * h)),
-        float(np.sum(np.where(np.isfinite(slips), slips, 0.0) * h)),
-        float(np.sum(h)),
-    )
-
-
-def _standing(
-    motion: Trajectory, truth: Trajectory, times: np.ndarray, begin: float, case: Case
-) -> tuple[np.ndarray, np.ndarray]:
-    """Pose and slip errors at the times of a plate at rest in its last pose before the time `begin`."""
-    true = truth(times)
-    poses = [_standing_pose(case.plate, motion, truth, true, begin)]
-    for other in case.others:
-        one, exact = motion.plate(other.name), truth.plate(other.name)
-        poses.append(_standing_pose(other.plate, one, exact, exact(times), begin))
-    return np.max(poses, axis=0), np.asarray(true.slip)
-
-
-def _standing_pose(plate: Plate, motion: Trajectory, truth: Trajectory, true: State, begin: float) -> np.ndarray:
-    i = max(int(np.searchsorted(motion.t, begin, side="right")) - 1, 0)
-    first = truth(float(np.clip(motion.t[0], 0.0, truth.t[-1])))
-    turns = 2 * np.pi * np.round((motion.theta[0] - first.theta) / (2 * np.pi))
-    angle = motion.theta[i] - turns - np.asarray(true.theta)
-    centre = np.hypot(motion.x[i] - np.asarray(true.x), motion.y[i] - np.asarray(true.y))
-    return np.hypot(centre, plate.gyration * angle)
