@@ -59,22 +59,24 @@ class _Consistent(NamedTuple):
 def decide(
     case: Case, t: float, state: tuple[float, ...], group: Sequence[int], speed: float, error: float,
     fixed: Mapping[int, tuple[Mode, ...]], released: frozenset[int] = frozenset(),
+    opening: frozenset[int] = frozenset(),
 ) -> GroupDecision:  # fmt: skip
     """The modes of one group's contacts that follow. `speed` (m/s): the largest of the motion so far; `error`: the
     relative error of the state; `fixed` limits the modes of some contacts; `released`: plates that their contacts no
-    longer hold all at once. Raises Undecidable."""
+    longer hold all at once; `opening`: contacts that are known to open, whatever the error of the instant. Raises
+    Undecidable."""
     now = places(case, group, state)
     motions: list[_Consistent] = []
     plates = plates_in(case, group)
     if _rests(case, state, group, plates):
         still = tuple(_still_mode(at) for at in now)
         motions.append(_Consistent(still, plates, np.zeros(len(state) // 2)))
-    moving, is_singular = _consistent_modes(case, t, state, group, now, speed, error, fixed, frozenset())
+    moving, is_singular = _consistent_modes(case, t, state, group, now, speed, error, fixed, frozenset(), opening)
     motions += moving
     if is_singular:  # forces of contacts that do not move may be the reason
         for held in held_sets(case, state, group):
             if not released or not released <= held:
-                motions += _consistent_modes(case, t, state, group, now, speed, error, fixed, held)[0]
+                motions += _consistent_modes(case, t, state, group, now, speed, error, fixed, held, opening)[0]
     if any(at.stick > at.mu for at in now):
         # With static friction a contact that may stick does.
         most = max((_sticking(one.modes) for one in motions), default=0)
@@ -96,7 +98,7 @@ def decide(
 
 def _consistent_modes(
     case: Case, t: float, state: tuple[float, ...], group: Sequence[int], now: Sequence[PlateContactPlace],
-    speed: float, error: float, fixed: Mapping[int, tuple[Mode, ...]], held: frozenset[int],
+    speed: float, error: float, fixed: Mapping[int, tuple[Mode, ...]], held: frozenset[int], opening: frozenset[int],
 ) -> tuple[list[_Consistent], bool]:  # fmt: skip
     """The modes that follow while some plates are held at rest, and whether some were left out because their forces are
     not unique."""
@@ -119,7 +121,9 @@ def _consistent_modes(
             continue
         phase = plates_phase(case, PlatesRegime(tuple(group), modes, held, regions=regions_of(case, group, now)))
         near = any(mode is Mode.FLIGHT for mode in modes)
-        holds = _by_series(phase, t, state, error) if near else follows(case, phase, t, state, error)
+        order = enumerate(moving_contacts(case, regime_of(phase)))
+        positive = frozenset(f"gap:{k}" for k, (number, _) in order if number in opening)
+        holds = _by_series(phase, t, state, error, positive) if near else follows(case, phase, t, state, error)
         if holds and (not held or _is_held(phase, t, state, inner, held)):
             results.append(_Consistent(modes, held, np.where(own, answer.acceleration, 0.0)))
     return results, is_singular

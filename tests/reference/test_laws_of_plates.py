@@ -208,13 +208,14 @@ def test_random_plates_between_walls_obey_the_laws(seed):
     obeys(motion, np.linspace(0.0, float(motion.t[-1]), 1001))
 
 
-# Held plates; impacts without a fixed ratio, of contacts that nothing pulls together, or too few to have one.
-GO_ON = [17, 14, 107, *(pytest.param(s, marks=pytest.mark.slow) for s in (11, 51, 71, 80, 85, 101, 112, 119, 139))]
+# Held plates; impacts without a fixed ratio, of contacts that nothing pulls together, or too few to have one; a disc
+# that leaves another one where the event's force is 6e-11 N.
+LATER = [pytest.param(seed, marks=pytest.mark.slow) for seed in (11, 51, 71, 80, 85, 101, 112, 119, 139)]
 
 
-@pytest.mark.parametrize("seed", GO_ON)
+@pytest.mark.parametrize("seed", [17, 14, 107, 2474928906, *LATER])
 def test_random_plates_go_on_where_they_ended_early(seed):
-    """They ended as `breakdown` or `accumulation`."""
+    """They ended as `breakdown`, `accumulation` or `paradox`."""
     case = random_walled_plates(seed)
     motion = reference.simulate(case, method="dop853")
     assert motion.status == "completed" and not reference.check(case, motion)
