@@ -58,11 +58,11 @@ class _Consistent(NamedTuple):
 
 def decide(
     case: Case, t: float, state: tuple[float, ...], group: Sequence[int], speed: float, error: float,
-    fixed: Mapping[int, tuple[Mode, ...]], released: frozenset[int] = frozenset(),
+    fixed: Mapping[int, tuple[Mode, ...]], loose: frozenset[int] = frozenset(),
     opening: frozenset[int] = frozenset(),
 ) -> GroupDecision:  # fmt: skip
     """The modes of one group's contacts that follow. `speed` (m/s): the largest of the motion so far; `error`: the
-    relative error of the state; `fixed` limits the modes of some contacts; `released`: plates that their contacts no
+    relative error of the state; `fixed` limits the modes of some contacts; `loose`: plates that their contacts no
     longer hold all at once; `opening`: contacts that are known to open, whatever the error of the instant. Raises
     Undecidable."""
     now = places(case, group, state)
@@ -74,9 +74,9 @@ def decide(
     moving, is_singular = _consistent_modes(case, t, state, group, now, speed, error, fixed, frozenset(), opening)
     motions += moving
     if is_singular:  # forces of contacts that do not move may be the reason
-        for held in held_sets(case, state, group):
-            if not released or not released <= held:
-                motions += _consistent_modes(case, t, state, group, now, speed, error, fixed, held, opening)[0]
+        for anchors in held_sets(case, state, group):
+            if not loose or not loose <= anchors:
+                motions += _consistent_modes(case, t, state, group, now, speed, error, fixed, anchors, opening)[0]
     if any(at.stick > at.mu for at in now):
         # With static friction a contact that may stick does.
         most = max((_sticking(one.modes) for one in motions), default=0)
@@ -98,13 +98,13 @@ def decide(
 
 def _consistent_modes(
     case: Case, t: float, state: tuple[float, ...], group: Sequence[int], now: Sequence[PlateContactPlace],
-    speed: float, error: float, fixed: Mapping[int, tuple[Mode, ...]], held: frozenset[int], opening: frozenset[int],
+    speed: float, error: float, fixed: Mapping[int, tuple[Mode, ...]], anchors: frozenset[int], opening: frozenset[int],
 ) -> tuple[list[_Consistent], bool]:  # fmt: skip
     """The modes that follow while some plates are held at rest, and whether some were left out because their forces are
     not unique."""
     results, is_singular = list[_Consistent](), False
-    own = np.repeat([b in plates_in(case, group) - held for b in range(len(state) // 6)], 3)
-    inner = inner_contacts(case, group, held)
+    own = np.repeat([b in plates_in(case, group) - anchors for b in range(len(state) // 6)], 3)
+    inner = inner_contacts(case, group, anchors)
     pairs = [(group.index(one), group.index(other)) for one, other in flush(case, group).items() if one not in inner]
     options = _options(state, group, now, speed, fixed)
     for i, number in enumerate(group):
@@ -119,13 +119,13 @@ def _consistent_modes(
             continue
         if not answer.is_possible:
             continue
-        phase = plates_phase(case, PlatesRegime(tuple(group), modes, held, regions=regions_of(case, group, now)))
+        phase = plates_phase(case, PlatesRegime(tuple(group), modes, anchors, regions=regions_of(case, group, now)))
         near = any(mode is Mode.FLIGHT for mode in modes)
         order = enumerate(moving_contacts(case, regime_of(phase)))
         positive = frozenset(f"gap:{k}" for k, (number, _) in order if number in opening)
         holds = _by_series(phase, t, state, error, positive) if near else follows(case, phase, t, state, error)
-        if holds and (not held or _is_held(phase, t, state, inner, held)):
-            results.append(_Consistent(modes, held, np.where(own, answer.acceleration, 0.0)))
+        if holds and (not anchors or _is_held(phase, t, state, inner, anchors)):
+            results.append(_Consistent(modes, anchors, np.where(own, answer.acceleration, 0.0)))
     return results, is_singular
 
 
@@ -135,10 +135,10 @@ def _still_mode(at: PlateContactPlace) -> Mode:
 
 
 def _is_held(
-    phase: PlatesPhase, t: float, state: tuple[float, ...], inner: Sequence[int], held: frozenset[int]
+    phase: PlatesPhase, t: float, state: tuple[float, ...], inner: Sequence[int], anchors: frozenset[int]
 ) -> bool:
     """Whether inner contacts hold plates on which others press."""
-    return margin(phase.case, state, inner, held, pressing_forces(phase, t, state, held)) >= BALANCED
+    return margin(phase.case, state, inner, anchors, pressing_forces(phase, t, state, anchors)) >= BALANCED
 
 
 def _idle(

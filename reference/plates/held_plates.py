@@ -35,9 +35,9 @@ def held_sets(case: Case, state: Sequence[float], group: Sequence[int]) -> Itera
                 yield some
 
 
-def inner_contacts(case: Case, group: Sequence[int], held: frozenset[int]) -> list[int]:
+def inner_contacts(case: Case, group: Sequence[int], anchors: frozenset[int]) -> list[int]:
     """Those contacts of a group that touch no plate but held ones."""
-    return [n for n in group if plates_in(case, [n]) <= held]
+    return [n for n in group if plates_in(case, [n]) <= anchors]
 
 
 def load_and_units(
@@ -59,11 +59,11 @@ def margin(
     return forces.margin(now, *load_and_units(case, plates, pressing), [at.stick for at in now])
 
 
-def pressing_forces(phase: PlatesPhase, t: float, state: Sequence[float], held: frozenset[int]) -> np.ndarray:
+def pressing_forces(phase: PlatesPhase, t: float, state: Sequence[float], anchors: frozenset[int]) -> np.ndarray:
     """Forces and moments (3n,) of moving plates on held ones, N and N m."""
     regime, total = regime_of(phase), np.zeros(len(state) // 2)
     moving = moving_contacts(phase.case, regime)
-    links = [(k, n) for k, (n, _) in enumerate(moving) if n in regime.closed and plates_in(phase.case, [n]) & held]
+    links = [(k, n) for k, (n, _) in enumerate(moving) if n in regime.closed and plates_in(phase.case, [n]) & anchors]
     if not links:
         return total
     outputs, first = phase.system.outputs_of_numbers(t, tuple(state), phase.parameters), 2 + len(total)
@@ -87,13 +87,13 @@ def held_plates(phase: PlatesPhase) -> frozenset[int]:
 def end_of_hold(segment: Segment) -> float | None:
     """When the contacts of held plates cannot balance the others any more, s; None if they can in the whole segment."""
     phase = cast(PlatesPhase, segment.phase)
-    held = held_plates(phase)
-    if not held:
+    anchors = held_plates(phase)
+    if not anchors:
         return None
-    inner = inner_contacts(phase.case, regime_of(phase).closed, held)
+    inner = inner_contacts(phase.case, regime_of(phase).closed, anchors)
 
     def margin_at(t: float) -> float:
         state = segment.states(np.array([t]))[:, 0].tolist()
-        return margin(phase.case, state, inner, held, pressing_forces(phase, t, state, held))
+        return margin(phase.case, state, inner, anchors, pressing_forces(phase, t, state, anchors))
 
     return first_loss_in(segment, margin_at)

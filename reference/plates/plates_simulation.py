@@ -69,7 +69,7 @@ class PlatesSimulation(PhaseLoop):
         self.hops = NestedSeries()
         self.causes: dict[int, str] = {}
         self.fixed: dict[int, tuple[Mode, ...]] = {}
-        self.released = frozenset[int]()
+        self.loose = frozenset[int]()
         numbers = numbers_of(case)
         self.speed = speed_scale(float(np.abs(numbers.load).max()), min(numbers.radii))
         self.idle, self.work, self.begins = 0, 0, True
@@ -93,8 +93,8 @@ class PlatesSimulation(PhaseLoop):
         modes, resting, idle = dict.fromkeys(self.modes, Mode.FLIGHT), set[int](), set[int]()
         for group in groups(self.case, sorted(self.touching)):
             self._check_count(group)
-            decision = decide(self.case, self.t, self.state, group, self.speed, error, self.fixed, self.released)
-            if decision.modes is None and (self.fixed or self.released) and not decision.motions:
+            decision = decide(self.case, self.t, self.state, group, self.speed, error, self.fixed, self.loose)
+            if decision.modes is None and (self.fixed or self.loose) and not decision.motions:
                 decision = decide(self.case, self.t, self.state, group, self.speed, error, {})
             if decision.modes is None and self.fixed and not decision.motions:
                 # Where a force has vanished within the event's error, the gap may seem to close.
@@ -123,7 +123,7 @@ class PlatesSimulation(PhaseLoop):
             changes, self.begins = [], False
         came_to_rest = CAUSES["rest"] in self.causes.values()
         self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "")
-        self.modes, self.causes, self.fixed, self.released = modes, {}, {}, frozenset()
+        self.modes, self.causes, self.fixed, self.loose = modes, {}, {}, frozenset()
         return PlatesRegime(
             tuple(modes), tuple(modes.values()), frozenset(resting), frozenset(idle), self._regions(modes, self.state)
         )
@@ -199,8 +199,8 @@ class PlatesSimulation(PhaseLoop):
         if kind in ENDS:
             return ENDS[kind]
         if kind == "hold":
-            self.released = held_plates(phase)
-            inner = inner_contacts(self.case, regime.closed, self.released)
+            self.loose = held_plates(phase)
+            inner = inner_contacts(self.case, regime.closed, self.loose)
             self.causes |= dict.fromkeys(inner, "the forces reached their limit")
             self._settle(stuck, self._closing())
             return None

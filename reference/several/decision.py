@@ -329,12 +329,12 @@ def _braced(
     matrix = rows @ columns.T
     _, sizes, basis = np.linalg.svd(matrix)
     pressing, units = basis[-1] * np.sign(basis[-1, 0]), np.sqrt(compliance(case.plate))
-    added = units * (columns.T @ pressing)
-    if sizes[-1] > PAINLEVE_LEAST * sizes[0] or pressing.min() <= 0.0 or np.abs(added).max() <= SAME:
+    extra = units * (columns.T @ pressing)
+    if sizes[-1] > PAINLEVE_LEAST * sizes[0] or pressing.min() <= 0.0 or np.abs(extra).max() <= SAME:
         return []
-    added *= acceleration_scale(case, now.time, body_of(now.state)) / float(np.abs(added).max())
+    extra *= acceleration_scale(case, now.time, body_of(now.state)) / float(np.abs(extra).max())
     return [
-        (regime, acceleration + added) for other, acceleration in motions
+        (regime, acceleration + extra) for other, acceleration in motions
         if all(one is mode or one is Mode.FLIGHT for one, mode in zip(other.modes, regime.modes, strict=True))
     ][:1]  # fmt: skip
 
@@ -357,12 +357,12 @@ def margin_on_belts(phase: SeveralPhase, t: float, state: Sequence[float], every
     case, regime = phase.case, regime_of(phase)
     load, units = load_on_belts(phase, t, state), forces.units_of(case.plate)
     outputs = phase.system.outputs_of_numbers(t, tuple(state), phase.parameters)
-    pressed, scale = float(np.abs(load * units).max()) / case.plate.mass, acceleration_scale(case, t, body_of(state))
-    size = max(pressed, scale)
+    push, scale = float(np.abs(load * units).max()) / case.plate.mass, acceleration_scale(case, t, body_of(state))
+    size = max(push, scale)
     firsts = [FIRST_COLUMN + len(COLUMNS) * k for k in regime.closed]
     if not max(abs(value) for first in firsts for value in outputs[first : first + 2]) <= SAME * size:
         return -inf
-    if pressed <= AT_BOUND * scale:  # contacts of which nothing presses any
+    if push <= AT_BOUND * scale:  # contacts of which nothing presses any
         return 0.0
     some = [every[k] for k in regime.closed]
     limits = limits_of_friction(some, [regime.modes[k] for k in regime.closed], t, state)
