@@ -90,7 +90,7 @@ def approach_scale(phase: PhaseNumbers, t: float, y: Sequence[float]) -> float:
     return phase.system.approach_error(t, y, phase.parameters)
 
 
-def applied_acceleration(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
+def load_acceleration(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
     """Weight and load of a plate (x, y, θ, vx, vy, ω) per mass, m/s², each alone, as they may cancel."""
     plate, gravity, load = case.plate, case.effect(Gravity), case.effect(Load)
     fx, fy, moment = load.at(t, *(float(v) for v in body)) if load else (0.0, 0.0, 0.0)
@@ -102,7 +102,7 @@ def acceleration_scale(case: Case, t: float, body: Sequence[float] | np.ndarray)
     plate (x, y, θ, vx, vy, ω). It vanishes only for a plate at rest without any of these."""
     plate, (vx, vy, omega) = case.plate, (float(v) for v in body[3:])
     turning = (vx * vx + vy * vy) / plate.gyration + omega * omega * plate.reach
-    return applied_acceleration(case, t, body) + turning
+    return load_acceleration(case, t, body) + turning
 
 
 # --- forces -------------------------------------------------------------------------------------------------------

@@ -122,21 +122,22 @@ def test_an_arrow_upwards_is_seen(tmp_path, monkeypatch):
 # nothing of each other, or they could not witness for each other. Scales have units and roundings, and no law.
 PARTS = {
     "scales": set(),
+    "time_limit": set(),
     "paper": set(),
-    "minimal": {"scales"},
-    "contact_frame": set(),
+    "minimal": {"scales", "time_limit"},
+    "contact_frame": {"time_limit"},
     "augmented_integrator": {"minimal", "paper"},
-    "several": {"minimal", "paper", "scales"},
-    "delassus": {"contact_frame", "scales"},
+    "several": {"minimal", "paper", "scales", "time_limit"},
+    "delassus": {"contact_frame", "scales", "time_limit"},
     "plates": {"minimal", "several", "scales"},
-    "solve": {"minimal", "augmented_integrator", "several", "plates"},
+    "solve": {"minimal", "augmented_integrator", "several", "plates", "laws_check"},
     "narration": {"solve"},
-    "laws_check": {"minimal"},
+    "laws_check": {"minimal", "several", "plates", "scales"},
     "errata": {"paper", "solve"},
     "proofs": set(),
     "proof_checker": set(),
-    "certification": {"solve", "minimal", "contact_frame", "delassus", "proofs"},
-    "sweeping": {"certification", "solve", "minimal"},
+    "certification": {"solve", "minimal", "contact_frame", "delassus", "proofs", "laws_check", "time_limit"},
+    "sweeping": {"certification", "solve", "minimal", "laws_check"},
 }
 
 

@@ -12,8 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases import Case, CaseError, Mode
+from cases import Case, CaseError, Drive, Mode
 
+from ..laws_check import BROKEN_LAW, BrokenLaw, check, overlaps
+from ..time_limit import OutOfTime, cpu_limit
 from .bars import METHOD_ULPS, Bar, Shares, ambiguity, bar, roundings, shares
 from .proof_kind import kinds
 from .witnesses import EPS, Witness, quantities, witnesses
@@ -27,6 +29,12 @@ WIDEST = 1e-7
 # A position with a wider bar than this part of the plate's size is rejected: a caliper reads a thousandth, and a figure
 # shows it. The same applies to the plate's angle, in radians.
 COARSEST = 1e-3
+
+
+# CPU seconds for the motions from states moved by roundings.
+MOST_S = 200
+# Instants at which the poses of the second formulation are looked at.
+POSES = 400
 
 
 class NotCertified(CaseError):
@@ -60,12 +68,15 @@ class Certificate:
 def certify(case: Case) -> Certificate:
     """Compute the case's motion with error bars.
 
-    Raises NotCertified, with the witnesses and their answers, if they contradict each other or their bars are too wide.
+    Raises NotCertified, with the witnesses and their answers, if they contradict each other or their bars are too wide,
+    with the law, the place and the time if the motion of one breaks a law, and if it takes too long.
     """
     try:
         able, missing = witnesses(case)
     except FloatingPointError as problem:
         raise NotCertified(f"{case.label}: {problem}") from problem
+    if any(one.status == BROKEN_LAW for one in able):
+        raise NotCertified(f"{case.label}: {_faults(case, able)}")
     if not able:
         raise NotCertified(f"{case.label}: no witness reaches the end of the motion: {'; '.join(missing)}")
     if len(able) < 2:
@@ -73,8 +84,14 @@ def certify(case: Case) -> Certificate:
     # The samples end at the earliest end, so that every witness has a state there.
     times = np.linspace(0.0, min(witness.end for witness in able), SAMPLES)
     method = "taylor" if "taylor 1e-12" in [witness.name for witness in able] else "dop853"
-    moves = shares(case, times, method)
-    _check_events(case, able, moves, method)
+    try:
+        with cpu_limit(MOST_S):
+            moves = shares(case, times, method)
+            _check_events(case, able, moves, method)
+    except OutOfTime:
+        law = _faults(case, able) or f"{able[0].name} finds {able[0].answer}"
+        problem = f"the effect of roundings takes more than {MOST_S} s of CPU time to compute"
+        raise NotCertified(f"{case.label}: {law}; {problem}") from None
     certificate = _certificate(case, able, missing, times, moves, METHOD_ULPS[method] * EPS)
     _check_bars(case, certificate, able, moves)
     return certificate
@@ -122,18 +139,38 @@ def _check_events(case: Case, able: list[Witness], moves: Shares, method: str) -
     centre = able[0]
     for other in able[1:]:
         if other.events != centre.events:
-            fault = _conditioning(moves if moves.ill else moves._replace(ill=ambiguity(case, method)))
+            fault = _faults(case, able) or _conditioning(
+                moves if moves.ill else moves._replace(ill=ambiguity(case, method))
+            )
             raise NotCertified(f"{case.label}: {_contradiction(centre, other)}; {fault}")
     for other in able[1:]:
         for one, same in zip(centre.transitions, other.transitions, strict=True):
             if abs(one.time - same.time) > WIDEST:
                 message = f"{centre.name} finds {one.after} at {one.time!r} s, {other.name} at {same.time!r} s"
-                raise NotCertified(
-                    f"{case.label}: {message}; {_conditioning(moves, bool(np.any(moves.times > WIDEST)))}"
-                )
+                fault = _faults(case, able) or _conditioning(moves, bool(np.any(moves.times > WIDEST)))
+                raise NotCertified(f"{case.label}: {message}; {fault}")
 
     if moves.ill:
         raise NotCertified(f"{case.label}: all witnesses find {centre.answer}, but {_conditioning(moves)}")
+
+
+def _faults(case: Case, able: list[Witness]) -> str:
+    """Which witness breaks which law, where and when; "" if none does. Of the second formulation overlaps are seen."""
+    parts = []
+    for one in able:
+        laws = check(case, one.motion) if one.motion is not None else _overlaps(case, one)
+        parts += [f"{one.name} breaks a law, {laws[0]}"] if laws else []
+    return "; ".join([*parts, "please report the scene"]) if parts else ""
+
+
+def _overlaps(case: Case, witness: Witness) -> tuple[BrokenLaw, ...]:
+    """The overlaps of a motion of which poses are known."""
+    if case.effect(Drive) is not None:  # its track moves
+        return ()
+    times = np.linspace(0.0, witness.end, POSES)
+    states = witness.states(times)
+    names = ["", *(f" of {other.name}" for other in case.others)]
+    return overlaps(case, times, [[states[f"{q}{name}"] for q in ("x", "y", "theta")] for name in names])
 
 
 def _contradiction(one: Witness, other: Witness) -> str:

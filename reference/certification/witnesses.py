@@ -26,6 +26,7 @@ from .. import solve
 from ..minimal import hybrid
 from ..minimal.integrators import taylor
 from ..minimal.modes import FLIGHT, Phase, candidates, phase_at, start_pieces, start_state
+from ..time_limit import OutOfTime, cpu_limit
 
 QUANTITIES = ("x", "y", "theta", "slip", "omega")
 FREE = ("x", "y", "theta", "omega")
@@ -42,15 +43,20 @@ IN_PROGRESS = "unfinished"
 FINEST = {"taylor": 1e-12, "dop853": 1e-13}
 
 
+# CPU seconds of one witness.
+MOST_S = 100
+
+
 class Witness(NamedTuple):
     """One solution: its transitions, status, end of the motion, and states at any times, by quantity (those of the
-    first formulation include the contact's parameters)."""
+    first formulation include the contact's parameters); `motion`: that of the first formulation."""
 
     name: str
     transitions: Sequence[Transition]
     status: str
     end: float
     states: Callable[[np.ndarray], dict[str, np.ndarray]]
+    motion: Trajectory | None = None
 
     @property
     def events(self):
@@ -79,7 +85,11 @@ def witnesses(case: Case) -> tuple[list[Witness], list[str]]:
     for name in sorted(ways, key=lambda name: name != quickest):
         method, rtol = ways[name]
         try:
-            one = _by_second(case, name, rtol) if method == SECOND else _by_first(case, name, method, rtol)
+            with cpu_limit(MOST_S):
+                one = _by_second(case, name, rtol) if method == SECOND else _by_first(case, name, method, rtol)
+        except OutOfTime:
+            missing[name] = f"{name} takes more than {MOST_S} s of CPU time"
+            continue
         except NotSupported as problem:
             missing[name] = f"{name} cannot run: {problem}"
             continue
@@ -113,7 +123,7 @@ def _witness(name: str, motion: Trajectory) -> Witness:
     def states(times):
         return states_of(motion, np.minimum(times, motion.t[-1]))
 
-    return Witness(name, motion.transitions, motion.status, float(motion.t[-1]), states)
+    return Witness(name, motion.transitions, motion.status, float(motion.t[-1]), states, motion)
 
 
 def quantities(case: Case) -> tuple[str, ...]:

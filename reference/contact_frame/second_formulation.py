@@ -22,6 +22,7 @@ from cases.corner import Corner
 from cases.own_effects import ContactEffect
 from cases.piece_case import PieceCase, corner_on_corner, has_pieces, is_concave, neighbour, pieces_at
 
+from ..time_limit import check_time
 from . import flight_guards
 from .advancement import TooManyRounds
 from .chain_overlaps import ChainOverlaps
@@ -113,6 +114,7 @@ def _run(course: MotionState) -> SecondMotion:
         _at_once(course)
     changes, counted_until = 0, 0.0
     while not isinstance(now, EndState):
+        check_time()
         if course.work.used_up:
             now = EndState(IN_PROGRESS)
             break

@@ -8,6 +8,7 @@ import numpy as np
 
 from cases import Case, Impact
 
+from ..time_limit import check_time
 from .contacts import PairState, friction_of, resists
 from .impact_laws import velocities
 from .integration import EPS, DenseStep, PhaseIntegration
@@ -55,6 +56,7 @@ class ImpactSimulation(PhaseIntegration):
 
     def strike(self, now: Sequence[PairState]) -> None:
         """The impact at the touched contacts, if one of them closes."""
+        check_time()
         places_hit = [k for k, c in enumerate(self.contacts) if c.name in self.touching]
         small = MOVES * self.speed
         closing = [k for k in places_hit if now[k].lift < -small]

@@ -9,6 +9,7 @@ import numpy as np
 
 from cases import Belt, Case, DoesNotFit, Flight, Mode, Transition
 
+from ..time_limit import check_time
 from .complementarity import least_rate, solutions
 from .contacts import PairState, friction_of, frictions, is_rough, is_watched_always, resists
 from .impact_simulation import ImpactSimulation
@@ -41,6 +42,7 @@ class Simulation(ImpactSimulation):
         try:
             self.settle(may_strike=True)
             for _ in range(MOST_PHASES):
+                check_time()
                 self.phase(self.same_modes() if self.goes_on else self.decide())
         except SimulationEnd as end:
             return str(end)

@@ -20,7 +20,7 @@ from cases.supports import TRACK
 from ..minimal.curvature_proof import fits
 from ..minimal.integrators.segment import Segment
 from ..minimal.phase_end import Ending
-from ..scales import applied_acceleration, force_scale, speed_scale
+from ..scales import force_scale, load_acceleration, speed_scale
 from . import laws, penetration
 from .broken_laws import OVERLAP, BrokenLaw, worst, worst_first
 from .instants import PhaseInstants, of_phases
@@ -31,7 +31,7 @@ from .tolerances import part_of
 # The status of a motion that breaks a law.
 BROKEN_LAW = "broken_law"
 # Phases, each with the one that begins where it ends.
-Joined = list[tuple[PhaseInstants, PhaseInstants]]
+Neighbours = list[tuple[PhaseInstants, PhaseInstants]]
 
 
 class _Scales(NamedTuple):
@@ -55,13 +55,13 @@ def ending_by_laws(case: Case, solution: tuple[Sequence[Segment], Sequence[Trans
     segments, transitions, (status, reason) = solution
     if not segments:
         return status, reason
-    every = laws_broken_at(case, of_phases(case, segments), transitions, part_of(rtol))
+    every = faults_at(case, of_phases(case, segments), transitions, part_of(rtol))
     if not every:
         return status, reason
     return BROKEN_LAW, f"The motion breaks a law, so the solver is wrong: {every[0]}. It ended as {status}: {reason}"
 
 
-def laws_broken_at(
+def faults_at(
     case: Case, phases: list[PhaseInstants], transitions: Sequence[Transition], part: float
 ) -> tuple[BrokenLaw, ...]:
     """The laws that the instants of a motion break; a defect of this part of its scale is an error."""
@@ -102,7 +102,7 @@ def _scales(case: Case, phases: list[PhaseInstants]) -> _Scales:
         if has_load:  # at the start of each phase
             place, turn, velocity, spin = phase.plates[0][0]
             body = place.real, place.imag, angle_of(turn), velocity.real, velocity.imag, spin
-            acceleration = max(acceleration, applied_acceleration(case, phase.times[0], body))
+            acceleration = max(acceleration, load_acceleration(case, phase.times[0], body))
         for law, *_ in phase.contacts[0]:
             if law.belt is not None:
                 speed = max(speed, *(abs(law.belt.at(t)[0]) for t in phase.times))
@@ -128,7 +128,7 @@ def _at_contacts(case: Case, phases: list[PhaseInstants], scales: _Scales, part:
                     yield BrokenLaw("contact is closed", law.name, t, abs(gap), "m", far)
 
 
-def _at_joins(case: Case, following: Joined, scales: _Scales, part: float) -> Iterator[BrokenLaw]:
+def _at_joins(case: Case, following: Neighbours, scales: _Scales, part: float) -> Iterator[BrokenLaw]:
     """Poses are continuous from phase to phase."""
     names, far = names_of(case), part * scales.extent
     for one, other in following:
@@ -140,7 +140,7 @@ def _at_joins(case: Case, following: Joined, scales: _Scales, part: float) -> It
 
 
 def _of_energy(
-    case: Case, phases: list[PhaseInstants], following: Joined, contacts: dict[str, ContactLaw], scales: _Scales,
+    case: Case, phases: list[PhaseInstants], following: Neighbours, contacts: dict[str, ContactLaw], scales: _Scales,
     part: float,
 ) -> Iterator[BrokenLaw]:  # fmt: skip
     """Energy is not created."""
@@ -165,7 +165,7 @@ def _of_energy(
             before = energy
 
 
-def _jumps(following: Joined, scales: _Scales, part: float) -> Joins | None:
+def _jumps(following: Neighbours, scales: _Scales, part: float) -> Joins | None:
     """Where velocities jump by more than an error."""
     limit, sudden = part * scales.speed, list[tuple[PhaseInstants, PhaseInstants]]()
     for one, other in following:

@@ -98,9 +98,9 @@ def _one_contact(case: Case, number: int, phase: Phase, instants: Sequence[Insta
         (base, tangent), (own, along) = _point_and_tangent(track, y[0]), _point_and_tangent(outline, y[1])
         turn = tangent * along.conjugate()
         arm = turn * own
-        carried = slip if belt is None else slip + belt.at(t)[0]
+        speed = slip if belt is None else slip + belt.at(t)[0]
         times.append(t)
-        poses.append(((base - arm, turn, carried * tangent - 1j * spin * arm, spin),))
+        poses.append(((base - arm, turn, speed * tangent - 1j * spin * arm, spin),))
         contacts.append([(law, mode, slip, mass * normal, mass * friction, 0.0)])
         near.append(y[0] + shift)
     return PhaseInstants(number, times, poses, contacts, near)

@@ -87,11 +87,11 @@ def _load(samples: MotionSamples) -> tuple[np.ndarray | complex, np.ndarray | fl
 
 def acceleration(samples: MotionSamples) -> float:
     """Weight and the largest load per mass, m/s²: each alone, as they may cancel."""
-    gravity, plate, applied = samples.case.effect(Gravity), samples.case.plate, 0.0
+    gravity, plate, outer = samples.case.effect(Gravity), samples.case.plate, 0.0
     if samples.case.effect(Load) is not None:
         force, moment = _load(samples)
-        applied = float(np.max(np.abs(force) + np.abs(moment) / plate.gyration)) / plate.mass
-    return (gravity.g if gravity else 0.0) + applied
+        outer = float(np.max(np.abs(force) + np.abs(moment) / plate.gyration)) / plate.mass
+    return (gravity.g if gravity else 0.0) + outer
 
 
 def sums(samples: MotionSamples) -> Sums:
@@ -215,17 +215,17 @@ def contact_defects(
     yield Defects("slip velocity", name, times, np.where(is_certain, np.abs(slip - contact.slip), 0.0), speed, "m/s")
 
 
-def largest_force(samples: MotionSamples, law: ContactLaw, applied: float, speed: float, extent: float) -> float:
+def largest_force(samples: MotionSamples, law: ContactLaw, outer: float, speed: float, extent: float) -> float:
     """The scale of a contact's forces, N: `force_scale` with the forces of all contacts of its plates."""
     largest, bodies = 0.0, {law.body, law.base} - {None}
     for other in samples.contacts:
         if other.law.body in bodies or other.law.base in bodies:
             forces = np.abs(np.array((other.normal, other.friction)))
             largest = max(largest, float(np.fmax.reduce(forces, axis=None, initial=0.0)))
-    return force_scale(largest, plates_of(samples.case)[law.body].mass, applied, speed, extent)
+    return force_scale(largest, plates_of(samples.case)[law.body].mass, outer, speed, extent)
 
 
-def speed_of(samples: MotionSamples, reach: list[float], applied: float) -> float:
+def speed_of(samples: MotionSamples, reach: list[float], outer: float) -> float:
     """The scale of a motion's velocities, m/s: the largest of plates, slips and belts, and that of
     a fall from a plate's size; without weight and load a plate's size in the case's duration."""
     speeds = [
@@ -236,7 +236,7 @@ def speed_of(samples: MotionSamples, reach: list[float], applied: float) -> floa
         if contact.law.belt:
             speeds.append(float(np.abs(contact.law.belt.at_arrays(samples.times.ravel())).max()))
     size = max(reach)
-    return max(*speeds, speed_scale(applied, size)) or size / samples.case.duration
+    return max(*speeds, speed_scale(outer, size)) or size / samples.case.duration
 
 
 def extent_of(samples: MotionSamples, reach: list[float]) -> float:

@@ -9,6 +9,7 @@ from cases.contact import start_motion
 from cases.piece_case import PieceCase, has_pieces
 
 from ..scales import frequency
+from ..time_limit import check_time
 from .bouncing import Bounces
 from .contact_end import after_contact, leave
 from .decision import Undecidable, decide
@@ -58,6 +59,7 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
     bounces, progress, idle, steps = Bounces(whole), _Progress(), 0, 0
     landings, place = None, (initial.xi1, initial.xi2)  # of the whole curves, as all landings are
     for _ in range(MOST_PHASES):
+        check_time()
         now = phase_at(case, regime, y)
         y = state_in(now, y)
         if progress.none(now, t, y):

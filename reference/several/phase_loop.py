@@ -13,6 +13,7 @@ from ..minimal.decision import Undecidable
 from ..minimal.hybrid import MOST_PHASES
 from ..minimal.integrators.segment import BREAKDOWN, Segment
 from ..minimal.phase_end import LOCATION_ERROR, MOST_STEPS, ROUGH, Ending, undecidable, work_limit_ending
+from ..time_limit import check_time
 from .watched_plate import MotionEnds
 
 # This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
@@ -40,6 +41,7 @@ class PhaseLoop(ABC):
         try:
             self._begin()
             for _ in range(MOST_PHASES):
+                check_time()
                 ending = self._next_phase()
                 if ending:
                     return ending

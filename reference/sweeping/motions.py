@@ -117,11 +117,11 @@ def _solution(case: Case, rtol: float):
         return [], [], undecidable(0.0)
 
 
-def _simulate(case: Case, rtol: float, motions: Motions, i: int, is_sampled: bool) -> list[Transition]:
+def _simulate(case: Case, rtol: float, motions: Motions, i: int, is_sample: bool) -> list[Transition]:
     """Simulate one case without samples and write the result into row i; returns the transitions. It is checked by the
     laws if it is one of the scenarios that CHECKS says."""
     segments, transitions, ending = solution = _solution(case, rtol)
-    if is_sampled or ending[0] not in USUAL:
+    if is_sample or ending[0] not in USUAL:
         ending = ending_by_laws(case, solution, rtol)
     motions.status[i], motions.reason[i] = ending
     motions.alone[i], motions.steps[i] = True, sum(segment.steps for segment in segments)
