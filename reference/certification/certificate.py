@@ -90,8 +90,8 @@ def certify(case: Case) -> Certificate:
             _check_events(case, able, moves, method)
     except OutOfTime:
         law = _faults(case, able) or f"{able[0].name} finds {able[0].answer}"
-        problem = f"the effect of roundings takes more than {MOST_S} s of CPU time to compute"
-        raise NotCertified(f"{case.label}: {law}; {problem}") from None
+        late = f"the effect of roundings takes more than {MOST_S} s of CPU time to compute"
+        raise NotCertified(f"{case.label}: {law}; {late}") from None
     certificate = _certificate(case, able, missing, times, moves, METHOD_ULPS[method] * EPS)
     _check_bars(case, certificate, able, moves)
     return certificate

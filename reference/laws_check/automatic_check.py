@@ -101,8 +101,8 @@ def _scales(case: Case, phases: list[PhaseInstants]) -> _Scales:
                                 largest[body] = force
         if has_load:  # at the start of each phase
             place, turn, velocity, spin = phase.plates[0][0]
-            body = place.real, place.imag, angle_of(turn), velocity.real, velocity.imag, spin
-            acceleration = max(acceleration, load_acceleration(case, phase.times[0], body))
+            state = place.real, place.imag, angle_of(turn), velocity.real, velocity.imag, spin
+            acceleration = max(acceleration, load_acceleration(case, phase.times[0], state))
         for law, *_ in phase.contacts[0]:
             if law.belt is not None:
                 speed = max(speed, *(abs(law.belt.at(t)[0]) for t in phase.times))

@@ -49,7 +49,7 @@ class PhaseInstants(NamedTuple):
 
     number: int
     times: list[float]
-    plates: list[tuple[PlateInstant, ...]]
+    plates: Sequence[tuple[PlateInstant, ...]]
     contacts: list[list[TouchInstant]]
     near: Sequence[float] = ()
 

@@ -11,6 +11,7 @@ import cases
 import reference
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, StartPose, Unilateral, disc
 from reference import solve
+from reference.certification import NotCertified, certificate, witnesses
 from reference.laws_check import BROKEN_LAW
 from reference.sweeping import batches, motions
 from tests.scenes.lifted_plates import lifted_plate
@@ -143,3 +144,22 @@ def test_a_sweep_checks_some_of_its_scenarios(together, monkeypatch):
     assert "Coulomb's law in slip" in rows.reason[0]
     monkeypatch.setattr(motions, "USUAL", ())
     assert set(reference.sweep("disc_in_circle", mu=[0.2, 0.3, 0.4]).outcome) == {BROKEN_LAW}
+
+
+def test_certify_names_the_law_and_the_witness(monkeypatch):
+    monkeypatch.setattr(solve, "solve_motion", other_scene(with_effect(CoulombFriction(0.21)))(solve.solve_motion))
+    with pytest.raises(
+        NotCertified, match=r"dop853 1e-13 breaks a law, Coulomb's law in slip at plate/track: broken by"
+    ):
+        reference.certify(cases.load(CIRCLE))
+
+
+def test_certify_ends_at_its_limit(monkeypatch):
+    """With witnesses that take too long it names them."""
+    monkeypatch.setattr(witnesses, "MOST_S", 0.0)
+    with pytest.raises(NotCertified, match="no witness reaches the end.*takes more than 0.0 s of CPU time"):
+        reference.certify(cases.load(CIRCLE))
+    monkeypatch.undo()
+    monkeypatch.setattr(certificate, "MOST_S", 0.0)
+    with pytest.raises(NotCertified, match="roll at 0.630053764 s.*the effect of roundings takes more than 0.0 s"):
+        reference.certify(cases.load(CIRCLE))

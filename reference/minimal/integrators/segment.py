@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -88,14 +88,15 @@ class Segment:
         if not isinstance(self.record, tuple):
             return [*self.first[: 1 + inside], last]
         times, states = self.record
+        steps: Any = states
         if not hasattr(states, "at_step"):
             some = np.array([self.start, 0.5 * (self.start + self.event.time)][: 1 + inside])
             return [*zip(some.tolist(), states(some).T.tolist(), strict=True), last]
         if not inside:
-            return [states.at_step(0), last]
+            return [steps.at_step(0), last]
         if len(times) < 3:
-            return [states.at_step(0), states.inside(0, 0.5 * (self.event.time - self.start)), last]
-        return [states.at_step(0), states.at_step(len(times) // 2), last]
+            return [steps.at_step(0), steps.inside(0, 0.5 * (self.event.time - self.start)), last]
+        return [steps.at_step(0), steps.at_step(len(times) // 2), last]
 
     def until(self, time: float, evaluations: int) -> Segment:
         """The same motion cut at a time, with the given number of evaluations."""
