@@ -198,8 +198,9 @@ def check_at_once(case):
         literal = LiteralSystem(case, now)
         states = np.array([y, *(np.array(y) * share for share in (1.01, 0.98))])
         assert contact_forces.fits(case, now.regime.turn)
-        each = zip(SEVERAL_TIMES, states.tolist(), strict=True)
-        alone = np.array([literal.outputs_of_numbers(t, y) for t, y in each]).T
+        alone = np.array(
+            [literal.outputs_of_numbers(t, y) for t, y in zip(SEVERAL_TIMES, states.tolist(), strict=True)]
+        ).T
         at_once = literal.outputs_of_arrays(np.array(SEVERAL_TIMES), states.T)
         # The same sums in the same order; where a library multiplies matrices in another one, their rounding.
         force = np.abs(alone[2:]).sum(axis=0)
