@@ -39,8 +39,8 @@ _LARGEST = 100 * 2**20
 
 # Exit status where no run is worse but some are not decided: a continuous integration can let it pass, or ask for runs
 # with more samples.
-UNDECIDED = 3
-_STATUSES = {"worse": 1, "not decided": UNDECIDED}
+OPEN = 3
+_STATUSES = {"worse": 1, "not decided": OPEN}
 # JUnit's element of a run that is neither better nor the same.
 _ELEMENTS = {"worse": "failure", "not decided": "skipped"}
 
@@ -207,7 +207,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         report = place("report", (arguments.REPORT or ["report"])[0])
         changes = compare(place("report", arguments.baseline), report, tolerance, arguments.solver or ())
         print({"text": as_text, "json": as_json, "junit": as_junit}[arguments.format](changes))
-        return max((_STATUSES.get(run.change, 0) for run in changes), key=(0, UNDECIDED, 1).index, default=0)
+        return max((_STATUSES.get(run.change, 0) for run in changes), key=(0, OPEN, 1).index, default=0)
 
     return status(COMMAND, work, argv)
 

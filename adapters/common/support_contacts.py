@@ -181,13 +181,13 @@ def _parallel(outline: Curve, angle: np.ndarray) -> np.ndarray:
     """The parameters (n,) at which the tangent of a closed convex outline has these angles, rad: there a line of that
     angle touches it, by (6). Newton's method from the nearest of its samples."""
     samples = np.linspace(*outline.span, TRACK_SAMPLES)
-    turned = np.unwrap(np.asarray(outline.tangent_angle(samples)))
-    way = np.sign(turned[-1] - turned[0])
-    low = min(turned[0], turned[-1])
-    wanted = low + (angle - low) % (2.0 * pi)
-    xi2 = np.interp(way * wanted, way * turned, samples)
+    angles = np.unwrap(np.asarray(outline.tangent_angle(samples)))
+    way = np.sign(angles[-1] - angles[0])
+    low = min(angles[0], angles[-1])
+    target = low + (angle - low) % (2.0 * pi)
+    xi2 = np.interp(way * target, way * angles, samples)
     for _ in range(FOOT_STEPS):
-        off = wanted - np.asarray(outline.tangent_angle(xi2))
+        off = target - np.asarray(outline.tangent_angle(xi2))
         off -= 2.0 * pi * np.round(off / (2.0 * pi))
         xi2 = xi2 + off / (np.asarray(outline.curvature(xi2)) * np.asarray(outline.speed(xi2)))
     return xi2

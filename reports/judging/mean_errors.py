@@ -23,7 +23,7 @@ def _step(motion: Trajectory) -> float:
     return float(np.median(steps) if motion.dense is None else steps.max())
 
 
-def covered_until(motion: Trajectory, end: float) -> float:
+def end_of_samples(motion: Trajectory, end: float) -> float:
     """The end of the time that the motion covers: the truth's, if it comes within a few steps of that, else its own."""
     own = float(motion.t[-1])
     return end if own >= end - LAST_STEPS * _step(motion) else own
@@ -49,7 +49,7 @@ def mean_errors(
     there is no slip error."""
     end, t = float(truth.t[-1]), off["t"]
     gaps = sample_gaps(motion)
-    last = covered_until(motion, end)
+    last = end_of_samples(motion, end)
     spans = [*gaps, (last, end)] if last < end else gaps
     square, slip, total = _integrals(t, off["pose"], off["slip"], gaps)
     for begin, stop in spans:

@@ -21,7 +21,7 @@ from . import doubts, transitions
 from .claims import claims_hold
 from .distances import differences, even_samples
 from .friction_factor import Losses, losses_of_truth
-from .mean_errors import covered_until, mean_errors, sample_gaps
+from .mean_errors import end_of_samples, mean_errors, sample_gaps
 from .phases import (
     ModePhase,
     agreement,
@@ -273,7 +273,7 @@ def _modes(
     """The reading of a motion's modes that agrees best with the truth. `others`: the larger one of the other scores."""
     is_exact = motion.first_mode is not None
     unresolved = 0.0 if is_exact else doubts.unresolved(motion, scale.phases, scale.slips, scale.hops)
-    gaps, last = sample_gaps(motion), covered_until(motion, scale.end)
+    gaps, last = sample_gaps(motion), end_of_samples(motion, scale.end)
     true_flights, best = flights(scale.phases), None
     for reading, sampled, surcharge in _readings(case, motion, scale, creep, read):
         phases = rolling_within(phases_of(reading.first_mode, reading.transitions, last), scale.either)

@@ -86,7 +86,7 @@ ENGINES = ("pymunk", "exudyn")
 CATALOGUE = {case.label: case for name in cases.names(hard=False) for case in cases.select(name)}
 
 
-def drawn(kind: str, number: int) -> Iterator[Case]:
+def scenes_of(kind: str, number: int) -> Iterator[Case]:
     """So many scenes of a kind that the reference simulates, from the seeds 0, 1, …"""
 
     def admissible() -> Iterator[Case]:
@@ -106,7 +106,7 @@ def samples_of(case: Case, rate: float) -> int:
     return int(min(MOST, np.ceil(rate * case.duration))) + 1
 
 
-def judged(case: Case, truth: Truth, rate: float, has_forces: bool = True) -> Run:
+def judgement(case: Case, truth: Truth, rate: float, has_forces: bool = True) -> Run:
     """The judgement of the case's own export; raises CaseError where the file is refused."""
     names, rows = export.motion(case, samples_of(case, rate))
     frame = pd.DataFrame(rows, columns=list(names))
@@ -122,7 +122,7 @@ def fault_of_export(case: Case, truth: Truth, rate: float, has_forces: bool = Tr
     """What is wrong with the comparison of a case's export with itself: that it is surely not excellent, or refused
     for another reason than too few samples; "" if nothing."""
     try:
-        run = judged(case, truth, rate, has_forces)
+        run = judgement(case, truth, rate, has_forces)
     except CaseError as problem:
         return "" if any(words in str(problem) for words in TOO_FEW) else f"refused: {problem}"
     if run.score is not None and is_within(run.score, LIMITS[Grade.EXCELLENT]) is not False:
@@ -169,7 +169,7 @@ def test_every_case_of_the_catalogue_is_compared_with_itself_and_given_to_engine
 
 @pytest.mark.parametrize("kind", slow_but(QUICK_KINDS, KINDS, LOW_HOPS))
 def test_random_scenes_of_every_kind_are_compared_with_themselves_and_given_to_engines(kind):
-    scenes = list(drawn(kind, NUMBER))
+    scenes = list(scenes_of(kind, NUMBER))
     assert len(scenes) == NUMBER, "too few seeds give a scene that the reference simulates"
     for case in scenes:
         check(case)
