@@ -66,6 +66,9 @@ T = TypeVar("T")
 # either way would already overflow a cosh; ten are what a drawing shows.
 UNBOUNDED_SPAN = (-10.0, 10.0)
 
+# A closed curve's pieces are counted in whole numbers that doubles have.
+MOST_PIECES = 2**53
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Curve:
@@ -215,10 +218,12 @@ class Curve:
         return self.parts.breaks if self.parts is not None else ()
 
     def part(self, number: int) -> Curve | CurvePart:
-        """One piece of a curve in pieces as a curve with ends; any other curve is its only part."""
+        """One piece of a curve in pieces as a curve with ends; any other curve is its only part. The pieces of a closed
+        curve are counted on from round to round, forwards and backwards."""
         if self.parts is None:
             return self
-        return self.parts.part(whole("number of the piece", number, 0, self.parts.count - 1))
+        low, high = (-MOST_PIECES, MOST_PIECES) if self.parts.period else (0, self.parts.count - 1)
+        return self.parts.part(whole("number of the piece", number, low, high))
 
     @derived
     def _jet(self) -> Callable:

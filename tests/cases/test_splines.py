@@ -59,6 +59,8 @@ def test_a_closed_spline_continues_in_every_turn():
     assert np.abs(curve.jets(s) - curve.jets(s + 2 * curve.period))[:4].max() <= 1e-13
     turn = curve.tangent_angle(s[-1]) - curve.tangent_angle(s[0])
     assert turn == pytest.approx(8 * np.pi, abs=1e-12)
+    first, before = curve.part(0), curve.part(-24)
+    assert before.domain == pytest.approx(np.array(first.domain) - curve.period, rel=1e-14)
     again = Curve.spline(np.vstack([ellipse_points(24), ellipse_points(1)]), closed=True)
     assert again.period == pytest.approx(curve.period, rel=1e-15)
 
