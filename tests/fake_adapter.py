@@ -153,7 +153,7 @@ def read(model):
         fifth = np.arange(len(motion.x)) == 5
         motion = dataclasses.replace(motion, x=np.where(fifth, np.nan if how == "nan" else 1e300, motion.x))
     if how == "never rolls":
-        motion = dataclasses.replace(motion, slip=motion.slip + 0.5)
+        motion = dataclasses.replace(motion, slip=motion.slip + 1.0)  # as fast as it begins: no creep
     if way in ODD_STEPS:
         motion = dataclasses.replace(motion, cost=Cost(steps=ODD_STEPS[way]))
     if way == "own":

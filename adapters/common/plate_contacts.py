@@ -87,12 +87,11 @@ def with_plates(
     at the share `slip_lever` of the gap from the plate that is named first. A contact between two flights that does not
     last longer than `impact` (s) is an impact, closed at its first sample only.
     """
-    # Each step rounds the poses.
     size = float(np.abs(poses[..., :2]).max()) + max(plate.reach for plate in plates_of(case))
     every = [_along(case, contact, poses, rates, slip_lever) for contact in plate_contacts(case)]
     some = [one for one in every if (one.gap <= clear).any()]
     closed = [one.gap <= clear for one in some]
-    rounding = ROUNDING * size * len(t)
+    rounding = ROUNDING * size
     if torsor is not None:
         turning = np.array([float(plate.turns) for plate in plates_of(case)])
         lengths = np.array([plate.reach for plate in plates_of(case)])
