@@ -78,20 +78,15 @@ def truth(case: Case) -> dict:
 
 
 def motion(case: Case, samples: int = SAMPLES) -> tuple[tuple[str, ...], np.ndarray]:
-    """Columns and rows of the true motion at even times, in the format of `reports.compare`; forces are zero in
-    flight."""
+    """Columns and rows of the true motion at even times, in the format of `reports.compare`."""
     import reference
-    from adapters.common.motion_table import of_plate
-    from cases.free_plates import POSE
+
+    from .running.true_motions import columns_at
 
     true = reference.simulate(case, rtol=1e-13)
     times = np.unique(np.linspace(0.0, true.t[-1], samples))  # a motion that ends at once has one sample
-    names = ("x", "y", "theta", "vx", "vy", "omega", "normal_force", "friction_force")
-    columns = {"t": times, **{name: getattr(true(times), name) for name in names}}
-    for plate in true.plate_names[1:]:
-        own = true.plate(plate)(times)
-        columns |= {of_plate(name, plate): getattr(own, name) for name in POSE}
-    return tuple(columns), np.nan_to_num(np.column_stack([*columns.values()]))
+    columns = columns_at(true, times)
+    return tuple(columns), np.column_stack([*columns.values()])
 
 
 if __name__ == "__main__":

@@ -223,6 +223,17 @@ def _changes_with_slip(case: Case) -> bool:
     return friction is not None and (bool(friction.by_speed) or friction.stick != friction.mu)
 
 
+def doubt_of_reading(scores: Mapping[str, Score], of_truth: Mapping[str, Score] | None) -> float:
+    """How much of the largest `off` of a motion's contacts may be due to how its samples are read: what each part of it
+    has beyond the same part of the truth read from the same samples (`of_truth`) is sure. None: the truth cannot be
+    read from them, and the poses alone are sure."""
+    sure = [0.0]
+    for name, one in scores.items():
+        true = of_truth and of_truth[name]
+        sure += [one.pose - true.pose, one.mode - true.mode, one.slip - true.slip] if true else [one.pose]
+    return max(one.off for one in scores.values()) - max(sure)
+
+
 # Reads first mode and transitions of a sampled motion.
 Reader = Callable[[Case, Trajectory], Reading]
 

@@ -30,8 +30,8 @@ _EDGE = 2
 
 class SeveralJudgement(NamedTuple):
     """A motion compared with a truth of several contacts. `score`: that of the worst contact, `worst`, with the scale
-    `scale`; `reading`: the transitions of all contacts in their order in time; `ledger`: those paired with the truth's;
-    `spreads` (s) belong to the ledger's own transitions, in their order in time."""
+    `scale`; `scores`: those of all contacts; `ledger`: the transitions of all contacts, paired with the truth's, in
+    their order in time; `spreads` (s) belong to its own transitions, in their order in time."""
 
     score: Score
     worst: str
@@ -39,6 +39,7 @@ class SeveralJudgement(NamedTuple):
     first_mode: Mode
     ledger: tuple[LedgerRow, ...]
     spreads: tuple[float, ...]
+    scores: Mapping[str, Score]
 
 
 def scales(
@@ -83,7 +84,7 @@ def judge(
     )
     score = scores[worst]._replace(doubt=max(score.doubt for score in scores.values()))
     return SeveralJudgement(
-        score, worst, scales[worst], first, tuple(in_time), tuple(spread for _, spread in sorted(spreads))
+        score, worst, scales[worst], first, tuple(in_time), tuple(spread for _, spread in sorted(spreads)), scores
     )
 
 

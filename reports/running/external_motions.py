@@ -23,7 +23,7 @@ from cases.errors import unknown_name
 from ..judging import diagnosis
 from .records import Experiment, Run, Truth
 from .tasks import judge
-from .true_motions import true_motion
+from .true_motions import columns_at, true_motion
 
 ROUTE = "file"
 LONGEST_NAME = 60
@@ -121,9 +121,24 @@ def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, colum
     if truth.failure:
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
     true = true_motion(case, truth.method)
-    run = judge(row, case, motion, true, truth)
+    run = judge(row, case, motion, true, truth, same_samples=lambda: read_truth(case, columns, true))
     remarks = [run.reason, *diagnosis.mistakes(case, columns, true), diagnosis.slip_half_a_step_beside(case, motion)]
     return replace(run, reason="; ".join(text for text in remarks if text))
+
+
+def read_truth(case: Case, columns: diagnosis.Columns, true: Trajectory) -> Trajectory | None:
+    """The truth as a file with such columns, at its times, is read; None where it is refused: it ends within too few
+    samples, or turns too far between two."""
+    import pandas as pd  # the import takes half a second, and most reports have no file
+
+    times = columns["t"]
+    known = columns_at(true, times[times <= true.t[-1]])
+    if "slip" in columns:
+        known["slip"] = true(known["t"]).slip
+    try:
+        return motion_file.trajectory_of(case, pd.DataFrame({name: known[name] for name in columns if name in known}))
+    except DoesNotFit:
+        return None
 
 
 def sources(trajectories: Sequence[External]) -> dict[str, str]:

@@ -5,7 +5,7 @@ Whatever a solver does short of ending the process becomes a record.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -23,7 +23,7 @@ from ..judging import claims, distances, grades, impacts, ledger, several_contac
 from ..judging.friction_factor import friction_factor, is_defined
 from ..judging.friction_sensitivity import LEAST, friction_sensitivity
 from ..judging.null_motions import null_motions
-from ..judging.score import Scale, scale_of, score_and_reading
+from ..judging.score import Scale, Score, doubt_of_reading, scale_of, score_and_reading
 from ..judging.slip_phases import Reading
 from .clocked_run import run_on_clock
 from .names import legible
@@ -254,24 +254,29 @@ def motion_of(case: Case, name: str, route: str, setting: Setting) -> Trajectory
 
 
 def judge(
-    row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth, laws: tuple[str, ...] = ()
-) -> Run:
+    row: Run, case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth, laws: tuple[str, ...] = (),
+    same_samples: Callable[[], Trajectory | None] | None = None,
+) -> Run:  # fmt: skip
     """The row of a sound trajectory compared with the truth: score, grade and its reason, ledger, distances. `laws`:
-    the effects that the solver models by another law than the case's; the reason names them first."""
+    the effects that the solver models by another law than the case's; the reason names them first. `same_samples`: the
+    truth as it is read from samples like the trajectory's, None where it cannot be; without it, the doubt is that of
+    the trajectory's own samples."""
     assert truth.scale is not None, "a case with a truth has a scale"
-    if not claims.forces_hold(case, trajectory):
+    has_forces = claims.forces_hold(case, trajectory)
+    if not has_forces:
         trajectory, laws = claims.without_forces(trajectory), (*laws, "its forces do not make its motion")
     # Of a dense motion both its distances and its friction need samples, which take long by the paper's matrix.
     is_sampled = trajectory.dense is not None and is_defined(case, trajectory, truth.scale.losses)
     even = distances.even_samples(trajectory) if is_sampled else None
     off = distances.differences(trajectory, motion, case, even=even)
-    reading: Reading | several_contacts.SeveralJudgement
-    if truth.contact_scales:
-        reading = several_contacts.judge(case, trajectory, motion, truth.contact_scales, truth.transitions, off)
-        scored, scale, paired = reading.score, reading.scale, reading.ledger
+    scored, reading = _score(case, trajectory, motion, truth, off)
+    if same_samples and scored.off - scored.doubt > scored.pose:
+        doubt = _doubt_of_reading(case, motion, truth, (scored, reading), same_samples(), has_forces)
+        scored = scored._replace(doubt=max(scored.doubt, doubt))
+    if isinstance(reading, several_contacts.SeveralJudgement):
+        scale, paired = reading.scale, reading.ledger
         laws = (*laws, f"worst at {reading.worst}")
     else:
-        scored, reading = score_and_reading(case, trajectory, motion, truth.scale, off)
         gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t), initial=0.0))
         scale, paired = truth.scale, ledger.match(truth.transitions, reading.transitions, gap)
     friction = friction_factor(case, even or trajectory, scale.losses, scale.end)
@@ -304,6 +309,36 @@ def judge(
         samples=_drawn_samples(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
     )
+
+
+_Scored = tuple[Score, Reading | several_contacts.SeveralJudgement]
+
+
+def _score(
+    case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth, off: dict[str, np.ndarray] | None = None
+) -> _Scored:
+    """The score of a trajectory, of its worst contact if it has several, and its reading."""
+    if truth.contact_scales:
+        several = several_contacts.judge(case, trajectory, motion, truth.contact_scales, truth.transitions, off)
+        return several.score, several
+    assert truth.scale is not None, "a case with a truth has a scale"
+    return score_and_reading(case, trajectory, motion, truth.scale, off)
+
+
+def _doubt_of_reading(
+    case: Case, motion: Trajectory, truth: Truth, scored: _Scored, same_samples: Trajectory | None, has_forces: bool
+) -> float:
+    """The doubt of a score by how the truth is read from the same samples, with or without forces."""
+    if same_samples is None:
+        return doubt_of_reading(_scores(scored), None)
+    true = same_samples if has_forces else claims.without_forces(same_samples)
+    return doubt_of_reading(_scores(scored), _scores(_score(case, true, motion, truth)))
+
+
+def _scores(scored: _Scored) -> Mapping[str, Score]:
+    """The score of each contact, "" for the only one."""
+    one, reading = scored
+    return reading.scores if isinstance(reading, several_contacts.SeveralJudgement) else {"": one}
 
 
 def reading_of(case: Case, trajectory: Trajectory) -> Reading:

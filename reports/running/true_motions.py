@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from adapters import Setting
+from adapters.common.motion_table import of_plate
 from cases import Case, Trajectory, owned_folder
+from cases.free_plates import POSE
 
 from . import reference_adapter
 from .clocked_run import run_on_clock
@@ -41,3 +43,14 @@ def _file(case: Case, method: str) -> Path | None:
     """The motion's file; None outside workers, and for a case that cannot be compared."""
     folder, same = worker_process.pool_folder, content(case)
     return folder / f"{digest([same, method])}.motion" if folder and same else None
+
+
+def columns_at(motion: Trajectory, times: np.ndarray) -> dict[str, np.ndarray]:
+    """The columns of a motion with dense output at some times, in the format of `reports.compare`; forces are zero in
+    flight."""
+    state = motion(times)
+    columns = {"t": times, **{name: getattr(state, name) for name in (*POSE, "normal_force", "friction_force")}}
+    for plate in motion.plate_names[1:]:
+        own = motion.plate(plate)(times)
+        columns |= {of_plate(name, plate): getattr(own, name) for name in POSE}
+    return {name: np.nan_to_num(values) for name, values in columns.items()}
