@@ -40,6 +40,23 @@ def sample_gaps(motion: Trajectory) -> list[tuple[float, float]]:
     return spans
 
 
+def _silent_spans(motion: Trajectory, end: float) -> list[tuple[float, float]]:
+    """The spans up to the time `end`, s, of which the motion says nothing."""
+    gaps, last = sample_gaps(motion), end_of_samples(motion, end)
+    return [*gaps, (last, end)] if last < end else gaps
+
+
+def complete_times(motion: Trajectory, end: float) -> np.ndarray:
+    """The times of the motion's samples up to the time `end`, s, and where it says nothing even ones as near to each
+    other as its samples are (up to 1001 in a span)."""
+    step, times = _step(motion), [motion.t]
+    for begin, stop in _silent_spans(motion, end):
+        count = min((stop - begin) / step, _EVEN) if step > 0.0 else _EVEN
+        times.append(np.linspace(begin, stop, int(count) + 1))
+    result = np.unique(np.concatenate(times))
+    return result[result <= end]
+
+
 def mean_errors(
     motion: Trajectory, truth: Trajectory, off: Mapping[str, np.ndarray], case: Case
 ) -> tuple[float, float]:
@@ -49,8 +66,7 @@ def mean_errors(
     there is no slip error."""
     end, t = float(truth.t[-1]), off["t"]
     gaps = sample_gaps(motion)
-    last = end_of_samples(motion, end)
-    spans = [*gaps, (last, end)] if last < end else gaps
+    spans = _silent_spans(motion, end)
     square, slip, total = _integrals(t, off["pose"], off["slip"], gaps)
     for begin, stop in spans:
         a, b = min(begin, end), min(stop, end)

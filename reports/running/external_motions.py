@@ -21,6 +21,7 @@ from cases import BadValue, Case, CaseError, Cost, DoesNotFit, Trajectory
 from cases.errors import unknown_name
 
 from ..judging import diagnosis
+from ..judging.mean_errors import complete_times
 from .records import Experiment, Run, Truth
 from .tasks import judge
 from .true_motions import columns_at, true_motion
@@ -121,22 +122,25 @@ def judge_external(row: Run, case: Case, motion: Trajectory, truth: Truth, colum
     if truth.failure:
         raise DoesNotFit(f"there is no truth to judge it by: {truth.failure}")
     true = true_motion(case, truth.method)
-    run = judge(row, case, motion, true, truth, same_samples=lambda: read_truth(case, columns, true))
+    run = judge(row, case, motion, true, truth, same_samples=lambda: read_truth(case, motion, columns, true))
     remarks = [run.reason, *diagnosis.mistakes(case, columns, true), diagnosis.slip_half_a_step_beside(case, motion)]
     return replace(run, reason="; ".join(text for text in remarks if text))
 
 
-def read_truth(case: Case, columns: diagnosis.Columns, true: Trajectory) -> Trajectory | None:
-    """The truth as a file with such columns, at its times, is read; None where it is refused: it ends within too few
-    samples, or turns too far between two."""
+def read_truth(case: Case, motion: Trajectory, columns: diagnosis.Columns, true: Trajectory) -> Trajectory | None:
+    """The truth as it is read from a file with such columns at a motion's times; None where that is refused: it ends
+    within too few samples, or turns too far between two."""
     import pandas as pd  # the import takes half a second, and most reports have no file
 
-    times = columns["t"]
-    known = columns_at(true, times[times <= true.t[-1]])
+    times = complete_times(motion, float(true.t[-1]))
+    if len(times) < motion_table.LEAST_SAMPLES:
+        return None
+    at_times = columns_at(true, times)
     if "slip" in columns:
-        known["slip"] = true(known["t"]).slip
+        at_times["slip"] = np.asarray(true(times).slip)
+    table = pd.DataFrame({name: at_times[name] for name in columns if name in at_times})
     try:
-        return motion_file.trajectory_of(case, pd.DataFrame({name: known[name] for name in columns if name in known}))
+        return motion_file.trajectory_of(case, table)
     except DoesNotFit:
         return None
 

@@ -311,12 +311,12 @@ def judge(
     )
 
 
-_Scored = tuple[Score, Reading | several_contacts.SeveralJudgement]
+_Pair = tuple[Score, Reading | several_contacts.SeveralJudgement]
 
 
 def _score(
     case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth, off: dict[str, np.ndarray] | None = None
-) -> _Scored:
+) -> _Pair:
     """The score of a trajectory, of its worst contact if it has several, and its reading."""
     if truth.contact_scales:
         several = several_contacts.judge(case, trajectory, motion, truth.contact_scales, truth.transitions, off)
@@ -326,18 +326,18 @@ def _score(
 
 
 def _doubt_of_reading(
-    case: Case, motion: Trajectory, truth: Truth, scored: _Scored, same_samples: Trajectory | None, has_forces: bool
+    case: Case, motion: Trajectory, truth: Truth, pair: _Pair, same_samples: Trajectory | None, has_forces: bool
 ) -> float:
     """The doubt of a score by how the truth is read from the same samples, with or without forces."""
     if same_samples is None:
-        return doubt_of_reading(_scores(scored), None)
+        return doubt_of_reading(_scores(pair), None)
     true = same_samples if has_forces else claims.without_forces(same_samples)
-    return doubt_of_reading(_scores(scored), _scores(_score(case, true, motion, truth)))
+    return doubt_of_reading(_scores(pair), _scores(_score(case, true, motion, truth)))
 
 
-def _scores(scored: _Scored) -> Mapping[str, Score]:
+def _scores(pair: _Pair) -> Mapping[str, Score]:
     """The score of each contact, "" for the only one."""
-    one, reading = scored
+    one, reading = pair
     return reading.scores if isinstance(reading, several_contacts.SeveralJudgement) else {"": one}
 
 
