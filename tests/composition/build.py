@@ -144,7 +144,7 @@ def plate(spec: Spec) -> Plate:
 
 
 def support(spec: Spec, name: str) -> Support:
-    """A support beside the scene: a wall, an incline, or a curve that bends to the plate's side or away from it."""
+    """A support next to the scene: a wall, an incline, or a curve that bends to the plate's side or away from it."""
     right, x = spec["side"] > 0.0, spec["side"] * spec["place"]
     c, s = (0.0, 1.0) if spec["kind"] == "wall" else (cos(spec["slope"]), sin(spec["slope"]))
     if spec["kind"] in ("wall", "incline"):  # a straight line through (x, 0)

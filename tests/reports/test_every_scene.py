@@ -64,7 +64,7 @@ SMALL_OPENINGS = (
 # So is, at 1 kHz, a polygon that hops to rest, ever lower; a disc next to a wall before it touches it; and a plate that
 # lands within 5 µm and then has ended. Kinds of which a scene among the first is known to be one.
 LOW_FLIGHTS = ("steps and polygons", "belts with steps", "rolling resistance", "ripples")
-# What a file of too few samples is told.
+# The sentence for a file with too few samples.
 TOO_FEW = ("give at least", "give more samples", "too few for a slope")
 
 # By kind a scene from its seed.
