@@ -187,8 +187,7 @@ def _cut(solution: Solution, time: float, status: str, reason: str) -> Solution:
     # Work beyond the cut counts, too.
     work = sum(segment.evaluations for segment in segments[number:])
     last = segments[number].until(time, work)
-    # Beyond the cut the motion may have become singular.
-    last.event = last.event._replace(guard=None, state=tuple(last.states(np.array([time]))[:, 0].tolist()))
+    last.event = last.event._replace(guard=None)  # beyond the cut the motion may have become singular
     parts = [*segments[:number], last]
     return parts, [t for t in transitions if t.time < time], (status, reason)
 

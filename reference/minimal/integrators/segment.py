@@ -107,8 +107,7 @@ class Segment:
     def cut(self, time: float, guard: str | None) -> Segment:
         """The same motion that ends at a time (s) by that guard, in its state there."""
         cut = self.until(time, self.evaluations)
-        state = tuple(self.states(np.array([time]))[:, 0].tolist())
-        return replace(cut, event=Event(guard, time, state))
+        return replace(cut, event=cut.event._replace(guard=guard))
 
     def ended_by(self, guard: str) -> Segment:
         """The same motion, with another reason for its end."""
