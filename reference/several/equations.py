@@ -90,7 +90,7 @@ class ContactForm(NamedTuple):
 
     `surface`: its support's surface, which may run. `guides`: where more rows than three determine the motion, which of
     its normal and tangential row are used; no row has a force of its own then.
-    `resists`: whether it resists rolling.
+    `resists`: whether it resists rolling; `along`: an earlier contact of the same straight side.
     """
 
     track: Any
@@ -103,6 +103,7 @@ class ContactForm(NamedTuple):
     surface: FixedSurface = FixedSurface()
     guides: tuple[bool, bool] | None = None
     resists: bool = False
+    along: int | None = None
 
     @property
     def rubs(self) -> bool:
@@ -168,6 +169,13 @@ def _rows_of_kind(contact: _ContactTerms, kind: ContactRows, surface: Surface, r
     return [_EquationRow(n, h.ht, right_n, force, h.ht - ratio * h.hn)]
 
 
+def _turning_of_side(forms: tuple[ContactForm, ...], contacts: list[_ContactTerms]) -> Node:
+    """ω̇ of a side that lies flat, from the difference of two normal rows (8)″, in which translation vanishes."""
+    second, first = next((k, form.along) for k, form in enumerate(forms) if form.along is not None)
+    one, other = (contacts[k].h for k in (first, second))
+    return OMEGA**2 * (other.hn - one.hn) / (other.ht - one.ht)
+
+
 def _multipliers(rows: list[_EquationRow], torsor: tuple[Node, Node, Node]) -> tuple[list[Node], Node]:
     """The forces per mass that satisfy the rows, and the determinant in units of its value without the coupling of
     translation and rotation, which Painlevé's paradox makes 0."""
@@ -227,8 +235,11 @@ def _equations(forms: tuple[ContactForm, ...], law: Laws, rotation: Rotation) ->
         acceleration[0] = acceleration[0] + row.force[0] * value
         acceleration[1] = acceleration[1] + row.force[1] * value
         acceleration[2] = acceleration[2] + row.moment * value / GYRATION
+    # Exactly, so that no rotation of roundings begins.
     if rotation is Rotation.HELD and not is_guided:
-        acceleration[2] = ZERO  # exactly, so that no rotation of roundings begins
+        acceleration[2] = ZERO
+    elif any(form.along is not None for form in forms):
+        acceleration[2] = _turning_of_side(forms, contacts)
     conditions: dict[str, Node] = {}
     slip_rates: dict[str, Node] = {}
     limits: dict[str, Node] = {}

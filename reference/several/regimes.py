@@ -15,6 +15,7 @@ import numpy as np
 from cases import Belt, Case, CoulombFriction, Load, Mode
 from cases.contact_pairs import PairCase, pairs
 from cases.corner import Corner, Piece
+from cases.supports import is_straight
 
 from ..minimal.assembly import parameter_values, sizes_of
 from ..minimal.effects import SLIP_SIGN, CoulombBySpeed, FixedSurface, Frictionless, laws
@@ -109,6 +110,16 @@ def _sizes(piece: Piece, prefix: str) -> dict[str, float]:
     return values | ({f"{prefix}low": piece.domain[0], f"{prefix}high": piece.domain[1]} if piece.domain else {})
 
 
+def _first_of_side(contacts: Sequence[PairCase], kinds: Sequence[ContactRows], k: int) -> int | None:
+    """The first closed corner on the straight track of another closed corner: a side lies flat there."""
+    track = contacts[k].track
+    flat = [
+        j for j in range(k + 1)
+        if kinds[j] not in NO_ROWS and isinstance(contacts[j].plate.outline, Corner) and contacts[j].track == track
+    ]  # fmt: skip
+    return flat[0] if flat[-1:] == [k] and len(flat) > 1 and is_straight(track) else None
+
+
 @lru_cache(maxsize=512)
 def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
     """The equations of that regime with the case's parameters."""
@@ -122,6 +133,7 @@ def several_phase(case: Case, regime: SeveralRegime) -> SeveralPhase:
             turns=one.arc_range is not None, surface=laws(one).belt if kind not in NO_ROWS else FixedSurface(),
             guides=regime.guides[k] if regime.guides else None,
             resists=regime.turn is not None and kind not in NO_ROWS and resisting_arm(one) > 0.0,
+            along=_first_of_side(contacts, kinds, k),
         )
         for k, (one, kind) in enumerate(zip(contacts, kinds, strict=True))
     )  # fmt: skip

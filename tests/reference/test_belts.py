@@ -6,6 +6,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
+import cases
 import reference
 from cases import (
     BadValue,
@@ -136,3 +137,13 @@ def test_sweep_simulates_belts_one_by_one():
     """One by one, with the same times."""
     rows = reference.sweep("disc_on_conveyor", speed=[0.5, 1.0, 2.0])
     assert list(rows["first_time"]) == pytest.approx([v / (3 * 0.1 * G) for v in (0.5, 1.0, 2.0)], abs=EXACT)
+
+
+@pytest.mark.parametrize("method", reference.METHODS)
+@pytest.mark.parametrize("name", ["block_on_conveyor", "block_on_conveyor[speed=0.8,mu_static=0,stiffness=0]"])
+def test_a_block_that_lies_flat_does_not_turn(name, method):
+    """Its acceleration ω̇ is exactly zero while both corners slip or stick; roundings of it would add up to 1e-13 rad/s.
+    What is left are impacts' roundings of a velocity that is set to zero."""
+    motion = reference.simulate(cases.load(name), method=method)
+    assert motion.status == "completed"
+    assert np.abs(motion(np.linspace(0.0, float(motion.t[-1]), 301)).omega).max() <= 1e-30
