@@ -340,19 +340,19 @@ def _summary(
     calls: Calls,
 ) -> str:
     """The text on the terminal at the end: the verdict, the counts, and last the path of the page."""
-    from .analysis import tables, verdict
+    from .analysis import tables, verdict_text
     from .running.solvers import missing_words
     from .running.timing import phase_times
 
     lines = [
-        *verdict.filled(verdict.sentence(verdicts, pair_rows)),
+        *verdict_text.filled(verdict_text.sentence(verdicts, pair_rows)),
         "",
-        verdict.in_terminal(verdicts),
+        verdict_text.in_terminal(verdicts),
         "",
     ]
-    lines += [*verdict.legend(verdicts), ""]
+    lines += [*verdict_text.legend(verdicts), ""]
     if plan.verbose:
-        lines += [verdict.details(verdicts), "", *verdict.notes(verdicts), ""]
+        lines += [verdict_text.details(verdicts), "", *verdict_text.notes(verdicts), ""]
     many, counts = len(experiment.cases), tables.outcome_counts(experiment)
     lines += [f"{many} case{'s' * (many != 1)}, {len(experiment.runs):,} runs: {counts}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in experiment.truths.items() if truth.failure]

@@ -8,20 +8,18 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from itertools import chain, combinations
-from math import inf, isfinite, log, nan
+from itertools import combinations
+from math import inf, isfinite, isnan, log, nan
 from statistics import median
-from textwrap import wrap
 from typing import Any, NamedTuple
 
-from ..judging.friction_sensitivity import CHANGE, LEAST, LEAST_SHARE, not_ranked
+from ..judging.friction_sensitivity import CHANGE, not_ranked
 from ..judging.grades import LIMITS, Grade, grade, percent
 from ..judging.score import Score
 from ..running import external_motions, submissions
 from ..running.names import REFERENCE
 from ..running.records import Experiment, Run, default, defaults, routes
 from .levels import ONE_SETTING, level_results
-from .number_format import seconds
 from .time_to_accuracy import WITH_TIMES, cost
 
 HOLDS = (
@@ -39,7 +37,7 @@ PAIR_COLUMNS = (
     "solver", "route", "other_solver", "other_route", "common_cases", "default_off", "other_default_off", "finest_off",
     "other_finest_off", "nearer", "other_nearer", "undecided",
 )  # fmt: skip
-_WITHOUT_MOTION = ("unsupported", "crashed", "timed_out")
+WITHOUT_MOTION = ("unsupported", "crashed", "timed_out")
 # Levels whose cases are counted, and what their columns are called.
 _COUNT_LEVELS = {"good": LIMITS[Grade.GOOD], "excellent": LIMITS[Grade.EXCELLENT]}
 # A route: solver and name.
@@ -78,14 +76,26 @@ def cost_of_friction(sensitivities: Sequence[float]) -> str:
 
 def scenes(experiment: Experiment) -> dict[Key, dict[str, SceneOffs]]:
     """The errors of every route but the reference's in each case that depends on friction's law and that it answers."""
-    cases, result = friction_cases(experiment), dict[Key, dict[str, SceneOffs]]()
+    cases = friction_cases(experiment)
+    return {
+        key: {case: offs for case, group in groups.items() if case in cases and (offs := _scene_offs(group))}
+        for key, groups in _groups(experiment).items()
+    }
+
+
+def _groups(experiment: Experiment) -> dict[Key, dict[str, list[Run]]]:
+    """The runs of every route but the reference's, by case."""
+    result: dict[Key, dict[str, list[Run]]] = {}
     for (case, solver, route), group in routes(experiment.runs).items():
         if solver != REFERENCE:
-            own = result.setdefault((solver, route), {})
-            last, usual = _finest(group), default(group)
-            if case in cases and last is not None and last.score:
-                own[case] = SceneOffs(usual.score.off if usual and usual.score else nan, last.score)
+            result.setdefault((solver, route), {})[case] = group
     return result
+
+
+def _scene_offs(group: Sequence[Run]) -> SceneOffs | None:
+    scores = [run.score for run in group if run.score is not None]
+    usual = default(group)
+    return SceneOffs(usual.score.off if usual and usual.score else nan, scores[-1]) if scores else None
 
 
 def rows(experiment: Experiment, times: Sequence[Mapping[str, Any]] = ()) -> list[dict[str, Any]]:
@@ -94,19 +104,15 @@ def rows(experiment: Experiment, times: Sequence[Mapping[str, Any]] = ()) -> lis
     cases = friction_cases(experiment)
     counts = _level_counts(experiment, cases)
     costs = _costs(times, cases)
-    groups: dict[Key, dict[str, list[Run]]] = {}
-    for (case, solver, route), group in routes(experiment.runs).items():
-        if solver != REFERENCE:
-            groups.setdefault((solver, route), {})[case] = group
     offs = scenes(experiment)
-    common = _common([offs[key] for key in groups if _is_own(experiment, key)])
+    common = _common([own for key, own in offs.items() if _is_own(experiment, key)])
     table = [
-        _row(groups[key], experiment.our_parts.get(key, ""), cases)
-        | {"solver": key[0], "route": key[1]}
+        {"solver": key[0], "route": key[1], "our_part": experiment.our_parts.get(key, ""), "friction_cases": len(cases)}
+        | _row([groups[case] for case in cases if case in groups], list(offs[key].values()))
         | _common_offs(offs[key], common)
         | counts[key]
         | costs(key)
-        for key in groups
+        for key, groups in _groups(experiment).items()
     ]
     # NaN is in no order.
     return sorted(table, key=lambda row: (bool(row["our_part"]), not row["answered"], *_order(row)))
@@ -157,7 +163,7 @@ def _common_offs(own: Mapping[str, SceneOffs], common: Sequence[str]) -> dict[st
 
 def _order(row: Mapping[str, Any]) -> tuple[float, str]:
     off = row["common_finest_off"]
-    return off if isfinite(off) else inf, f"{row['solver']} {row['route']}"
+    return off if isfinite(off) else inf, name(row)
 
 
 def _level_counts(experiment: Experiment, cases: Sequence[str]) -> dict[Key, Counter]:
@@ -191,74 +197,31 @@ def _costs(times: Sequence[Mapping[str, Any]], cases: Sequence[str]) -> Callable
     return columns
 
 
-def _finest(group: Sequence[Run]) -> Run | None:
-    """The finest setting run that gave a motion, or None."""
-    return next((run for run in reversed(group) if run.score is not None), None)
-
-
-def _row(group: Mapping[str, list[Run]], our_part: str, cases: Sequence[str]) -> dict[str, Any]:
-    mine = [group[case] for case in cases if case in group]
-    last = [run for runs in mine if (run := _finest(runs)) is not None]
-    grids = [grid for runs in mine if (grid := defaults(runs))]
-    missing = Counter(runs[-1].outcome for runs in mine if _finest(runs) is None)
-    finest, of_defaults = _offs(last), [_offs(grid) for grid in grids]
-    usual = _offs([run for runs in mine if (run := default(runs)) is not None])
-    middle = median(finest) if finest else nan
+def _row(groups: Sequence[Sequence[Run]], offs: Sequence[SceneOffs]) -> dict[str, Any]:
+    """The columns over all cases that a route answers. `groups`: its runs of each case."""
+    answers = [[run for run in group if run.score is not None] for group in groups]
+    missing = Counter(group[-1].outcome for group, motions in zip(groups, answers, strict=True) if not motions)
+    usual = [run for motions in answers for run in defaults(motions)]
+    defaults_off = [run.score.off for run in usual if run.score]
+    middles = [scene.default for scene in offs if not isnan(scene.default)]
+    finest = [scene.finest.off for scene in offs]
     return {
-        "our_part": our_part,
-        "friction_cases": len(cases),
-        "answered": len(last),
-        **{outcome: missing[outcome] for outcome in _WITHOUT_MOTION},
-        "default_off": median(usual) if usual else nan,
-        "default_off_best": min(map(min, of_defaults), default=nan),
-        "default_off_worst": max(map(max, of_defaults), default=nan),
-        "finest_off": middle,
+        "answered": len(offs),
+        **{outcome: missing[outcome] for outcome in WITHOUT_MOTION},
+        "default_off": median(middles) if middles else nan,
+        "default_off_best": min(defaults_off, default=nan),
+        "default_off_worst": max(defaults_off, default=nan),
+        "finest_off": median(finest) if finest else nan,
         "finest_off_worst": max(finest, default=nan),
-        "median_grade": str(grade(middle)) if finest else "",
-        "worst_friction_factor": _worst_friction([*chain(*grids), *last]),
+        "median_grade": str(grade(median(finest))) if finest else "",
+        "worst_friction_factor": _worst_friction([*usual, *(motions[-1] for motions in answers if motions)]),
     }
-
-
-def _offs(runs: Sequence[Run]) -> list[float]:
-    return [run.score.off for run in runs if run.score is not None]
 
 
 def _worst_friction(runs: Sequence[Run]) -> float:
     """The friction × that is farthest from 1, by its ratio; NaN where none is known."""
     factors = [run.friction_factor for run in runs if isfinite(run.friction_factor)]
     return max(factors, key=lambda factor: abs(log(factor)) if factor > 0.0 else inf, default=nan)
-
-
-# --- in words ---------------------------------------------------------------------------------------------------------
-
-
-def sentence(table: Sequence[Mapping[str, Any]], pair_rows: Sequence[Mapping[str, Any]] = ()) -> str:
-    """The errors of the engines by themselves on their common cases, and how many each answers."""
-    own = [row for row in table if is_engine(row)]
-    if not any(row["answered"] for row in own):
-        return "No engine is compared: none answers a case that depends on friction's law."
-    errors = [row for row in own if row["answered"]]
-    many = errors[0]["common_cases"]
-    if many:
-        texts = "; ".join(
-            f"{name(row)} {_percent(row['common_default_off'])} by default, {_percent(row['common_finest_off'])} "
-            "at the finest setting run"
-            for row in errors
-        )
-        which = f"{len(errors)} engines" if len(errors) > 1 else "engine"
-        start = (
-            f"{LEAD} {many} case{'s' * (many != 1)} that the {which} shown answer{'s' * (len(errors) == 1)}: {texts}."
-        )
-    else:
-        start = "No case is answered by all engines shown."
-    answers = ", ".join(f"{name(row)} answers {row['answered']}" for row in own)
-    nearer = [
-        f" Of two, {row['solver']} is nearer in {row['nearer']}, {row['other_solver']} in {row['other_nearer']}, and "
-        f"{row['undecided']} are not decided."
-        for row in pair_rows
-        if len(own) == 2 and row["common_cases"]
-    ]
-    return f"{start}{''.join(nearer)} Of all {own[0]['friction_cases']}, {answers}."
 
 
 _FROM_FILES = (external_motions.ROUTE, submissions.ROUTE)
@@ -277,141 +240,3 @@ def _is_by_itself(route: str, our_part: str) -> bool:
 def name(row: Mapping[str, Any]) -> str:
     """Solver and route."""
     return f"{row['solver']} {row['route']}"
-
-
-LEAD = "Off (100 %: as bad as ignoring friction's law), medians over the"
-
-
-def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
-    """The row for readers, as in the terminal and on the page: main text and small text by heading."""
-    lacking = [f"{row[outcome]} {outcome.replace('_', ' ')}" for outcome in _WITHOUT_MOTION if row[outcome]]
-    count = f"{row['answered']} of {row['friction_cases']}"
-    factor = row["worst_friction_factor"]
-    return {
-        "answered": (count, ", ".join(lacking)),
-        "common, default": (_percent(row["common_default_off"]), ""),
-        "common, finest": (_percent(row["common_finest_off"]), ""),
-        "default": (_percent(row["default_off"]), _range(row)),
-        "finest": (_percent(row["finest_off"]), _worst(row["finest_off_worst"])),
-        "grade": (row["median_grade"] or "–", ""),
-        "≤ 1 %": (_confirmed(row, "good"), f"≤ 0.01 %: {_confirmed(row, 'excellent')}"),
-        "friction ×": (f"{float(f'{factor:.2g}'):g}" if isfinite(factor) else "–", ""),
-        **({"time to 1 %": _time(row)} if row["cost_case"] else {}),
-    }
-
-
-def _confirmed(row: Mapping[str, Any], level: str) -> str:
-    """The cases within a level that finer settings confirm, and those that only the finest setting reaches."""
-    lucky = row[f"{level}_one_setting"]
-    return f"{row[f'{level}_cases'] - lucky} + {lucky}"
-
-
-def _time(row: Mapping[str, Any]) -> tuple[str, str]:
-    """CPU time of the first run within 1 % in the cost case, and of 1,000 runs."""
-    first, thousand = row["good_first_s"], row["good_thousand_s"]
-    return (seconds(first), f"1,000 runs: {seconds(thousand)}") if isfinite(first) else ("–", "")
-
-
-def _percent(off: float) -> str:
-    return percent(off).replace("less than ", "< ") if isfinite(off) else "–"
-
-
-def _range(row: Mapping[str, Any]) -> str:
-    """The range of off over all cases and default settings."""
-    low, high = row["default_off_best"], row["default_off_worst"]
-    return f"{_percent(low).removesuffix(' %')} to {_percent(high)}" if isfinite(high) else ""
-
-
-def _worst(off: float) -> str:
-    return f"worst {_percent(off)}" if isfinite(off) else ""
-
-
-# Widest table of the terminal, in characters: that of a terminal that was not resized.
-WIDTH = 80
-# Headings of the two tables of the terminal, by the headings of `cells`.
-_SHORT = {
-    "answered": "answers",
-    "common, default": "default",
-    "common, finest": "finest",
-    "≤ 1 %": "≤ 1 %",
-    "friction ×": "friction ×",
-}
-_DETAILS = {"default": "default", "finest": "finest", "grade": "grade"}
-
-
-def in_terminal(table: Sequence[Mapping[str, Any]]) -> str:
-    """The table for the terminal, at most `WIDTH` wide: engines, then routes that are partly this project's."""
-    return _in_terminal(table, [{new: cells(row)[old][0] for old, new in _SHORT.items()} for row in table])
-
-
-def details(table: Sequence[Mapping[str, Any]]) -> str:
-    """Further columns for the terminal, at most `WIDTH` wide: errors over all cases that each answers, and times."""
-    lines = []
-    for row in table:
-        texts = cells(row)
-        line = {new: texts[old][0] for old, new in _DETAILS.items()}
-        line |= {"worst": texts["finest"][1].removeprefix("worst "), "≤ 0.01 %": _confirmed(row, "excellent")}
-        if "time to 1 %" in texts:
-            first, thousand = texts["time to 1 %"]
-            line |= {"first run": first, "1,000 runs": thousand.removeprefix("1,000 runs: ")}
-        lines.append(line)
-    return _in_terminal(table, lines)
-
-
-def _in_terminal(table: Sequence[Mapping[str, Any]], lines: Sequence[Mapping[str, str]]) -> str:
-    from tabulate import tabulate
-
-    def text(names: Sequence[str], is_dense: bool) -> str:
-        pairs = [{"engine": one} | dict(line) for one, line in zip(names, lines, strict=True)]
-        options: dict[str, Any] = dict(tablefmt="plain", disable_numparse=True, stralign="right")
-        if is_dense:  # tabulate pads columns with a heading by two more spaces
-            return tabulate([list(pairs[0]), *(list(pair.values()) for pair in pairs)], **options)
-        return tabulate(pairs, headers="keys", **options)
-
-    def excess(text: str) -> int:
-        return max(map(len, text.splitlines()), default=0) - WIDTH
-
-    names = [name(row) for row in table]
-    if excess(text(names, False)) <= 0:
-        return text(names, False)
-    # The engines' names are the only cells without a bound.
-    longest = max(map(len, names)) - max(0, excess(text(names, True)))
-    return text([_shorten(one, longest) for one in names], True)
-
-
-def _shorten(words: str, longest: int) -> str:
-    return words if len(words) <= longest else f"{words[: longest - 1]}…"
-
-
-def legend(table: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What the columns of `in_terminal` mean, in lines of at most `WIDTH` characters."""
-    ours = [name(row) for row in table if row["our_part"]]
-    return filled(
-        "default, finest: error with default settings (the median one of usual values) and at the finest setting run, "
-        "100 % = as bad as ignoring friction's law; medians over the cases that all engines answer.",
-        "≤ 1 %: cases that stay within 1 %, confirmed by two settings + by the finest setting only, perhaps by luck. "
-        "friction ×: friction compared with the law's, in the worst case.",
-        *([f"Not compared, because this project computes the contact: {', '.join(ours)}."] if ours else []),
-    )
-
-
-def notes(table: Sequence[Mapping[str, Any]]) -> list[str]:
-    """What the columns of `details` mean, and what the routes are that are partly this project's, in lines of at most
-    `WIDTH`."""
-    parts = {name(row): row["our_part"] for row in table if row["our_part"]}
-    return filled(
-        "Here default and finest are medians over the cases that each answers, so not of the same cases. worst, grade: "
-        "the largest error and the grade of the median error, at the finest setting run.",
-        f"Cases: those where 1 % of friction changes the error by {LEAST:g} or more, and ignoring friction changes the "
-        f"path by {100 * LEAST_SHARE:g} % or more. ≤ 1 %, ≤ 0.01 %: number of cases "
-        "in which the error and its doubt stay within that from a setting on.",
-        *(f"Not compared: {route} ({words})." for route, words in parts.items()),
-    )
-
-
-def filled(*texts: str) -> list[str]:
-    """The texts in lines of at most `WIDTH`; a number and its percent sign stay together."""
-    joined = [text.replace(" %", "\N{NO-BREAK SPACE}%") for text in texts]
-    return [
-        line.replace("\N{NO-BREAK SPACE}", " ") for text in joined for line in wrap(text, WIDTH, break_on_hyphens=False)
-    ]

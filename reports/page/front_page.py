@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from ..analysis import verdict
+from ..analysis import verdict, verdict_text
 from ..running.ladder_selection import ladder_case
 from ..running.names import REFERENCE
 from ..running.records import Experiment, Run, routes
@@ -41,8 +41,8 @@ def screen(
     cost_case = next((row["cost_case"] for row in verdicts if row["cost_case"]), hero)
     return {
         "compared": _comparison(experiment),
-        "sentence": verdict.sentence(verdicts, records(frames["pairs"])),
-        "lead": verdict.LEAD,
+        "sentence": verdict_text.sentence(verdicts, records(frames["pairs"])),
+        "lead": verdict_text.LEAD,
         "friction": verdict.cost_of_friction(
             [experiment.truths[label].friction_sensitivity for label in verdict.friction_cases(experiment)]
         ),
@@ -87,7 +87,9 @@ def _row(row: Mapping[str, Any], offs: Mapping[str, verdict.SceneOffs]) -> dict[
         "id": identifier(row["solver"]),
         "our_part": row["our_part"],
         "scenes": json.dumps(_numbers(offs)) if verdict.is_engine(row) else "",
-        "cells": [{"head": head, "text": text, "small": small} for head, (text, small) in verdict.cells(row).items()],
+        "cells": [
+            {"head": head, "text": text, "small": small} for head, (text, small) in verdict_text.cells(row).items()
+        ],
     }
 
 

@@ -8,7 +8,7 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..analysis import cost_tables, tables, verdict
+from ..analysis import cost_tables, tables, verdict, verdict_text
 from ..analysis.columns import Table, describe_column, with_version
 from ..analysis.work_precision import CostMeasurements
 from ..running import per_solver
@@ -126,8 +126,8 @@ def write(
         verdicts[:] = verdict.rows(experiment, [row for frame in times for row in records(frame)])
         # The terminal's text is made here as well, so that a row that fails there is omitted from both.
         in_pairs[:] = verdict.pairs(experiment)
-        verdict.sentence(verdicts, in_pairs)
-        for in_words in (verdict.in_terminal, verdict.legend, verdict.details, verdict.notes):
+        verdict_text.sentence(verdicts, in_pairs)
+        for in_words in (verdict_text.in_terminal, verdict_text.legend, verdict_text.details, verdict_text.notes):
             in_words(verdicts)
         return {
             "verdict": pd.DataFrame(verdicts, columns=list(verdict.COLUMNS)),

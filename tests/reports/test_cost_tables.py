@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from reports import build, options
-from reports.analysis import columns, cost_conclusions, number_format, verdict, which_engine
+from reports.analysis import columns, cost_conclusions, number_format, verdict_text, which_engine
 from reports.judging.grades import LEVELS
 from reports.page import dictionary, text
 from reports.running import solvers
@@ -141,13 +141,13 @@ def test_terminal_page_and_file_give_the_same_verdict(report):
     assert len(rows) == len(shown) == len(solvers.solver("pymunk").routes)
     for row, (who, cells) in zip(rows, shown, strict=True):
         texts = re.findall(r"<td.*?>(.*?)(?: <small>.*?)?</td>", cells, re.DOTALL)
-        assert [unescape(text) for text in texts] == [main for main, _ in verdict.cells(row).values()]
+        assert [unescape(text) for text in texts] == [main for main, _ in verdict_text.cells(row).values()]
         assert who.endswith(f"{row['solver']} {row['route']}")
-    assert verdict.in_terminal(rows) in terminal
+    assert verdict_text.in_terminal(rows) in terminal
     (sentence,) = re.findall(r'<p class="verdict"[^>]*>(.*?)</p>', page)
-    assert "\n".join(verdict.filled(unescape(sentence))) in terminal
+    assert "\n".join(verdict_text.filled(unescape(sentence))) in terminal
     assert terminal.splitlines()[-1] == str(report / "index.html")
-    assert unescape(sentence) == verdict.sentence(rows)
+    assert unescape(sentence) == verdict_text.sentence(rows)
 
 
 def test_first_sentence_is_true_by_the_tables_beside_it(report):

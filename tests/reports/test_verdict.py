@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from adapters import Setting, our_part
-from reports.analysis import verdict
+from reports.analysis import verdict, verdict_text
 from reports.judging.friction_factor import Losses
 from reports.judging.score import Scale, Score
 from reports.running.experiment import _our_parts
@@ -63,7 +63,7 @@ def test_only_engines_by_themselves_are_compared_and_the_reference_is_not_there(
     ]  # fmt: skip
     # The route that is partly ours is the nearest, and is not in the sentence.
     assert rows[2]["common_finest_off"] < rows[0]["common_finest_off"] and rows[2]["our_part"]
-    assert "assisted" not in verdict.sentence(rows)
+    assert "assisted" not in verdict_text.sentence(rows)
 
 
 def test_an_engine_that_crashed_before_it_named_its_routes_has_a_row():
@@ -71,7 +71,7 @@ def test_an_engine_that_crashed_before_it_named_its_routes_has_a_row():
     assert [(row["solver"], row["crashed"], row["good_cases"], row["excellent_one_setting"]) for row in rows] == [
         ("one", 0, 1, 1), ("broken", 1, 0, 0)
     ]  # fmt: skip
-    assert "broken" in verdict.in_terminal(rows) and "broken" not in verdict.sentence(rows)
+    assert "broken" in verdict_text.in_terminal(rows) and "broken" not in verdict_text.sentence(rows)
 
 
 def test_errors_are_compared_over_the_same_cases_only():
@@ -86,8 +86,8 @@ def test_errors_are_compared_over_the_same_cases_only():
     ]  # fmt: skip
     assert rows[0]["finest_off"] > rows[1]["finest_off"]
     assert (rows[1]["answered"], rows[1]["unsupported"]) == (1, 1)
-    assert "1 unsupported" in verdict.cells(rows[1])["answered"][1]
-    text = verdict.sentence(rows)
+    assert "1 unsupported" in verdict_text.cells(rows[1])["answered"][1]
+    text = verdict_text.sentence(rows)
     assert (
         "the 1 case that the 2 engines shown answer" in text and "all native answers 2, easy native answers 1" in text
     )
@@ -96,10 +96,10 @@ def test_errors_are_compared_over_the_same_cases_only():
 def test_an_engine_that_answers_nothing_is_not_named_for_its_errors():
     rows = table(unanswered("a", "none", "native"), unanswered("b", "none", "native"), run("a", "one", "native", 0.1))
     assert [row["solver"] for row in rows] == ["one", "none"]
-    text = verdict.sentence(rows)
+    text = verdict_text.sentence(rows)
     assert "none native answers 0" in text and "none native –" not in text and "the 1 case that the engine" in text
     nobody = table(unanswered("a", "none", "native"))
-    assert verdict.sentence(nobody).startswith("No engine is compared")
+    assert verdict_text.sentence(nobody).startswith("No engine is compared")
 
 
 def test_two_engines_are_compared_over_the_cases_that_both_answer():
@@ -143,8 +143,8 @@ def test_the_sentence_is_of_engines_that_can_be_installed_not_of_motions_from_fi
         run("a", "mine", "file", 1e-6), run("a", "theirs", "submission", 1e-5), run("a", "one", "native", 0.1),
         run("a", "one", "assisted", 1e-6), one="our contact geometry around one's step",
     )  # fmt: skip
-    assert "one native – by default, 10 % at the finest" in verdict.sentence(rows)
-    assert "mine" not in verdict.sentence(rows) and "assisted" not in verdict.sentence(rows)
+    assert "one native – by default, 10 % at the finest" in verdict_text.sentence(rows)
+    assert "mine" not in verdict_text.sentence(rows) and "assisted" not in verdict_text.sentence(rows)
 
 
 def test_default_settings_are_a_grid_shown_as_median_and_range():
@@ -153,23 +153,23 @@ def test_default_settings_are_a_grid_shown_as_median_and_range():
     rows = table(*runs, run("b", "one", "native", 0.2, grid[0]), run("a", "one", "native", 0.01))
     (row,) = rows
     assert (row["default_off_best"], row["default_off"], row["default_off_worst"]) == (0.1, pytest.approx(0.3), 0.9)
-    assert verdict.cells(row)["default"] == ("30 %", "10 to 90 %")
+    assert verdict_text.cells(row)["default"] == ("30 %", "10 to 90 %")
     # Of an even number no setting is in the middle: the better one of the two is shown.
     assert default(runs[:2]).score.off == 0.1 and default(runs).score.off == 0.4
 
 
 def test_cases_that_only_the_finest_setting_reaches_are_counted_apart():
     rows = table(run("a", "one", "native", 0.5), run("a", "one", "native", 0.001), run("b", "one", "native", 0.001))
-    assert verdict.cells(rows[0])["≤ 1 %"][0] == "0 + 2"
+    assert verdict_text.cells(rows[0])["≤ 1 %"][0] == "0 + 2"
     sure = table(run("a", "one", "native", 0.005), run("a", "one", "native", 0.001))
-    assert verdict.cells(sure[0])["≤ 1 %"][0] == "1 + 0"
+    assert verdict_text.cells(sure[0])["≤ 1 %"][0] == "1 + 0"
 
 
 def test_without_an_engine_or_a_case_with_friction_the_sentence_says_so():
-    assert "No engine is compared" in verdict.sentence(table(run("a", "reference", "taylor", 0.0)))
+    assert "No engine is compared" in verdict_text.sentence(table(run("a", "reference", "taylor", 0.0)))
     rows = table(run("free", "one", "native", 0.1), truths=OTHERS | {"edge": Truth(failure="-")})
-    assert "No engine is compared" in verdict.sentence(rows)
-    assert len(verdict.in_terminal(rows).splitlines()) == 2
+    assert "No engine is compared" in verdict_text.sentence(rows)
+    assert len(verdict_text.in_terminal(rows).splitlines()) == 2
 
 
 def test_the_terminal_has_a_row_for_each_route_and_says_what_is_not_compared():
@@ -178,15 +178,15 @@ def test_the_terminal_has_a_row_for_each_route_and_says_what_is_not_compared():
         run("a", "one", "assisted", 1e-6),
         one="our contact geometry around one's step",
     )  # fmt: skip
-    head, first, second = verdict.in_terminal(rows).splitlines()
+    head, first, second = verdict_text.in_terminal(rows).splitlines()
     for text in ("one native", "1.2 %", "0.1 %"):
         assert text in first
-    _, first_details, _ = verdict.details(rows).splitlines()
+    _, first_details, _ = verdict_text.details(rows).splitlines()
     for text in ("one native", "very good", "0 + 0"):
         assert text in first_details
     assert "one assisted" in second
-    assert "Not compared: one assisted (our contact geometry around one's step)." in verdict.notes(rows)
-    assert "one assisted" in " ".join(verdict.legend(rows))
+    assert "Not compared: one assisted (our contact geometry around one's step)." in verdict_text.notes(rows)
+    assert "one assisted" in " ".join(verdict_text.legend(rows))
 
 
 @pytest.mark.parametrize("name", ["one", "an_engine_with_a_name_that_is_far_longer_than_a_terminal_is_wide" * 2])
@@ -197,20 +197,23 @@ def test_every_line_of_the_terminal_fits_80_characters(name):
         **{name: "our contact geometry around this engine's step, in a description of many words " * 3},
     )  # fmt: skip
     lines = [
-        *verdict.filled(verdict.sentence(rows)), *verdict.in_terminal(rows).splitlines(), *verdict.legend(rows),
-        *verdict.details(rows).splitlines(), *verdict.notes(rows),
-    ]  # fmt: skip
+        *verdict_text.filled(verdict_text.sentence(rows)),
+        *verdict_text.in_terminal(rows).splitlines(),
+        *verdict_text.legend(rows),
+        *verdict_text.details(rows).splitlines(),
+        *verdict_text.notes(rows),
+    ]
     assert max(map(len, lines)) <= 80
     assert all(line.split("%")[0].rstrip() for line in lines if "%" in line)  # no line begins with a percent sign
-    assert "two native" in verdict.in_terminal(rows)  # only the names that do not fit are shortened
+    assert "two native" in verdict_text.in_terminal(rows)  # only the names that do not fit are shortened
 
 
 def test_narrower_columns_come_before_a_shorter_name():
     rows = table(
         run("a", "my_engine 2.1.0", "submission", 1e-9), run("a", "two", "native", 0.2), run("a", "two", "native", 1e-9)
     )
-    assert "my_engine 2.1.0 submission" in verdict.in_terminal(rows)
-    assert max(map(len, verdict.in_terminal(rows).splitlines())) <= 80
+    assert "my_engine 2.1.0 submission" in verdict_text.in_terminal(rows)
+    assert max(map(len, verdict_text.in_terminal(rows).splitlines())) <= 80
 
 
 def test_an_adapter_says_what_of_its_routes_is_not_its_engines_own():
