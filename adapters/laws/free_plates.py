@@ -45,9 +45,9 @@ def _lever(plate: Plate) -> float:
     return (plate.radius or 0.0) / sqrt(plate.inertia)
 
 
-def _last_velocities(run: LawRun, meets: float) -> list[tuple[float, float, float]]:
-    """(vx, vy, ω) of both plates, the means of the samples after the impact."""
-    after = run.motion.t > meets + 2 * run.step
+def _velocities_after(run: LawRun, time: float) -> list[tuple[float, float, float]]:
+    """(vx, vy, ω) of both plates, the means of the samples after a time (s)."""
+    after = run.motion.t > time
     plates = (run.motion, run.motion.plate("second"))
     return [tuple(float(getattr(own, name)[after].mean()) for name in ("vx", "vy", "omega")) for own in plates]  # type: ignore[misc]
 
@@ -59,7 +59,9 @@ def collision_of_free_plates(route: Route) -> None:
     run, impact = route.simulate(case), case.effect(Impact)
     assert impact is not None
     masses = case.plate.mass, case.others[0].plate.mass
-    (first, _, spin), (second, _, other_spin) = _last_velocities(run, meets)
+    # An impact may take some periods of a spring.
+    middle = 0.5 * (meets + float(run.motion.t[-1]))
+    (first, _, spin), (second, _, other_spin) = _velocities_after(run, max(meets + 2 * run.step, middle))
     suspect = "the reaction on the other plate, or the mass of each"
     momentum = masses[0] * first + masses[1] * second - masses[0] * speed
     tolerance = (10 * run.rounding * len(run.motion.t) ** 0.5 + 1e-9) * sum(masses) * abs(speed)
@@ -88,7 +90,7 @@ def friction_of_free_plates(route: Route) -> None:
     run = route.simulate(case)
     plates = case.plate, case.others[0].plate
     impulse = abs(speed) / (1.0 / plates[0].mass + 1.0 / plates[1].mass)
-    (_, up, spin), (_, other_up, other_spin) = _last_velocities(run, meets)
+    (_, up, spin), (_, other_up, other_spin) = _velocities_after(run, meets + 2 * run.step)
     along = -np.sign(case.start.omega)
     found = plates[0].inertia * along * (spin - case.start.omega) / ((plates[0].radius or 1.0) * impulse)
     suspect = f"mu of CoulombFriction between the plates: {found:.4g} would fit, the case has {mu:g}"
