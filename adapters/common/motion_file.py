@@ -269,7 +269,8 @@ def follow_contact(case: Case, columns, from_differences: bool = False) -> tuple
     """Contact parameters and gap (m) of every pose; NaN where the plate has none.
 
     With Flight the plate has none wherever it is off its track, else from the first pose far from its track. Where
-    `columns` have velocities (central differences, if `from_differences`) and no forces, the momentum decides near it.
+    `columns` have forces, or velocities (central differences, if `from_differences`) and so the momentum, these decide
+    near it.
     """
     start, flies, off = start_motion(case), case.effect(Flight) is not None, LOOSE * case.plate.reach
     near, contacts = (start.xi1, start.xi2), np.full((len(columns["t"]), 3), np.nan)
@@ -288,10 +289,11 @@ def follow_contact(case: Case, columns, from_differences: bool = False) -> tuple
     xi1, xi2, gap = contacts.T
     if flies:
         off = max(off, STEADY * _skin(case, columns, gap, from_differences))
-        aloft = _aloft(gap <= off, columns.get("normal_force"))
-        if "vx" in columns and "normal_force" not in columns:
-            lasting = ~aloft & momentum.push(case, columns, aloft, from_differences)
-            aloft |= _without_force(case, columns["t"], gap, lasting)
+        force = columns.get("normal_force")
+        aloft = _aloft(gap <= off, force)
+        if force is not None or "vx" in columns:
+            pushing = momentum.push(case, columns, aloft, from_differences) if force is None else force != 0.0
+            aloft |= _without_force(case, columns["t"], gap, ~aloft & pushing)
         xi1[aloft] = xi2[aloft] = np.nan
     turns = np.abs(np.diff(case.track.tangent_angle(xi1)))
     turn = turns[np.isfinite(turns)].max(initial=0.0)

@@ -23,7 +23,6 @@ from cases import (
     Effect,
     Mode,
     PerfectlyRough,
-    RollingResistance,
     State,
     Trajectory,
     Transition,
@@ -32,6 +31,7 @@ from cases import (
 from cases.contact_limits import touches_by_features
 from cases.effects import one as one_effect
 from cases.nearest import nearest
+from cases.supports import has_rolling_resistance
 
 from . import slip_phases
 from .slip_phases import Reading
@@ -112,7 +112,7 @@ class MotionReader:
         # Whether a contact that does not slip may rest. Without rolling resistance one on supports, or of several
         # plates, rolls, whether or not its plate turns.
         has_one_contact = not case.others and not touches_by_features(case)
-        resists = case.effect(RollingResistance) is not None and not case.others
+        resists = has_rolling_resistance(case) and not case.others
         self.turns = resists or (not case.plate.turns and has_one_contact)
 
     def reading(self) -> Reading:

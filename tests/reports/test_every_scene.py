@@ -220,6 +220,15 @@ def test_the_same_truth_is_never_worse_than_not_decided(label):
     assert not faults or faults_of_exports(case, truth, alone=False) == {}
 
 
+# A plate rises by 25 µm before its file ends, without a force (it was in contact, 80 % off); and a disc rests on two
+# lines of which one resists rolling (on the other one it rolled, for all of 1.2 s).
+@pytest.mark.parametrize(("kind", "seed"), [("lifted plates", 8), ("rolling resistance", 5)])
+def test_a_thousand_samples_per_second_show_the_mode(kind, seed):
+    case = KINDS[kind](seed)
+    score = judgement(case, find_truth(case), 1000.0).score
+    assert score is not None and is_within(score, LIMITS[Grade.EXCELLENT]) is True
+
+
 @pytest.mark.parametrize("label", slow_but(SMALL_OPENINGS[:1], SMALL_OPENINGS))
 def test_half_of_the_friction_is_surely_wrong(label):
     """Also at a rate at which the modes of the truth are not decided: the poses show it."""
