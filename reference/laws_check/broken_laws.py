@@ -59,17 +59,16 @@ def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLa
     if len(motion.t) < 2:
         return ()
     with np.errstate(all="ignore"):
-        return broken_by(relative, seen, *steps_of(motion), part_of(rtol))
+        return _broken_by(relative, seen, part_of(rtol))
 
 
-def broken_by(
-    case: Case, motion: Trajectory, start: np.ndarray, length: np.ndarray, part: float
-) -> tuple[BrokenLaw, ...]:
-    """The laws that a motion breaks in steps with these starts and lengths (s), of a case with a track at rest; a
-    defect of this part of its scale is an error. A motion that ends where it begins has no steps, and breaks none."""
+def _broken_by(case: Case, motion: Trajectory, part: float) -> tuple[BrokenLaw, ...]:
+    """The laws that a motion breaks, of a case with a track at rest; a defect of this part of its scale is an error. A
+    motion that ends where it begins has no steps, and breaks none."""
+    start, end = steps_of(motion)
     if not len(start):
         return ()
-    samples = of_motion(case, motion, start, length)
+    samples = of_motion(case, motion, start, end)
     results = list[BrokenLaw]()
     for defects in _motion_defects(samples):
         if worst(defects, part) and (closer := _closer(case, motion, samples, defects, part)):
@@ -92,8 +91,9 @@ def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Def
     for _ in range(DIVISIONS):
         parts *= DIVIDED
         steps = steps[np.argsort(-np.abs(sizes) / limit[steps])][:MOST_DIVIDED]
-        start = samples.start[steps, None] + samples.length[steps, None] * (np.arange(parts) / parts)
-        again = of_motion(case, motion, start.ravel(), np.repeat(samples.length[steps] / parts, parts))
+        knots = samples.start[steps, None] + samples.length[steps, None] * (np.arange(parts + 1) / parts)
+        knots[:, -1] = samples.end[steps]
+        again = of_motion(case, motion, knots[:, :-1].ravel(), knots[:, 1:].ravel())
         one = next(d for d in _motion_defects(again) if (d.law, d.place) == (defects.law, defects.place))
         sizes = one.sizes.reshape(-1, parts).sum(axis=1)
         steps, sizes = (values[np.abs(sizes) > limit[steps]] for values in (steps, sizes))

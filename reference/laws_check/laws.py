@@ -263,13 +263,12 @@ class Joins(NamedTuple):
 
 
 def joins(samples: MotionSamples) -> Joins:
-    """Where steps follow each other."""
-    following = np.flatnonzero(samples.is_next)
+    """Where the steps of a motion follow each other."""
     before, after = (
         np.array([[row[steps, i] for row in one[:4]] for one in samples.plates])
-        for steps, i in ((following - 1, -1), (following, 0))
+        for steps, i in ((slice(-1), -1), (slice(1, None), 0))
     )
-    return Joins(samples.start[following], following, before, after)
+    return Joins(samples.start[1:], np.arange(1, len(samples.start)), before, after)
 
 
 def jumps(every: Joins, reach: list[float], speed: float, part: float) -> Joins:

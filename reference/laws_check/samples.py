@@ -25,7 +25,7 @@ from ..minimal.phase_end import CAUSES
 _INNER = float(np.sqrt(3.0 / 7.0))
 NODES = 0.5 + 0.5 * np.array([-1.0, -_INNER, 0.0, _INNER, 1.0])
 WEIGHTS = np.array([1 / 20, 49 / 180, 16 / 45, 49 / 180, 1 / 20])
-# Knots closer than this many roundings of the motion's end are one.
+# Between knots closer than this many roundings of the motion's end is no step.
 CLOSE = 16 * float(np.finfo(float).eps)
 # A contact that never slips faster than this part of the plate's speed sticks: what roundings of velocities leave.
 CREEP = 1e-9
@@ -85,21 +85,25 @@ class ContactInstants(NamedTuple):
 
 
 class MotionSamples(NamedTuple):
-    """The samples of a motion: starts and lengths of n steps (s), times (n, 5), plates in the order of the case's, and
-    contacts. `is_next`: which steps begin where the one before ends, (n,); `is_straight`: which are no solution of the
-    equations but the rest of a series of impacts, (n,); `near`: parameters of track and supports, by name, at which
-    plates touch them or are near; `transitions`: those of the motion. The `case` has a track at rest."""
+    """The samples of a motion: starts and ends of n steps (s), times (n, 5), plates in the order of the case's, and
+    contacts. `is_straight`: which steps are no solution of the equations but the rest of a series of impacts, (n,);
+    `near`: parameters of track and supports, by name, at which plates touch them or are near; `transitions`: those of
+    the motion. The `case` has a track at rest."""
 
     case: Case
     start: np.ndarray
-    length: np.ndarray
+    end: np.ndarray
     times: np.ndarray
     plates: tuple[PlateSamples, ...]
     contacts: tuple[ContactInstants, ...]
-    is_next: np.ndarray
     is_straight: np.ndarray
     near: dict[str, np.ndarray]
     transitions: tuple[Transition, ...] = ()
+
+    @property
+    def length(self) -> np.ndarray:
+        """Of each step, s."""
+        return self.end - self.start
 
 
 @lru_cache(maxsize=512)
@@ -128,17 +132,19 @@ def point_and_tangent(curve, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def steps_of(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
-    """Starts and lengths (s) of the steps of a motion between its samples and transitions."""
+    """Starts and ends (s) of the steps of a motion between its samples and transitions. Of knots that are close, as
+    those of two impacts within roundings, a step ends at the first and the next begins at the last: none contains an
+    impact."""
     end = float(motion.t[-1])
     knots = np.unique([*motion.t, *(change.time for change in motion.transitions if 0.0 < change.time < end)])
-    knots = knots[np.insert(np.diff(knots) > CLOSE * end, 0, True)]
-    return knots[:-1], np.diff(knots)
+    is_step = np.diff(knots) > CLOSE * end
+    return knots[:-1][is_step], knots[1:][is_step]
 
 
-def of_motion(case: Case, motion: Trajectory, start: np.ndarray, length: np.ndarray) -> MotionSamples:
-    """The samples of some steps of any motion with dense output, of a case with a track at rest."""
-    times = start[:, None] + length[:, None] * NODES
-    end = start + length
+def of_motion(case: Case, motion: Trajectory, start: np.ndarray, end: np.ndarray) -> MotionSamples:
+    """The samples of some steps (starts and ends, s) of any motion with dense output, of a case with a track at
+    rest."""
+    times = start[:, None] + (end - start)[:, None] * NODES
     # The end of a step is looked at from inside.
     times[:, -1] = np.nextafter(end, -np.inf)
     flat = times.ravel()
@@ -146,11 +152,10 @@ def of_motion(case: Case, motion: Trajectory, start: np.ndarray, length: np.ndar
     plates = tuple(_plate(state, times.shape) for state in every)
     near = parameters_near(case, motion.transitions)
     contacts = [_contact(case, motion, name, every[0], plates, times, near) for name in motion.contact_names]
-    is_next = np.insert(start[1:] == end[:-1], 0, False)
     rests = [change.time for change in motion.transitions if change.cause == CAUSES["rest"]]
     is_straight = np.isin(end, rests) if rests else np.zeros(len(start), dtype=bool)
     return MotionSamples(
-        case, start, length, times, plates, tuple(c for c in contacts if len(c.steps)), is_next, is_straight,
+        case, start, end, times, plates, tuple(c for c in contacts if len(c.steps)), is_straight,
         {name: np.array(values) for name, values in near.items()}, motion.transitions,
     )  # fmt: skip
 

@@ -250,3 +250,17 @@ def _at(motion, time: float, duration: float) -> Case:
         poses.append(StartPose(*(float(v) for v in (now.x, now.y, now.theta, now.vx, now.vy, now.omega))))
     others = tuple(replace(one, start=pose) for one, pose in zip(motion.case.others, poses[1:], strict=True))
     return replace(motion.case, start=poses[0], others=others, duration=duration)
+
+
+# Walled scenes with two impacts within roundings of the motion's end, and flights after them.
+CLOSE_IMPACTS = (55, 75, 137)
+
+
+@pytest.mark.parametrize("seed", CLOSE_IMPACTS)
+def test_impacts_within_roundings_break_no_law(seed):
+    """No step of the check contains an impact, also where two are nearer to each other than steps may be short."""
+    case = random_walled_plates(seed)
+    motion = reference.simulate(case)
+    least = np.diff([change.time for change in motion.transitions])
+    assert least[least > 0.0].min() < 16 * np.finfo(float).eps
+    assert reference.check(case, motion) == ()
