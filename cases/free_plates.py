@@ -32,7 +32,7 @@ from .polygon_features import (
     regions,
     size_of_plate,
 )
-from .start_pose import TOUCHES, StartPose
+from .start_pose import OVERLAPS, StartPose
 from .supports import TRACK, is_straight
 
 # Modes are enumerated: four for each contact of plates that touch each other.
@@ -237,7 +237,7 @@ def check_places(case: Any) -> None:
     poses, plates = start_poses(case), plates_of(case)
     for contact in plate_contacts(case):
         gap = gap_of(contact, poses)
-        if gap < -TOUCHES * size_of(poses, tuple(map(size_of_plate, plates))):
+        if gap < -OVERLAPS * size_of(poses, tuple(map(size_of_plate, plates))):
             raise DoesNotFit(f"{contact.name} overlap by {-gap:.6g} m where they begin; give another StartPose")
 
 

@@ -221,13 +221,19 @@ def test_random_plates_go_on_where_they_ended_early(seed):
     assert motion.status == "completed" and not reference.check(case, motion)
 
 
-@pytest.mark.parametrize("seed", [*range(5), *(pytest.param(s, marks=pytest.mark.slow) for s in range(5, 200))])
-def test_a_motion_that_is_stopped_goes_on_as_it_would_have(seed):
+# In the state where they are stopped discs overlap by the error of the motion, 4e-13 m and 6e-11 m.
+OVERLAPS = [(2474928931, 1e-12), (2474928881, 1e-10)]
+STOPPED = [*((seed, 1e-12) for seed in range(5)), *OVERLAPS]
+MORE_STOPPED = [pytest.param(s, 1e-12, marks=pytest.mark.slow) for s in range(5, 200)]
+
+
+@pytest.mark.parametrize("seed, rtol", [*STOPPED, *MORE_STOPPED])
+def test_a_motion_that_is_stopped_goes_on_as_it_would_have(seed, rtol):
     case = random_walled_plates(seed, duration=0.4)
-    whole = reference.simulate(case, rtol=1e-12, method="dop853")
+    whole = reference.simulate(case, rtol=rtol, method="dop853")
     stop = 0.4 * float(np.random.default_rng([seed, 7]).uniform(0.1, 0.9))
     stop = min([*_between_changes(whole, stop)])
-    rest = reference.simulate(_at(whole, stop, 0.4 - stop), rtol=1e-12, method="dop853")
+    rest = reference.simulate(_at(whole, stop, 0.4 - stop), rtol=rtol, method="dop853")
     assert rest.status == whole.status
     if whole.status == "completed":
         for name in whole.plate_names:
@@ -260,7 +266,7 @@ CLOSE_IMPACTS = (55, 75, 137)
 def test_impacts_within_roundings_break_no_law(seed):
     """No step of the check contains an impact, also where two are nearer to each other than steps may be short."""
     case = random_walled_plates(seed)
-    motion = reference.simulate(case)
+    motion = reference.simulate(case, method="dop853")
     least = np.diff([change.time for change in motion.transitions])
     assert least[least > 0.0].min() < 16 * np.finfo(float).eps
     assert reference.check(case, motion) == ()
