@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, Chain, Gravity, Load, Transition, Unilateral
+from cases import Case, Chain, Gravity, Impact, Load, Transition, Unilateral
 from cases.free_plates import names_of, plates_of
 from cases.overlap import span
 from cases.piece_contact import excludes_second
@@ -22,9 +22,9 @@ from ..minimal.integrators.segment import Segment
 from ..minimal.phase_end import Ending
 from ..scales import force_scale, load_acceleration, speed_scale
 from . import laws, penetration
-from .broken_laws import OVERLAP, BrokenLaw, worst, worst_first
+from .broken_laws import OVERLAP, BrokenLaw, worst_first
 from .instants import PhaseInstants, of_phases
-from .laws import ENERGY, Joins
+from .laws import ENERGY
 from .samples import ContactLaw, PlateSamples, parameters_near
 from .tolerances import part_of
 
@@ -74,8 +74,7 @@ def faults_at(
         *_overlaps(case, phases, transitions, part * scales.extent),
     ]
     if sudden := _jumps(following, scales, part):
-        every = laws.impact_defects(case, transitions, sudden, set(contacts), scales.reach, scales.speed)
-        results += [one for defects in every if (one := worst(defects, part))]
+        results += _at_impacts(case, transitions, sudden, set(contacts), scales, part)
     return worst_first(results) if results else ()
 
 
@@ -90,22 +89,24 @@ def _scales(case: Case, phases: list[PhaseInstants]) -> _Scales:
                     speed = fast
                 if (far := abs(place) + size) > extent:
                     extent = far
-        for touching in phase.contacts:
-            for law, _, slip, normal, friction, _ in touching:
+        for touch in zip(*phase.contacts, strict=True):  # each contact at all instants
+            law, most = touch[0][0], 0.0
+            for _, _, slip, normal, friction, _ in touch:
                 if abs(slip) > speed:
                     speed = abs(slip)
-                for body in (law.body, law.base):
-                    if body is not None:
-                        for force in (abs(normal), abs(friction)):
-                            if force > largest[body]:
-                                largest[body] = force
+                if abs(normal) > most:
+                    most = abs(normal)
+                if abs(friction) > most:
+                    most = abs(friction)
+            for body in (law.body,) if law.base is None else (law.body, law.base):
+                if most > largest[body]:
+                    largest[body] = most
         if has_load:  # at the start of each phase
             place, turn, velocity, spin = phase.plates[0][0]
             state = place.real, place.imag, angle_of(turn), velocity.real, velocity.imag, spin
             acceleration = max(acceleration, load_acceleration(case, phase.times[0], state))
-        for law, *_ in phase.contacts[0]:
-            if law.belt is not None:
-                speed = max(speed, *(abs(law.belt.at(t)[0]) for t in phase.times))
+        if phase.belt > speed:
+            speed = phase.belt
     size = max(reach)
     speed = max(speed, speed_scale(acceleration, size)) or size / case.duration
     forces = [force_scale(f, p.mass, acceleration, speed, extent) for f, p in zip(largest, plates, strict=True)]
@@ -118,9 +119,10 @@ def _at_contacts(case: Case, phases: list[PhaseInstants], scales: _Scales, part:
     for phase in phases:
         if phase.times[0] == phase.times[-1]:
             continue
-        for t, touching in zip(phase.times, phase.contacts, strict=True):
-            for law, mode, slip, normal, friction, gap in touching:
-                force = part * scales.force(law)
+        for touch in zip(*phase.contacts, strict=True):  # each contact at all instants
+            law, mode = touch[0][:2]
+            force = part * scales.force(law)
+            for t, (_, _, slip, normal, friction, gap) in zip(phase.times, touch, strict=True):
                 for name, size, unit in laws.contact_laws(law, mode, is_unilateral, slip, normal, friction):
                     if size > (limit := force if unit == "N" else fast):
                         yield BrokenLaw(name, law.name, t, float(size), unit, limit)
@@ -165,7 +167,7 @@ def _of_energy(
             before = energy
 
 
-def _jumps(following: Neighbours, scales: _Scales, part: float) -> Joins | None:
+def _jumps(following: Neighbours, scales: _Scales, part: float) -> Neighbours:
     """Where velocities jump by more than an error."""
     limit, sudden = part * scales.speed, list[tuple[PhaseInstants, PhaseInstants]]()
     for one, other in following:
@@ -173,14 +175,36 @@ def _jumps(following: Neighbours, scales: _Scales, part: float) -> Joins | None:
             if abs(b[2] - a[2]) + size * abs(b[3] - a[3]) > limit:
                 sudden.append((one, other))
                 break
-    if not sudden:
-        return None
-    times = np.array([other.times[0] for _, other in sudden])
-    before, after = (
-        np.array(poses, dtype=complex).transpose(1, 2, 0)
-        for poses in ([one.plates[-1] for one, _ in sudden], [other.plates[0] for _, other in sudden])
-    )
-    return Joins(times, np.arange(len(times)), before, after)
+    return sudden
+
+
+def _at_impacts(
+    case: Case, transitions: Sequence[Transition], sudden: Neighbours, contacts: set[str], scales: _Scales, part: float
+) -> Iterator[BrokenLaw]:
+    """Velocities jump in impacts only, and these obey their laws."""
+    if case.effect(Impact) is None:
+        names, fast = names_of(case), part * scales.speed
+        for one, other in sudden:
+            for name, a, b, size in zip(names, one.plates[-1], other.plates[0], scales.reach, strict=True):
+                if (off := abs(b[2] - a[2])) > fast:
+                    yield BrokenLaw("velocity is continuous", name, other.times[0], off, "m/s", fast)
+                if (off := abs(b[3] - a[3])) > fast / size:
+                    yield BrokenLaw("spin is continuous", name, other.times[0], off, "rad/s", fast / size)
+        return
+    law = laws.impact_law(case, transitions, contacts)
+    if law is None:
+        return
+    points = laws.landing_points(law, transitions, [other.times[0] for _, other in sudden])
+    for one, other in sudden:
+        (centre, _, *before), (_, _, *after), t = one.plates[-1][0], other.plates[0][0], other.times[0]
+        every = [("", *row) for row in laws.energy_of_impact(case, law, before, after, scales.speed)]
+        if t in points:
+            point, tangent = points[t]
+            rows = laws.landing_laws(case, law, point - centre, tangent, before, after, scales.speed)
+            every += [(law.name, *row) for row in rows]
+        for place, name, size, scale, unit in every:
+            if size > part * scale:
+                yield BrokenLaw(name, place, t, float(size), unit, part * scale)
 
 
 def _overlaps(
@@ -210,4 +234,8 @@ def _touches_once(case: Case, phases: list[PhaseInstants]) -> bool:
     if not outline.period:
         return True
     places = [xi1 for phase in phases for xi1 in phase.near]
-    return bool(places) and fits(track, outline, *span(track, (min(places), max(places)), case.plate.reach))
+    if not places:
+        return False
+    is_straight = penetration.line_of(track) is not None  # everywhere alike
+    stretch = track.span if is_straight else span(track, (min(places), max(places)), case.plate.reach)
+    return fits(track, outline, *stretch)

@@ -45,13 +45,15 @@ TouchInstant = tuple[ContactLaw, Mode, float, float, float, float]
 
 class PhaseInstants(NamedTuple):
     """A phase at a few instants, the first at its start and the last at its end (s): plates in the case's order, and
-    closed contacts; `number`: that of its segment; `near`: parameters of the track at its contact."""
+    closed contacts; `number`: that of its segment; `near`: parameters of the track at its contact; `belt`: the largest
+    speed of belts under its contacts (m/s)."""
 
     number: int
     times: list[float]
     plates: Sequence[tuple[PlateInstant, ...]]
     contacts: list[list[TouchInstant]]
     near: Sequence[float] = ()
+    belt: float = 0.0
 
 
 def of_phases(case: Case, segments: Sequence[Segment]) -> list[PhaseInstants]:
@@ -68,8 +70,10 @@ def of_phases(case: Case, segments: Sequence[Segment]) -> list[PhaseInstants]:
 def _of_phase(case: Case, number: int, segment: Segment, inside: bool) -> PhaseInstants:
     phase, instants = segment.phase, segment.instants(inside)
     if isinstance(phase, SeveralPhase):
-        poses = [(_plate(*y[:3], *y[-3:]),) for _, y in instants]
-        return PhaseInstants(number, [t for t, _ in instants], poses, _several_contacts(case, phase, instants))
+        times, poses = [t for t, _ in instants], [(_plate(*y[:3], *y[-3:]),) for _, y in instants]
+        contacts = _several_contacts(case, phase, instants)
+        belts = [abs(law.belt.at(t)[0]) for law, *_ in contacts[0] if law.belt is not None for t in times]
+        return PhaseInstants(number, times, poses, contacts, belt=max(belts, default=0.0))
     if isinstance(phase, PlatesPhase):
         half = 3 * (1 + len(case.others))
         every = [
@@ -92,18 +96,21 @@ def _one_contact(case: Case, number: int, phase: Phase, instants: Sequence[Insta
     columns, quantities = _columns(phase.system.record), phase.system.outputs_of_numbers
     track, outline, belt = phase.case.track, phase.case.plate.outline, case.effect(Belt)
     shift = phase.case.first.shift if isinstance(phase.case, PieceCase) else 0.0
-    times, poses, contacts, near = [], [], [], []
+    times, poses, contacts, near, fastest = [], [], [], [], 0.0
     for t, y in instants:
         slip, spin, normal, friction = columns(quantities(t, y, parameters))
         (base, tangent), (own, along) = _point_and_tangent(track, y[0]), _point_and_tangent(outline, y[1])
         turn = tangent * along.conjugate()
         arm = turn * own
-        speed = slip if belt is None else slip + belt.at(t)[0]
+        speed = slip
+        if belt is not None:
+            under = belt.at(t)[0]
+            speed, fastest = slip + under, max(fastest, abs(under))
         times.append(t)
         poses.append(((base - arm, turn, speed * tangent - 1j * spin * arm, spin),))
         contacts.append([(law, mode, slip, mass * normal, mass * friction, 0.0)])
         near.append(y[0] + shift)
-    return PhaseInstants(number, times, poses, contacts, near)
+    return PhaseInstants(number, times, poses, contacts, near, fastest)
 
 
 @lru_cache(maxsize=16)

@@ -292,6 +292,7 @@ def impact_defects(
 ) -> Iterator[Defects]:
     """Velocities jump in impacts only, whose impulses press, lie in the cone, and act at the contact. `contacts`: the
     names of those that close during the motion."""
+    every_time = sudden.times.tolist()
     if case.effect(Impact) is None:
         for name, (_, _, change, spin), size in zip(
             names_of(case), np.abs(sudden.after - sudden.before), reach, strict=True
@@ -299,49 +300,78 @@ def impact_defects(
             yield Defects("velocity is continuous", name, sudden.times, change, speed, "m/s")
             yield Defects("spin is continuous", name, sudden.times, spin, speed / size, "rad/s")
         return
+    law = impact_law(case, transitions, contacts)
+    if law is None:
+        return
+    points = landing_points(law, transitions, every_time)
+    has_place = np.array([t in points for t in every_time])
+    one = sudden.after[0, 0], sudden.before[0, 2:], sudden.after[0, 2:]
+    for name, sizes, scale, unit in energy_of_impact(case, law, *one[1:], speed):
+        yield Defects(name, "", sudden.times, sizes, scale, unit)
+    if points:
+        point, tangent = np.array([points[t] for t in every_time if t in points]).T
+        centre, before, after = (row[..., has_place] for row in one)
+        for name, sizes, scale, unit in landing_laws(case, law, point - centre, tangent, before, after, speed):
+            yield Defects(name, law.name, sudden.times[has_place], sizes, scale, unit)
+
+
+def impact_law(case: Case, transitions: Sequence[Transition], contacts: set[str]) -> ContactLaw | None:
+    """The laws at the only contact of a motion; None if several may share an impulse."""
     names = {change.contact or CONTACT for change in transitions}
     if case.others or len(contacts | names) > 1 or case.supports:
-        return  # several contacts may share an impulse
-    law = law_at(case, (names or {CONTACT}).pop())
-    one = sudden.after[0, 0], sudden.before[0, 2:], sudden.after[0, 2:]
-    yield from landing_defects(case, law, transitions, sudden.times, *one, speed)
+        return None
+    return law_at(case, (names or {CONTACT}).pop())
 
 
-def landing_defects(
-    case: Case, law: ContactLaw, transitions: Sequence[Transition], times: np.ndarray, place: np.ndarray,
-    before: np.ndarray, after: np.ndarray, speed: float,
-) -> Iterator[Defects]:  # fmt: skip
-    """The laws of impacts at one contact, at k times, with the plate's place (k,) and its velocity and spin before and
-    after, (2, k): a friction that is no belt's gives no energy; where a transition has the contact's place, the impulse
-    presses, lies in the cone and acts there, and the normal velocity turns to −e times itself. Poisson's restitution
-    has that only if the centre of mass lies on the normal."""
-    plate, impact, name = case.plate, case.effect(Impact), law.name
-    assert impact is not None, "a velocity that jumps needs a law of impact"
-    change, scale, inertia = after - before, case.plate.mass * speed, plate.inertia if plate.turns else 0.0
-    if law.belt is None and (impact.law == "poisson" or impact.restitution == 0.0):
-        work = plate.mass * (change[0].conj() * (after[0] + before[0])).real
-        work += inertia * (change[1] * (after[1] + before[1])).real
-        yield Defects(ENERGY, "", times, 0.5 * work, scale * speed, "J")
+def landing_points(
+    law: ContactLaw, transitions: Sequence[Transition], times: Sequence[float]
+) -> dict[float, tuple[complex, complex]]:
+    """The track's points and unit tangents, complex, where the plate lands at some of these times (s), by time."""
     places = {c.time: c.xi1 for c in transitions if c.cause == CAUSES["landing"]}
-    has_place = np.array([t in places for t in times.tolist()], dtype=bool)
-    if not has_place.any():
-        return
-    base, tangent = point_and_tangent(law.track, np.array([places[t] for t in times[has_place].tolist()]))
-    times, before, after, change = times[has_place], before[:, has_place], after[:, has_place], change[:, has_place]
-    arm = base - place[has_place]
-    parts = plate.mass * change[0] * tangent.conj()
-    yield Defects("impulse presses", name, times, -parts.imag, scale, "N s")
-    if np.isfinite(law.stick):
-        excess = np.abs(parts.real) - law.stick * np.abs(parts.imag)
-        yield Defects("impulse in Coulomb's cone", name, times, excess, scale, "N s")
+    some = [t for t in times if t in places]
+    if not some:
+        return {}
+    points, tangents = point_and_tangent(law.track, np.array([places[t] for t in some]))
+    return dict(zip(some, zip(points.tolist(), tangents.tolist(), strict=True), strict=True))
+
+
+def energy_of_impact(
+    case: Case, law: ContactLaw, before: Any, after: Any, speed: float
+) -> Iterator[tuple[str, Any, float, str]]:
+    """A friction that is no belt's gives no energy; before and after: velocity and spin, numbers or arrays."""
+    plate, impact = case.plate, case.effect(Impact)
+    assert impact is not None, "a velocity that jumps needs a law of impact"
+    if law.belt is None and (impact.law == "poisson" or impact.restitution == 0.0):
+        inertia = plate.inertia if plate.turns else 0.0
+        work = plate.mass * ((after[0] - before[0]).conjugate() * (after[0] + before[0])).real
+        work = work + inertia * ((after[1] - before[1]) * (after[1] + before[1])).real
+        yield ENERGY, 0.5 * work, plate.mass * speed * speed, "J"
+
+
+def landing_laws(
+    case: Case, law: ContactLaw, arm: Any, tangent: Any, before: Any, after: Any, speed: float
+) -> Iterator[tuple[str, Any, float, str]]:
+    """The laws of impacts at one contact, for each its name, how far it is broken, the scale and the unit. Its arm from
+    the centre of mass, the track's unit tangent, and velocity and spin before and after are numbers or arrays.
+
+    The impulse presses, lies in the cone and acts at the contact, and the normal velocity turns to −e times itself.
+    Poisson's restitution has that only if the centre of mass lies on the normal."""
+    plate, impact = case.plate, case.effect(Impact)
+    assert impact is not None, "a velocity that jumps needs a law of impact"
+    scale, along = plate.mass * speed, tangent.conjugate()
+    change, turned = after[0] - before[0], after[1] - before[1]
+    parts = plate.mass * change * along
+    yield "impulse presses", -parts.imag, scale, "N s"
+    if isfinite(law.stick):
+        yield "impulse in Coulomb's cone", abs(parts.real) - law.stick * abs(parts.imag), scale, "N s"
     if plate.turns and not law.arm:
-        off = inertia * change[1].real - plate.mass * (arm.conj() * change[0]).imag
-        yield Defects("impulse acts at the contact", name, times, np.abs(off), scale * plate.reach, "N m s")
-    lift, closing = (((v + 1j * spin * arm) * tangent.conj()).imag for v, spin in (after, before))
-    is_central = np.abs((arm * tangent.conj()).real) <= EXACT * plate.reach
-    knows = is_central | (impact.law != "poisson") | (impact.restitution == 0.0)
-    off = np.where(knows, np.abs(lift + impact.restitution * closing), -lift)
-    yield Defects("law of impact", name, times, off, speed, "m/s")
+        off = plate.inertia * turned.real - plate.mass * (arm.conjugate() * change).imag
+        yield "impulse acts at the contact", abs(off), scale * plate.reach, "N m s"
+    lift, closing = (((v + 1j * spin * arm) * along).imag for v, spin in (after, before))
+    off = abs(lift + impact.restitution * closing)
+    if impact.law == "poisson" and impact.restitution != 0.0:
+        off = np.where(abs((arm * along).real) <= EXACT * plate.reach, off, -lift)
+    yield "law of impact", off, speed, "m/s"
 
 
 def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:

@@ -52,7 +52,7 @@ def _corners(outline: Curve) -> np.ndarray | None:
 
 
 @lru_cache(maxsize=256)
-def _line(curve: Curve) -> tuple[complex, complex] | None:
+def line_of(curve: Curve) -> tuple[complex, complex] | None:
     """A point and the direction of a straight line without ends; None for another curve."""
     line = as_line(curve) if curve.domain is None else None
     return None if line is None else (complex(*line.point), complex(*line.direction))
@@ -78,7 +78,7 @@ def _in_curve(
     pair: str, curve: Curve, plate: Plate, one: PlateSamples, times: np.ndarray, near: np.ndarray | None
 ) -> Iterator[Depth]:
     """A plate in a track or support."""
-    line, corners = _line(curve), _corners(plate.outline)
+    line, corners = line_of(curve), _corners(plate.outline)
     if line is not None:
         point, direction = line
         height = (np.conj(direction) * (one.place - point)).imag

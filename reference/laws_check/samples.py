@@ -64,7 +64,7 @@ class ContactLaw(NamedTuple):
 
     def coefficient(self, slip: np.ndarray):
         """The coefficient of friction at slip velocities (m/s), an array of their shape or one number."""
-        return self.friction.at(np.abs(slip)) if self.friction else 0.0
+        return self.friction.at(abs(slip)) if self.friction else 0.0
 
 
 class ContactInstants(NamedTuple):
