@@ -25,7 +25,6 @@ from cases.sampled_contacts import SampledPlates
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, plates, several
-from .laws_check import ending_by_laws
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import simulate_phases
 from .minimal.integrators import taylor
@@ -44,6 +43,7 @@ from .minimal.modes import (
 )
 from .minimal.phase_end import FLAT, LIFT_OFF, LOCATION_ERROR, undecidable
 from .minimal.second_contacts import until_second_contact
+from .solution_check import ending_by_laws
 
 
 def _prepare_dop853(phase: Phase, rtol: float) -> None:

@@ -17,13 +17,11 @@ from cases.overlap import span
 from cases.piece_contact import excludes_second
 from cases.supports import TRACK
 
-from ..minimal.curvature_proof import fits
-from ..minimal.integrators.segment import Segment
-from ..minimal.phase_end import Ending
+from ..curvature_proof import fits
 from ..scales import force_scale, load_acceleration, speed_scale
 from . import laws, penetration
 from .broken_laws import OVERLAP, BrokenLaw, worst_first
-from .instants import PhaseInstants, of_phases
+from .instants import PhaseInstants
 from .laws import ENERGY
 from .samples import ContactLaw, PlateSamples, parameters_near
 from .tolerances import part_of
@@ -49,22 +47,11 @@ class _Scales(NamedTuple):
         return own if law.base is None else max(own, self.forces[law.base])
 
 
-def ending_by_laws(case: Case, solution: tuple[Sequence[Segment], Sequence[Transition], Ending], rtol: float) -> Ending:
-    """The ending of a solution (segments, transitions, ending) of a case with a track at rest that obeys the laws, or
-    the status BROKEN_LAW with the law in a sentence."""
-    segments, transitions, (status, reason) = solution
-    if not segments:
-        return status, reason
-    every = faults_at(case, of_phases(case, segments), transitions, part_of(rtol))
-    if not every:
-        return status, reason
-    return BROKEN_LAW, f"The motion breaks a law, so the solver is wrong: {every[0]}. It ended as {status}: {reason}"
-
-
 def faults_at(
-    case: Case, phases: list[PhaseInstants], transitions: Sequence[Transition], part: float
+    case: Case, phases: list[PhaseInstants], transitions: Sequence[Transition], rtol: float
 ) -> tuple[BrokenLaw, ...]:
-    """The laws that the instants of a motion break; a defect of this part of its scale is an error."""
+    """The laws that the instants of a motion of this relative accuracy break, of a case with a track at rest."""
+    part = part_of(rtol)
     scales, contacts = _scales(case, phases), {touch[0].name: touch[0] for p in phases for touch in p.contacts[0]}
     following = [(a, b) for a, b in pairwise(phases) if a.number + 1 == b.number and a.times[-1] == b.times[0]]
     results = [

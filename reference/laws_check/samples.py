@@ -19,7 +19,7 @@ from cases.moving_surface import Belt
 from cases.supports import TRACK, base_of, effects_at
 from cases.trajectory import CONTACT
 
-from ..minimal.phase_end import CAUSES
+from ..transition_causes import CAUSES
 
 # Nodes and weights of Lobatto's quadrature on [0, 1].
 _INNER = float(np.sqrt(3.0 / 7.0))

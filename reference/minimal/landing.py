@@ -19,9 +19,9 @@ from cases import Case, Load
 from cases.contact import Contact, belt_speed, pose
 from cases.overlap import span
 
+from ..curvature_proof import Room, room
 from .boxes import Cores, Geometry
 from .contact_cores import cores
-from .curvature_proof import Room, room
 from .gap import Look, Looks, facing, state, touch
 from .impact import ContactVelocity
 from .integrators.segment import Segment

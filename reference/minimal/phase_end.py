@@ -12,6 +12,7 @@ import numpy as np
 from cases import Trajectory
 from cases.piece_case import PieceCase
 
+from ..transition_causes import CAUSES as CAUSES  # several formulations read it here
 from .integrators.segment import BREAKDOWN, Segment
 from .modes import Regime
 
@@ -74,21 +75,6 @@ LIFTED = (
     ACCUMULATION[0],
     "An effect that does not act in flight lifts the plate off as soon as it touches: it can neither stay nor fly.",
 )
-
-# Guards whose zero changes the mode, with the cause that the transition reports.
-CAUSES = {
-    "slip": "the slip velocity vanished",
-    "turn": "the rotation vanished",
-    "cone_forward": "friction reached its cone",
-    "cone_backward": "friction reached its cone",
-    "couple_forward": "rolling resistance reached its bound",
-    "couple_backward": "rolling resistance reached its bound",
-    "normal_force": "the normal force vanished",
-    "piece": "the contact passed to the next piece of its curve",
-    "landing": "impact",
-    "rest": "bouncing came to rest",
-    **dict.fromkeys(("track_start", "track_end", "outline_start", "outline_end"), "the curvature jumped at a knot"),
-}
 
 
 class Step(NamedTuple):

@@ -18,9 +18,9 @@ from cases.overlap import span
 from cases.piece_case import PieceCase, has_pieces
 from cases.piece_contact import Chains, Entry, entry_time, excludes_second, piece_gap
 
+from ..curvature_proof import fits
 from .boxes import Cores, Geometry
 from .contact_cores import cores
-from .curvature_proof import fits_everywhere
 from .curve_pieces import TooMuch
 from .element_meetings import ElementSearch
 from .gap import facing
@@ -55,7 +55,7 @@ def until_second_contact(case: Case, solution: Solution) -> tuple[Solution, Meet
     touching = [segment for segment in segments if segment.phase.regime != FLIGHT]  # flights are searched for landings
     if touching and has_pieces(case):
         return _until_entry(case, solution, touching), None
-    if not touching or fits_everywhere(case, touching):
+    if not touching or _fits_everywhere(case, touching):
         return solution, None
     search = MeetingSearch(Geometry.of_case(case), case.weight / case.plate.mass)
     for lot, motion, around in _lots(case, touching):
@@ -71,6 +71,15 @@ def until_second_contact(case: Case, solution: Solution) -> tuple[Solution, Meet
             reason = f"The plate meets its track in a second place, xi1 = {touch.xi1:.9g}, at t = {touch.time:.9g} s."
             return _cut(solution, touch.time, "second_contact", reason), touch
     return solution, None
+
+
+def _fits_everywhere(case: Case, segments: list[Segment]) -> bool:
+    """Whether the curvatures alone exclude a second contact during the motion."""
+    track, outline = case.track, case.plate.outline
+    xi1 = np.array([case.start.xi1])
+    if track.domain is None and not track.period:  # a stretch of it, as long as the motion
+        xi1 = np.concatenate([segment.states(segment.times)[0] for segment in segments])
+    return fits(track, outline, *span(track, xi1, case.plate.reach))
 
 
 def _until_entry(case: Case, solution: Solution, segments: list[Segment]) -> Solution:

@@ -37,7 +37,7 @@ from cases.own_effects import own_effects
 from cases.piece_case import has_pieces
 from cases.start_overlap import deepest_overlap
 
-from ..minimal.curvature_proof import fits
+from ..curvature_proof import fits
 from ..minimal.effects import laws
 from .geometry import level_parameters, places
 

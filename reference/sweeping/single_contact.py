@@ -14,7 +14,7 @@ from cases import Case, Curve, Gravity, Load
 from cases.geometry import pose
 from cases.overlap import first_overlap
 
-from ..minimal.curvature_proof import fits, fits_everywhere
+from ..curvature_proof import fits
 from .geometry import energy, places
 from .scenario_values import ScenarioGroup
 
@@ -45,9 +45,8 @@ def _of_one_shape(scenes: ScenarioGroup) -> list[np.ndarray]:
 def _one_contact(scenes: ScenarioGroup, base: Case) -> np.ndarray:
     """Same as `one_contact`, for scenarios with the curves of `base`."""
     track, outline, n = base.track, base.plate.outline, len(scenes.rows)
-    if track.features is None and fits(track, outline, *track.span):
-        return np.ones(n, dtype=bool)  # a straight line is the same wherever the plate goes
-    if (track.domain is not None or track.period) and fits_everywhere(base, ()):
+    is_alike = track.features is None  # a straight line is the same wherever the plate goes
+    if (is_alike or track.domain is not None or track.period) and fits(track, outline, *track.span):
         return np.ones(n, dtype=bool)
     if base.plate.radius is None or base.effect(Load) is not None or base.effect(Gravity) is None:
         return np.zeros(n, dtype=bool)

@@ -17,17 +17,14 @@ nearest, and only this pair has to be followed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import lru_cache
 from math import inf, pi
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Curve
-from cases.overlap import span
-
-from .integrators.segment import Segment
+from cases import Curve
 
 # A parabola through three evenly spaced values exceeds the middle one by up to an eighth of their second difference.
 BETWEEN = 0.25
@@ -44,15 +41,6 @@ class Room(NamedTuple):
     gap: float
     track: tuple[float, float]
     outline: tuple[float, float]
-
-
-def fits_everywhere(case: Case, segments: Sequence[Segment]) -> bool:
-    """Whether the curvatures alone exclude a second contact during the motion."""
-    track, outline = case.track, case.plate.outline
-    xi1 = np.array([case.start.xi1])
-    if track.domain is None and not track.period:  # a stretch of it, as long as the motion
-        xi1 = np.concatenate([segment.states(segment.times)[0] for segment in segments])
-    return fits(track, outline, *span(track, xi1, case.plate.reach))
 
 
 def fits(track: Curve, outline: Curve, low: float, high: float) -> bool:

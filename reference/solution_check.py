@@ -1,0 +1,160 @@
+"""The check of every solution before it is returned: its plates and contacts at a few instants of each phase, from the
+states and equations that its integrator has, by the laws of `laws_check`.
+"""
+
+from __future__ import annotations
+
+from cmath import rect
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from math import nan
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+
+from cases import Belt, Case, Mode, Transition
+from cases.corner import Piece
+from cases.free_plates import plate_contacts
+from cases.piece_case import PieceCase
+from cases.trajectory import CONTACT
+
+from . import plates, several
+from .laws_check import BROKEN_LAW, faults_at
+from .laws_check.instants import PhaseInstants, PlateInstant, TouchInstant
+from .laws_check.samples import law_at
+from .minimal.integrators.segment import Instant, Segment
+from .minimal.modes import FLIGHT, Phase
+from .minimal.phase_end import Ending
+from .plates.plate_places import flush
+from .plates.plates_phase import PlatesPhase, moving_contacts
+from .plates.plates_system import COLUMNS as PLATES_COLUMNS
+from .several.equations import COLUMNS, FIRST_COLUMN
+from .several.output import contact_states
+from .several.regimes import SeveralPhase
+
+# Phases that are looked at: of more, so many that are evenly distributed. Of more than a few, only some are looked at
+# between their start and end: an instant takes 10 µs, and a phase 100 µs.
+MOST, FEW = 500, 4
+
+
+def ending_by_laws(case: Case, solution: tuple[Sequence[Segment], Sequence[Transition], Ending], rtol: float) -> Ending:
+    """The ending of a solution (segments, transitions, ending) of a case with a track at rest that obeys the laws, or
+    the status BROKEN_LAW with the law in a sentence."""
+    segments, transitions, (status, reason) = solution
+    if not segments:
+        return status, reason
+    every = faults_at(case, _phases(case, segments), transitions, rtol)
+    if not every:
+        return status, reason
+    return BROKEN_LAW, f"The motion breaks a law, so the solver is wrong: {every[0]}. It ended as {status}: {reason}"
+
+
+def _phases(case: Case, segments: Sequence[Segment]) -> list[PhaseInstants]:
+    """The phases of a motion, at most MOST of them, each with the one that follows."""
+    count = len(segments)
+    some: Sequence[int] = range(count)
+    if count > MOST:
+        even = np.linspace(0, count - 2, MOST // 2).astype(int)
+        some = np.union1d(even, even + 1).tolist()
+    every = 1 + count // FEW
+    return [_of_phase(case, i, segments[i], inside=i % every == 0) for i in some]
+
+
+def _of_phase(case: Case, number: int, segment: Segment, inside: bool) -> PhaseInstants:
+    phase, instants = segment.phase, segment.instants(inside)
+    if isinstance(phase, SeveralPhase):
+        times, poses = [t for t, _ in instants], [(_plate(*y[:3], *y[-3:]),) for _, y in instants]
+        contacts = _several_contacts(case, phase, instants)
+        belts = [abs(law.belt.at(t)[0]) for law, *_ in contacts[0] if law.belt is not None for t in times]
+        return PhaseInstants(number, times, poses, contacts, belt=max(belts, default=0.0))
+    if isinstance(phase, PlatesPhase):
+        half = 3 * (1 + len(case.others))
+        every = [
+            tuple(_plate(*y[i : i + 3], *y[half + i : half + i + 3]) for i in range(0, half, 3)) for _, y in instants
+        ]
+        return PhaseInstants(number, [t for t, _ in instants], every, _contacts_of_plates(case, phase, instants))
+    if phase.regime == FLIGHT:
+        flight = [(_plate(*y[:6]),) for _, y in instants]
+        return PhaseInstants(number, [t for t, _ in instants], flight, [[] for _ in instants])
+    return _one_contact(case, number, phase, instants)
+
+
+def _plate(x: float, y: float, theta: float, vx: float, vy: float, spin: float) -> PlateInstant:
+    return complex(x, y), rect(1.0, theta), complex(vx, vy), spin
+
+
+def _one_contact(case: Case, number: int, phase: Phase, instants: Sequence[Instant]) -> PhaseInstants:
+    """Pose by (5) and (6), velocities by (11), forces from the phase's equations."""
+    law, mode, mass, parameters = law_at(case, CONTACT), phase.regime.mode, case.plate.mass, phase.parameters
+    columns, quantities = _columns(phase.system.record), phase.system.outputs_of_numbers
+    track, outline, belt = phase.case.track, phase.case.plate.outline, case.effect(Belt)
+    shift = phase.case.first.shift if isinstance(phase.case, PieceCase) else 0.0
+    times, poses, contacts, near, fastest = [], [], [], [], 0.0
+    for t, y in instants:
+        slip, spin, normal, friction = columns(quantities(t, y, parameters))
+        (base, tangent), (own, along) = _point_and_tangent(track, y[0]), _point_and_tangent(outline, y[1])
+        turn = tangent * along.conjugate()
+        arm = turn * own
+        speed = slip
+        if belt is not None:
+            under = belt.at(t)[0]
+            speed, fastest = slip + under, max(fastest, abs(under))
+        times.append(t)
+        poses.append(((base - arm, turn, speed * tangent - 1j * spin * arm, spin),))
+        contacts.append([(law, mode, slip, mass * normal, mass * friction, 0.0)])
+        near.append(y[0] + shift)
+    return PhaseInstants(number, times, poses, contacts, near, fastest)
+
+
+@lru_cache(maxsize=16)
+def _columns(record: Any) -> Callable[[Sequence[float]], tuple[float, ...]]:
+    """Slip, spin, normal and friction force per mass from the outputs of equations with those columns."""
+    return itemgetter(*(record._fields.index(name) for name in ("slip", "omega", "normal", "friction")))
+
+
+def _point_and_tangent(curve: Piece, s: float) -> tuple[complex, complex]:
+    """The point of a piece at a parameter, and its unit tangent."""
+    x, y, dx, dy, *_ = curve.jet(s)
+    rate = complex(dx, dy)
+    return complex(x, y), rate / abs(rate) if rate else rect(1.0, curve.tangent_angle(s))
+
+
+def _several_contacts(case: Case, phase: SeveralPhase, instants: Sequence[Instant]) -> list[list[TouchInstant]]:
+    """The closed contacts of one plate with several."""
+    regime, mass = several.regime_of(phase), case.plate.mass
+    laws = [(k, law_at(case, regime.names[k]), regime.modes[k]) for k in regime.closed]
+    results = list[list[TouchInstant]]()
+    if regime.has_open_forces:
+        times, states = np.array([t for t, _ in instants]), np.array([y for _, y in instants]).T
+        every = [contact_states(case, phase, times, states, law.name) for _, law, _ in laws]
+        rows = [np.array([c.slip, c.normal_force, c.friction_force, c.gap]).T.tolist() for c in every]
+        return [
+            [(law, mode, *row[i]) for (_, law, mode), row in zip(laws, rows, strict=True)]
+            for i in range(len(instants))
+        ]  # fmt: skip
+    for t, y in instants:
+        values = phase.system.outputs_of_numbers(t, y, phase.parameters)
+        results.append([])
+        for k, law, mode in laws:
+            normal, friction, slip, gap, _ = values[FIRST_COLUMN + len(COLUMNS) * k :][: len(COLUMNS)]
+            results[-1].append((law, mode, slip, mass * normal, mass * friction, gap))
+    return results
+
+
+def _contacts_of_plates(case: Case, phase: PlatesPhase, instants: Sequence[Instant]) -> list[list[TouchInstant]]:
+    """The closed contacts of several plates but for those between plates at rest, whose forces take a search for
+    vertices. Of the friction of two corners that stick to one line only the sum is unique."""
+    moving, every = moving_contacts(case, plates.regime_of(phase)), plate_contacts(case)
+    seconds = flush(case, [number for number, mode in moving if mode is Mode.ROLL])
+    pairs, first = {*seconds, *seconds.values()}, 2 + 3 * (1 + len(case.others))
+    results = list[list[TouchInstant]]()
+    for t, y in instants:
+        values = phase.system.outputs_of_numbers(t, y, phase.parameters) if moving else ()
+        results.append([])
+        for k, (number, mode) in enumerate(moving):
+            if mode is not Mode.FLIGHT:
+                normal, friction, slip, gap = values[first + len(PLATES_COLUMNS) * k :][: len(PLATES_COLUMNS)]
+                friction = nan if number in pairs else friction
+                results[-1].append((law_at(case, every[number].name), mode, slip, normal, friction, gap))
+    return results
