@@ -93,7 +93,7 @@ def approach_scale(phase: PhaseNumbers, t: float, y: Sequence[float]) -> float:
 def load_acceleration(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
     """Weight and load of a plate (x, y, θ, vx, vy, ω) per mass, m/s², each alone, as they may cancel."""
     plate, gravity, load = case.plate, case.effect(Gravity), case.effect(Load)
-    fx, fy, moment = load.at(t, *(float(v) for v in body)) if load else (0.0, 0.0, 0.0)
+    fx, fy, moment = load.at(t, *map(float, body)) if load else (0.0, 0.0, 0.0)
     return (gravity.g if gravity else 0.0) + (abs(fx) + abs(fy) + abs(moment) / plate.gyration) / plate.mass
 
 

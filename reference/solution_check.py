@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from cases import Belt, Case, Mode, Transition
-from cases.corner import Piece
 from cases.free_plates import plate_contacts
 from cases.piece_case import PieceCase
 from cases.trajectory import CONTACT
@@ -22,7 +21,7 @@ from cases.trajectory import CONTACT
 from . import plates, several
 from .laws_check import BROKEN_LAW, faults_at
 from .laws_check.instants import PhaseInstants, PlateInstant, TouchInstant
-from .laws_check.samples import law_at
+from .laws_check.samples import law_at, place_at
 from .minimal.integrators.segment import Instant, Segment
 from .minimal.modes import FLIGHT, Phase
 from .minimal.phase_end import Ending
@@ -93,7 +92,7 @@ def _one_contact(case: Case, number: int, phase: Phase, instants: Sequence[Insta
     times, poses, contacts, near, fastest = [], [], [], [], 0.0
     for t, y in instants:
         slip, spin, normal, friction = columns(quantities(t, y, parameters))
-        (base, tangent), (own, along) = _point_and_tangent(track, y[0]), _point_and_tangent(outline, y[1])
+        (base, tangent), (own, along) = place_at(track, y[0]), place_at(outline, y[1])
         turn = tangent * along.conjugate()
         arm = turn * own
         speed = slip
@@ -111,13 +110,6 @@ def _one_contact(case: Case, number: int, phase: Phase, instants: Sequence[Insta
 def _columns(record: Any) -> Callable[[Sequence[float]], tuple[float, ...]]:
     """Slip, spin, normal and friction force per mass from the outputs of equations with those columns."""
     return itemgetter(*(record._fields.index(name) for name in ("slip", "omega", "normal", "friction")))
-
-
-def _point_and_tangent(curve: Piece, s: float) -> tuple[complex, complex]:
-    """The point of a piece at a parameter, and its unit tangent."""
-    x, y, dx, dy, *_ = curve.jet(s)
-    rate = complex(dx, dy)
-    return complex(x, y), rate / abs(rate) if rate else rect(1.0, curve.tangent_angle(s))
 
 
 def _several_contacts(case: Case, phase: SeveralPhase, instants: Sequence[Instant]) -> list[list[TouchInstant]]:

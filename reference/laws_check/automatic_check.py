@@ -16,6 +16,7 @@ from cases.free_plates import names_of, plates_of
 from cases.overlap import span
 from cases.piece_contact import excludes_second
 from cases.supports import TRACK
+from cases.trajectory import CONTACT
 
 from ..curvature_proof import fits
 from ..scales import force_scale, load_acceleration, speed_scale
@@ -201,6 +202,13 @@ def _overlaps(
     if not case.others and not case.supports and _touches_once(case, phases):
         phases = [phase for phase in phases if not phase.near]
     if not phases:
+        return
+    line, radius = penetration.line_of(case.track), case.plate.radius
+    if line is not None and radius is not None and not case.others and not case.supports:  # without arrays
+        for phase in phases:
+            for t, ((place, *_),) in zip(phase.times, phase.plates, strict=True):
+                if (depth := radius - penetration.height_above(line, place)) > limit:
+                    yield BrokenLaw(OVERLAP, CONTACT, t, depth, "m", limit)
         return
     near = parameters_near(case, transitions)
     near[TRACK] += [xi1 for phase in phases for xi1 in phase.near]

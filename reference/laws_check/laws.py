@@ -27,7 +27,7 @@ from .samples import (
     MotionSamples,
     PlateSamples,
     law_at,
-    point_and_tangent,
+    place_at,
 )
 from .tolerances import EPS, EXACT
 
@@ -328,11 +328,7 @@ def landing_points(
 ) -> dict[float, tuple[complex, complex]]:
     """The track's points and unit tangents, complex, where the plate lands at some of these times (s), by time."""
     places = {c.time: c.xi1 for c in transitions if c.cause == CAUSES["landing"]}
-    some = [t for t in times if t in places]
-    if not some:
-        return {}
-    points, tangents = point_and_tangent(law.track, np.array([places[t] for t in some]))
-    return dict(zip(some, zip(points.tolist(), tangents.tolist(), strict=True), strict=True))
+    return {t: place_at(law.track, places[t]) for t in times if t in places}
 
 
 def energy_of_impact(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -58,6 +58,12 @@ def line_of(curve: Curve) -> tuple[complex, complex] | None:
     return None if line is None else (complex(*line.point), complex(*line.direction))
 
 
+def height_above(line: tuple[complex, complex], place: Any) -> Any:
+    """The height of places above a line, m, complex numbers or arrays."""
+    point, direction = line
+    return (direction.conjugate() * (place - point)).imag
+
+
 def depths(
     case: Case, times: np.ndarray, motions: Sequence[PlateSamples], near: dict[str, np.ndarray]
 ) -> Iterator[Depth]:
@@ -80,12 +86,11 @@ def _in_curve(
     """A plate in a track or support."""
     line, corners = line_of(curve), _corners(plate.outline)
     if line is not None:
-        point, direction = line
-        height = (np.conj(direction) * (one.place - point)).imag
+        height = height_above(line, one.place)
         if plate.radius is not None:
             yield Depth(pair, times, plate.radius - height)
         elif corners is not None:
-            lowest = (np.multiply.outer(np.conj(direction) * one.turn, corners)).imag.min(axis=-1)
+            lowest = (np.multiply.outer(np.conj(line[1]) * one.turn, corners)).imag.min(axis=-1)
             yield Depth(pair, times, -height - lowest)
         return
     if corners is None or near is None:

@@ -6,13 +6,26 @@ both ends: it integrates polynomials of degree seven exactly. Plane vectors are 
 
 from __future__ import annotations
 
+from cmath import rect
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Curve, Mode, PerfectlyRough, RollingResistance, State, Trajectory, Transition
+from cases import (
+    Case,
+    Chain,
+    CoulombFriction,
+    Curve,
+    Mode,
+    PerfectlyRough,
+    RollingResistance,
+    State,
+    Trajectory,
+    Transition,
+)
+from cases.corner import Piece
 from cases.effects import Effect, one
 from cases.free_plates import names_of, plates_of
 from cases.moving_surface import Belt
@@ -129,6 +142,16 @@ def point_and_tangent(curve, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return x + 1j * y, rate / np.abs(rate)
     point, tangent = curve.point(s.ravel()), curve.tangent(s.ravel())
     return (point[0] + 1j * point[1]).reshape(s.shape), (tangent[0] + 1j * tangent[1]).reshape(s.shape)
+
+
+def place_at(curve: Piece, s: float) -> tuple[complex, complex]:
+    """The same at one parameter, in numbers."""
+    if isinstance(curve, Chain):
+        point, tangent = point_and_tangent(curve, np.array([s]))
+        return complex(point[0]), complex(tangent[0])
+    x, y, dx, dy, *_ = curve.jet(s)
+    rate = complex(dx, dy)
+    return complex(x, y), rate / abs(rate) if rate else rect(1.0, curve.tangent_angle(s))
 
 
 def steps_of(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:

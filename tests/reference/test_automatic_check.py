@@ -9,10 +9,11 @@ import pytest
 
 import cases
 import reference
-from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, StartPose, Unilateral, disc
+from cases import Case, Chain, CoulombFriction, Curve, Flight, Gravity, Impact, Start, StartPose, Unilateral, disc
 from reference import solve
 from reference.certification import NotCertified, certificate, witnesses
 from reference.laws_check import BROKEN_LAW
+from reference.laws_check.broken_laws import OVERLAP
 from reference.sweeping import batches, motions
 from tests.scenes.lifted_plates import lifted_plate
 from tests.scenes.ties import tie
@@ -20,6 +21,11 @@ from tests.scenes.walled_plates import random_walled_plates
 
 CIRCLE, BOX, FREE = "disc_in_circle[mu=0.2]", "sliding_box[mu=0.4,slope=0.2]", "disc_on_free_disc[mu=0.5]"
 HILL, BOUNCE, ROW = "disc_sliding_off_hill", "bouncing_disc[e=0.5]", "row_of_discs"
+# A disc that rolls off a table to the floor.
+TABLE = Case(
+    Chain.polyline([(-1, 0), (0, 0), (0, -1), (3, -1)]), disc(0.1, 1.0),
+    (Gravity(9.81), CoulombFriction(0.5), Impact(0.5), Unilateral(), Flight()), Start(xi1=0.5, omega=-15.0), 1.2,
+)  # fmt: skip
 
 
 def other_scene(change: Callable[[Case], Case]) -> Callable:
@@ -75,12 +81,18 @@ FAULTS = {
     "a phase that begins faster": (CIRCLE, other_state(0, 2, 1.001), "velocity is continuous"),
     "a slip that is called a roll": (CIRCLE, other_mode, "no slip"),
     "restitution": (BOUNCE, other_scene(with_effect(Impact(0.6))), "law of impact"),
+    "restitution at a floor with corners": (TABLE, other_scene(with_effect(Impact(0.6))), "law of impact"),
+    "a lower floor of a flight": (
+        BOUNCE,
+        other_scene(lambda case: replace(case, track=Curve(("s", "-0.01")))),
+        OVERLAP,
+    ),
     "friction at two contacts": (BOX, other_scene(with_effect(CoulombFriction(0.4 * (1 + 1e-6)))), "Coulomb"),
     "friction of free plates": (FREE, other_scene(with_effect(CoulombFriction(0.51))), "Coulomb"),
     "a lower floor": (
         ROW,
         other_scene(lambda case: replace(case, track=Curve(("s", "-0.01")))),
-        "no overlap",
+        OVERLAP,
     ),
     "free plates that fall faster": (FREE, other_scene(with_effect(Gravity(9.9))), "energy is not created"),
 }
@@ -93,7 +105,7 @@ def test_a_planted_solver_ends_as_a_broken_law(fault, method, monkeypatch):
     if method not in reference.METHODS:
         pytest.skip("heyoka is not installed")
     label, solver, law = FAULTS[fault]
-    case = cases.load(label)
+    case = cases.load(label) if isinstance(label, str) else label
     assert reference.simulate(case, method=method).status != BROKEN_LAW
     for name in ("solve_motion", "solve_supports"):
         monkeypatch.setattr(solve, name, solver(getattr(solve, name)))
