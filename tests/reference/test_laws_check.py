@@ -34,6 +34,7 @@ from cases import (
 from cases.library import line
 from cases.trajectory import ContactColumns
 from reference import solve
+from reference.laws_check.samples import of_motion
 
 
 @cache
@@ -307,6 +308,14 @@ def test_motions_of_the_catalogue_break_no_law(name, rtol):
         assert motion.status != "broken_law", motion.reason
         if motion.dense is not None:
             assert reference.check(case, motion, rtol) == ()
+
+
+def test_the_last_instant_of_a_step_is_before_its_end():
+    """An impact may be there, and start + (end − start) may lie past the end."""
+    knots = np.sort(np.random.default_rng(1).uniform(0.0, 3.0, (10_000, 2)), axis=1)
+    samples = of_motion(right(BOUNCE).case, right(BOUNCE), *knots.T)
+    assert (samples.times[:, -1] < knots[:, 1]).all() and (samples.times[:, 0] == knots[:, 0]).all()
+    assert (samples.start + samples.length > samples.end).any()
 
 
 def test_check_needs_a_dense_motion():
