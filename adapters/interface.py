@@ -147,10 +147,11 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     """Why a route does not support a case, in one sentence, or None: by what the adapter has to declare, then by its
     own `refuses`."""
     # These import SymPy, which a command's help does not need.
-    from cases import Drive
+    from cases import Drive, Load
+    from cases.free_plates import why_not_closed_forms
     from cases.own_effects import own_effects
     from cases.piece_case import has_pieces
-    from cases.supports import has_belt, has_rolling_resistance, has_slip_law
+    from cases.supports import has_belt, has_rolling_resistance, has_slip_law, is_general
 
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
@@ -162,8 +163,16 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     plates = (case.plate, *(one.plate for one in case.others)) if case.others else ()
     if any(plate.radius is None for plate in plates) and route not in getattr(adapter, "FREE_POLYGONS", ()):
         return f"The {route} route supports several plates if all of them are discs."
+    if case.others and (reason := why_not_closed_forms(case)):
+        return f"The {route} route supports discs and one convex polygon on straight lines: {reason}."
+    if case.others and (case.effect(Load) is not None or has_belt(case)):
+        return f"The {route} route does not support a load or a belt with several plates."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."
+    if case.supports and not case.others and is_general(case):
+        return (
+            f"The {route} route does not support this pair of outline and support: their contacts have no closed form."
+        )
     if case.supports and not case.plate.turns and route not in getattr(adapter, "FIXED_ROTATION_AND_SUPPORTS", ()):
         return f"The {route} route does not support a plate that does not turn on several fixed curves (supports)."
     if case.supports and has_belt(case) and route not in getattr(adapter, "BELTS_AND_SUPPORTS", ()):

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import effects
-from .chain import Chain
 from .curves import Curve
 from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, instance, parameter, positive, real
@@ -189,8 +188,6 @@ def _check_rotation(case: Case) -> None:
     """Raise BadValue or DoesNotFit for a plate of infinite inertia with a rotation, or a resistance to it."""
     if case.plate.turns:
         return
-    if isinstance(case.track, Chain) or isinstance(case.plate.outline, Chain):
-        raise BadValue("a plate of infinite inertia with corners is not supported; give smooth curves")
     if case.start.omega != 0.0:
         raise BadValue(f"a plate of infinite inertia does not turn; give omega=0 in Start, not {case.start.omega:g}")
     if has_rolling_resistance(case):

@@ -1,7 +1,7 @@
 """Free plates: further plates of a case, each of which moves by itself and touches the others, the track and supports.
 
-All plates of such a case are discs and convex polygons, and its track and supports are straight lines without ends:
-each disc and each corner has one contact with each line in every pose, and each disc with every other plate.
+Of discs and at most one convex polygon on straight lines without ends the contacts have closed forms: each disc and
+each corner has one with each line in every pose, and each disc with every other plate.
 """
 
 from __future__ import annotations
@@ -16,8 +16,19 @@ import numpy as np
 from . import effects as all_effects
 from .contact_names import FIRST
 from .curves import Curve
-from .effects import CoulombFriction, E, Effect, Flight, Gravity, Impact, PerfectlyRough, RollingResistance, Unilateral
-from .errors import BadValue, DoesNotFit
+from .effects import (
+    CoulombFriction,
+    E,
+    Effect,
+    Flight,
+    Gravity,
+    Impact,
+    Load,
+    PerfectlyRough,
+    RollingResistance,
+    Unilateral,
+)
+from .errors import BadValue, DoesNotFit, NotSupported
 from .line_or_circle import Line, as_line
 from .moving_surface import Belt
 from .plate import Plate
@@ -32,15 +43,15 @@ from .polygon_features import (
     regions,
     size_of_plate,
 )
-from .start_pose import OVERLAPS, StartPose
-from .supports import TRACK, is_straight
+from .start_pose import StartPose
+from .supports import TRACK, enters, is_straight
 
 # Modes are enumerated: four for each contact of plates that touch each other.
 MOST = 8
 # Pose and velocities of a plate, in the order of rows.
 POSE = ("x", "y", "theta", "vx", "vy", "omega")
 # Effects of a case with several plates.
-POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact)
+POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Load, Belt)
 
 
 @dataclass(frozen=True)
@@ -98,9 +109,35 @@ def names_of(case: Any) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=256)
+def why_not_closed_forms(case: Any) -> str:
+    """Why the contacts of several plates are not those of `plate_contacts`, in a phrase; "" if they are: of discs and
+    at most one convex polygon on straight lines."""
+    polygons = [name for name, plate in zip(names_of(case), plates_of(case), strict=True) if is_polygon(plate)]
+    if len(polygons) > 1:
+        return f"{polygons[0]!r} and {polygons[1]!r} are polygons"
+    for name, plate in zip(names_of(case), plates_of(case), strict=True):
+        angles = np.linspace(0.0, 6.0, 17)
+        is_disc = plate.radius is not None and np.allclose(
+            plate.outline.point(parameter(plate.outline, angles)),
+            plate.radius * np.array([np.cos(angles), np.sin(angles)]),
+            rtol=0.0,
+            atol=1e-12 * plate.radius,
+        )
+        if not is_disc and not is_polygon(plate):
+            return f"{name!r} is no disc and no convex polygon"
+    for name, curve in ((TRACK, case.track), *((s.name, s.curve) for s in case.supports)):
+        if not is_straight(curve):
+            return f"{name!r} is no straight line without ends"
+    return ""
+
+
+@lru_cache(maxsize=256)
 def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
     """All contacts that the plates of a case may have: with the track, each support, and each other. Those of a
-    polygon's corners with a line are numbered in the outline's order; a disc's with a polygon lies on the polygon."""
+    polygon's corners with a line are numbered in the outline's order; a disc's with a polygon lies on the polygon.
+    Raises NotSupported for other shapes (`why_not_closed_forms`)."""
+    if reason := why_not_closed_forms(case):
+        raise NotSupported(f"contacts of several plates have closed forms for discs, one polygon and lines; {reason}")
     names, plates, contacts = names_of(case), plates_of(case), list[PlateContact]()
     supports = ((TRACK, case.track, case.effects), *((s.name, s.curve, s.acting(case.effects)) for s in case.supports))
     for body, name in enumerate(names):
@@ -136,7 +173,9 @@ def _angle_of(outline: Curve) -> tuple[float, float]:
 
 def start_poses(case: Any) -> np.ndarray:
     """(x, y, θ, vx, vy, ω) of every plate at time zero, shape (plates, 6)."""
-    first = case.start.motion(case.track, case.plate.outline)
+    from .contact import start_motion  # of a case
+
+    first = start_motion(case)
     own = [(s.x, s.y, s.theta, s.vx, s.vy, s.omega) for s in (first, *(other.start for other in case.others))]
     return np.array(own, dtype=float)
 
@@ -174,41 +213,12 @@ def check_others(case: Any) -> None:
         return
     if len(case.others) >= MOST:
         raise BadValue(f"a case has at most {MOST} plates; leave some of the others out")
-    _check_forms(case)
-    _check_effects(case)
-
-
-def _check_forms(case: Any) -> None:
-    """Raise BadValue unless plates are discs or convex polygons, at most one of these, and track and supports lines."""
-    polygons = [name for name, plate in zip(names_of(case), plates_of(case), strict=True) if is_polygon(plate)]
-    if len(polygons) > 1:
-        raise BadValue(
-            f"{polygons[0]!r} and {polygons[1]!r} are polygons, whose contacts with each other are not supported; give "
-            "one polygon, and discs"
-        )
-    for name, plate in zip(names_of(case), plates_of(case), strict=True):
-        angles = np.linspace(0.0, 6.0, 17)
-        is_disc = plate.radius is not None and np.allclose(
-            plate.outline.point(parameter(plate.outline, angles)),
-            plate.radius * np.array([np.cos(angles), np.sin(angles)]),
-            rtol=0.0,
-            atol=1e-12 * plate.radius,
-        )
-        if not is_disc and not is_polygon(plate):
-            raise BadValue(
-                f"several plates are discs and convex polygons, and {name!r} is neither; give disc(radius, mass) or "
-                "Plate.polygon(points, mass)"
-            )
     for other in case.others:
         if not other.plate.turns and other.start.omega != 0.0:
             raise BadValue(
                 f"a plate of infinite inertia does not turn; give omega=0 in the StartPose of {other.name!r}"
             )
-    for name, curve in ((TRACK, case.track), *((s.name, s.curve) for s in case.supports)):
-        if not is_straight(curve):
-            raise BadValue(
-                f"several plates need straight tracks and supports without ends, and {name!r} is none; give a line"
-            )
+    _check_effects(case)
 
 
 def _check_effects(case: Any) -> None:
@@ -218,7 +228,7 @@ def _check_effects(case: Any) -> None:
             kind = type(effect).__name__
             raise BadValue(f"{kind} with several plates is not supported; leave {kind} out")
     for support in case.supports:
-        if other := [type(e).__name__ for e in support.effects or () if isinstance(e, (Belt, RollingResistance))]:
+        if other := [type(e).__name__ for e in support.effects or () if isinstance(e, RollingResistance)]:
             raise BadValue(
                 f"{other[0]} of support {support.name!r} with several plates is not supported; leave {other[0]} out"
             )
@@ -234,11 +244,14 @@ def _check_effects(case: Any) -> None:
 
 def check_places(case: Any) -> None:
     """Raise DoesNotFit if plates overlap each other or a support where the motion begins."""
-    poses, plates = start_poses(case), plates_of(case)
-    for contact in plate_contacts(case):
-        gap = gap_of(contact, poses)
-        if gap < -OVERLAPS * size_of(poses, tuple(map(size_of_plate, plates))):
-            raise DoesNotFit(f"{contact.name} overlap by {-gap:.6g} m where they begin; give another StartPose")
+    from .couples import couples  # a couple is a case
+
+    poses = start_poses(case)[:, :3].ravel()
+    for couple in couples(case):
+        x, y, theta = (float(v) for v in couple.relative_pose(poses))
+        far = couple.base is not None and hypot(x, y) > couple.plate.reach + plates_of(case)[couple.base].reach
+        if not far and enters(couple.track, couple.plate.outline, x, y, theta):
+            raise DoesNotFit(f"{couple.pair_name} overlap where they begin; give another StartPose")
 
 
 def size_of(poses: np.ndarray, radii: tuple[float, ...]) -> float:

@@ -76,6 +76,10 @@ def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: t
 
     Raises DoesNotFit where there is none: two edges face each other, or two corners do.
     """
+    if isinstance(outline, Corner) and isinstance(track, Chain):
+        return find_from(
+            track, outline, x, y, theta, Entry(_at(track, near[0]), Element(outline, 0.0, 0.0, 0, 0), *near)
+        )
     if isinstance(outline, Corner):
         return _at_corner(track, outline, x, y, theta, near)
     if not isinstance(track, Chain) and not isinstance(outline, Chain):

@@ -23,9 +23,9 @@ from .line_or_circle import as_line
 from .moving_surface import Belt
 from .nearest_samples import nearest_samples
 from .outline_features import arc_ranges, features, is_arc, sides
-from .overlap import first_overlap
+from .overlap import first_overlap, span
 from .own_effects import own_effects
-from .piece_contact import find
+from .piece_contact import Chains, find
 from .start_overlap import deepest_overlap
 
 # The name of the track among the supports.
@@ -62,8 +62,8 @@ class Support:
     effects: tuple[Effect, ...] | None = None
 
     def __post_init__(self):
-        if not isinstance(self.curve, Curve) or isinstance(self.curve, Chain):
-            raise BadValue(f"the curve of a Support is {self.curve!r}; give a smooth Curve, such as library.line(pi/2)")
+        if not isinstance(self.curve, Curve):
+            raise BadValue(f"the curve of a Support is {self.curve!r}; give a Curve, such as library.line(pi/2)")
         name = self.name
         is_word = isinstance(name, str) and name.replace("_", "").replace("-", "").isalnum() and len(name) <= 30
         if not is_word or name == TRACK:
@@ -131,10 +131,6 @@ def check_supports(case: Any) -> None:
         return
     if reason := exclusion(case):
         raise BadValue(reason)
-    if isinstance(case.track, Chain):
-        raise BadValue("a track with corners with supports is not supported; give each straight part as a Support")
-    if isinstance(case.plate.outline, Chain):
-        _check_features(case)
 
 
 @lru_cache(maxsize=256)
@@ -174,13 +170,31 @@ def exclusion(case: Any) -> str:
         return f"{type(own[0]).__name__} with several contacts is not supported; leave it out"
     if case.effect(all_effects.Unilateral) is None:
         return "a bilateral guide with several contacts is not supported; add Unilateral to the effects"
+    return ""
+
+
+@lru_cache(maxsize=256)
+def is_general(case: Any) -> bool:
+    """Whether a case with supports has shapes that only pairs of elements in any pose have, and no pairs of a support
+    and a feature with nearest points that can be watched all the time."""
+    curves = (case.track, *(support.curve for support in case.supports))
+    if (
+        any(isinstance(curve, Chain) for curve in curves)
+        or not case.plate.turns
+        and isinstance(case.plate.outline, Chain)
+    ):
+        return True
+    if any(curve.parts is not None for curve in (*curves, case.plate.outline) if not isinstance(curve, Chain)):
+        return True
     law = case.effect(Impact)
     if law is not None and law.law == "newton" and has_belt(case):
-        return 'the impact law "newton" with a Belt and several contacts is not supported; give "poisson" or "moreau"'
-    for curve in (case.track, case.plate.outline, *(support.curve for support in case.supports)):
-        if not isinstance(curve, Chain) and curve.parts is not None:
-            return "a curve in pieces with several contacts is not supported; give a smooth curve in one piece"
-    return ""
+        return True
+    try:
+        if isinstance(case.plate.outline, Chain):
+            _check_features(case)
+    except BadValue:
+        return True
+    return False
 
 
 def has_belt(case: Any) -> bool:
@@ -264,14 +278,23 @@ def check_start(case: Any, x: float, y: float, theta: float) -> None:
             is_deep = float((normal @ (points - line.point[:, None])).min()) < -DEPTH * case.plate.reach
             for _ in range(FOOT_STEPS):
                 near += float((np.array([x, y]) - curve.point(near)) @ line.direction) / float(curve.speed(near))
+        elif isinstance(curve, Chain):
+            is_deep, near = bool(enters(curve, outline, x, y, theta)), 0.0
         else:
             near = nearest_samples(curve, CENTRE, x, y, theta)[0][0]
             px, py, angle, at = (np.array([value]) for value in (x, y, theta, near))
             is_deep = first_overlap(curve, outline, px, py, angle, at) is not None
             is_deep |= isinstance(outline, Chain) and _crosses(curve, outline, x, y, theta)
-        deepest = None if is_deep else deepest_overlap(curve, outline, x, y, theta, near)
+        deepest = None if is_deep or isinstance(curve, Chain) else deepest_overlap(curve, outline, x, y, theta, near)
         if is_deep or (deepest is not None and deepest.depth > DEPTH * case.plate.reach):
             raise DoesNotFit(f"the plate overlaps support {support.name!r} where it begins; give another start")
+
+
+def enters(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> bool:
+    """Whether a corner of a curve or of an outline lies deep inside the other, in a pose."""
+    near = np.array([nearest_samples(curve, CENTRE, x, y, theta)[0][0]])
+    reach = 1.01 * float(np.hypot(*outline.point(np.linspace(*outline.span, 721))).max())
+    return Chains(curve, outline, *span(curve, near, reach)).entry(x, y, theta) is not None
 
 
 def _crosses(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> bool:

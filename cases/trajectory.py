@@ -240,8 +240,7 @@ class Trajectory:
         choice("contact of the motion", contact, self.contact_names)
         if self.contact_columns is None:
             return self
-        # The ranges of open forces may take long to compute, and are no part of the motion of one contact.
-        columns = getattr(self.contact_columns, "without_ranges", self.contact_columns)
+        columns = self.contact_columns
         now = columns(contact, None)
         transitions = tuple(t for t in self.transitions if t.contact == contact)
         return replace(

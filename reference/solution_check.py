@@ -14,23 +14,18 @@ from typing import Any
 import numpy as np
 
 from cases import Belt, Case, Mode, Transition
-from cases.free_plates import plate_contacts
 from cases.piece_case import PieceCase
 from cases.trajectory import CONTACT
 
-from . import plates, several
+from . import solver
 from .laws_check import BROKEN_LAW, faults_at
 from .laws_check.instants import PhaseInstants, PlateInstant, TouchInstant
 from .laws_check.samples import law_at, place_at
 from .minimal.integrators.segment import Instant, Segment
 from .minimal.modes import FLIGHT, Phase
 from .minimal.phase_end import Ending
-from .plates.plate_places import flush
-from .plates.plates_phase import PlatesPhase, moving_contacts
-from .plates.plates_system import COLUMNS as PLATES_COLUMNS
-from .several.equations import COLUMNS, FIRST_COLUMN
-from .several.output import contact_states
-from .several.regimes import SeveralPhase
+from .solver.phase import SolverPhase
+from .solver.system import COLUMNS
 
 # Phases that are looked at: of more, so many that are evenly distributed. Of more than a few, only some are looked at
 # between their start and end: an instant takes 10 µs, and a phase 100 µs.
@@ -62,17 +57,15 @@ def _phases(case: Case, segments: Sequence[Segment]) -> list[PhaseInstants]:
 
 def _of_phase(case: Case, number: int, segment: Segment, inside: bool) -> PhaseInstants:
     phase, instants = segment.phase, segment.instants(inside)
-    if isinstance(phase, SeveralPhase):
-        times, poses = [t for t, _ in instants], [(_plate(*y[:3], *y[-3:]),) for _, y in instants]
+    if isinstance(phase, SolverPhase):
+        count, times = 3 * (1 + len(case.others)), [t for t, _ in instants]
+        every = [
+            tuple(_plate(*y[i : i + 3], *y[len(y) - count + i : len(y) - count + i + 3]) for i in range(0, count, 3))
+            for _, y in instants
+        ]
         contacts = _several_contacts(case, phase, instants)
         belts = [abs(law.belt.at(t)[0]) for law, *_ in contacts[0] if law.belt is not None for t in times]
-        return PhaseInstants(number, times, poses, contacts, belt=max(belts, default=0.0))
-    if isinstance(phase, PlatesPhase):
-        half = 3 * (1 + len(case.others))
-        every = [
-            tuple(_plate(*y[i : i + 3], *y[half + i : half + i + 3]) for i in range(0, half, 3)) for _, y in instants
-        ]
-        return PhaseInstants(number, [t for t, _ in instants], every, _contacts_of_plates(case, phase, instants))
+        return PhaseInstants(number, times, every, contacts, belt=max(belts, default=0.0))
     if phase.regime == FLIGHT:
         flight = [(_plate(*y[:6]),) for _, y in instants]
         return PhaseInstants(number, [t for t, _ in instants], flight, [[] for _ in instants])
@@ -112,41 +105,23 @@ def _columns(record: Any) -> Callable[[Sequence[float]], tuple[float, ...]]:
     return itemgetter(*(record._fields.index(name) for name in ("slip", "omega", "normal", "friction")))
 
 
-def _several_contacts(case: Case, phase: SeveralPhase, instants: Sequence[Instant]) -> list[list[TouchInstant]]:
-    """The closed contacts of one plate with several."""
-    regime, mass = several.regime_of(phase), case.plate.mass
-    laws = [(k, law_at(case, regime.names[k]), regime.modes[k]) for k in regime.closed]
-    results = list[list[TouchInstant]]()
-    if regime.has_open_forces:
-        times, states = np.array([t for t, _ in instants]), np.array([y for _, y in instants]).T
-        every = [contact_states(case, phase, times, states, law.name) for _, law, _ in laws]
-        rows = [np.array([c.slip, c.normal_force, c.friction_force, c.gap]).T.tolist() for c in every]
-        return [
-            [(law, mode, *row[i]) for (_, law, mode), row in zip(laws, rows, strict=True)]
-            for i in range(len(instants))
-        ]  # fmt: skip
-    for t, y in instants:
-        values = phase.system.outputs_of_numbers(t, y, phase.parameters)
-        results.append([])
-        for k, law, mode in laws:
-            normal, friction, slip, gap, _ = values[FIRST_COLUMN + len(COLUMNS) * k :][: len(COLUMNS)]
-            results[-1].append((law, mode, slip, mass * normal, mass * friction, gap))
-    return results
-
-
-def _contacts_of_plates(case: Case, phase: PlatesPhase, instants: Sequence[Instant]) -> list[list[TouchInstant]]:
-    """The closed contacts of several plates but for those between plates at rest, whose forces take a search for
-    vertices. Of the friction of two corners that stick to one line only the sum is unique."""
-    moving, every = moving_contacts(case, plates.regime_of(phase)), plate_contacts(case)
-    seconds = flush(case, [number for number, mode in moving if mode is Mode.ROLL])
-    pairs, first = {*seconds, *seconds.values()}, 2 + 3 * (1 + len(case.others))
+def _several_contacts(case: Case, phase: SolverPhase, instants: Sequence[Instant]) -> list[list[TouchInstant]]:
+    """The closed contacts in poses but for those between plates at rest and those whose forces are not unique, which
+    take a search for vertices. Of the friction of two contacts with one slip that stick only the sum is unique."""
+    regime = solver.regime_of(phase)
+    pairs = {k for both in enumerate(regime.shares) if both[1] is not None for k in both}
+    closed = [
+        k for k, mode in enumerate(regime.modes)
+        if mode is not Mode.FLIGHT and not set(solver.sides(case, regime, k)) <= regime.resting
+        and not (regime.guides and regime.guides[k] is not None)
+    ]  # fmt: skip
+    laws, first = [law_at(case, regime.names[k]) for k in closed], 2 + 3 * (1 + len(case.others))
     results = list[list[TouchInstant]]()
     for t, y in instants:
-        values = phase.system.outputs_of_numbers(t, y, phase.parameters) if moving else ()
+        values = phase.system.outputs_of_numbers(t, y, phase.parameters) if closed else ()
         results.append([])
-        for k, (number, mode) in enumerate(moving):
-            if mode is not Mode.FLIGHT:
-                normal, friction, slip, gap = values[first + len(PLATES_COLUMNS) * k :][: len(PLATES_COLUMNS)]
-                friction = nan if number in pairs else friction
-                results[-1].append((law_at(case, every[number].name), mode, slip, normal, friction, gap))
+        for k, law in zip(closed, laws, strict=True):
+            normal, friction, slip, gap = values[first + len(COLUMNS) * k :][: len(COLUMNS)]
+            friction = nan if k in pairs else friction
+            results[-1].append((law, regime.modes[k], slip, normal, friction, gap))
     return results

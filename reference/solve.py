@@ -14,17 +14,17 @@ from typing import Any
 import numpy as np
 
 from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
-from cases.contact import belt_speed, pose, start_motion
-from cases.contact_limits import has_features, limitation, touches_by_features
-from cases.contact_pairs import pairs
+from cases.contact import belt_speed, pose
+from cases.contact_limits import is_general_case, touches_by_features
 from cases.errors import between, unknown_name
 from cases.free_plates import names_of, start_poses
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.piece_case import PieceCase, has_pieces, passages_between
 from cases.sampled_contacts import SampledPlates
+from cases.supports import exclusion
 from cases.trajectory import CONTACT
 
-from . import augmented_integrator, plates, several
+from . import augmented_integrator, solver
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import simulate_phases
 from .minimal.integrators import taylor
@@ -172,7 +172,7 @@ def initial_value_problem(case: Case, rtol: float, method: str) -> InitialValueP
     def by_laws(regime: Regime | None, solve: Callable[[], Any]) -> InitialValueProblem:
         return InitialValueProblem(case, relative, regime, partial(_with_check, relative, rtol, solve))
 
-    if case.others or touches_by_features(relative):
+    if is_general_case(relative) or touches_by_features(relative):
         return by_laws(None, partial(solve_supports, relative, rtol, integrate))
     start = start_state(relative)
     try:
@@ -189,65 +189,49 @@ def _with_check(case: Case, rtol: float, solve: Callable[[], Any]):
 
 
 def solve_supports(case: Case, rtol: float, integrate: Callable[..., Segment]):
-    """The motion without samples, as of `solve_motion`, of several plates or of a plate whose contacts are pairs of a
-    support and a feature."""
-    simulation = plates.simulate if case.others else several.from_start
-    return simulation(case, rtol, integrate)
+    """The motion without samples, as of `solve_motion`, of several plates or of a plate with several contacts from its
+    start on."""
+    return solver.simulate(case, rtol, integrate)
 
 
 def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate, original: Case | None = None):
-    """The motion without samples: (segments, transitions, (status, sentence)); from a second contact on by `several`,
-    or cut there if that does not support the case, or the `original` whose relative case it is."""
-    other = _other_touch(case, regime)
-    if other is not None and integrate is not augmented_integrator.integrate and not limitation(original or case):
-        return _from_touches(case, other, rtol, integrate)
-    solution, meeting = until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
-    segments, transitions, (status, reason) = solution
-    lies_flat = meeting is None and has_features(case) and _touches_with_features(case, status)
-    if meeting is None and not lies_flat:
-        return solution
-    unsupported = limitation(original or case)
+    """The motion without samples: (segments, transitions, (status, sentence)); from a second contact on in poses, or
+    cut there if effects of the case exclude it, or those of the `original` whose relative case it is."""
+    reason = exclusion(original or case)
+    unsupported = f"{reason[0].upper()}{reason[1:]}." if reason else ""
     if integrate is augmented_integrator.integrate:
         unsupported = "The method 'augmented' has one contact; leave method out to go on."
+    if regime is None and not unsupported and _touches_twice(case):
+        return solver.simulate(case, rtol, integrate)
+    solution, meeting = until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
+    segments, transitions, (status, reason) = solution
+    if meeting is None and not _ended_at_second(case, status):
+        return solution
     if unsupported:
         return segments, transitions, (status, f"{reason} {unsupported}")
-    if meeting is not None and several.touches_at_start(case, (meeting.xi1, meeting.xi2)):
-        segments, transitions, time = [], [], 0.0
-    else:
-        time = meeting.time if meeting is not None else segments[-1].event.time
-    last = solution[0][-1]
-    y = last.states(np.array([time])) if segments else np.array(state_in(last.phase, start))[:, None]
-    state = _observe(case, last.phase, np.array([time]), y)
-    x, y0, theta, vx, vy, omega, *_, xi1, xi2 = (float(column[0]) for column in np.broadcast_arrays(*state))
-    body, mode = (x, y0, theta, vx, vy, omega), last.phase.regime.mode
-    if meeting is None:
-        more, changes, ending = several.from_flat_side(case, time, body, xi1, mode, rtol, integrate)
-    else:
-        pair = meeting.xi1, meeting.xi2
-        more, changes, ending = several.until_end(case, time, body, (xi1, xi2), mode, pair, rtol, integrate)
+    if _touches_twice(case) or not segments:
+        return solver.simulate(case, rtol, integrate)
+    time = meeting.time if meeting is not None else segments[-1].event.time
+    last = segments[-1]
+    state = _observe(case, last.phase, np.array([time]), last.states(np.array([time])))
+    x, y, theta, vx, vy, omega, *_, xi1, _ = (float(column[0]) for column in np.broadcast_arrays(*state))
+    other = (meeting.xi1, meeting.xi2) if meeting is not None else None
+    before = solver.Before(time, (x, y, theta, vx, vy, omega), last.phase.regime.mode, xi1, other)
+    more, changes, ending = solver.simulate(case, rtol, integrate, before)
     transitions = [replace(event, contact=CONTACT) for event in transitions]
     return [*segments, *more], [*transitions, *changes], ending
 
 
-def _other_touch(case: Case, regime: Regime | None) -> tuple[float, float] | None:
-    """A further pair of points at which the plate touches its track in a start whose own contact opens at once."""
-    if regime is not None or not case.start.in_contact or has_features(case):
-        return None
-    begin = start_motion(case)
-    points = pairs(case)[0].touching_points(begin.x, begin.y, begin.theta)
-    return next((pair for pair in points if several.touches_at_start(case, pair)), None)
+def _touches_twice(case: Case) -> bool:
+    """Whether the plate touches its track in several places where the motion begins."""
+    if not case.start.in_contact:
+        return False
+    return len(list(solver.touching_contacts(case, np.array(solver.start_of(case))))) > 1
 
 
-def _from_touches(case: Case, other: tuple[float, float], rtol: float, integrate: Callable[..., Segment]):
-    """The motion of a plate that touches its track at its start's pair and another one; the first one opens."""
-    begin = start_motion(case)
-    body = begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega
-    return several.until_end(case, 0.0, body, (begin.xi1, begin.xi2), Mode.FLIGHT, other, rtol, integrate)
-
-
-def _touches_with_features(case: Case, status: str) -> bool:
-    """Whether a motion of a plate with corners ended where a flat side or a second corner met its track."""
-    return status == FLAT[0] or (status == "second_contact" and not isinstance(case.track, Chain))
+def _ended_at_second(case: Case, status: str) -> bool:
+    """Whether a motion of curves with corners ended where a flat side or a second place met the track."""
+    return has_pieces(case) and status in (FLAT[0], "second_contact")
 
 
 def as_trajectory(
@@ -350,11 +334,11 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 
     if case.others:
-        every = plates.AllPlateContacts(case, segments, transitions)
+        every = solver.AllContacts(case, segments, transitions, _observe)
         common |= dict(contact_names=every.names, contact_columns=every)
-        common |= dict(plate_names=names_of(case), plate_columns=plates.AllPlates(case, segments))
-    elif any(isinstance(segment.phase, several.SeveralPhase) for segment in segments):
-        contacts = several.AllContacts(case, segments, transitions, _observe)
+        common |= dict(plate_names=names_of(case), plate_columns=solver.AllPlates(case, segments))
+    elif any(isinstance(segment.phase, solver.SolverPhase) for segment in segments):
+        contacts = solver.AllContacts(case, segments, transitions, _observe)
         common |= dict(contact_names=contacts.names, contact_columns=contacts)
     first_mode = _first_mode(segments, transitions)
     return Trajectory.on_demand(samples, **common, first_mode=first_mode, dense=_Dense(case, segments))
@@ -364,13 +348,10 @@ def _first_mode(segments: list[Segment], transitions) -> Mode:
     """The mode of the first contact at the start."""
     first = next((change.before for change in transitions if change.contact == CONTACT), None)
     now = segments[0].phase
-    if isinstance(now, plates.PlatesPhase):
-        regime = plates.regime_of(now)
-        return dict(zip(regime.contacts, regime.modes, strict=True))[0]
-    if not isinstance(now, several.SeveralPhase):
-        return now.regime.mode
-    modes = dict(zip(several.regime_of(now).names, several.regime_of(now).modes, strict=True))
-    return first or modes.get(CONTACT, Mode.FLIGHT)
+    if isinstance(now, solver.SolverPhase):
+        regime = solver.regime_of(now)
+        return first or dict(zip(regime.names, regime.modes, strict=True)).get(CONTACT, Mode.FLIGHT)
+    return now.regime.mode
 
 
 class _Dense:
@@ -409,10 +390,8 @@ def at_once(status: str) -> Mode | None:
 
 def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
     """Pose by (5) and (6), velocities by (8), forces from (27)."""
-    if isinstance(now, plates.PlatesPhase):
-        return plates.observe(case, now, times, y)
-    if isinstance(now, several.SeveralPhase):
-        return several.observe(case, now, times, y)
+    if isinstance(now, solver.SolverPhase):
+        return solver.observe(case, now, times, y)
     if now.regime == FLIGHT:
         none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
         return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)

@@ -8,7 +8,7 @@ before its neighbours do. So the pairs searched are all that there are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -73,12 +73,12 @@ class ElementSearch:
         poses: Poses,
         edges: np.ndarray,
         skipped: Collection[tuple[int, int]] = (),
-        cores: Callable[[Element, Element, np.ndarray], Cores | None] | None = None,
+        cores: Callable[[Element, Element, np.ndarray], Sequence[Cores]] | None = None,
     ) -> ElementMeeting | None:
         """The first meeting between the first and the last of the times `edges`; None if there is none.
 
         `poses`: times (n,) ↦ (x, y, θ), (3, n). `skipped`: numbers of pairs of elements; `cores`: for a pair and edges
-        of windows the surroundings of a contact, in the pair's own parameters. Raises TooMuch.
+        of windows the surroundings of each contact, in the pair's own parameters. Raises TooMuch.
         """
         edges = fine(poses, edges)
         earliest: ElementMeeting | None = None
@@ -99,8 +99,8 @@ class ElementSearch:
                 some = Windows(*(column[some.start < earliest.time] for column in some))
             if not len(some.start):
                 continue
-            around = cores(pair.first, pair.second, np.array([some.start, some.end])) if cores else None
-            meeting = pair.search.first(some, [around] if around is not None else [])
+            around = cores(pair.first, pair.second, np.array([some.start, some.end])) if cores else ()
+            meeting = pair.search.first(some, around)
             if meeting is not None and (earliest is None or meeting.time < earliest.time):
                 earliest = self._in_whole(poses, pair, meeting)
         return earliest

@@ -318,13 +318,20 @@ def test_velocities_of_a_pose_on_a_belt_are_those_of_the_plate():
     assert case.start.slip == pytest.approx(0.25 + R * 0.5 - 1.0, abs=1e-15)
 
 
-def test_a_plate_of_a_belt_with_several_contacts_has_no_newton_impact_and_no_friends():
-    law = tuple(Impact(0.3, "newton") if isinstance(e, Impact) else e for e in disc_at_wall(1.0).effects)
-    with pytest.raises(BadValue, match='give "poisson" or "moreau"'):
-        replace(disc_at_wall(1.0), effects=law)
-    wall = Support(line(pi / 2), "wall", (CoulombFriction(0.2), Belt(1.0)))
-    other = FreePlate(disc(R, 1.0), StartPose(3.0 * R, R), "other")
-    with pytest.raises(BadValue, match="Belt of support 'wall' with several plates is not supported"):
-        Case(line(), disc(R, 1.0), INELASTIC, StartPose(R, R), 1.0, supports=(wall,), others=(other,))
+def test_further_plates_run_on_belts():
+    """Discs set down on a belt and on its floor far away: μ g drives the centre, 2 μ g the rim, and slip ends after
+    |slip|/(3 μ g) for each by itself."""
+    far = FreePlate(disc(R, 2.0), StartPose(50.0, R, vx=0.5), "other")
+    effects = tuple(e for e in INELASTIC if not isinstance(e, CoulombFriction))
+    for speed, slip in ((1.0, 0.5 - 1.0), (-0.2, 0.5 + 0.2)):
+        case = Case(
+            line(), disc(R, 1.0), (*effects, CoulombFriction(MU), Belt(speed)), StartPose(R, R), 1.0, others=(far,)
+        )
+        ends = {change.contact: change.time for change in reference.simulate(case).transitions}
+        assert ends["plate/track"] == pytest.approx(abs(speed) / (3.0 * MU * G), abs=1e-12)
+        assert ends["other/track"] == pytest.approx(abs(slip) / (3.0 * MU * G), abs=1e-12)
+
+
+def test_the_speed_of_a_belt_has_a_value_at_the_start():
     with pytest.raises(BadValue, match="speed of Belt or its rate has no value"):
         replace(disc_at_wall(1.0), supports=(Support(line(pi / 2), "wall", (CoulombFriction(0.2), Belt("1/t"))),))

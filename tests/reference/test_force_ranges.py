@@ -5,9 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import cases
-import reference
-from reference.several import forces, output
+from reference.solver import forces
 
 UNITS = np.array([1.0, 1.0, 2.0])
 
@@ -50,14 +48,3 @@ def test_two_walls_press_without_bound_and_a_plane_does_not():
     # Each carries half of the weight; the two frictions are opposite and at most μ N.
     assert limits.normal == pytest.approx(np.full((2, 2), 0.5), abs=1e-15)
     assert limits.friction == pytest.approx(np.array([[-0.25, 0.25]] * 2), abs=1e-15)
-
-
-def test_the_motion_of_one_contact_computes_no_ranges(monkeypatch):
-    """They take a search for vertices, or linear programs, at every time."""
-    motion = reference.simulate(cases.load("block_on_conveyor"))
-    times = np.linspace(0.0, 1.0, 5)
-    motion.contact_columns("plate/track", times)
-    monkeypatch.setattr(output, "force_ranges", None)
-    assert np.isnan(motion.of("plate/track")(times).friction_force).any()
-    with pytest.raises(TypeError):
-        motion.contact_columns("plate/track", times)

@@ -24,7 +24,7 @@ from cases import (
 from cases.library import circle, ellipse
 from reference import contact_frame
 from reference.minimal.integrators import dop853, taylor
-from reference.several.regimes import SeveralRegime, several_phase
+from reference.solver.phase import PairKey, SolverRegime, solver_phase
 from tests.reference.test_random_effects import check_physics, with_effects
 from tests.reference.test_two_formulations import bouncing, check_agreement, output
 from tests.scenes.elliptic import ellipse_in_ellipse
@@ -367,10 +367,10 @@ def test_one_of_three_contacts_opens_more_slowly_than_its_rate_is_rounded(integr
     case = rippled(651).case
     names = ("plate/track", "plate/track 2", "plate/track 3")
     limits = tuple(float(np.float32(limit)) for limit in (4.2738213539123535, 4.262631416320801, 4.251531600952148))
-    regime = SeveralRegime((Mode.FLIGHT,) * 3, names, limits, (0, 0, 0), (False,) * 3)
+    regime = SolverRegime((PairKey(0, 0, 0),) * 3, (Mode.FLIGHT,) * 3, names, lost=limits)
     pose = (0.11143990495534355, -0.19158993980485595, -2.3874420305652864)
     places = (0.126637332693694, 0.9692100605071835, 0.1264215021927616, 0.967027718305487, 0.12618961205288878)
     speeds = (-1.0371506507785038, -0.15466837705761946, 10.485811455726463)
     t, y = 0.027554445497233324, (*pose, *places, 0.9646828994656355, *speeds)
-    segment = integrator.integrate(several_phase(case, regime), t, y, t + 1e-6, 1e-10)
+    segment = integrator.integrate(solver_phase(case, regime), t, y, t + 1e-6, 1e-10)
     assert (segment.event.guard, segment.event.time) == (None, t + 1e-6)

@@ -13,28 +13,27 @@ import reference
 from adapters.interface import refusal
 from cases import (
     BadValue,
-    Belt,
     Case,
     CoulombFriction,
     Curve,
     DoesNotFit,
+    Drive,
     Flight,
     FreePlate,
     Gravity,
     Impact,
     Mode,
     NotSupported,
-    Plate,
     StartPose,
     Support,
     Unilateral,
     UnknownName,
     disc,
 )
-from cases.library import circle, line
+from cases.library import line
 from reference.certification import certify
 from reference.delassus import bodies_motion
-from reference.plates import plate_columns
+from reference.solver import columns as plate_columns
 
 G = 9.81
 
@@ -361,11 +360,9 @@ def test_invalid_cases_are_rejected_in_a_sentence():
     for change, kind, text in (
         (dict(others=upper), BadValue, "give a tuple"),
         (dict(others=(upper, upper)), BadValue, "have the name 'disc2'"),
-        (dict(others=(replace(upper, start=StartPose(0.0, 1.0)),)), DoesNotFit, "disc2/plate overlap by"),
-        (dict(others=(replace(upper, plate=Plate.half_disc(0.2, 1.0)),)), BadValue, "give disc"),
+        (dict(others=(replace(upper, start=StartPose(0.0, 1.0)),)), DoesNotFit, "disc2/plate overlap where"),
         (dict(others=(heavy,)), BadValue, "omega=0"),
-        (dict(track=circle(5.0), start=StartPose(0.0, -4.5)), BadValue, "give a line"),
-        (dict(effects=(*good.effects, CoulombFriction(0.1), Belt(1.0))), BadValue, "leave Belt out"),
+        (dict(effects=(*good.effects, Drive(x="t"))), BadValue, "leave Drive out"),
         (dict(effects=tuple(e for e in good.effects if not isinstance(e, Impact))), BadValue, "add Impact"),
     ):  # fmt: skip
         with pytest.raises(kind, match=text):
@@ -397,7 +394,7 @@ def test_ranges_of_forces_at_rest_are_computed_once_for_all_contacts_and_times(m
     """They are four linear programs a contact, and depend on nothing that changes at rest."""
     case, calls, ranges = cases.load("pile_of_discs"), [], plate_columns.forces.ranges
     monkeypatch.setattr(plate_columns.forces, "ranges", lambda *how: calls.append(how) or ranges(*how))
-    plate_columns._group_ranges.cache_clear()
+    plate_columns._all_ranges.cache_clear()
     motion = reference.simulate(case)
     for times in (np.array([0.1, 0.2]), np.array([0.3])):
         first, *others = (motion.contact_columns(name, times) for name in motion.contact_names)

@@ -7,7 +7,7 @@ import pytest
 
 from reference.delassus import complementarity
 from reference.delassus.bodies import BodiesSystem
-from reference.several.impact import Inertia, NoImpact, impact_of_all
+from reference.solver.impact import Inertia, NoImpact, impact_of_all
 from tests.scenes.piles import Pile, random_pile
 
 

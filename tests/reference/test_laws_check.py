@@ -66,7 +66,7 @@ def of_contact(label: str, name: str, change: Callable[[ContactColumns], Contact
 
     def faulty() -> Trajectory:
         motion = right(label)
-        columns = motion.contact_columns.without_ranges
+        columns = motion.contact_columns
         return replace(motion, contact_columns=lambda n, t: change(columns(n, t)) if n == name else columns(n, t))
 
     return faulty

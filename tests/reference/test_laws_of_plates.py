@@ -24,7 +24,7 @@ from cases import (
     disc,
 )
 from cases.library import line
-from reference.several import equations
+from reference.solver import system
 from tests.scenes.walled_plates import energies, least_gap, random_walled_plates
 
 G = 9.81
@@ -130,10 +130,10 @@ def rolling_polygon(corners: int, duration: float) -> Case:
 
 def test_equations_of_a_polygon_do_not_depend_on_the_corner_that_touches():
     """The derivation of new ones at each corner took 229 s for one second of a polygon of 200 corners."""
-    equations._several_system.cache_clear()
+    system.solver_system.cache_clear()
     motion = reference.simulate(rolling_polygon(30, 0.4), method="dop853")
     assert motion.status == "completed" and len(motion.transitions) > 10
-    assert equations._several_system.cache_info().misses <= 8
+    assert system.solver_system.cache_info().misses <= 8
 
 
 # --- starts -----------------------------------------------------------------------------------------------------------

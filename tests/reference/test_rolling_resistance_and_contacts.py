@@ -34,10 +34,8 @@ from cases.contact_pairs import pairs
 from cases.library import line
 from reference.delassus import complementarity
 from reference.delassus.contacts import PlateDynamics, frictions, pair_at
-from reference.several.decision import DecisionInstant, decide
-from reference.several.geometry import places
-from reference.several.regimes import join, several_phase
 from tests.scenes.agreement import check_several_contacts
+from tests.scenes.decisions import accelerations_of, decision_in
 from tests.scenes.rolling_resistance import random_scene
 from tests.scenes.supports import compare_with_matrix
 
@@ -226,7 +224,7 @@ def test_both_formulations_agree_on_random_scenes(seed):
     check_several_contacts(case)
 
 
-def _random_state(seed: int) -> tuple[Case, DecisionInstant]:
+def _random_state(seed: int):
     """A disc in a V of two planes at rest or turning, under a random load, with random friction and resistance."""
     numbers = np.random.default_rng(seed)
     (a, b), (mu, mu_right), arms = (
@@ -243,24 +241,19 @@ def _random_state(seed: int) -> tuple[Case, DecisionInstant]:
     case = Case(line(a), disc(R, 1.0), effects, start, 1.0, supports=(wall,))
     begin = start_motion(case)
     body = [float(v) for v in (begin.x, begin.y, begin.theta, 0.0, 0.0, omega)]
-    at = places(pairs(case), body, [pair.guess(*body[:3]) for pair in pairs(case)])
-    state = join(body, [(one.xi1, one.xi2) for one in at])
-    speed = max(abs(omega) * R, 1.0)
-    return case, DecisionInstant(0.0, state, at, ("a", "b"), (0.0, 0.0), (0, 1), speed, (False, False))
+    return case, decision_in(case, body, max(abs(omega) * R, 1.0))
 
 
 def _compare_decisions(seeds) -> dict[str, int]:
     """Compare accelerations by enumeration with those by Lemke's method and by projected Gauss-Seidel."""
     counts = {"one": 0, "still": 0, "turns": 0, "projected": 0}
     for seed in seeds:
-        case, now = _random_state(seed)
-        regime = decide(case, now, 1e-12).regime
-        if regime is None:
+        case, (now, contacts, decision) = _random_state(seed)
+        if decision.modes is None:
             continue
-        phase = several_phase(case, regime)
-        rates = (0.0,) * 3 if regime.rests else phase.system.rates_of_numbers(0.0, now.state, phase.parameters)[-3:]
-        dynamics, body = PlateDynamics(case), [*now.state[:3], *now.state[-3:]]
-        some = [pair_at(one.contact, body, (one.xi1, one.xi2)) for one in now.places]
+        (rates,) = accelerations_of(now, contacts, decision)
+        dynamics, body = PlateDynamics(case), list(now.state)
+        some = [pair_at(pairs(case)[k], body, (at.xi1, at.xi2)) for k, at in enumerate(contacts)]
         matrix, rows = dynamics.delassus(some)
         free, law, omega = dynamics.free_rates(0.0, body, some, rows), frictions(some), body[-1]
         slips = [float(np.sign(omega)) if omega else None] * 4
@@ -273,7 +266,7 @@ def _compare_decisions(seeds) -> dict[str, int]:
                 assert move == pytest.approx(rates, rel=within, abs=within), seed
         counts["one"] += 1
         counts["projected"] += forces[1] is not None
-        counts["still" if regime.turn == 0 else "turns"] += 1
+        counts["still" if decision.turn == 0 else "turns"] += 1
     return counts
 
 

@@ -37,9 +37,8 @@ from reference.delassus.contacts import PlateDynamics, frictions, open_pair_at, 
 from reference.delassus.motion import Simulation
 from reference.delassus.phase import SeveralContactPhase, WatchedContact
 from reference.paper.bodies import BodyContact, solve_bodies
-from reference.several.decision import DecisionInstant, decide
-from reference.several.geometry import project
-from reference.several.regimes import SeveralRegime, join, several_phase
+from reference.solver.decide import GroupModes
+from tests.scenes.decisions import accelerations_of, decision_in, outputs_in
 from tests.scenes.supports import random_case
 
 G = 9.81
@@ -229,7 +228,7 @@ def _valley(number: int) -> tuple[Curve, tuple[float, float], float]:
 
 
 def _random_state(seed: int):
-    """A disc in a valley at rest or turning, under a random load, with random friction: case and instant."""
+    """A disc in a valley at rest or turning, under a random load, with random friction: case and decision."""
     numbers = np.random.default_rng(seed)
     track, contacts, radius = _valley(seed % 32)
     moves = float(numbers.choice([0.0, numbers.uniform(-5.0, 5.0)]))
@@ -238,28 +237,16 @@ def _random_state(seed: int):
     case = case_in(track, Start(contacts[0], slip=radius * moves, omega=moves), *effects, radius=radius)
     begin = start_motion(case)
     body = [begin.x, begin.y, begin.theta, 0.0, 0.0, moves]
-    body, at = project(
-        case, pairs(case) * 2, body, [(begin.xi1, begin.xi2), (contacts[1], begin.xi2 + 0.5 * np.pi)], (0, 1)
-    )
-    names, limits = ("plate/track", "plate/track 2"), (0.0, 0.0)
-    state = join(body, [(one.xi1, one.xi2) for one in at])
-    return case, DecisionInstant(0.0, state, at, names, limits, (0, 1), max(abs(moves) * radius, 1.0), (False, False))
+    return case, decision_in(case, body, max(abs(moves) * radius, 1.0))
 
 
 def _accelerations(seed: int) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray | None]:
     """Accelerations of a random state by enumeration and by Lemke's method, one for each motion, and by projected
     Gauss-Seidel from zero (None: it does not converge)."""
-    case, now = _random_state(seed)
-    decision = decide(case, now, 1e-12)
-    first = []
-    for modes in decision.motions:
-        regime = SeveralRegime(modes, now.names, now.limits, now.pairs, now.away)
-        still = sum(2 if m is Mode.ROLL else m is not Mode.FLIGHT for m in modes) > 2
-        phase = None if still else several_phase(case, regime)
-        rates = phase.system.rates_of_numbers(0.0, now.state, phase.parameters)[-3:] if phase else (0.0, 0.0, 0.0)
-        first.append(np.array(rates))
-    dynamics, body = PlateDynamics(case), [*now.state[:3], *now.state[-3:]]
-    some = [pair_at(one.contact, body, (one.xi1, one.xi2)) for one in now.places]
+    case, (now, contacts, decision) = _random_state(seed)
+    first = accelerations_of(now, contacts, decision)
+    dynamics, body = PlateDynamics(case), list(now.state)
+    some = [pair_at(pairs(case)[0], body, (at.xi1, at.xi2)) for at in contacts]
     matrix, rows = dynamics.delassus(some)
     free = dynamics.free_rates(0.0, body, some, rows)
     slips = [None if abs(pair.slip) < 1e-9 else float(np.sign(pair.slip)) for pair in some]
@@ -323,21 +310,19 @@ def test_a_block_rests_under_a_load_of_roundings():
 def test_the_papers_matrix_with_a_block_for_each_contact_gives_the_same_accelerations_and_forces():
     numbers, both = 0, 0
     for seed in range(60):
-        case, now = _random_state(seed)
-        decision = decide(case, now, 1e-12)
-        if decision.regime is None or decision.regime.rests or not decision.regime.closed:
+        case, (now, contacts, decision) = _random_state(seed)
+        if decision.modes is None or decision.rests or decision.guides:
             continue
-        regime, closed = decision.regime, decision.regime.closed
-        phase = several_phase(case, regime)
-        rates = phase.system.rates_of_numbers(0.0, now.state, phase.parameters)
-        outputs = phase.system.outputs_of_numbers(0.0, now.state, phase.parameters)
-        states = [(*now.state[3 + 2 * k : 5 + 2 * k], *rates[3 + 2 * k : 5 + 2 * k]) for k in closed]
-        motion = 0.0, *now.state[:3], *now.state[-3:]
-        some = [BodyContact(pairs(case)[0], regime.modes[k], y) for k, y in zip(closed, states, strict=True)]
-        paper = solve_bodies([case], some, [motion])
-        assert paper.q1_ddot[0] == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
+        closed = [k for k, mode in enumerate(decision.modes) if mode is not Mode.FLIGHT]
+        if not closed:
+            continue
+        accelerations, rates, outputs = outputs_in(now, contacts, GroupModes(decision.modes))
+        states = [(contacts[k].xi1, contacts[k].xi2, *rates[3 + 2 * k : 5 + 2 * k]) for k in closed]
+        some = [BodyContact(pairs(case)[0], decision.modes[k], y) for k, y in zip(closed, states, strict=True)]
+        paper = solve_bodies([case], some, [(0.0, *now.state)])
+        assert paper.q1_ddot[0] == pytest.approx(accelerations, rel=1e-9, abs=1e-9)
         for i, k in enumerate(closed):
-            forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
+            forces = outputs[5 + 4 * k : 7 + 4 * k]
             assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)
         numbers, both = numbers + 1, both + (len(closed) == 2)
     assert numbers > 30 and both > 5

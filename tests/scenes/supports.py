@@ -29,7 +29,7 @@ from cases.curves import sin as sine
 from cases.library import line
 from reference.certification.witnesses import _by_second
 from reference.paper.bodies import BodyContact, solve_bodies
-from reference.several.regimes import contacts_of, regime_of
+from reference.solver.phase import SolverPhase, pair_of, regime_of
 
 G = 9.81
 FREE = Gravity(G), Unilateral(), Flight()
@@ -99,20 +99,22 @@ def compare_with_matrix(scenes: Iterable[Case]) -> list[list[Mode]]:
     compared = []
     for case in scenes:
         for segment in simulated(case).dense._segments:
-            regime = regime_of(segment.phase)
-            if not regime.closed or regime.has_open_forces:
+            regime = regime_of(segment.phase) if isinstance(segment.phase, SolverPhase) else None
+            if regime is None or regime.resting or regime.guides or any(k is not None for k in regime.shares):
+                continue
+            closed = [k for k, mode in enumerate(regime.modes) if mode is not Mode.FLIGHT]
+            if not closed:
                 continue
             t = 0.5 * (segment.start + segment.event.time)
             y = segment.states(np.array([t]))[:, 0]
             rates = segment.phase.system.rates_of_numbers(t, tuple(y), segment.phase.parameters)
             outputs = segment.phase.system.outputs_of_numbers(t, tuple(y), segment.phase.parameters)
-            states = [(*y[3 + 2 * k : 5 + 2 * k], *rates[3 + 2 * k : 5 + 2 * k]) for k in regime.closed]
-            contacts = [contacts_of(case, regime)[k] for k in regime.closed]
-            modes = [regime.modes[k] for k in regime.closed]
+            states = [(*y[3 + 2 * k : 5 + 2 * k], *rates[3 + 2 * k : 5 + 2 * k]) for k in closed]
+            contacts, modes = [pair_of(case, regime.pairs[k]) for k in closed], [regime.modes[k] for k in closed]
             paper = solve_bodies([case], list(map(BodyContact, contacts, modes, states)), [(t, *y[:3], *y[-3:])])
             assert paper.q1_ddot[0] == pytest.approx(rates[-3:], rel=1e-9, abs=1e-9)
-            for i, k in enumerate(regime.closed):
-                forces = outputs[5 + 5 * k : 7 + 5 * k]  # per mass; the plate has 1 kg
+            for i, k in enumerate(closed):
+                forces = outputs[5 + 4 * k : 7 + 4 * k]
                 assert (paper.normal_force[i], paper.friction_force[i]) == pytest.approx(forces, rel=1e-9, abs=1e-9)
             compared.append(modes)
     return compared

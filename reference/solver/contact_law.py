@@ -4,20 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, Plate, RollingResistance
+from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, RollingResistance
 
 # The modes of a contact without slip.
 STICKING = (Mode.ROLL, Mode.REST)
-
-
-def compliance(plate: Plate) -> np.ndarray:
-    """The inverse masses of (vx, vy, ω) in units of the plate's: 0 for the rotation of a plate that does not turn."""
-    return np.array([1.0, 1.0, 1.0 / plate.gyration**2 if plate.turns else 0.0])
-
-
-def freedoms(plate: Plate) -> int:
-    """How many velocities a plate has."""
-    return 3 if plate.turns else 2
+# The row of one plate's rotation in (vx, vy, ω).
+TURNING_ROW = np.array([0.0, 0.0, 1.0])
 
 
 def coefficients(contact: Case) -> tuple[float, float]:

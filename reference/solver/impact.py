@@ -1,11 +1,11 @@
-"""Impacts of a plate that touches its track in several places: modes of impulses by enumeration.
+"""Impacts of plates that touch in several places: modes of impulses by enumeration.
 
 Normal impulses P ≥ 0 and velocities after the impact obey v_n⁺ + e v_n⁻ ≥ 0, complementary to P, at every contact that
 is touched, and friction Coulomb's law between whole impulses and velocities after the impact. Poisson's law has two
 stages: e = 0, then impulses of at least e times those of the first. Rolling resistance adds impulses of couples, of the
-arm times P against the rotation after the impact, or, if there is none, of at most that. With one contact touched,
-Routh's construction of `minimal.impact` is used instead. (Derived here; the laws differ where several contacts are
-touched.)
+arm times P against the rotation after the impact, or, if there is none, of at most that. Where one plate touches in one
+place, Routh's construction of `minimal.impact` is used instead (`strike`). (Derived here; the laws differ where several
+contacts are touched.)
 """
 
 from __future__ import annotations
@@ -17,12 +17,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from cases import Case, Impact
-from cases.contact import belt_speed
-
-from ..minimal.impact import ContactVelocity, collide, law_of
-from .contact_law import compliance
-from .geometry import TURNING_ROW, ContactPlace
+from .contact_law import TURNING_ROW
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10
@@ -89,22 +84,6 @@ class _ImpactLaw(NamedTuple):
         return -self.turn * self.arms[k] * TURNING_ROW if self.turn else 0.0
 
 
-def impact(
-    case: Case, t: float, velocity: Sequence[float], places_hit: Sequence[ContactPlace], speed: float
-) -> ImpactVelocities:
-    """The velocities after an impact at time t (s) at all contacts that are touched; `speed` (m/s) is the largest of
-    the motion, by which velocities are rounded. Raises NoImpact."""
-    law = case.effect(Impact)
-    assert law is not None
-    before = np.array(velocity, dtype=float)
-    if len(places_hit) == 1:
-        return _one_contact(before, places_hit[0], belt_speed(places_hit[0].contact, t))
-    plate = Inertia(compliance(case.plate), np.array([1.0, 1.0, case.plate.gyration]))
-    belts = np.array([belt_speed(at.contact, t) for at in places_hit])
-    arms = np.array([at.resisting_arm for at in places_hit])
-    return impact_of_all(law.law, plate, before, places_hit, speed, belts, arms)
-
-
 def impact_of_all(
     law: str,
     inertia: Inertia,
@@ -128,20 +107,6 @@ def impact_of_all(
         return compressed
     second = _ImpactLaw(nothing, restitution * impulses, mu, belts, arms)
     return _collide(inertia, compressed.velocity, contacts, second, speed)[0]
-
-
-def _one_contact(before: np.ndarray, at: ContactPlace, belt: float) -> ImpactVelocities:
-    """Routh's construction, or Moreau's law for one contact; `belt`: the speed of its support's surface (m/s)."""
-    (tx, ty), (rx, ry) = at.tangent, at.arm
-    law = law_of(at.contact, rx * tx + ry * ty, ry * tx - rx * ty)
-    slip, lift = float(at.slip_row @ before) - belt, float(at.lift_row @ before)
-    after = collide(law, ContactVelocity(slip, lift, float(before[2])))
-    # The centre of mass follows from the contact's point.
-    along = after.slip + belt
-    vx = along * tx - after.lift * ty + after.omega * ry
-    vy = along * ty + after.lift * tx - after.omega * rx
-    turns = after.omega != 0.0 or not at.resisting_arm
-    return ImpactVelocities(np.array([vx, vy, after.omega]), np.array([after.lift]), np.array([after.slip]), turns)
 
 
 def _collide(

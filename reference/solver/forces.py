@@ -129,9 +129,15 @@ def margin(
         return -inf
     if answer.x[-1] >= 1.0 - ZERO:
         return 1.0
-    active = np.append(answer.x[:-1] > ZERO, True)
+    # The program's weights have an error of 1e-9: those of its vertex solve the equations to rounding.
+    order = np.append(count, np.argsort(-answer.x[:-1]))
+    active = order[:1]
+    for k in order[1:]:
+        if np.linalg.matrix_rank(matrix[:, [*active, k]], tol=SINGULAR) > len(active):
+            active = np.append(active, k)
     exact, *_ = np.linalg.lstsq(matrix[:, active], right, rcond=None)
-    return float(exact[-1]) if np.abs(matrix[:, active] @ exact - right).max() < 1e-12 else float(answer.x[-1])
+    is_vertex = np.abs(matrix[:, active] @ exact - right).max() < 1e-12 and exact[1:].min(initial=0.0) > -ZERO
+    return float(exact[0]) if is_vertex else float(answer.x[-1])
 
 
 def ranges(

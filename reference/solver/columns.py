@@ -1,0 +1,253 @@
+"""Columns of a motion: of each plate, and of each contact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from cases import Case, Mode, State, Transition
+from cases.couples import couples
+from cases.free_plates import names_of
+from cases.trajectory import CONTACT, ContactColumns
+
+from ..minimal.integrators.segment import Segment, blocks
+from ..minimal.modes import Phase
+from . import forces
+from .contact_law import STICKING
+from .decide import balance_of, load_and_units
+from .phase import SolverPhase, SolverRegime, pair_of, regime_of, split
+from .places import ContactPlace, couple_of, groups, place, plates_in
+from .system import COLUMNS
+
+
+@dataclass
+class AllPlates:
+    """The plates of a motion: (name, times) -> State without contact columns; None instead of times: those of its
+    samples. It is pickled with all steps."""
+
+    case: Case
+    segments: list[Segment]
+
+    def __call__(self, name: str, times: np.ndarray | None) -> State:
+        body = names_of(self.case).index(name)
+        if times is None:
+            parts = [plate_state(self.case, segment.states(segment.times), body) for segment in self.segments]
+            return State(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+        values = np.empty((len(State._fields), len(times)))
+        for i, block in blocks(np.array([segment.start for segment in self.segments]), times):
+            values[:, block] = plate_state(self.case, self.segments[i].states(times[block]), body)
+        return State(*values)
+
+
+def plate_state(case: Case, y: np.ndarray, body: int) -> State:
+    """Pose and velocities of one plate; nothing is known of its contacts as a whole. `y` (variables, n)."""
+    none, last = np.full(y.shape[1], np.nan), len(y) - 3 * len(names_of(case))
+    x, y0, theta = y[3 * body : 3 * body + 3]
+    vx, vy, omega = y[last + 3 * body : last + 3 * body + 3]
+    return State(x, y0, theta, vx, vy, omega, none, none, none, none, none)
+
+
+@dataclass
+class AllContacts:
+    """The contacts of a motion: (name, times) -> ContactColumns; None instead of times: those of its samples. `observe`
+    gives the State of a phase with one contact at some times."""
+
+    case: Case
+    segments: list[Segment]
+    transitions: Sequence[Transition]
+    observe: Callable[[Case, Phase, np.ndarray, np.ndarray], State]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all contacts that close, in the order of their couples and numbers."""
+        names = {change.contact for change in self.transitions if change.contact}
+        names |= set() if self.case.others else {CONTACT}
+        for segment in self.segments:
+            if not isinstance(segment.phase, SolverPhase):
+                continue
+            regime = regime_of(segment.phase)
+            names |= {n for n, mode in zip(regime.names, regime.modes, strict=True) if mode is not Mode.FLIGHT}
+        order = [couple.pair_name for couple in couples(self.case)]
+        return tuple(sorted(names, key=lambda name: (order.index(name.partition(" ")[0]), _number(name))))
+
+    def __call__(self, name: str, times: np.ndarray | None) -> ContactColumns:
+        if times is None:
+            parts = [self._of(segment, segment.times, name) for segment in self.segments]
+            return ContactColumns(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
+        columns = [np.empty(len(times)) for _ in range(6)] + [np.empty((2, len(times))) for _ in range(2)]
+        for i, block in blocks(np.array([segment.start for segment in self.segments]), times):
+            for column, values in zip(columns, self._of(self.segments[i], times[block], name), strict=True):
+                column[..., block] = values
+        return ContactColumns(*columns)
+
+    def _of(self, segment: Segment, times: np.ndarray, name: str) -> ContactColumns:
+        phase, y = segment.phase, segment.states(times)
+        if isinstance(phase, SolverPhase):
+            return contact_columns(self.case, phase, times, y, name)
+        none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
+        if name != CONTACT:
+            return ContactColumns(none, none, nothing, nothing, none, none, *np.zeros((2, 2, len(times))))
+        now = self.observe(self.case, phase, times, y)
+        slip, normal, friction, xi1, xi2 = (
+            np.broadcast_to(v, times.shape) for v in (now.slip, now.normal_force, now.friction_force, now.xi1, now.xi2)
+        )
+        ranges = np.array([normal, normal]), np.array([friction, friction])
+        return ContactColumns(np.where(np.isnan(slip), np.nan, 0.0), slip, normal, friction, xi1, xi2, *ranges)
+
+
+def _number(name: str) -> int:
+    return int(name.partition(" ")[2] or 1)
+
+
+def contact_columns(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarray, name: str) -> ContactColumns:
+    """One contact of a phase at some instants; `y` (variables, n)."""
+    regime, none, nothing = regime_of(now), np.full(times.shape, np.nan), np.zeros(times.shape)
+    if name not in regime.names:
+        return ContactColumns(none, none, nothing, nothing, none, none, *np.zeros((2, 2, len(times))))
+    k = regime.names.index(name)
+    xi1, xi2 = _parameters(case, regime, y, k)
+    if regime.modes[k] is Mode.FLIGHT:
+        gap = _outputs(case, now, times, y, k)[3]
+        return ContactColumns(gap, none, nothing, nothing, xi1, xi2, *np.zeros((2, 2, len(times))))
+    if set(sides(case, regime, k)) <= regime.resting:
+        normal, friction = _rest_ranges(case, now, y[:, 0], name)
+        limits = [np.repeat(limit[:, None], len(times), axis=1) for limit in (normal, friction)]
+        values = [nothing + forces.values(limit[None], _weight(case, times, y))[0] for limit in (normal, friction)]
+        return ContactColumns(nothing, nothing, values[0], values[1], xi1, xi2, limits[0], limits[1])
+    normal, friction, slip, _ = _outputs(case, now, times, y, k)
+    if regime.guides and _is_guided(case, regime, k):
+        limits_of = [_guided_ranges(case, now, t, state, k) for t, state in zip(times.tolist(), y.T, strict=True)]
+        limits = [np.array([each[i] for each in limits_of]).T for i in (0, 1)]
+        values = [forces.values(limit.T, _weight(case, times, y)) for limit in limits]
+        slip = 0.0 * slip if regime.modes[k] in STICKING else slip
+        return ContactColumns(nothing, slip, values[0], values[1], xi1, xi2, limits[0], limits[1])
+    partners = dict(enumerate(regime.shares)) if regime.shares else {}
+    both = next(((a, b) for a, b in partners.items() if b is not None and k in (a, b)), None)
+    if both is not None:
+        return _at_partner(case, now, times, y, (k, both[1] if both[0] == k else both[0]), (xi1, xi2))
+    slip = 0.0 * slip if regime.modes[k] in STICKING else slip
+    pairs = (np.array([values, values]) for values in (normal, friction))
+    return ContactColumns(nothing, slip, normal, friction, xi1, xi2, *pairs)
+
+
+def sides(case: Case, regime: SolverRegime, k: int) -> tuple[int, ...]:
+    couple = couples(case)[regime.pairs[k].couple]
+    return (couple.body,) if couple.base is None else (couple.body, couple.base)
+
+
+def _parameters(case: Case, regime: SolverRegime, y: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """The parameters of contact k on both whole curves."""
+    first, pair = 3 * len(names_of(case)) + 2 * k, pair_of(case, regime.pairs[k])
+    xi1, xi2 = pair.to_whole(y[first], y[first + 1])
+    return np.asarray(couple_of(pair).whole_xi1(xi1)), np.asarray(xi2)
+
+
+def _outputs(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarray, k: int) -> list[np.ndarray]:
+    """`COLUMNS` of contact k."""
+    columns = now.system.outputs_of_arrays(times, y, now.parameters)
+    first = 2 + 3 * len(names_of(case)) + len(COLUMNS) * k
+    some = columns[first : first + len(COLUMNS)]
+    return [np.broadcast_to(np.asarray(row, dtype=float), times.shape) for row in some]
+
+
+def _weight(case: Case, times: np.ndarray, y: np.ndarray) -> float:
+    """The largest load on any plate, N, by which forces are compared."""
+    state, _ = split(case, y[:, 0])
+    every = frozenset(range(len(state) // 6))
+    return float(np.abs(load_and_units(case, float(times[0]), state, every)[0]).max())
+
+
+def _at_partner(
+    case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarray, both: tuple[int, int],
+    parameters: tuple[np.ndarray, np.ndarray],
+) -> ContactColumns:  # fmt: skip
+    """The first of two contacts with one slip that stick: of both friction forces only the sum is unique."""
+    (normal, own_friction, *_), (other_normal, other_friction, *_) = (_outputs(case, now, times, y, k) for k in both)
+    total, nothing = own_friction + other_friction, np.zeros(times.shape)
+    stick = _places(case, regime_of(now), y[:, 0], [both[0]])[0].stick
+    own, other = (stick * np.maximum(each, 0.0) for each in (normal, other_normal))
+    limits = np.array([np.maximum(-own, total - other), np.minimum(own, total + other)])
+    friction = forces.values(limits.T, _weight(case, times, y))
+    return ContactColumns(nothing, nothing, normal, friction, *parameters, np.array([normal] * 2), limits)
+
+
+def _guided(case: Case, regime: SolverRegime) -> list[int]:
+    """The contacts whose forces are not unique while their plates move: those of groups with guides."""
+    plates = {side for k, used in enumerate(regime.guides) if used is not None for side in sides(case, regime, k)}
+    closed = [k for k, mode in enumerate(regime.modes) if mode is not Mode.FLIGHT]
+    return [k for k in closed if set(sides(case, regime, k)) & plates]
+
+
+def _is_guided(case: Case, regime: SolverRegime, k: int) -> bool:
+    return k in _guided(case, regime)
+
+
+def _guided_ranges(case: Case, now: SolverPhase, t: float, y: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest normal and friction force (N), (2,) each, of a contact whose forces are not unique."""
+    regime = regime_of(now)
+    some, (state, _) = _guided(case, regime), split(case, y)
+    at, rates = (
+        _places(case, regime, y, some),
+        np.array(now.system.rates_of_numbers(t, tuple(y.tolist()), now.parameters)),
+    )
+    balance = balance_of(
+        case, t, state, rates[len(rates) - len(state) // 2 :], at, [regime.modes[i] for i in some], regime.turn
+    )
+    limits = forces.ranges(at, *balance)
+    return limits.normal[some.index(k)], limits.friction[some.index(k)]
+
+
+def _places(case: Case, regime: SolverRegime, y: np.ndarray, some: Sequence[int]) -> list[ContactPlace]:
+    state, points = split(case, y)
+    return [place(pair_of(case, regime.pairs[k]), state, points[k]) for k in some]
+
+
+def _rest_ranges(case: Case, now: SolverPhase, y: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Least and greatest normal and friction force (N) of a contact of plates at rest, (2,) each."""
+    limits = _all_ranges(case, regime_of(now), y.tobytes())
+    return limits[name]
+
+
+@lru_cache(maxsize=64)
+def _all_ranges(case: Case, regime: SolverRegime, state: bytes) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """The ranges of the forces of all contacts of plates at rest. `state`: the variables' bytes, because keys that are
+    equal may differ in the sign of a zero."""
+    y = np.frombuffer(state)
+    some = [
+        k for k, mode in enumerate(regime.modes)
+        if mode is not Mode.FLIGHT and set(sides(case, regime, k)) <= regime.resting
+    ]  # fmt: skip
+    now, (poses, _) = _places(case, regime, y, some), split(case, y)
+    result = dict[str, tuple[np.ndarray, np.ndarray]]()
+    for group in groups(now):
+        at = [now[i] for i in group]
+        load, units = load_and_units(case, 0.0, poses, plates_in(at))
+        limits = forces.ranges(at, load, units, [one.stick for one in at])
+        for i, place_in_group in enumerate(group):
+            pair = limits.normal[i], limits.friction[i]
+            for each in pair:
+                each.flags.writeable = False  # shared by all callers
+            result[regime.names[some[place_in_group]]] = pair
+    return result
+
+
+def observe(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarray) -> State:
+    """Pose and velocities of the first plate, with slip, forces and parameters of its first closed contact with track
+    or support; as in flight if none is closed."""
+    state, regime = plate_state(case, y, 0), regime_of(now)
+    every = couples(case)
+    own = [
+        k for k, (key, mode) in enumerate(zip(regime.pairs, regime.modes, strict=True))
+        if mode is not Mode.FLIGHT and every[key.couple].body == 0 and every[key.couple].base is None
+    ]  # fmt: skip
+    if not own:
+        nothing = np.zeros(times.shape)
+        return state._replace(normal_force=nothing, friction_force=nothing)
+    first = min(own, key=lambda k: regime.pairs[k].couple)
+    one = contact_columns(case, now, times, y, regime.names[first])
+    return state._replace(
+        slip=one.slip, normal_force=one.normal_force, friction_force=one.friction_force, xi1=one.xi1, xi2=one.xi2
+    )

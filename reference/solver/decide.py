@@ -1,0 +1,424 @@
+"""Which modes follow: for each group of plates that touch, every combination of modes is tried.
+
+Numbers exclude most combinations; those that are left must hold just after the instant along their own motion
+(`minimal.decision`, by series where values vanish). Several combinations that give the same accelerations are one
+motion; different ones are reported, none is chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from math import copysign, inf
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Belt, Case, Mode
+from cases.corner import Corner
+
+from ..minimal.assembly import _MOTION
+from ..minimal.decision import AT_BOUND, Undecidable, _by_series, follows, slack_of, vanishes
+from ..minimal.effects import SLIP_SIGN, laws
+from ..minimal.elimination import T
+from . import forces
+from .bodies import bodies, load_at, load_scale, rows_of, speed
+from .contact_law import STICKING, TURNING_ROW, slip_modes
+from .phase import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
+from .places import ContactPlace, plates_in, sharing
+from .rest import BALANCED
+
+# Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
+STILL = 1e-11
+# Accelerations that differ by less than this part of the largest are the same motion: series decide with 1e-12.
+SAME = 1e-7
+# Numbers exclude a combination of modes that violates a condition by this part of the largest force or acceleration.
+VIOLATED = 1e-6
+# Rows are dependent if one is the sum of others to this part.
+DEPENDENT = 1e-9
+
+
+class Instant(NamedTuple):
+    """What a decision needs: the case, time (s), the plates' state, the largest speed of the motion so far (m/s), and
+    the relative error of the state."""
+
+    case: Case
+    time: float
+    state: tuple[float, ...]
+    speed: float
+    error: float
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """The velocities of all plates, (3n,)."""
+        return np.array(self.state[len(self.state) // 2 :])
+
+    @property
+    def still(self) -> float:
+        """The speed (m/s) below which a slip or a rim has none: the error of an event, or of a constraint's start."""
+        return max(vanishes(self.error) * speed(self.case, self.state), STILL * self.speed)
+
+
+class Decision(NamedTuple):
+    """The modes of a group's contacts that follow, whether its plates rest, and the conditions on forces that vanish
+    all the time with their slack, by (name of the condition, place of the contact); None if there are none or several.
+
+    `motions`: the modes of each different motion that is consistent; `is_singular`: whether modes were left out because
+    their forces are not unique; `turn`, `guides`: as of `SolverRegime`.
+    """
+
+    modes: tuple[Mode, ...] | None
+    rests: bool
+    slack: tuple[tuple[str, float], ...]
+    motions: tuple[tuple[Mode, ...], ...]
+    is_singular: bool
+    turn: int | None = None
+    guides: Guides = ()
+
+
+class _Motion(NamedTuple):
+    modes: tuple[Mode, ...]
+    rests: bool
+    acceleration: np.ndarray
+    turn: int | None = None
+    guides: Guides = ()
+
+
+def decide(
+    now: Instant, contacts: Sequence[ContactPlace], fixed: Mapping[int, tuple[Mode, ...]],
+    lost: tuple[Mode, ...] | None = None,
+) -> Decision:  # fmt: skip
+    """The modes of one group's contacts that follow; `fixed` limits those of some, by their places. `lost`: the modes
+    in which forces that are not unique have reached their limit. Raises Undecidable."""
+    clusters, is_singular = _consistent(now, contacts, fixed, lost)
+    if len(clusters) != 1:
+        return Decision(None, False, (), tuple(some[0].modes for some in clusters), is_singular)
+    best = max(
+        clusters[0], key=lambda one: (one.rests, sum(m is not Mode.FLIGHT for m in one.modes), _sticking(one.modes))
+    )
+    slack: tuple[tuple[str, float], ...] = ()
+    if not best.rests:
+        of_best = GroupModes(best.modes, best.turn, best.guides)
+        phase, y = phase_of(now.case, contacts, of_best), variables(now.state, contacts)
+        slack = slack_of(phase, now.time, y, now.error, AT_BOUND * load_scale(now.case, now.time, now.state))
+    return Decision(best.modes, best.rests, slack, (best.modes,), is_singular, best.turn, best.guides)
+
+
+def motions_of(now: Instant, contacts: Sequence[ContactPlace]) -> list[tuple[Mode, ...]]:
+    """The consistent motions, each as the contacts' modes, of several with the same accelerations those with the most
+    contacts. Raises Undecidable."""
+    clusters, _ = _consistent(now, contacts, {}, None)
+    return [max(some, key=lambda one: len(one.modes) - one.modes.count(Mode.FLIGHT)).modes for some in clusters]
+
+
+def _consistent(
+    now: Instant,
+    contacts: Sequence[ContactPlace],
+    fixed: Mapping[int, tuple[Mode, ...]],
+    lost: tuple[Mode, ...] | None,
+) -> tuple[list[list[_Motion]], bool]:
+    """The consistent motions, those of the same accelerations together, and `Decision.is_singular`."""
+    motions, is_singular, plates = list[_Motion](), False, plates_in(contacts)
+    own = np.zeros(len(now.state) // 2, dtype=bool)
+    own[rows_of(plates)] = True
+    if lost is None and rest_margin(now.case, now.time, now.state, contacts) >= BALANCED:
+        turn = 0 if any(at.resisting_arm for at in contacts) else None
+        stuck = [at.without_slip if turn is None else Mode.REST for at in contacts]
+        still = tuple(mode if at.stick > 0.0 else Mode.SLIDE for at, mode in zip(contacts, stuck, strict=True))
+        motions.append(_Motion(still, True, np.zeros(len(own)), turn))
+    for modes, turn in _combinations(now, contacts, fixed):
+        shares = shares_of(contacts, modes)
+        answer = _by_numbers(now, contacts, modes, shares, turn)
+        if answer is None:
+            is_singular = True
+        elif (
+            answer.is_possible
+            and not (answer.guides and modes == lost)
+            and _holds(now, contacts, GroupModes(modes, turn, answer.guides), answer.opens)
+        ):
+            motions.append(_Motion(modes, False, np.where(own, answer.acceleration, 0.0), turn, answer.guides))
+    if any(at.stick > at.mu for at in contacts):
+        # With static friction a contact that may stick does.
+        most = max((_sticking(one.modes) for one in motions), default=0)
+        motions = [one for one in motions if _sticking(one.modes) == most]
+    return _clusters(now, motions), is_singular
+
+
+def variables(state: Sequence[float], contacts: Sequence[ContactPlace]) -> tuple[float, ...]:
+    """The variables of a phase with those contacts."""
+    return join(state, [(at.xi1, at.xi2) for at in contacts])
+
+
+def shares_of(contacts: Sequence[ContactPlace], modes: Sequence[Mode]) -> dict[int, int]:
+    """Contacts that stick with the one that has the friction force of both."""
+    sticking = [k for k, mode in enumerate(modes) if mode in STICKING]
+    return {sticking[i]: sticking[j] for i, j in sharing([contacts[k] for k in sticking]).items()}
+
+
+def flat_of(contacts: Sequence[ContactPlace], modes: Sequence[Mode]) -> dict[int, int]:
+    """Closed contacts with the first one of the same straight side: plates do not turn against each other there."""
+    closed = [
+        k for k, (at, mode) in enumerate(zip(contacts, modes, strict=True))
+        if mode is not Mode.FLIGHT and all(isinstance(one, Corner) or is_straight(one) for one in at.pair.pieces)
+    ]  # fmt: skip
+    return {closed[i]: closed[j] for i, j in sharing([contacts[k] for k in closed]).items()}
+
+
+class GroupModes(NamedTuple):
+    """The modes of a group's contacts, with `turn` and `guides` as of `SolverRegime`."""
+
+    modes: tuple[Mode, ...]
+    turn: int | None = None
+    guides: Guides = ()
+
+    def some(self, which: Sequence[int]) -> GroupModes:
+        """The same for some of the contacts."""
+        guides = tuple(self.guides[k] for k in which) if self.guides else ()
+        return self._replace(modes=tuple(self.modes[k] for k in which), guides=guides)
+
+
+def phase_of(case: Case, contacts: Sequence[ContactPlace], now: GroupModes) -> SolverPhase:
+    """The equations of contacts in those modes."""
+    shares = {} if now.guides else shares_of(contacts, now.modes)
+    keys = tuple(key_of(at.pair, (at.xi1, at.xi2)) for at in contacts)
+    own, along = (tuple(some.get(k) for k in range(len(keys))) for some in (shares, flat_of(contacts, now.modes)))
+    regime = SolverRegime(keys, now.modes, shares=own, turn=now.turn, guides=now.guides, along=along)
+    return solver_phase(case, regime)
+
+
+def _holds(now: Instant, contacts: Sequence[ContactPlace], some: GroupModes, opens: bool) -> bool:
+    """Whether conditions hold just after the instant along the motion in these modes; `opens`: whether the contacts
+    that open certainly do, so that only those that stay are looked at."""
+    still, weak = now.still, AT_BOUND * load_scale(now.case, now.time, now.state)
+    if opens:
+        which = [k for k, mode in enumerate(some.modes) if mode is not Mode.FLIGHT]
+        if not which:
+            return True
+        closed = [contacts[k] for k in which]
+        phase, y = phase_of(now.case, closed, some.some(which)), variables(now.state, closed)
+        return follows(now.case, phase, now.time, y, now.error, still, weak)
+    phase = phase_of(now.case, contacts, some)
+    return _by_series(phase, now.time, variables(now.state, contacts), now.error, frozenset(), still, weak)
+
+
+def _sticking(modes: Sequence[Mode]) -> int:
+    return sum(mode in STICKING for mode in modes)
+
+
+def _combinations(
+    now: Instant, contacts: Sequence[ContactPlace], fixed: Mapping[int, tuple[Mode, ...]]
+) -> Iterator[tuple[tuple[Mode, ...], int | None]]:
+    """The modes that all contacts may have, with the sense of the rotation of a plate that they resist; contacts with
+    one slip have one mode where both are closed."""
+    omega, size = float(now.velocity[2]), bodies(now.case).reaches[0]
+    turns = (int(copysign(1.0, omega)),) if abs(omega) * size > now.still else (0, 1, -1)
+    options, velocity = list[tuple[Mode, ...]](), now.velocity
+    for k, at in enumerate(contacts):
+        slip, slipping = at.slip(velocity, now.time), slip_modes(at.pair)
+        rolling: tuple[Mode, ...] = (at.without_slip,) if at.stick > 0.0 else ()
+        if k in fixed:
+            options.append(fixed[k])
+        elif abs(slip) <= now.still or len(slipping) < 2:
+            options.append((*rolling, *slipping, Mode.FLIGHT))
+        else:
+            options.append((slipping[0] if slip > 0.0 else slipping[1], Mode.FLIGHT))
+    same = sharing(contacts).items()
+    for modes in product(*options):
+        if not all(modes[i] is modes[j] or Mode.FLIGHT in (modes[i], modes[j]) for i, j in same):
+            continue
+        resists = any(at.resisting_arm and mode is not Mode.FLIGHT for at, mode in zip(contacts, modes, strict=True))
+        for turn in turns if resists else (None,):
+            yield tuple(Mode.REST if mode in STICKING and turn == 0 else mode for mode in modes), turn
+
+
+class _Answer(NamedTuple):
+    """Accelerations (3n,) in some modes, whether numbers do not exclude them, whether they show that all contacts that
+    open do, and `guides` as of `SolverRegime`."""
+
+    acceleration: np.ndarray
+    is_possible: bool
+    opens: bool
+    guides: Guides = ()
+
+
+def _by_numbers(
+    now: Instant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], shares: Mapping[int, int],
+    turn: int | None,
+) -> _Answer | None:  # fmt: skip
+    """The accelerations in these modes; None if neither forces nor accelerations are unique. `shares`: as of
+    `shares_of`."""
+    some, load, velocity = bodies(now.case), load_at(now.case, now.time, now.state), now.velocity
+    rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
+    for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
+        if mode is Mode.FLIGHT:
+            continue
+        ratio = -SLIP_SIGN.get(mode, 0.0)
+        column = at.lift_row + (ratio * at.mu_of(velocity, now.time) * at.slip_row if ratio else 0.0)
+        if turn:
+            column = column - turn * at.resisting_arm * TURNING_ROW
+        rows, columns, biases = [*rows, at.lift_row], [*columns, column], [*biases, at.lift_bias]
+        if mode in STICKING and i not in shares:
+            belt = at.belt_rate(now.time)
+            rows, columns, biases = [*rows, at.slip_row], [*columns, at.slip_row], [*biases, at.slip_bias - belt]
+    if turn == 0:
+        held = some.lengths[2] * TURNING_ROW
+        rows, columns, biases = [*rows, held], [*columns, held], [*biases, 0.0]
+    acceleration, values = load, np.zeros(0)
+    if rows:
+        matrix = np.array(rows) * some.inverse @ np.array(columns).T
+        sizes = np.sqrt(np.abs(np.diag(np.array(rows) * some.inverse @ np.array(rows).T)))
+        if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(rows):
+            return _guided(now, contacts, modes, turn)
+        values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
+        acceleration = load + some.inverse * (np.array(columns).T @ values)
+    weight = float((np.abs(load) * some.masses).max())
+    force = VIOLATED * max(weight, float(np.abs(values).max(initial=0.0)))
+    rate = VIOLATED * max(float(np.abs(load).max()), float(np.abs(acceleration * some.lengths).max()))
+    forces_left, possible, opens = iter(values.tolist()), True, True
+    frictions, bounds, couple = dict[int, float](), dict[int, float](), 0.0
+    for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
+        if mode is Mode.FLIGHT:
+            lift = float(at.lift_row @ acceleration) + at.lift_bias
+            possible, opens = possible and lift >= -rate, opens and lift > rate
+            continue
+        normal = next(forces_left)
+        possible &= normal >= -force
+        couple += at.resisting_arm * max(normal, 0.0)
+        if mode in STICKING:
+            holder = shares.get(i, i)
+            bounds[holder] = bounds.get(holder, 0.0) + at.stick * max(normal, 0.0) + force * (1.0 + min(at.stick, 1e3))
+            if holder == i:
+                frictions[i] = next(forces_left)
+    if turn == 0:
+        possible &= abs(next(forces_left)) * some.lengths[2] <= couple + force * some.lengths[2]
+    possible &= all(not abs(friction) > bounds[i] for i, friction in frictions.items())
+    return _Answer(acceleration, bool(possible), opens)
+
+
+def _guided(now: Instant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], turn: int | None) -> _Answer | None:
+    """The same where the rows depend on each other: some of them determine the motion, and forces that are not unique
+    have to give it. None where the acceleration is not unique, or where the rows contradict each other."""
+    some, load, velocity = bodies(now.case), load_at(now.case, now.time, now.state), now.velocity
+    closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
+    each = [(k, False) for k in closed] + [(k, True) for k in closed if modes[k] in STICKING]
+    rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
+    picks, others = [[False, False] for _ in contacts], list[tuple[np.ndarray, np.ndarray, float]]()
+    if turn == 0:
+        rows, columns, biases = [some.lengths[2] * TURNING_ROW], [some.lengths[2] * TURNING_ROW], [0.0]
+    for k, is_tangent in each:
+        at = contacts[k]
+        row = at.slip_row if is_tangent else at.lift_row
+        ratio = 0.0 if is_tangent else -SLIP_SIGN.get(modes[k], 0.0) * at.mu_of(velocity, now.time)
+        column = row + ratio * at.slip_row
+        bias = at.slip_bias - at.belt_rate(now.time) if is_tangent else at.lift_bias
+        if np.linalg.matrix_rank(_unit(np.array([*rows, row]) * np.sqrt(some.inverse)), tol=DEPENDENT) > len(rows):
+            rows, columns, biases, picks[k][is_tangent] = [*rows, row], [*columns, column], [*biases, bias], True
+        else:
+            others.append((row, column, bias))
+    matrix = np.array(rows) * some.inverse @ np.array(columns).T
+    sizes = np.sqrt(np.diag(np.array(rows) * some.inverse @ np.array(rows).T))
+    if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(rows):
+        return None
+    values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
+    acceleration = load + some.inverse * (np.array(columns).T @ values)
+    # Forces that no row misses, of contacts that are left out: with friction they may have an acceleration.
+    for _, column, _ in others:
+        balance = column - np.array(columns).T @ np.linalg.solve(matrix, np.array(rows) * some.inverse @ column)
+        if np.abs(balance * np.sqrt(some.inverse)).max() > SAME * np.abs(column * np.sqrt(some.inverse)).max():
+            return None
+    rate = SAME * max(float(np.abs(load).max()), float(np.abs(acceleration * some.lengths).max()))
+    if any(abs(float(row @ acceleration) + bias) > rate for row, _, bias in others):
+        return None
+    away = [at for k, at in enumerate(contacts) if k not in closed]
+    lifts = [float(at.lift_row @ acceleration) + at.lift_bias for at in away]
+    some_contacts, some_modes = [contacts[k] for k in closed], [modes[k] for k in closed]
+    if guided_margin(now.case, now.time, now.state, acceleration, some_contacts, some_modes, turn) < BALANCED:
+        return _Answer(acceleration, False, False)
+    opens = VIOLATED / SAME * rate
+    return _Answer(
+        acceleration, all(lift >= -opens for lift in lifts), all(lift > opens for lift in lifts),
+        tuple((normal, tangent) for normal, tangent in picks),
+    )  # fmt: skip
+
+
+def _unit(rows: np.ndarray) -> np.ndarray:
+    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
+
+
+def guided_margin(
+    case: Case, t: float, state: Sequence[float], acceleration: np.ndarray, closed: Sequence[ContactPlace],
+    modes: Sequence[Mode], turn: int | None,
+) -> float:  # fmt: skip
+    """`forces.margin` of contacts in those modes whose forces give their plates an acceleration (3n,)."""
+    return forces.margin(closed, *balance_of(case, t, state, acceleration, closed, modes, turn))
+
+
+class Balance(NamedTuple):
+    """What forces of contacts balance: the load less what gives the acceleration, the units of the equations, and the
+    limits of friction and of couples, as `forces.margin` has them."""
+
+    load: np.ndarray
+    units: np.ndarray
+    limits: list[forces.Limit]
+    couples: list[forces.Limit]
+
+
+def balance_of(
+    case: Case, t: float, state: Sequence[float], acceleration: np.ndarray, closed: Sequence[ContactPlace],
+    modes: Sequence[Mode], turn: int | None,
+) -> Balance:  # fmt: skip
+    """What the forces of contacts in those modes balance whose plates have an acceleration (3n,)."""
+    load, units = load_and_units(case, t, state, plates_in(closed))
+    velocity, limits = np.asarray(state[len(state) // 2 :], dtype=float), list[forces.Limit]()
+    for at, mode in zip(closed, modes, strict=True):
+        slips = forces.Slipping(-SLIP_SIGN[mode] * at.mu_of(velocity, t)) if mode in SLIP_SIGN else 0.0
+        limits.append(at.stick if mode in STICKING else slips)
+    couples = list[forces.Limit]()
+    for at in closed if turn is not None else ():
+        couples.append(forces.Slipping(-turn * at.resisting_arm) if turn else at.resisting_arm)
+    return Balance(load - acceleration * bodies(case).masses * (units > 0.0), units, limits, couples)
+
+
+def rest_margin(case: Case, t: float, state: Sequence[float], contacts: Sequence[ContactPlace]) -> float:
+    """`forces.margin` of a group of contacts whose plates are still; −inf if they are not, or are on a belt, which may
+    move them. Raises Undecidable."""
+    plates, half = plates_in(contacts), len(state) // 2
+    moves = np.asarray(state[half:], dtype=float)[rows_of(plates)].any()
+    if moves or any(at.pair.effect(Belt) is not None for at in contacts):
+        return -inf
+    load, units = load_and_units(case, t, state, plates)
+    if not np.isfinite(load).all():
+        raise Undecidable
+    couples = [at.resisting_arm for at in contacts]
+    return forces.margin(contacts, load, units, [at.stick for at in contacts], couples if any(couples) else ())
+
+
+def is_steady(case: Case, plates: frozenset[int]) -> bool:
+    """Whether the load on some plates at rest stays the same."""
+    return 0 not in plates or not any(e.symbols & {T, _MOTION[0]} for e in laws(case).torsor)
+
+
+def load_and_units(
+    case: Case, t: float, state: Sequence[float], plates: frozenset[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The load (3n,) on some plates (N, N, N m), and the units of the equations of their equilibrium: 0 for those of
+    other plates, and for the moment of a plate that cannot turn."""
+    some, own = bodies(case), np.zeros(len(state) // 2, dtype=bool)
+    own[rows_of(plates)] = True
+    own &= some.inverse > 0.0
+    return load_at(case, t, state) * np.where(own, some.masses, 0.0), own / some.lengths
+
+
+def _clusters(now: Instant, motions: Sequence[_Motion]) -> list[list[_Motion]]:
+    """Modes with the same accelerations together."""
+    lengths, load, clusters = bodies(now.case).lengths, load_at(now.case, now.time, now.state), list[list[_Motion]]()
+    for motion in motions:
+        for some in clusters:
+            accelerations = (load, motion.acceleration, some[0].acceleration)
+            largest = max(float(np.abs(one * lengths).max()) for one in accelerations)
+            if np.abs((motion.acceleration - some[0].acceleration) * lengths).max() <= SAME * largest:
+                some.append(motion)
+                break
+        else:
+            clusters.append([motion])
+    return clusters

@@ -1,0 +1,155 @@
+"""Impacts that accumulate: where they end, and the state then."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cases import Mode
+
+from ..minimal.bouncing import StraightStates
+from ..minimal.integrators.segment import Event, Segment
+from ..minimal.phase_end import (
+    CAUSES,
+    Ending,
+)
+from .bodies import bodies, load_at, rows_of, size
+from .hops import SeriesEnd
+from .phase import SolverPhase, SolverRegime, join, key_of, solver_phase
+from .places import TOUCHES, place, plates_in, project, without_velocity
+from .watched_plates import MotionEnds, Watch, WatchedPlates
+
+# Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the
+# plate's size, the gap at which contacts count as touching.
+LOW_HOP = 1e-12
+# Impacts are extrapolated to their end where plates move by less than this part of their size until then.
+SMALL_HOP = 1e-9
+# Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
+ACCUMULATES = 1e-7
+
+
+class ImpactEnds(WatchedPlates):
+    """Plates whose impacts may follow each other ever faster. A subclass advances them along a segment."""
+
+    def _advance(self, segment: Segment) -> None:
+        raise NotImplementedError
+
+    def _low_hops(self, phase: SolverPhase) -> set[str]:
+        """The contacts that an impact has just opened, whose hops rise no higher than positions' rounding: the other
+        contacts' forces may drive plates together that their loads do not.
+
+        Where impacts follow each other ever faster without a fixed ratio, all of their contacts: which of them open is
+        a question of forces then. Raises MotionEnds if one of these opens faster."""
+        if not self.hops.strikes or self.hops.strikes[-1].time != self.t:
+            return set()
+        y = join(self.state, [watch.points for watch in self.watches])
+        rates = phase.system.rates_of_numbers(self.t, y, phase.parameters)
+        acceleration, velocity, low = np.array(rates[len(rates) - self.half :]), self.velocity, set[str]()
+        slow = ACCUMULATES * self.speed
+        recent = self.hops.recent(self.t) if self.hops.strikes[-1].closing < slow else frozenset[str]()
+        opened = [watch for watch in self.watches if watch.mode is Mode.FLIGHT]
+        for watch, at in zip(opened, self._places(opened), strict=True):
+            lift, pull = float(at.lift_row @ velocity), -float(at.lift_row @ acceleration + at.lift_bias)
+            if at.gap > TOUCHES * size(self.case, self.state):
+                continue
+            if (lift > 0.0 and self._is_unresolved(lift, pull)) or (watch.name in recent and abs(lift) <= slow):
+                low.add(watch.name)
+            elif watch.name in recent:
+                raise MotionEnds(self._no_end_of_impacts(watch.name))
+        return low
+
+    def _no_end_of_impacts(self, name: str) -> Ending:
+        return (
+            "accumulation",
+            f"Impacts at {', '.join(sorted(self.hops.strikes[-1].contacts))} follow each other ever faster at t = "
+            f"{self.t:.9g} s, without a fixed ratio, and {name} opens: their end is not computed.",
+        )
+
+    def _end_bouncing(self) -> None:
+        """Go to the instant at which impacts that accumulate end, if they do: plates move by less than rounding until
+        then, and all contacts of the last impacts touch."""
+        end = self._end_of_impacts()
+        if end is None or not end.time < self.case.duration:
+            return
+        limit, values = end.time, tuple(end.body)
+        hit = [watch for watch in self.watches if watch.name in end.contacts]
+        near = [watch for watch in self.watches if watch.name in end.contacts or watch.name in self.touching]
+        moving, others = np.array(values[self.half :]), [watch for watch in self.watches if watch not in near]
+        ats = [(watch.name, place(watch.pair, values, watch.points)) for watch in others]
+        closings = [(name, at.gap, float(at.lift_row @ moving)) for name, at in ats]
+        landing = end.landing(closings, TOUCHES * size(self.case, self.state))
+        if landing is None:
+            return
+        state, now = project(self.case, values, [(watch.pair, watch.points) for watch in near])
+        velocity, lengths = np.array(state[self.half :]), bodies(self.case).lengths
+        stuck = {
+            watch.name for watch, at in zip(near, now, strict=True)
+            if at.stick > 0.0 and abs(at.slip(velocity, limit)) <= end.error
+        }  # fmt: skip
+        still = rows_of(plates_in(now))
+        if all(abs(velocity[c]) * lengths[c] <= end.error for c in still):
+            velocity[still] = 0.0
+        sticking = [at for watch, at in zip(near, now, strict=True) if watch.name in stuck]
+        state = without_velocity(self.case, limit, (*state[: self.half], *velocity.tolist()), now, sticking)
+        if limit > self.t:
+            self._advance(self._straight(near, limit, state))
+        for watch, at in zip(near, now, strict=True):
+            watch.points = at.xi1, at.xi2
+        if end.ends_cascade:
+            self.hops.end_cascade()
+        self.state, self.touching = state, {watch.name for watch in near}
+        self.causes = {watch.name: CAUSES["rest"] for watch in hit}
+        if landing:
+            self.hops.record(self.t, [], CAUSES["rest"])
+            self.causes = {}
+            self._settle(stuck, closing=set(landing))
+
+    def _end_of_impacts(self) -> SeriesEnd | None:
+        """The end of small impacts. Those that alternate between two corners without a fixed ratio end where all hops
+        are lower than what counts as touching."""
+        far = size(self.case, self.state)
+        end = self.hops.limit(self.t, SMALL_HOP * far)
+        if end is None and self.hops.is_small and CAUSES["rest"] in self.causes.values():
+            end = self.hops.lowest(frozenset(self.touching))
+        if end is None and self._is_low(LOW_HOP * far):
+            places_now = zip(self.watches, self._places(self.watches), strict=True)
+            touching = frozenset(watch.name for watch, at in places_now if at.gap <= LOW_HOP * far)
+            error = 2.0 * self.hops.strikes[-1].closing
+            return self.hops.lowest(touching) or SeriesEnd(self.t, list(self.state), touching, error)
+        return end
+
+    def _is_low(self, height: float) -> bool:
+        """Whether a small impact ends hops of at most that height, m, at all contacts of the last impacts."""
+        recent, velocity = self.hops.recent(self.t), self.velocity
+        if not recent:
+            return False
+        load, hops = load_at(self.case, self.t, self.state), list[float]()
+        for watch, at in zip(self.watches, self._places(self.watches), strict=True):
+            pull = -float(at.lift_row @ load)
+            if watch.name in recent and pull > 0.0:
+                hops.append(at.gap + float(at.lift_row @ velocity) ** 2 / (2.0 * pull))
+        return 0 < len(hops) == len(recent) and max(hops) <= height
+
+    def _bouncing(self) -> frozenset[str]:
+        """The contacts that small impacts go on to hit, while others have come to rest."""
+        height, velocity = SMALL_HOP * size(self.case, self.state), self.velocity
+        near = [(w, at) for w, at in zip(self.watches, self._places(self.watches), strict=True) if at.gap <= height]
+        return self.hops.bouncing(
+            {watch.name: float(at.lift_row @ velocity) for watch, at in near if watch.name not in self.touching}
+        )
+
+    def _straight(self, near: Sequence[Watch], limit: float, state: tuple[float, ...]) -> Segment:
+        """The segment between the last impact that is simulated and the end of all of them."""
+        names = {watch.name for watch in near}
+        every = frozenset(range(self.half // 3))
+        modes = tuple(Mode.SLIDE if watch.name in names else watch.mode for watch in self.watches)
+        keys, own = (
+            tuple(key_of(watch.pair, watch.points) for watch in self.watches),
+            tuple(watch.name for watch in self.watches),
+        )
+        phase = solver_phase(self.case, SolverRegime(keys, modes, own, every))
+        points = [watch.points for watch in self.watches]
+        first, last = join(self.state, points), join(state, points)
+        states = StraightStates(self.t, limit, first, last)
+        return Segment.of(phase, np.array([self.t, limit]), states, Event(None, limit, last), 0)

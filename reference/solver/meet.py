@@ -1,0 +1,261 @@
+"""The first meeting of a plate and a boundary at a place that is not watched, in a phase's dense output.
+
+All pairs of elements of both curves are searched by boxes (`minimal.element_meetings`), but those in which the watched
+contact is the only one. Plates that are far apart are excluded by the circles around them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property, lru_cache
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, DoesNotFit
+from cases.chain import Element
+from cases.corner import Corner, Piece
+from cases.couples import Couple, couples
+from cases.piece_case import PieceCase, _piece_case, neighbour
+
+from ..minimal.boxes import Cores
+from ..minimal.contact_cores import cores
+from ..minimal.element_meetings import ElementSearch, fine
+from ..minimal.integrators.segment import Segment
+from ..minimal.modes import Phase
+from ..minimal.second_contacts import BEYOND, PLACES, _zero
+from .bodies import bodies
+from .phase import AT_END, pair_of, regime_of
+from .places import couple_of, nearest
+from .shapes import Poses, Straight, first_closings, guess, shapes
+from .system import COLUMNS
+from .touching import inside, pairs_that_touch
+
+# Samples at which the bend of an element is looked at.
+BEND_SAMPLES = 257
+# A corner that comes to a line with a flat side of its own: a few of the coarsest tolerance's errors of an angle, rad.
+# Nothing else than the corner meets the line first, as lines do not meet lines.
+AT_FLAT = 0.1
+# Plates move between two samples by at most this many times what their speeds there say.
+FASTER = 2.0
+# Samples of a step at which far plates are looked at.
+LOOKS = 4
+
+
+class Meeting(NamedTuple):
+    """A meeting: its time (s), the pair of elements, and their own parameters."""
+
+    time: float
+    pair: PieceCase
+    xi1: float
+    xi2: float
+
+
+class Meetings:
+    """The search for meetings in one motion; counts its work."""
+
+    def __init__(self, case: Case):
+        self.case = case
+        self.searches = [CoupleSearch(couple) for couple in couples(case)]
+
+    def first(self, segment: Segment) -> Meeting | None:
+        """The first meeting in a segment; None if there is none. Raises TooMuch at the limit on work."""
+        edges, earliest = np.unique(segment.times), None
+        if len(edges) < 2:
+            return None
+        keys, n = regime_of(segment.phase).pairs, len(bodies(self.case).reaches)
+        for search in self.searches:
+            couple = search.couple
+            if couple_rests(couple, segment) or _is_far(couple, segment, edges):
+                continue
+            watched = [(k, pair_of(self.case, key)) for k, key in enumerate(keys) if key.couple == couple.number]
+            some = edges if earliest is None else np.append(edges[edges < earliest.time], earliest.time)
+            if len(some) < 2:
+                continue
+            meeting = search.first(segment, some, watched, n)
+            if meeting is not None and (earliest is None or meeting.time < earliest.time):
+                earliest = meeting
+        return earliest
+
+
+class CoupleSearch:
+    """The search for meetings of one plate and one boundary: pairs of lines and circles by the zeros of their gaps, the
+    others by boxes."""
+
+    def __init__(self, couple: Couple):
+        self.couple = couple
+        every = pairs_that_touch(couple)
+        self.quick = [(pair, some) for pair in every if (some := shapes(pair)) is not None]
+        self.has_others = len(self.quick) < len(every)
+        self.known = {_in_round(pair) for pair, _ in self.quick}
+
+    @cached_property
+    def boxes(self) -> ElementSearch:
+        """The search by boxes."""
+        return ElementSearch(self.couple)
+
+    def first(
+        self, segment: Segment, edges: np.ndarray, watched: Sequence[tuple[int, PieceCase]], n: int
+    ) -> Meeting | None:
+        """The first meeting in a segment between these times; `watched`: pairs with their places in the regime, `n`:
+        how many plates there are."""
+        couple = self.couple
+
+        def poses(times: np.ndarray) -> np.ndarray:
+            return np.array(couple.relative_pose(segment.states(times)[: 3 * n]))
+
+        skipped = _skipped([pair for _, pair in watched])
+        earliest = self._first_of_shapes(segment, poses, edges, skipped, n)
+        if not self.has_others:
+            return earliest
+        if earliest is not None:
+            edges = np.append(edges[edges < earliest.time], earliest.time)
+        if len(edges) < 2:
+            return earliest
+
+        def around(first: Element, second: Element, ends: np.ndarray) -> list[Cores]:
+            return _around(segment, watched, first, second, ends)
+
+        found = self.boxes.first(poses, edges, skipped | self.known, around)
+        if found is None:
+            return earliest
+        pair = _piece_case(couple, found.first.number, found.second.number)
+        near = found.xi1 - pair.first.shift, found.xi2 - pair.second.shift
+        return _locate(segment, n, pair, found.time, near)
+
+    def _first_of_shapes(
+        self, segment: Segment, poses: Poses, edges: np.ndarray, skipped: set[tuple[int, int]], n: int
+    ) -> Meeting | None:
+        earliest: Meeting | None = None
+        times = fine(poses, edges)
+        for pair, some in self.quick:
+            if _in_round(pair) in skipped:
+                continue
+            for time in first_closings(some, poses, times, self.couple.plate.reach):
+                if earliest is not None and time >= earliest.time:
+                    break
+                x, y, theta = (float(v) for v in poses(np.array([time]))[:, 0])
+                near = guess(pair, some, x, y, theta)
+                if not inside(pair, *near, turn=AT_FLAT if isinstance(some.still, Straight) else AT_END):
+                    continue
+                earliest = _locate(segment, n, pair, time, near)
+                break
+        return earliest
+
+
+def couple_rests(couple: Couple, segment: Segment) -> bool:
+    """Whether neither side of a couple moves in a segment."""
+    resting = regime_of(segment.phase).resting
+    return couple.body in resting and (couple.base is None or couple.base in resting)
+
+
+def _is_far(couple: Couple, segment: Segment, edges: np.ndarray) -> bool:
+    """Whether the circles around both plates are apart during a segment."""
+    if couple.base is None:
+        return False
+    parts = np.linspace(0.0, 1.0, LOOKS, endpoint=False)
+    times = np.append((edges[:-1, None] + np.diff(edges)[:, None] * parts).ravel(), edges[-1])
+    states, half = segment.states(times), 3 * len(bodies(couple.whole).reaches)
+    own, other = 3 * couple.body, 3 * couple.base
+    away = np.hypot(*(states[own : own + 2] - states[other : other + 2]))
+    first = len(states) - half
+    speeds = np.hypot(*(states[first + own : first + own + 2] - states[first + other : first + other + 2]))
+    reaches = bodies(couple.whole).reaches
+    moves = FASTER * float(speeds.max()) * float(np.diff(times).max())
+    return bool(away.min() > reaches[couple.body] + reaches[couple.base] + moves)
+
+
+def _skipped(watched: Sequence[PieceCase]) -> set[tuple[int, int]]:
+    """The numbers, within one round, of pairs in which no other contact than the watched one is possible: the pair
+    itself, if its nearest points are unique, and those with a neighbour to which the contact passes smoothly."""
+    result = set[tuple[int, int]]()
+    for pair in watched:
+        if is_unique(pair) or shapes(pair) is not None:
+            result.add(_in_round(pair))
+        for of_track in (True, False):
+            for step in (-1, 1):
+                other = neighbour(pair, of_track, step)
+                if other is not None and _passes(pair, other, of_track):
+                    result.add(_in_round(other))
+    return result
+
+
+def _in_round(pair: PieceCase) -> tuple[int, int]:
+    couple = couple_of(pair)
+    counts = [len(getattr(curve, "elements", (None,))) for curve in (couple.track, couple.plate.outline)]
+    return pair.first.number % counts[0], pair.second.number % counts[1]
+
+
+def is_unique(pair: PieceCase) -> bool:
+    """Whether the nearest points of two elements are the only ones: that of the plate bulges, that of the track does
+    not bend towards it."""
+    track, outline = pair.pieces
+    return bends(outline)[0] >= 0.0 and bends(track)[1] <= 0.0
+
+
+@lru_cache(maxsize=1024)
+def bends(piece: Piece) -> tuple[float, float]:
+    """Least and greatest curvature of an element, 1/m: that of a convex corner of an outline or of a track is infinite
+    with its sign."""
+    if isinstance(piece, Corner):
+        return piece.sign * inf, piece.sign * inf
+    values = np.asarray(piece.curvature(np.linspace(*piece.span, BEND_SAMPLES)))
+    return float(values.min()), float(values.max())
+
+
+def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:
+    """Whether a contact passes to a neighbour without another one before: at a corner that points to the other curve,
+    or where the curves fit each other."""
+    piece = other.pieces[0 if of_track else 1]
+    if isinstance(piece, Corner):
+        return piece.sign < 0 if of_track else piece.sign > 0
+    track, outline = other.pieces
+    return bends(outline)[0] > bends(track)[1]
+
+
+def _around(
+    segment: Segment, watched: Sequence[tuple[int, PieceCase]], first: Element, second: Element, ends: np.ndarray
+) -> list[Cores]:
+    """The surroundings of each watched contact of two elements in windows of time (2, m)."""
+    result = list[Cores]()
+    times = (ends[0][:, None] + (ends[1] - ends[0])[:, None] * PLACES).ravel()
+    half, size = 3 * len(bodies(segment.phase.case).reaches), (len(ends[0]), len(PLACES))
+    for k, pair in watched:
+        if _in_round(pair) != (first.number, second.number) or isinstance(pair.first.piece, Corner):
+            continue
+        states = segment.states(times)
+        places = states[half + 2 * k : half + 2 * k + 2].reshape(2, *size)
+        low, high = places.min(axis=2), places.max(axis=2)
+        more = BEYOND * (high - low)
+        xi1, xi2 = zip(low - more, high + more, strict=True)
+        gap = gap_of(segment.phase, k, times, states).reshape(size)
+        around, _ = cores(pair, np.array(xi1), np.array(xi2), np.maximum(gap.max(axis=1), 0.0))
+        result.append(around)
+    return result
+
+
+def gap_of(phase: Phase, k: int, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """The gap of contact k, m, at some instants."""
+    columns = phase.system.outputs_of_arrays(times, states, phase.parameters)
+    first = 2 + 3 * len(bodies(phase.case).reaches) + len(COLUMNS) * k
+    return np.broadcast_to(np.asarray(columns[first + COLUMNS.index("gap")], dtype=float), times.shape)
+
+
+def _locate(segment: Segment, n: int, pair: PieceCase, when: float, near: tuple[float, float]) -> Meeting:
+    """The zero of the gap at a meeting, to rounding, with the elements' own parameters."""
+    from scipy.optimize import brentq  # slow to import, and many motions never come here
+
+    couple = couple_of(pair)
+
+    def at_time(t: float):
+        state = segment.states(np.array([t]))[: 3 * n, 0]
+        x, y, theta = (float(v) for v in couple.relative_pose(state))
+        return nearest(pair, x, y, theta, near)
+
+    try:
+        time = _zero(lambda t: at_time(t).gap, when, brentq)
+    except (ValueError, DoesNotFit):
+        time = when  # it touches without closing: two flat sides, or a start
+    at = at_time(max(time, segment.start))
+    return Meeting(max(time, segment.start), pair, at.xi1, at.xi2)

@@ -1,0 +1,189 @@
+"""Decisions of all groups of contacts that touch, and the changes of mode that follow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cases import Case, Flight, Mode, Transition
+
+from ..minimal.integrators.segment import BREAKDOWN
+from ..minimal.phase_end import (
+    CAUSES,
+    LIFT_OFF,
+    NO_MODE,
+    Ending,
+)
+from ..minimal.series import EPS
+from .bodies import size
+from .contact_law import STICKING
+from .decide import Decision, Instant, decide, flat_of, shares_of
+from .impact_ends import ImpactEnds
+from .phase import LOST, SolverRegime, key_of
+from .places import ContactPlace, groups, held_plates, plates_in
+from .watched_plates import SOME_ROUNDINGS, MotionEnds, Watch
+
+# A contact that has opened is watched as long as its gap is below this part of the plates' size where modes change.
+NEAR = 1e-3
+
+
+class ModeChanges(ImpactEnds):
+    """Plates whose modes are decided, group by group.
+
+    `fixed`: the modes that some contacts may have; `held_out`: those whose forces have reached a limit at rest;
+    `begins`: the modes of a start are no changes.
+    """
+
+    def __init__(self, case: Case, t: float, state: tuple[float, ...], begins: bool):
+        super().__init__(case, t, state)
+        self.fixed, self.held_out, self.begins = dict[str, tuple[Mode, ...]](), set[str](), begins
+
+    def _decision_error(self) -> float:
+        raise NotImplementedError
+
+    def _decide(self) -> SolverRegime:
+        self._end_bouncing()
+        error = self._decision_error()
+        closed = self._closed()
+        now, places = Instant(self.case, self.t, self.state, self.speed, error), self._places(closed)
+        modes, resting, slack = dict[str, Mode](), set[int](), list[tuple[str, str, float]]()
+        turn: int | None = None
+        guides = dict[str, tuple[bool, bool] | None]()
+        for group in groups(places):
+            some, names = [places[k] for k in group], [closed[k].name for k in group]
+            self._check_count(some, names)
+            fixed = {i: self.fixed[name] for i, name in enumerate(names) if name in self.fixed}
+            lost = tuple(closed[k].mode for k in group) if self.held_out & set(names) else None
+            decision = decide(now, some, fixed, lost)
+            if (fixed and not decision.motions) or self._stays_without_force(now, some, fixed):
+                decision = decide(now, some, {})
+            if decision.modes is None:
+                raise MotionEnds(self._no_modes(names, decision))
+            modes |= dict(zip(names, decision.modes, strict=True))
+            turn = decision.turn if turn is None else turn
+            guides |= dict(zip(names, decision.guides, strict=False))
+            for condition, amount in decision.slack:
+                kind, _, number = condition.partition(":")
+                slack.append((kind, names[int(number)] if number else "", amount))
+            if decision.rests:
+                resting |= plates_in(some)
+                continue
+            for part in self._resting_parts(now, some, names, decision.modes):
+                modes |= part
+                resting |= plates_in([at for at, name in zip(some, names, strict=True) if name in part])
+                slack = [one for one in slack if one[1] not in part]
+        self.held_out, self.turns = set(), True
+        kept = [(watch, at) for watch, at in zip(closed, places, strict=True) if modes[watch.name] is not Mode.FLIGHT]
+        sticking = {watch.name for watch, _ in kept if modes[watch.name] in STICKING}
+        slips = [abs(at.slip(self.velocity, self.t)) for watch, at in kept if watch.name in sticking]
+        if max(slips, default=0.0) > SOME_ROUNDINGS * EPS * self.speed:  # an event's error
+            self._remove_velocities(kept, sticking)
+            self._still([at for _, at in kept])
+        self._record(modes)
+        return self._regime(resting, slack, turn, guides)
+
+    @staticmethod
+    def _stays_without_force(now: Instant, some: Sequence[ContactPlace], fixed: dict[int, tuple[Mode, ...]]) -> bool:
+        """Whether a contact that is to open, as its force has vanished, neither opens nor has a force from then on."""
+        slack = decide(now, some, {}).slack if fixed else ()
+        return any(f"normal:{k}" == name for k in fixed for name, _ in slack)
+
+    def _record(self, modes: dict[str, Mode]) -> None:
+        """List the changes of modes; contacts that have opened and are far away are no longer watched."""
+        changes = list[Transition]()
+        for watch in self.watches:
+            mode = modes.get(watch.name, Mode.FLIGHT)
+            bounced = self.causes.get(watch.name) == CAUSES["landing"]
+            if mode is not watch.mode or (bounced and mode is Mode.FLIGHT):
+                cause = self.causes.get(watch.name, "the motion of another contact changed")
+                xi1, xi2 = watch.pair.to_whole(*watch.points)
+                couple = watch.pair.whole
+                changes.append(
+                    Transition(self.t, watch.mode, mode, float(couple.whole_xi1(xi1)), xi2, cause, watch.name)  # type: ignore[attr-defined]
+                )
+            watch.mode = mode
+        if self.begins:  # the modes of a start are no changes
+            changes, self.begins = [], False
+        came_to_rest = CAUSES["rest"] in self.causes.values()
+        bouncing = self._bouncing() if came_to_rest else frozenset[str]()
+        self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "", bouncing)
+        self.causes, self.fixed = {}, {}
+        if all(watch.mode is Mode.FLIGHT for watch in self.watches) and self.case.effect(Flight) is None:
+            raise MotionEnds(LIFT_OFF)
+        least = NEAR * size(self.case, self.state)
+        kept = list[Watch]()
+        for watch, at in zip(self.watches, self._places(self.watches), strict=True):
+            if watch.mode is not Mode.FLIGHT:
+                watch.lost = LOST * at.clearance if np.isfinite(at.clearance) else 0.0
+                kept.append(watch)
+            elif at.gap <= least and at.clearance > 2.0 * watch.lost:
+                kept.append(watch)
+        self.watches = kept
+
+    def _regime(
+        self, resting: set[int], slack: list[tuple[str, str, float]], turn: int | None,
+        guides: dict[str, tuple[bool, bool] | None],
+    ) -> SolverRegime:  # fmt: skip
+        """The regime of all watched contacts, closed ones first."""
+        self.watches.sort(key=lambda watch: (watch.mode is Mode.FLIGHT, key_of(watch.pair, watch.points)))
+        places = self._places(self.watches)
+        now = [watch.mode for watch in self.watches]
+        shares, flat = shares_of(places, now), flat_of(places, now)
+        shares = {k: first for k, first in shares.items() if self.watches[k].name not in guides}
+        order = {watch.name: k for k, watch in enumerate(self.watches)}
+        closed = [at for at, mode in zip(places, now, strict=True) if mode is not Mode.FLIGHT]
+        stuck = [at for at, mode in zip(places, now, strict=True) if mode in STICKING]
+        return SolverRegime(
+            tuple(key_of(watch.pair, watch.points) for watch in self.watches),
+            tuple(now),
+            tuple(watch.name for watch in self.watches),
+            frozenset(resting),
+            tuple(shares.get(k) for k in range(len(now))),
+            tuple((f"{kind}:{order[name]}" if name else kind, amount) for kind, name, amount in slack),
+            tuple(float(np.float32(watch.lost)) for watch in self.watches),
+            turn,
+            tuple(guides.get(watch.name) for watch in self.watches) if guides else (),
+            tuple(flat.get(k) for k in range(len(now))),
+            held_plates(self.case, self.velocity, closed, stuck) - resting,
+            tuple(watch.at_joint for watch in self.watches) if any(watch.at_joint for watch in self.watches) else (),
+        )
+
+    def _resting_parts(
+        self, now: Instant, some: Sequence[ContactPlace], names: Sequence[str], modes: Sequence[Mode]
+    ) -> list[dict[str, Mode]]:
+        """The modes of parts of a group that rest by themselves, as contacts that open no longer link them to plates
+        that move."""
+        velocity = self.velocity.reshape(-1, 3)
+        still = {b for b in plates_in(some) if not velocity[b].any()}
+        apart = [k for k, at in enumerate(some) if set(at.sides) <= still]
+        if len(apart) == len(some):
+            return []
+        links = [k for k in range(len(some)) if k not in apart and modes[k] is not Mode.FLIGHT]
+        parts = list[dict[str, Mode]]()
+        for group in groups([some[k] for k in apart]):
+            part = [apart[i] for i in group]
+            if plates_in([some[k] for k in part]) & plates_in([some[k] for k in links]):
+                continue  # a plate that moves presses on it
+            decision = decide(now, [some[k] for k in part], {})
+            if decision.modes is not None and decision.rests:
+                parts.append(dict(zip((names[k] for k in part), decision.modes, strict=True)))
+        return parts
+
+    def _no_modes(self, names: Sequence[str], decision: Decision) -> Ending:
+        if decision.motions:
+            return several_motions(self.t, names, decision.motions)
+        if decision.is_singular:
+            return BREAKDOWN, (
+                f"At t = {self.t:.9g} s the forces of {', '.join(names)} are not unique while the plates move, and "
+                "this motion is not computed."
+            )
+        return NO_MODE
+
+
+def several_motions(t: float, names: Sequence[str], motions: Sequence[Sequence[Mode]]) -> Ending:
+    """The ending where several motions are consistent, each given by the modes of the contacts with these names."""
+    choices = "; ".join(
+        ", ".join(f"{name} {mode}" for name, mode in zip(names, modes, strict=True)) for modes in motions
+    )
+    return "not_unique", (f"{len(motions)} motions of rigid Coulomb contact are consistent at {t:.9g} s: {choices}.")

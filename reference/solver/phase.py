@@ -1,0 +1,212 @@
+"""Regimes of the contacts of several plates, and their equations with numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple, cast
+
+import numpy as np
+
+from cases import Case, CoulombFriction, Curve, Load, Mode
+from cases.corner import Corner, Piece
+from cases.couples import couples
+from cases.free_plates import plates_of
+from cases.piece_case import PieceCase, _piece_case, neighbour
+from cases.pieces import CurvePart
+
+from ..minimal.assembly import parameter_values
+from ..minimal.effects import SLIP_SIGN, CoulombBySpeed, FixedSurface, Frictionless, laws
+from ..minimal.frames import CORNER
+from ..minimal.modes import Phase, Regime, _features
+from ..minimal.phase_end import PIECE_ENDS
+from ..minimal.system import slack_name
+from .bodies import bodies
+from .contact_law import STICKING, coefficients, resisting_arm
+from .places import couple_of
+from .system import NO_ROWS, ContactForm, ContactRows, Rotation, solver_system
+
+# An open contact is watched until the clearance of its curvatures falls below this part of the outline's curvature: its
+# nearest points then move fast, and may soon be lost.
+LOST = 0.05
+
+
+# A contact beyond an end of its elements by at most this (m or rad) is at the end: the rounding of a pose.
+AT_END = 1e-9
+# For each contact which of its normal and tangential row determine the motion, where more rows than velocities do.
+Guides = tuple[tuple[bool, bool] | None, ...]
+
+
+class PairKey(NamedTuple):
+    """A pair of elements: the number of its couple, those of both elements, and those of their parts between knots."""
+
+    couple: int
+    first: int
+    second: int
+    parts: tuple[int, int] = (0, 0)
+
+
+class SolverRegime(NamedTuple):
+    """Contacts with their modes (FLIGHT: open), and the plates at rest, whose contacts have no equations.
+
+    `shares`: for each contact the place of the one with its friction force, if another has it; `slack`: conditions on
+    forces that vanish all the time, and how far below zero they may be (m/s²): their rounding; `lost`: of each contact
+    the clearance (1/m) below which it is not watched any more; `turn`: the sense of a rotation of the only plate that
+    closed contacts resist, 0 if they prevent it; None if none of them resists rolling. `guides`: where forces are not
+    unique; (False, False) for contacts that are no part of it, or open. `along`: for each closed contact the place of
+    the first one of the same straight side; `held`: plates that contacts hold while others press on them;
+    `at_joint`: contacts that stay where two elements join, to rounding: they do not pass on within `AT_END`.
+    """
+
+    pairs: tuple[PairKey, ...]
+    modes: tuple[Mode, ...]
+    names: tuple[str, ...] = ()
+    resting: frozenset[int] = frozenset()
+    shares: tuple[int | None, ...] = ()
+    slack: tuple[tuple[str, float], ...] = ()
+    lost: tuple[float, ...] = ()
+    turn: int | None = None
+    guides: Guides = ()
+    along: tuple[int | None, ...] = ()
+    held: frozenset[int] = frozenset()
+    at_joint: tuple[bool, ...] = ()
+
+
+class SolverPhase(Phase):
+    """A regime with its equations and numbers; integrators read it as any other phase."""
+
+    __slots__ = ()
+
+    def __reduce__(self):
+        return solver_phase, (self.case, self.regime)
+
+
+def regime_of(phase: Phase) -> SolverRegime:
+    """The regime of a phase."""
+    return cast(SolverRegime, phase.regime)
+
+
+def key_of(pair: PieceCase, points: tuple[float, float]) -> PairKey:
+    """The numbers of a pair of elements, and of their parts at these parameters."""
+    pieces = cast(tuple[Piece, Piece], pair.pieces)
+    one, other = (piece.parts.number(s) if piece.parts else 0 for piece, s in zip(pieces, points, strict=True))
+    return PairKey(couple_of(pair).number, pair.first.number, pair.second.number, (one, other))
+
+
+def pair_of(case: Case, key: PairKey) -> PieceCase:
+    """The pair of elements with those numbers."""
+    return _piece_case(couples(case)[key.couple], key.first, key.second)
+
+
+def kind_of(mode: Mode) -> ContactRows:
+    """The rows of a contact in that mode."""
+    if mode is Mode.FLIGHT:
+        return ContactRows.OPEN
+    return ContactRows.STICK if mode in STICKING else ContactRows.SLIP
+
+
+def ends_of(pair: PieceCase) -> tuple[str, ...]:
+    """The ends of both elements, or of their parts, at which a contact passes to the next one. Where that is straight,
+    as the other element is, both lie on each other there, and the contact stays at the corner."""
+    result = list[str]()
+    for end, (of_track, step) in PIECE_ENDS.items():
+        piece, following = cast(Piece, pair.pieces[0 if of_track else 1]), neighbour(pair, of_track, step)
+        lies_flat = following is not None and all(is_straight(one) for one in following.pieces)
+        if piece.parts is not None or (piece.ends is not None and not lies_flat):
+            result.append(end)
+    return tuple(result)
+
+
+def is_straight(piece: Piece) -> bool:
+    """Whether an element is a part of a line."""
+    return not isinstance(piece, Corner) and piece.features is None
+
+
+def _structure(piece: Piece | CurvePart):
+    """What the equations of a contact on that curve or corner depend on."""
+    return piece.sign if isinstance(piece, Corner) else piece.structure
+
+
+def _sizes(piece: Piece | CurvePart, prefix: str) -> dict[str, float]:
+    """A curve's parameters, by name."""
+    names = CORNER if isinstance(piece, Corner) else [size.name for size in piece.structure[1]]
+    values = {prefix + name: value for name, value in zip(names, piece.constants, strict=True)}
+    return values | ({f"{prefix}low": piece.domain[0], f"{prefix}high": piece.domain[1]} if piece.domain else {})
+
+
+@lru_cache(maxsize=1024)
+def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
+    """The equations of that regime with the case's parameters."""
+    plates, some = plates_of(case), [pair_of(case, key) for key in regime.pairs]
+    shares = regime.shares or (None,) * len(some)
+    forms, values = list[ContactForm](), {slack_name(name): amount for name, amount in regime.slack}
+    for k, (pair, mode) in enumerate(zip(some, regime.modes, strict=True)):
+        couple, kind = couple_of(pair), kind_of(mode)
+        if couple.body in regime.resting and (couple.base is None or couple.base in regime.resting):
+            kind = ContactRows.AWAY  # it has no equations
+        numbers = regime.pairs[k].parts
+        track, outline = (
+            piece.part(number) for piece, number in zip(cast(tuple[Piece, Piece], pair.pieces), numbers, strict=True)
+        )
+        law, is_open = laws(pair), kind in NO_ROWS
+        form = ContactForm(
+            couple.body, couple.base, _structure(track), _structure(outline), kind,
+            Frictionless() if is_open else law.friction, ends_of(pair),
+            FixedSurface() if is_open else law.belt, shares[k],
+            regime.turn is not None and not is_open and resisting_arm(pair) > 0.0,
+            regime.guides[k] if regime.guides and not is_open else None,
+            regime.along[k] if regime.along and not is_open else None,
+        )  # fmt: skip
+        forms.append(form)
+        sign, (mu, stick) = SLIP_SIGN.get(mode, 0.0), coefficients(pair)
+        values |= {f"k_{k}": -sign * mu if sign else 0.0, f"sigma_{k}": sign, f"stick_{k}": stick}
+        values |= form.surface.of_contact(k).values(pair)
+        friction, coulomb = form.friction.of_contact(k), pair.effect(CoulombFriction)
+        if isinstance(friction, CoulombBySpeed) and coulomb is not None:
+            values |= friction.sizes_of(coulomb)
+        values |= _sizes(track, f"track_{k}_") | _sizes(outline, f"outline_{k}_")
+        if regime.at_joint and regime.at_joint[k]:
+            for bound, sign in (("low", -1.0), ("high", 1.0)):
+                for name in (f"track_{k}_{bound}", f"outline_{k}_{bound}"):
+                    values[name] = values.get(name, 0.0) + sign * AT_END
+        values |= {f"arm_{k}": resisting_arm(pair), f"rho_{k}": -(regime.turn or 0) * resisting_arm(pair)}
+        values[f"lost_{k}"] = regime.lost[k] if regime.lost else 0.0
+    for b, plate in enumerate(plates):
+        values |= {f"w_{b}": 1.0 / plate.mass, f"v_{b}": 1.0 / plate.inertia}
+    values |= {"m": plates[0].mass, "G": plates[0].inertia / plates[0].mass}
+    values["tau"] = float(regime.turn or 0)
+    idle, turn = tuple(name for name, _ in regime.slack), regime.turn if any(form.resists for form in forms) else None
+    rotation = Rotation.FREE if turn is None else Rotation.RESISTED if turn else Rotation.HELD
+    system = solver_system(tuple(forms), len(plates), regime.resting, laws(case), rotation, idle, regime.held)
+    parameters = parameter_values(case, values, system)
+    reaches = bodies(case).reaches
+    lengths = [length for reach in reaches for length in (reach, reach, 1.0)]
+    features = list(_features(case.effect(Load), None))
+    for k, pair in enumerate(some):
+        for i, piece in enumerate(cast(tuple[Piece, Piece], pair.pieces)):
+            lengths.append(_angle(piece, reaches[couple_of(pair).body]))
+            if isinstance(piece, Curve):
+                features += [(3 * len(plates) + 2 * k + i, f) for _, f in _features(None, None, piece)]
+    places = tuple(range(6 * len(plates) + 2 * len(some)))
+    return SolverPhase(
+        cast(Regime, regime), system, parameters, min(reaches), tuple(lengths), places, case, tuple(features),
+        bool(system.load_quantities),
+    )  # fmt: skip
+
+
+def _angle(piece: Piece, reach: float) -> float:
+    """The change of a parameter that moves its point by the plate's reach; at a corner it is an angle."""
+    return 1.0 if isinstance(piece, Corner) else reach / float(piece.speed(piece.span[0]))
+
+
+def join(state: Sequence[float] | np.ndarray, points: Sequence[tuple[float, float]]) -> tuple[float, ...]:
+    """The variables of a phase: the plates' state with the parameters of its contacts."""
+    half = len(state) // 2
+    return (*map(float, state[:half]), *(float(v) for pair in points for v in pair), *map(float, state[half:]))
+
+
+def split(case: Case, y: Sequence[float] | np.ndarray) -> tuple[tuple[float, ...], list[tuple[float, float]]]:
+    """The plates' state, and the parameters of the contacts, of a phase's variables."""
+    half = 3 * len(plates_of(case))
+    inside = list(y[half : len(y) - half])
+    return (*map(float, y[:half]), *map(float, y[len(y) - half :])), list(zip(inside[::2], inside[1::2], strict=True))

@@ -1,0 +1,289 @@
+"""Numbers of contacts at one instant: nearest points, gaps, the rows of their velocities, and projections.
+
+With t and n = U t at the contact, r_A and r_B the arms from the centres of mass of base and plate, and φ̇ the rate at
+which the common tangent turns, the relative acceleration of the touching points is, per row (derived from (8)″ with
+both sides moving; s_A, s_B are arc lengths of the contact's place on both curves):
+
+    n·(a_B − a_A) + h_t ω̇_B − f_t ω̇_A = ω_B² h_n − ω_A² f_n − ω_B ṡ_B + ω_A ṡ_A + v φ̇,
+    t·(a_B − a_A) − h_n ω̇_B + f_n ω̇_A = v̇ + ω_B² h_t − ω_A² f_t.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import cos, inf, pi, sin
+from typing import NamedTuple, cast
+
+import numpy as np
+
+from cases import Belt, Case, Curve, DoesNotFit, Mode, geometry
+from cases.contact import belt_speed
+from cases.corner import Corner, Piece
+from cases.couples import Couple
+from cases.piece_case import PieceCase
+from cases.piece_contact import _foot
+
+from .bodies import bodies, rows_of, size
+from .contact_law import coefficients, kinetic, resisting_arm, restitution
+
+# A contact touches if its gap is below this part of the plates' size and place: the rounding of an event's pose.
+TOUCHES = 1e-12
+# Newton's steps that move plates onto their contacts: each squares the error, which begins at a tolerance.
+STEPS = 8
+# The rows of two contacts of the same plates are the same one within this part: their tangents lie on one line.
+SAME_ROW = 1e-9
+
+State = Sequence[float] | np.ndarray
+
+
+def couple_of(pair: PieceCase) -> Couple:
+    """The couple of a plate and a boundary that a pair of elements belongs to."""
+    return cast(Couple, pair.whole)
+
+
+def sides_of(pair: PieceCase) -> tuple[int, ...]:
+    """The numbers of the plates of a pair of elements."""
+    couple = couple_of(pair)
+    return (couple.body,) if couple.base is None else (couple.body, couple.base)
+
+
+class ContactPlace(NamedTuple):
+    """One contact: its pair of elements, gap (m), tangent, parameters of both elements, the rows (3n,) of lift and slip
+    velocity, the parts of their rates that the velocities give, and the clearance of the curvatures (1/m)."""
+
+    pair: PieceCase
+    gap: float
+    tangent: tuple[float, float]
+    xi1: float
+    xi2: float
+    lift_row: np.ndarray
+    slip_row: np.ndarray
+    lift_bias: float
+    slip_bias: float
+    clearance: float
+
+    def belt(self, t: float) -> float:
+        """The speed of the base's surface, m/s."""
+        return float(belt_speed(self.pair, t))
+
+    def belt_rate(self, t: float) -> float:
+        """The rate of that speed, m/s²."""
+        belt = self.pair.effect(Belt)
+        return float(belt.at(t)[1]) if belt is not None else 0.0
+
+    def slip(self, velocity: np.ndarray, t: float) -> float:
+        """The slip velocity (m/s) relative to the surface of the base."""
+        return float(self.slip_row @ velocity) - belt_speed(self.pair, t)
+
+    def mu_of(self, velocity: np.ndarray, t: float) -> float:
+        """The coefficient of friction at the slip that these velocities have."""
+        return float(kinetic(self.pair, self.slip(velocity, t)))
+
+    @property
+    def mu(self) -> float:
+        """The coefficient of friction of a slip that begins."""
+        return coefficients(self.pair)[0]
+
+    @property
+    def stick(self) -> float:
+        """The coefficient of friction without slip."""
+        return coefficients(self.pair)[1]
+
+    @property
+    def restitution(self) -> float:
+        """The coefficient of restitution."""
+        return restitution(self.pair)
+
+    @property
+    def resisting_arm(self) -> float:
+        """The largest couple of rolling resistance per normal force, m."""
+        return resisting_arm(self.pair)
+
+    @property
+    def without_slip(self) -> Mode:
+        """The mode of the contact without slip: of a plate that cannot turn on what is fixed it is a rest."""
+        couple = couple_of(self.pair)
+        return Mode.ROLL if couple.plate.turns or couple.base is not None else Mode.REST
+
+    @property
+    def sides(self) -> tuple[int, ...]:
+        """The numbers of the plates that touch."""
+        return sides_of(self.pair)
+
+
+def nearest(pair: PieceCase, x: float, y: float, theta: float, near: tuple[float, float]) -> geometry.Contact:
+    """The nearest points of both elements next to the pair `near` in a pose of the plate in the frame of the base, by
+    the elements' own parameters, also beyond their ends. Raises DoesNotFit."""
+    first, second = cast(tuple[Piece, Piece], pair.pieces)
+    c, s = cos(theta), sin(theta)
+    if isinstance(first, Curve) and isinstance(second, Curve):
+        return geometry.find(first, second, x, y, theta, near)
+    if isinstance(second, Corner):
+        if isinstance(first, Corner):
+            raise DoesNotFit("a corner touches a corner there; their gap has no direction")
+        point = np.array([x + c * second.x - s * second.y, y + s * second.x + c * second.y])
+        xi1 = _foot(first, point, near[0])
+        turn = second.sign * (float(first.tangent_angle(xi1)) - theta - second.start)
+        return geometry.Contact(xi1, _near(turn, near[1]), float((point - first.point(xi1)) @ first.normal(xi1)))
+    assert isinstance(first, Corner)
+    u, v = first.x - x, first.y - y
+    point = np.array([c * u + s * v, c * v - s * u])
+    xi2 = _foot(second, point, near[1])
+    turn = first.sign * (float(second.tangent_angle(xi2)) + theta - first.start)
+    return geometry.Contact(_near(turn, near[0]), xi2, -float((point - second.point(xi2)) @ second.normal(xi2)))
+
+
+def _near(angle: float, near: float) -> float:
+    return angle + 2.0 * pi * round((near - angle) / (2.0 * pi))
+
+
+def place(pair: PieceCase, state: State, near: tuple[float, float]) -> ContactPlace:
+    """The contact of two elements next to a pair of parameters. Raises DoesNotFit."""
+    couple, half = couple_of(pair), len(state) // 2
+    poses, rates = np.asarray(state[:half], dtype=float), np.asarray(state[half:], dtype=float)
+    u, v, turn = (float(value) for value in couple.relative_pose(poses))
+    at = nearest(pair, u, v, turn, near)
+    track, outline = cast(tuple[Piece, Piece], pair.pieces)
+    body = couple.body
+    x, y, theta = poses[3 * body : 3 * body + 3].tolist()
+    u, v, turn = poses[3 * couple.base : 3 * couple.base + 3].tolist() if couple.base is not None else (0.0, 0.0, 0.0)
+    (tx, ty), (px, py) = track.tangent(at.xi1).tolist(), track.point(at.xi1).tolist()
+    c, s = cos(turn), sin(turn)
+    (tx, ty), (fx, fy) = (c * tx - s * ty, s * tx + c * ty), (c * px - s * py, s * px + c * py)
+    hx, hy = u + fx - at.gap * ty - x, v + fy + at.gap * tx - y
+    ht, hn = hx * tx + hy * ty, hy * tx - hx * ty
+    ft, fn = fx * tx + fy * ty, fy * tx - fx * ty
+    lift, slip = np.zeros(half), np.zeros(half)
+    lift[3 * body : 3 * body + 3], slip[3 * body : 3 * body + 3] = (-ty, tx, ht), (tx, ty, -hn)
+    spin, turning = float(rates[3 * body + 2]), 0.0
+    if couple.base is not None:
+        own = slice(3 * couple.base, 3 * couple.base + 3)
+        lift[own], slip[own] = (ty, -tx, -ft), (-tx, -ty, fn)
+        turning = float(rates[3 * couple.base + 2])
+    speed = float(slip @ rates)
+    along_track, along_outline, tangent_rate, clearance = contact_rates(pair, at, speed, spin, turning)
+    bias_n = -spin * spin * hn + turning * turning * fn + spin * along_outline - turning * along_track
+    bias_t = -spin * spin * ht + turning * turning * ft
+    return ContactPlace(
+        pair, at.gap, (tx, ty), at.xi1, at.xi2, lift, slip, bias_n - speed * tangent_rate, bias_t, clearance
+    )
+
+
+def contact_rates(
+    pair: PieceCase, at: geometry.Contact, slip: float, spin: float, turning: float
+) -> tuple[float, float, float, float]:
+    """ṡ on track and outline (m/s), the rate at which the common tangent turns (rad/s), and the clearance (1/m) of a
+    contact without a gap, whose base turns with `turning`."""
+    track, outline = cast(tuple[Piece, Piece], pair.pieces)
+    if isinstance(outline, Corner):
+        bend = float(track.curvature(at.xi1))
+        return slip, 0.0, turning + bend * slip, inf
+    own = float(outline.curvature(at.xi2))
+    if isinstance(track, Corner):
+        return 0.0, -slip, spin - own * slip, inf
+    bend = float(track.curvature(at.xi1))
+    clearance = own - bend
+    along = (own * slip - (spin - turning)) / clearance if clearance else 0.0
+    return along, along - slip, turning + bend * along, clearance
+
+
+def groups(now: Sequence[ContactPlace]) -> list[list[int]]:
+    """The places of contacts in groups that share plates: what happens in one changes no other."""
+    results = list[tuple[set[int], list[int]]]()
+    for k, at in enumerate(now):
+        own = [group for group in results if group[0] & set(at.sides)]
+        sides = set(at.sides).union(*(group[0] for group in own))
+        contacts = sorted([k, *(n for group in own for n in group[1])])
+        results = [group for group in results if group not in own] + [(sides, contacts)]
+    return [contacts for _, contacts in results]
+
+
+def plates_in(now: Iterable[ContactPlace]) -> frozenset[int]:
+    """The plates of some contacts."""
+    return frozenset(side for at in now for side in at.sides)
+
+
+def held_plates(
+    case: Case, velocity: np.ndarray, closed: Sequence[ContactPlace], stuck: Sequence[ContactPlace]
+) -> frozenset[int]:
+    """Plates without velocity that closed contacts with what does not move hold: as many rows of theirs are independent
+    as the plate has freedoms. A belt moves a plate that sticks to it."""
+    some, held = bodies(case), set[int]()
+    still = {b for b in plates_in(closed) if not velocity[3 * b : 3 * b + 3].any()}
+    for _ in still:
+        for body in still - held:
+            own = slice(3 * body, 3 * body + 3)
+            rows = [
+                row[own] * np.sqrt(some.inverse[own])
+                for at, row in [*((at, at.lift_row) for at in closed), *((at, at.slip_row) for at in stuck)]
+                if body in at.sides and set(at.sides) <= held | {body} and at.pair.effect(Belt) is None
+            ]
+            freedoms = np.count_nonzero(some.inverse[own])
+            if (
+                len(rows) >= freedoms
+                and np.linalg.matrix_rank(np.array(rows), tol=SAME_ROW * some.inverse[own].max() ** 0.5) == freedoms
+            ):
+                held.add(body)
+    return frozenset(held)
+
+
+def sharing(now: Sequence[ContactPlace]) -> dict[int, int]:
+    """Contacts with the first one of the same plates and the same slip, as of two corners of a side: friction forces
+    of both have the same effect, and only their sum is unique."""
+    result = dict[int, int]()
+    for k, at in enumerate(now):
+        size_of = float(np.abs(at.slip_row).max())
+        for first in range(k):
+            other = now[first]
+            same = first not in result and at.sides == other.sides
+            if same and float(np.abs(at.slip_row - other.slip_row).max()) <= SAME_ROW * size_of:
+                result[k] = first
+                break
+    return result
+
+
+def project(
+    case: Case, state: State, pairs: Sequence[tuple[PieceCase, tuple[float, float]]]
+) -> tuple[tuple[float, ...], list[ContactPlace]]:
+    """The plates moved by rounding so that these contacts have no gap, and the contacts; plates of other contacts keep
+    their bits."""
+    values, inverse, half = np.array(state, dtype=float), bodies(case).inverse, len(state) // 2
+    now = [place(pair, values, near) for pair, near in pairs]
+    for group in groups(now):
+        for _ in range(STEPS):
+            some = [now[k] for k in group]
+            gaps = np.array([at.gap for at in some])
+            if np.abs(gaps).max() <= 2e-16 * size(case, values):
+                break
+            rows = np.array([at.lift_row for at in some])
+            values[:half] -= inverse * (rows.T @ np.linalg.lstsq(rows * inverse @ rows.T, gaps, rcond=1e-10)[0])
+            for k in group:
+                now[k] = place(now[k].pair, values, (now[k].xi1, now[k].xi2))
+    return tuple(values.tolist()), now
+
+
+def without_velocity(
+    case: Case, t: float, state: State, touching: Sequence[ContactPlace], stuck: Sequence[ContactPlace],
+    turns: bool = True,
+) -> tuple[float, ...]:  # fmt: skip
+    """The state with lift velocity 0 at touching contacts and slip velocity 0 at the stuck ones, and without rotation
+    of the only plate unless it turns: the nearest such velocities in kinetic energy. Plates of other contacts keep
+    their bits."""
+    some, half = bodies(case), len(state) // 2
+    velocity = np.array(state[half:], dtype=float)
+    now, count = [*touching, *stuck], len(touching)
+    for group in groups(now):
+        rows = np.array([now[k].lift_row if k < count else now[k].slip_row for k in group])
+        goals = np.array([0.0 if k < count else belt_speed(now[k].pair, t) for k in group])
+        if not turns:
+            rows, goals = np.vstack([rows, [0.0, 0.0, 1.0]]), np.append(goals, 0.0)
+        for _ in range(2):  # the second step removes the rounding of the first
+            off = np.linalg.lstsq(rows * some.inverse @ rows.T, rows @ velocity - goals, rcond=1e-10)[0]
+            velocity = velocity - some.inverse * (rows.T @ off)
+        # Plates that their contacts hold have no velocity, to the last bit.
+        own = rows_of(plates_in(now[k] for k in group))
+        free = rows * np.sqrt(some.inverse)
+        rank = np.linalg.matrix_rank(free, tol=1e-9 * float(np.linalg.norm(free, 2)))
+        if not goals.any() and rank == np.count_nonzero(some.inverse[own]):
+            velocity[own] = 0.0
+    return (*map(float, state[:half]), *velocity.tolist())

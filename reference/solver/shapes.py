@@ -1,0 +1,193 @@
+"""Pairs of elements that are parts of lines and circles: their gap is one distance, and has a formula in the pose.
+
+A corner is a circle of radius zero. A circle or corner moves in the frame of the other element, which is a line or a
+circle there; what is a circle on both sides is seen from the base.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from math import atan2, hypot
+from typing import NamedTuple, cast
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from cases import Curve
+from cases.corner import Corner, Piece
+from cases.line_or_circle import as_circle, as_line
+from cases.piece_case import PieceCase
+
+from ..minimal.windows import Windows, windows
+from .places import TOUCHES
+
+# A root of a gap's polynomial that is imaginary by this is a double one's rounding, where a gap only touches zero.
+IMAGINARY = 1e-7
+
+Poses = Callable[[np.ndarray], np.ndarray]
+
+
+class Ring(NamedTuple):
+    """A circle or corner in the frame of its body: centre and radius (m), and whether the other curve lies inside."""
+
+    x: float
+    y: float
+    radius: float
+    is_hollow: bool = False
+
+
+class Straight(NamedTuple):
+    """A line: a point of it and its unit normal to the other curve, in the frame of its body."""
+
+    x: float
+    y: float
+    nx: float
+    ny: float
+
+
+class Shapes(NamedTuple):
+    """A pair of elements as a moving circle, seen from the other one's body, and that one. `from_base`: whether the
+    circle is the plate's, seen from the base."""
+
+    moving: Ring
+    still: Ring | Straight
+    from_base: bool
+
+    def path(self, poses: Poses) -> Poses:
+        """The circle's centre in the frame of the other body, (x, y, 0) as poses (3, n); `poses` are those of the plate
+        in the frame of the base."""
+        u, v = self.moving.x, self.moving.y
+
+        def of_plate(times: np.ndarray) -> np.ndarray:
+            x, y, theta = poses(times)
+            c, s = np.cos(theta), np.sin(theta)
+            return np.array([x + c * u - s * v, y + s * u + c * v, np.zeros_like(theta)])
+
+        def of_base(times: np.ndarray) -> np.ndarray:
+            x, y, theta = poses(times)
+            c, s, dx, dy = np.cos(theta), np.sin(theta), u - x, v - y
+            return np.array([c * dx + s * dy, c * dy - s * dx, np.zeros_like(theta)])
+
+        return of_plate if self.from_base else of_base
+
+    def gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """The distance of both curves (m) with the circle's centre there."""
+        still, r = self.still, self.moving.radius
+        if isinstance(still, Straight):
+            return (x - still.x) * still.nx + (y - still.y) * still.ny - r
+        away = np.hypot(x - still.x, y - still.y)
+        return still.radius - away - r if still.is_hollow else away - still.radius - r
+
+
+@lru_cache(maxsize=4096)
+def shapes(pair: PieceCase) -> Shapes | None:
+    """The shapes of a pair, or None if it is no pair of lines and circles, or they do not touch in one place."""
+    track, outline = cast(tuple[Piece, Piece], pair.pieces)
+    base, plate = _shape(track), _shape(outline)
+    if isinstance(plate, Ring) and not plate.is_hollow:
+        return None  # an outline that bends inwards
+    if isinstance(plate, Ring):
+        own = plate._replace(is_hollow=False)
+        if isinstance(base, Ring) and base.is_hollow and base.radius <= own.radius:
+            return None
+        return None if base is None else Shapes(own, base, True)
+    if isinstance(plate, Straight) and isinstance(base, Ring) and not base.is_hollow:
+        # Outside an outline is its right side.
+        return Shapes(base, Straight(plate.x, plate.y, -plate.nx, -plate.ny), False)
+    return None
+
+
+def _shape(piece: Piece) -> Ring | Straight | None:
+    """An element as a line with the normal to its left, or as a circle, hollow if its left side is inside."""
+    if isinstance(piece, Corner):
+        return Ring(piece.x, piece.y, 0.0, piece.sign > 0)
+    assert isinstance(piece, Curve)
+    if piece.parts is not None:
+        return None
+    if line := as_line(piece):
+        (x, y), (tx, ty) = line.point.tolist(), line.direction.tolist()
+        return Straight(x, y, -ty, tx)
+    if circle := as_circle(piece):
+        x, y = circle.centre.tolist()
+        return Ring(x, y, circle.radius, circle.left)
+    return None
+
+
+def guess(pair: PieceCase, some: Shapes, x: float, y: float, theta: float) -> tuple[float, float]:
+    """The elements' own parameters at the nearest points in a pose of the plate in the frame of the base."""
+    track, outline = cast(tuple[Piece, Piece], pair.pieces)
+    cx, cy, _ = some.path(lambda times: np.array([[x], [y], [theta]]))(np.zeros(1))[:, 0].tolist()
+    if isinstance(some.still, Straight):
+        nx, ny = some.still.nx, some.still.ny
+    else:
+        far = hypot(cx - some.still.x, cy - some.still.y) or 1.0
+        sign = -1.0 if some.still.is_hollow else 1.0
+        nx, ny = sign * (cx - some.still.x) / far, sign * (cy - some.still.y) / far
+    px, py = cx - some.moving.radius * nx, cy - some.moving.radius * ny
+    if not some.from_base:  # the frame is the plate's, whose tangent is opposite to this normal's
+        along = atan2(nx, -ny)
+        return _with_direction(track, along + theta), _parameter(outline, px, py, along)
+    along = atan2(-nx, ny)
+    return _parameter(track, px, py, along), _with_direction(outline, along - theta)
+
+
+def _parameter(piece: Piece, x: float, y: float, direction: float) -> float:
+    """The parameter of a line nearest to a point, or that of a circle or corner whose tangent has a direction."""
+    line = None if isinstance(piece, Corner) else as_line(piece)
+    if line is None:
+        return _with_direction(piece, direction)
+    low = float(piece.span[0])
+    return low + float((np.array([x, y]) - line.point) @ line.direction) / float(piece.speed(low))
+
+
+def _with_direction(piece: Piece, direction: float) -> float:
+    """The parameter of a circle or corner whose tangent has that direction (rad), in the round of its middle."""
+    middle = 0.5 * sum(piece.span)
+    rate = piece.sign if isinstance(piece, Corner) else float(piece.curvature(middle) * piece.speed(middle))
+    off = direction - float(piece.tangent_angle(middle))
+    return middle + float(np.arctan2(np.sin(off), np.cos(off))) / rate
+
+
+def first_closings(some: Shapes, poses: Poses, edges: np.ndarray, size: float) -> list[float]:
+    """The times (s), in order, at which a gap closes between the first and the last of `edges`, to the accuracy of its
+    polynomials; also the first edge if the gap is a rounding below zero there and shrinks. `size`: the plate's, m."""
+    motion = windows(some.path(poses), edges, size)
+    rows, far = _gap_rows(some, motion), size + float(np.abs(motion.places[0, :2, 0]).sum())
+    times = list[float]()
+    for k, row in enumerate(rows):
+        start, end = float(motion.start[k]), float(motion.end[k])
+        if row[0] - np.abs(row[1:]).sum() > motion.error[k]:
+            continue
+        rate = chebyshev.chebder(row)
+        roots = chebyshev.chebroots(row[: _length(row)])
+        real = np.sort(roots.real[np.abs(roots.imag) <= IMAGINARY])
+        real = np.clip(real[np.abs(real) <= 1.0 + 1e-9], -1.0, 1.0)
+        times += [0.5 * (start + end) + 0.5 * (end - start) * z for z in real if chebyshev.chebval(z, rate) < 0.0]
+        if k == 0 and -TOUCHES * far <= chebyshev.chebval(-1.0, row) <= 0.0 and chebyshev.chebval(-1.0, rate) < 0.0:
+            times.append(start)
+    return sorted(times)
+
+
+def _length(row: np.ndarray) -> int:
+    """How many coefficients are no rounding: at least two."""
+    large = np.flatnonzero(np.abs(row) > 1e-18 * np.abs(row).max())
+    return max(2, int(large[-1]) + 1) if large.size else 2
+
+
+def _gap_rows(some: Shapes, motion: Windows) -> np.ndarray:
+    """Chebyshev coefficients (windows, k) of something with the sign of the gap: of a line the gap itself, of a circle
+    the difference of the squares of both distances, over twice the larger one."""
+    x, y = motion.places[:, 0], motion.places[:, 1]
+    still, r = some.still, some.moving.radius
+    if isinstance(still, Straight):
+        rows = still.nx * x + still.ny * y
+        rows[:, 0] -= still.nx * still.x + still.ny * still.y + r
+        return rows
+    degree = 2 * (x.shape[1] - 1)
+    nodes = chebyshev.chebpts1(degree + 1)
+    to_coefficients = np.linalg.inv(chebyshev.chebvander(nodes, degree))
+    dx, dy = chebyshev.chebval(nodes, x.T) - still.x, chebyshev.chebval(nodes, y.T) - still.y
+    touch = still.radius - r if still.is_hollow else still.radius + r
+    squares = (dx * dx + dy * dy - touch * touch) / (2.0 * touch if touch else 1.0)
+    return (-squares if still.is_hollow else squares) @ to_coefficients.T

@@ -1,0 +1,39 @@
+"""The impact of one group of contacts of several plates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cases import Case, Impact
+
+from ..minimal.impact import ContactVelocity, collide, law_of
+from .bodies import bodies
+from .impact import ImpactVelocities, Inertia, impact_of_all
+from .places import ContactPlace, couple_of
+
+
+def strike(case: Case, t: float, velocity: np.ndarray, part: Sequence[ContactPlace], speed: float) -> ImpactVelocities:
+    """The velocities (3n,) after an impact at time t (s) at all contacts of a group: by Routh's construction where one
+    plate touches what is fixed in one place, else by the law for whole impulses. Raises NoImpact."""
+    law, some = case.effect(Impact), bodies(case)
+    assert law is not None
+    if len(part) == 1 and couple_of(part[0].pair).base is None:
+        return _at_one_contact(t, velocity, part[0])
+    belts, arms = (np.array(each) for each in zip(*((at.belt(t), at.resisting_arm) for at in part), strict=True))
+    return impact_of_all(law.law, Inertia(some.inverse, some.lengths), velocity, list(part), speed, belts, arms)
+
+
+def _at_one_contact(t: float, velocity: np.ndarray, at: ContactPlace) -> ImpactVelocities:
+    body = couple_of(at.pair).body
+    own = slice(3 * body, 3 * body + 3)
+    (tx, ty), ht, hn = at.tangent, float(at.lift_row[own][2]), -float(at.slip_row[own][2])
+    before = ContactVelocity(at.slip(velocity, t), float(at.lift_row @ velocity), float(velocity[own][2]))
+    slip, lift, omega = collide(law_of(at.pair, ht, hn), before)
+    # The centre of mass follows from the contact's point, at the arm h.
+    along, across = slip + at.belt(t) + omega * hn, lift - omega * ht
+    after = velocity.copy()
+    after[own] = along * tx - across * ty, along * ty + across * tx, omega
+    turns = omega != 0.0 or not at.resisting_arm
+    return ImpactVelocities(after, np.array([lift]), np.array([slip]), turns)

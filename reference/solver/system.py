@@ -1,0 +1,445 @@
+"""The rows (8)″ and (9)′ of contacts of several plates, and (27) eliminated by hand.
+
+The variables are (x, y, θ) of every plate, (ξ₁, ξ₂) of every contact, and (vx, vy, ω) of every plate. A contact's frame
+is that of its base's curve, turned with the base; `places` has its rows. With q̈₁ from (16) and (19) they are linear in
+the contacts' forces, which are eliminated one after the other. For an open contact with the gap g the places follow
+from the same rows with the velocity of the base's frame at the plate's point: tangents stay parallel,
+ω_A + κ_A ṡ_A = ω_B + κ_B ṡ_B, and the gap stays normal, v + ṡ_B − ṡ_A = −g (ω_A + κ_A ṡ_A).
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from enum import Enum
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from cases.derivation import in_one_thread
+from cases.expression_graph import ONE, ZERO, Node, call, node, sqrt, substitute, symbol
+
+from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
+from ..minimal.effects import MASS, Coulomb, CoulombBySpeed, FixedSurface, Frictionless, Laws, Weight
+from ..minimal.elimination import GYRATION
+from ..minimal.frames import Frame, frame
+from ..minimal.system import LOAD_FORCES, CheckLayout, Equations, System
+
+# Columns of the outputs for each contact.
+COLUMNS = ("normal", "friction", "slip", "gap")
+
+# The radius of gyration of the only plate, m.
+RADIUS = sqrt(GYRATION)
+
+
+class Rotation(Enum):
+    """How the contacts resist the only plate's rotation: not at all, against its direction, or so that it does not
+    turn."""
+
+    FREE = "free"
+    RESISTED = "resisted"
+    HELD = "held"
+
+
+class ContactRows(Enum):
+    """What a contact contributes to the equations: nothing, a normal row, or a normal and a tangential row. A contact
+    that is away is one of plates at rest."""
+
+    AWAY = "away"
+    OPEN = "open"
+    SLIP = "slip"
+    STICK = "stick"
+
+
+NO_ROWS = ContactRows.AWAY, ContactRows.OPEN
+
+# A sum of velocities' or accelerations' components, by (plate, component).
+Row = dict[tuple[int, int], Node]
+
+
+class ContactForm(NamedTuple):
+    """What the equations of one contact depend on: the numbers of its plate and of its base (None: fixed), the
+    structures of both elements (a corner's is the sign of its turn), its rows, its law of friction, at which ends of
+    both elements it passes on (`phase.ends_of`), the surface of its base, and the contact (its place among all) that
+    has the friction force of both where two contacts of the same plates stick on one line: only its sum is unique.
+    `resists`: whether it resists rolling; `guides`: where forces are not unique, which of its rows are used; `along`:
+    an earlier contact of the same straight side.
+    """
+
+    body: int
+    base: int | None
+    track: Any
+    outline: Any
+    kind: ContactRows
+    friction: Frictionless
+    ends: tuple[str, ...]
+    surface: FixedSurface = FixedSurface()
+    shares: int | None = None
+    resists: bool = False
+    guides: tuple[bool, bool] | None = None
+    along: int | None = None
+
+    @property
+    def rubs(self) -> bool:
+        """Whether there is friction with a bound."""
+        return isinstance(self.friction, Coulomb)
+
+
+class _Terms(NamedTuple):
+    """One contact's expressions: frames of both elements, rows of lift and slip velocity, slip relative to the base's
+    surface, gap, the parts of both rates that the velocities give, ṡ on both elements, the rates of ξ₁ and ξ₂, and the
+    clearance of the curvatures (None at a corner)."""
+
+    lift_row: Row
+    slip_row: Row
+    slip: Node
+    gap: Node
+    lift_bias: Node
+    slip_bias: Node
+    rates: tuple[Node, Node]
+    clearance: Node | None
+
+
+@lru_cache(maxsize=256)
+@in_one_thread
+def solver_system(
+    forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws, rotation: Rotation = Rotation.FREE,
+    idle: tuple[str, ...] = (), held: frozenset[int] = frozenset(),
+) -> System:  # fmt: skip
+    """The equations of that many plates with contacts of those forms; those that rest do not move. `rotation`: how the
+    contacts of the only plate resist its rotation; `idle`: guards that stay at zero, which have a slack (a parameter,
+    m/s²); `held`: plates whose contacts have forces that keep them where they are."""
+    return System(_equations(forms, count, resting, law, rotation, held).with_slack(idle))
+
+
+def _at(name: str, body: int | None) -> tuple[Node, Node, Node]:
+    """Three variables of a plate, zeros for what is fixed."""
+    if body is None:
+        return ZERO, ZERO, ZERO
+    x, y, angle = (("x", "y", "theta"), ("vx", "vy", "omega"))[name == "velocity"]
+    return symbol(f"{x}_{body}"), symbol(f"{y}_{body}"), symbol(f"{angle}_{body}")
+
+
+def _apply(row: Row, value) -> Node:
+    """The sum of a row's entries times the values of their components."""
+    total = ZERO
+    for place, entry in row.items():
+        total = total + entry * value(place)
+    return total
+
+
+def _terms(form: ContactForm, k: int) -> _Terms:
+    f = frame(form.track, symbol(f"xi1_{k}"), f"track_{k}_")
+    h = frame(form.outline, symbol(f"xi2_{k}"), f"outline_{k}_")
+    body, base = form.body, form.base
+    (x, y, _), (u, v, turn) = _at("position", body), _at("position", base)
+    spin, turning = _at("velocity", body)[2], _at("velocity", base)[2]
+    tx, ty = f.tx, f.ty
+    if base is not None:
+        c, s = call("cos", turn), call("sin", turn)
+        tx, ty = c * tx - s * ty, s * tx + c * ty
+    lift_row: Row = {(body, 0): -ty, (body, 1): tx, (body, 2): h.ht}
+    slip_row: Row = {(body, 0): tx, (body, 1): ty, (body, 2): -h.hn}
+    if base is not None:
+        lift_row |= {(base, 0): ty, (base, 1): -tx, (base, 2): -f.ht}
+        slip_row |= {(base, 0): -tx, (base, 1): -ty, (base, 2): f.hn}
+    velocity = lambda one: _at("velocity", one[0])[one[1]]  # noqa: E731
+    slip = _apply(slip_row, velocity)
+    gap = (y - v) * tx - (x - u) * ty + h.hn - f.hn
+    apart = gap if form.kind is ContactRows.OPEN else ZERO
+    along_track, along_outline, tangent_rate, clearance = _places(f, h, slip, spin, turning, apart)
+    lift_bias = spin * along_outline - turning * along_track - spin * spin * h.hn - slip * tangent_rate
+    slip_bias = -spin * spin * h.ht
+    if base is not None:
+        lift_bias, slip_bias = lift_bias + turning * turning * f.hn, slip_bias + turning * turning * f.ht
+    rate1 = node(f.sign) * (tangent_rate - turning) if f.sign else along_track / f.P
+    rate2 = node(h.sign) * (tangent_rate - spin) if h.sign else along_outline / h.P
+    surface = form.surface.of_contact(k).surface
+    return _Terms(
+        lift_row, slip_row, slip - surface.speed, gap, lift_bias, slip_bias - surface.rate, (rate1, rate2), clearance
+    )
+
+
+def _places(
+    f: Frame, h: Frame, slip: Node, spin: Node, turning: Node, gap: Node
+) -> tuple[Node, Node, Node, Node | None]:
+    """ṡ on both curves, the rate at which the common tangent turns, and the clearance."""
+    if f.sign:  # the base's point is a corner
+        along = -(slip + gap * spin) / (ONE + gap * h.curvature)
+        return ZERO, along, spin + h.curvature * along, None
+    seen = slip + gap * turning
+    shrink = ONE - gap * f.curvature
+    if h.sign:
+        along = seen / shrink
+        return along, ZERO, turning + f.curvature * along, None
+    clearance = h.curvature * shrink - f.curvature
+    along = (h.curvature * seen - (spin - turning)) / clearance
+    return along, along * shrink - seen, turning + f.curvature * along, clearance
+
+
+def _inverse(place: tuple[int, int]) -> Node:
+    """The inverse mass, or inverse moment of inertia, of a component."""
+    body, component = place
+    return symbol(f"{'w' if component < 2 else 'v'}_{body}")
+
+
+def _product(row: Row, column: Row) -> Node:
+    """An entry of the Delassus matrix."""
+    total = ZERO
+    for place, entry in row.items():
+        if place in column:
+            total = total + entry * column[place] * _inverse(place)
+    return total
+
+
+def _solve(matrix: list[list[Node]], right: list[Node]) -> tuple[list[Node], Node]:
+    """The solution by elimination, and the product of the pivots."""
+    n, determinant = len(right), ONE
+    matrix, right = [list(row) for row in matrix], list(right)
+    for i in range(n):
+        for j in range(i + 1, n):
+            if matrix[j][i] is ZERO:
+                continue
+            factor = matrix[j][i] / matrix[i][i]
+            for k in range(i + 1, n):
+                matrix[j][k] = matrix[j][k] - factor * matrix[i][k]
+            right[j] = right[j] - factor * right[i]
+    values: list[Node] = [ZERO] * n
+    for i in reversed(range(n)):
+        rest = right[i]
+        for k in range(i + 1, n):
+            rest = rest - matrix[i][k] * values[k]
+        values[i] = rest / matrix[i][i]
+        determinant = determinant * matrix[i][i]
+    return values, determinant
+
+
+def _loads(law: Laws, count: int) -> tuple[dict[tuple[int, int], Node], tuple[Node, ...]]:
+    """The accelerations of all plates without contacts, and what of a load is checked along each step. The case's load
+    acts on the first plate, weight on all."""
+    own = dict(zip(_MOTION[1:], (*_at("position", 0), *_at("velocity", 0)), strict=True))
+    fx, fy, moment = substitute(law.torsor, own)
+    result = {(0, 0): fx, (0, 1): fy, (0, 2): moment * MASS * _inverse((0, 2))}
+    gx, gy, _ = next((load.torsor for load in law.loads if isinstance(load, Weight)), (ZERO, ZERO, ZERO))
+    for body in range(1, count):
+        result |= {(body, 0): gx, (body, 1): gy, (body, 2): ZERO}
+    return result, tuple(substitute(law.checked_quantities, own))
+
+
+class _Solution(NamedTuple):
+    """Normal and friction force of each contact, the accelerations, Painlevé's determinant, which no friction makes
+    vanish if it is None, and the couple that holds the rotation over the radius of gyration, None if none does."""
+
+    forces: list[tuple[Node, Node]]
+    acceleration: dict[tuple[int, int], Node]
+    painleve: Node | None
+    couple: Node | None
+
+
+def _forces(
+    forms: tuple[ContactForm, ...], terms: list[_Terms], free: dict[tuple[int, int], Node], rotation: Rotation
+) -> _Solution:
+    rows, columns, right = list[Row](), list[Row](), list[Node]()
+    ratios = [_ratio(form, k, term.slip) for k, (form, term) in enumerate(zip(forms, terms, strict=True))]
+    for k, (term, form, ratio) in enumerate(zip(terms, forms, ratios, strict=True)):
+        if form.kind in NO_ROWS:
+            continue
+        sticks = form.kind is ContactRows.STICK
+        column = dict(term.lift_row) if sticks else {
+            place: term.lift_row[place] + ratio * term.slip_row[place] for place in term.lift_row
+        }  # fmt: skip
+        if form.guides is not None:
+            for row, force, bias, is_used in zip(
+                (term.lift_row, term.slip_row), (column, term.slip_row), (term.lift_bias, term.slip_bias), form.guides,
+                strict=True,
+            ):  # fmt: skip
+                if is_used:
+                    rows, columns = [*rows, row], [*columns, force]
+                    right.append(-_apply(row, free.__getitem__) - bias)
+            continue
+        if form.resists and rotation is Rotation.RESISTED:
+            column[form.body, 2] = column[form.body, 2] + symbol(f"rho_{k}")
+        rows, columns = [*rows, term.lift_row], [*columns, column]
+        right.append(-_apply(term.lift_row, free.__getitem__) - term.lift_bias)
+        if sticks and form.shares is None:
+            rows, columns = [*rows, term.slip_row], [*columns, term.slip_row]
+            right.append(-_apply(term.slip_row, free.__getitem__) - term.slip_bias)
+    if rotation is Rotation.HELD:
+        turning: Row = {(0, 2): RADIUS}
+        rows, columns, right = [*rows, turning], [*columns, turning], [*right, -RADIUS * free[0, 2]]
+    matrix = [[_product(row, column) for column in columns] for row in rows]
+    multipliers, pivots = _solve(matrix, right)
+    acceleration = dict(free)
+    for column, value in zip(columns, multipliers, strict=True):
+        for place, entry in column.items():
+            acceleration[place] = acceleration[place] + _inverse(place) * entry * value
+    values, forces = iter(multipliers), list[tuple[Node, Node]]()
+    for form, ratio in zip(forms, ratios, strict=True):
+        if form.guides is not None and form.kind not in NO_ROWS:
+            forces.append((ZERO, ZERO))  # not unique
+            for _ in range(sum(form.guides)):
+                next(values)
+            continue
+        normal = next(values) if form.kind not in NO_ROWS else ZERO
+        alone = form.kind is ContactRows.STICK and form.shares is None
+        forces.append((normal, next(values) if alone else ZERO if form.shares is not None else ratio * normal))
+    painleve = None
+    if rows and any(form.rubs and form.kind is ContactRows.SLIP for form in forms):
+        scale = ONE  # the determinant of rows that do not couple, without friction
+        for row in rows:
+            scale = scale * _product(row, row)
+        painleve = pivots / scale
+        if len(rows) >= 3 * len({body for row in rows for body, _ in row}):
+            painleve = painleve * painleve  # as many rows as velocities determine the motion whatever its sign
+    # Exactly, so that no rotation of roundings begins.
+    if rotation is Rotation.HELD:
+        acceleration[0, 2] = ZERO
+    for k, form in sorted(enumerate(forms), key=lambda each: each[1].base is not None):
+        if form.along is not None:
+            acceleration[form.body, 2] = _turning_of_side(form, terms[form.along], terms[k], acceleration)
+    return _Solution(forces, acceleration, painleve, next(values, None))
+
+
+def _turning_of_side(form: ContactForm, one: _Terms, other: _Terms, acceleration: dict[tuple[int, int], Node]) -> Node:
+    """ω̇ of a plate that lies flat, from the difference of both normal rows (8)″, in which translation vanishes: that
+    of its base, and what centrifugal terms add."""
+    lever = other.lift_row[form.body, 2] - one.lift_row[form.body, 2]
+    own = ZERO if form.base is None else acceleration[form.base, 2]
+    return own + (one.lift_bias - other.lift_bias) / lever
+
+
+def _ratio(form: ContactForm, k: int, slip: Node) -> Node:
+    """The friction force per normal force of a contact that slips."""
+    if form.kind is not ContactRows.SLIP or not form.rubs:
+        return ZERO
+    friction = form.friction.of_contact(k)
+    if not isinstance(friction, CoulombBySpeed):
+        return symbol(f"k_{k}")
+    sigma = symbol(f"sigma_{k}")
+    return -sigma * friction.coefficient(sigma * slip)
+
+
+def _equations(
+    forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws, rotation: Rotation,
+    held: frozenset[int],
+) -> Equations:  # fmt: skip
+    terms = [_terms(form, k) for k, form in enumerate(forms)]
+    free, by_load = _loads(law, count)
+    forces, acceleration, painleve, couple = _forces(forms, terms, free, rotation)
+    acceleration |= {(b, c): ZERO for b in held for c in range(3)}  # exactly, so that no motion of roundings begins
+    conditions, slip_rates, limits = dict[str, Node](), dict[str, Node](), dict[str, Node]()
+    equalities = dict[str, Node]()
+    outputs = list[Node]()
+    for k, (term, form) in enumerate(zip(terms, forms, strict=True)):
+        normal, friction = forces[k]
+        outputs += [normal, friction, term.slip, term.gap]
+        if form.kind is ContactRows.AWAY:  # of plates at rest
+            continue
+        limits |= _ends(form.ends, k)
+        if form.kind is ContactRows.OPEN:
+            conditions[f"gap:{k}"] = term.gap
+            if term.clearance is not None:
+                limits[f"lost:{k}"] = term.clearance - symbol(f"lost_{k}")
+            continue
+        if term.clearance is not None:
+            limits[f"fit:{k}"] = term.clearance
+        if form.guides is not None:  # its force is not unique
+            equalities |= _contradictions(term, form, k, acceleration)
+        elif form.kind is ContactRows.STICK and form.rubs and form.shares is None:
+            others = [forces[j][0] for j, one in enumerate(forms) if one.shares == k]
+            bound = symbol(f"stick_{k}") * sum(others, normal)
+            conditions |= {f"normal:{k}": normal} if others else {}
+            conditions[f"cone_forward:{k}"], conditions[f"cone_backward:{k}"] = bound + friction, bound - friction
+        else:
+            conditions[f"normal:{k}"] = normal
+        if form.kind is ContactRows.SLIP and form.rubs:
+            sigma = symbol(f"sigma_{k}")
+            conditions[f"slip:{k}"] = sigma * term.slip
+            slip_rates[f"slip:{k}"] = sigma * (_apply(term.slip_row, acceleration.__getitem__) + term.slip_bias)
+    is_guided = any(form.guides is not None for form in forms)
+    if rotation is not Rotation.FREE and not (is_guided and rotation is Rotation.HELD):
+        bound = sum((symbol(f"arm_{k}") * forces[k][0] for k, form in enumerate(forms) if form.resists), ZERO)
+        turns, turn_rates = _resistance(rotation, acceleration[0, 2], bound, couple)
+        conditions, slip_rates = conditions | turns, slip_rates | turn_rates
+    if painleve is not None and painleve.symbols:
+        limits["painleve"] = painleve - node(PAINLEVE_LEAST**2)
+    places = [symbol(f"xi{i}_{k}") for k in range(len(forms)) for i in (1, 2)]
+    positions = [*(v for b in range(count) for v in _at("position", b)), *places]
+    velocities = [v for b in range(count) for v in _at("velocity", b)]
+    still = {symbol_ for b in resting for symbol_ in _at("velocity", b)}
+    rates = [ZERO if v in still else v for v in velocities]
+    for form, term in zip(forms, terms, strict=True):
+        rates += term.rates if form.kind is not ContactRows.AWAY else (ZERO, ZERO)
+    rates += [ZERO if b in resting else acceleration[b, c] for b in range(count) for c in range(3)]
+    variables = (*positions, *velocities)
+    guards = {name: g for name, g in (conditions | limits).items() if g.symbols & {*variables, _MOTION[0]}}
+    applied = [acceleration[b, c] if b not in resting else ZERO for b in range(count) for c in range(3)]
+    record = _outputs(count, len(forms))(free[0, 0], free[0, 1], *applied, *outputs)
+    checked, layout = _checked(forms, terms, forces, by_load)
+    return Equations(
+        variables, len(positions), tuple(rates), record, conditions | equalities, slip_rates, guards, checked, layout
+    )  # fmt: skip
+
+
+def _contradictions(
+    term: _Terms, form: ContactForm, k: int, acceleration: dict[tuple[int, int], Node]
+) -> dict[str, Node]:
+    """By how much the acceleration misses the rows that are not used (m/s²), of both signs: it must not."""
+    result = dict[str, Node]()
+    rows = (term.lift_row, term.lift_bias), (term.slip_row, term.slip_bias)
+    for i, (row, bias) in enumerate(rows[: 2 if form.kind is ContactRows.STICK else 1]):
+        if form.guides is not None and not form.guides[i]:
+            off = _apply(row, acceleration.__getitem__) + bias
+            result |= {f"row_{i}_above:{k}": off, f"row_{i}_below:{k}": -off}
+    return result
+
+
+def _resistance(
+    rotation: Rotation, turning: Node, bound: Node, couple: Node | None
+) -> tuple[dict[str, Node], dict[str, Node]]:
+    """The conditions of rolling resistance, and the rates of those that are velocities."""
+    if rotation is Rotation.RESISTED:
+        tau = symbol("tau")
+        return {"turn": tau * _at("velocity", 0)[2] * RADIUS}, {"turn": tau * turning * RADIUS}
+    assert couple is not None
+    # Forward is the direction in which the plate begins to turn when the couple reaches its bound.
+    return {"couple_forward": bound / RADIUS + couple, "couple_backward": bound / RADIUS - couple}, {}
+
+
+def _checked(
+    forms: tuple[ContactForm, ...], terms: list[_Terms], forces: list[tuple[Node, Node]], by_load: tuple[Node, ...]
+) -> tuple[tuple[Node, ...], CheckLayout]:
+    """What is checked along each step: arguments of laws of friction and of the load, then friction forces of slipping
+    contacts and the load's (`minimal.assembly`)."""
+    first, others, frictions = list[Node](), list[Node](), list[Node]()
+    for k, form in enumerate(forms):
+        if form.kind is not ContactRows.SLIP or not isinstance(form.friction, CoulombBySpeed):
+            continue
+        speed = symbol(f"sigma_{k}") * terms[k].slip
+        arguments, of_order_one = form.friction.of_contact(k).checked_arguments(speed)
+        if arguments:
+            first, others = [*first, *arguments[:of_order_one]], [*others, *arguments[of_order_one:]]
+            frictions.append(forces[k][1])
+    if not frictions:
+        return by_load, CheckLayout()
+    of_load = by_load[-LOAD_FORCES:] or (ZERO,) * LOAD_FORCES
+    every = (*first, *others, *by_load[:-LOAD_FORCES], *frictions, *of_load)
+    return every, CheckLayout(len(first), len(frictions) + LOAD_FORCES)
+
+
+def _ends(ends: tuple[str, ...], k: int) -> dict[str, Node]:
+    """Guards for ends of the elements, by the names of `phase_end.PIECE_ENDS`."""
+    guards = dict[str, Node]()
+    for name in ends:
+        side, _, which = name.partition("_")
+        at, bound = symbol(f"xi{1 if side == 'track' else 2}_{k}"), "low" if which == "start" else "high"
+        limit = symbol(f"{side}_{k}_{bound}")
+        guards[f"{name}:{k}"] = at - limit if which == "start" else limit - at
+    return guards
+
+
+@lru_cache(maxsize=64)
+def _outputs(count: int, contacts: int) -> Any:
+    """The columns of the outputs: the applied force per mass, under the names by which integrators look for the largest
+    force, accelerations of all plates, and each contact's `COLUMNS`."""
+    names = [f"{name}_{b}" for b in range(count) for name in ("ax", "ay", "omega_dot")]
+    names += [f"{column}_{k}" for k in range(contacts) for column in COLUMNS]
+    return namedtuple("SolverOutputs", ["normal", "friction", *names])

@@ -1,0 +1,125 @@
+"""Contacts in a pose: all pairs of elements without a gap, and the names of contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import cast
+
+import numpy as np
+
+from cases import Case, Chain, Curve, DoesNotFit
+from cases.chain import Element
+from cases.corner import Corner, Piece
+from cases.couples import Couple, couples
+from cases.nearest_samples import nearest_samples
+from cases.piece_case import PieceCase, _piece_case
+
+from ..minimal.element_meetings import elements
+from .bodies import size
+from .phase import AT_END
+from .places import TOUCHES, nearest
+from .shapes import guess, shapes
+
+# Points of an element that say where it is, and those of an outline's at which a corner's distance is looked at.
+FEW, MANY = 17, 257
+# Two contacts are one if their place, in units of the plate's reach, and direction differ by less than this.
+SAME_PLACE = 1e-7
+
+
+@lru_cache(maxsize=256)
+def pairs_that_touch(couple: Couple) -> tuple[PieceCase, ...]:
+    """The pairs of elements of a couple that may touch before their neighbours do."""
+    result = list[PieceCase]()
+    for first in elements(couple.track):
+        for second in elements(couple.plate.outline):
+            if _may_touch(first.piece, second.piece):
+                result.append(_piece_case(couple, first.number, second.number))
+    return tuple(result)
+
+
+def _may_touch(track: Piece, outline: Piece) -> bool:
+    """Straight elements touch at their ends only, and a corner that points away from the other curve does not."""
+    if isinstance(track, Corner):
+        return not isinstance(outline, Corner) and track.turn < 0.0
+    if isinstance(outline, Corner):
+        return outline.turn > 0.0
+    return track.features is not None or outline.features is not None
+
+
+def touching_contacts(
+    case: Case, state: np.ndarray, part: float = TOUCHES
+) -> Iterator[tuple[PieceCase, tuple[float, float]]]:
+    """The pairs of elements that touch in a state of all plates, with their own parameters; `part`: of the plates' size
+    and place, below which a gap is none."""
+    poses = np.asarray(state[: len(state) // 2], dtype=float)
+    least = part * size(case, state)
+    for couple in couples(case):
+        x, y, theta = (float(v) for v in couple.relative_pose(poses))
+        places = list[np.ndarray]()
+        for pair in pairs_that_touch(couple):
+            if not _is_near(pair.first, x, y, couple.plate.reach):
+                continue
+            for near in _guesses(pair, x, y, theta):
+                try:
+                    at = nearest(pair, x, y, theta, near)
+                except DoesNotFit:  # far away
+                    continue
+                if abs(at.gap) > least or not inside(pair, at.xi1, at.xi2):
+                    continue
+                # Next to a joint of two elements both have the same point and direction.
+                track = cast(Piece, pair.pieces[0])
+                where = np.array([*(track.point(at.xi1) / couple.plate.reach), *track.tangent(at.xi1)])
+                if all(np.abs(where - one).max() > SAME_PLACE for one in places):
+                    places.append(where)
+                    yield pair, (at.xi1, at.xi2)
+
+
+def inside(pair: PieceCase, xi1: float, xi2: float, turn: float = AT_END) -> bool:
+    """Whether parameters lie between the ends of both elements, or at them; `turn`: within which (rad) the direction of
+    a corner is at its end."""
+    for piece, s in zip(cast(tuple[Piece, Piece], pair.pieces), (xi1, xi2), strict=True):
+        low, high = piece.ends or (-np.inf, np.inf)
+        error = turn if isinstance(piece, Corner) else AT_END
+        if not low - error <= s <= high + error:
+            return False
+    return True
+
+
+def _is_near(element: Element, x: float, y: float, reach: float) -> bool:
+    piece = element.piece
+    if isinstance(piece, Corner) or piece.domain is None:
+        return isinstance(piece, Curve) or float(np.hypot(piece.x - x, piece.y - y)) <= 1.001 * reach
+    points = piece.point(np.linspace(*piece.span, FEW))
+    sides = np.hypot(*np.diff(points, axis=1))
+    return bool((np.hypot(points[0] - x, points[1] - y)).min() <= 1.001 * reach + 2.0 * sides.max())
+
+
+def _guesses(pair: PieceCase, x: float, y: float, theta: float) -> list[tuple[float, float]]:
+    track, outline = cast(tuple[Piece, Piece], pair.pieces)
+    if some := shapes(pair):
+        return [guess(pair, some, x, y, theta)]
+    if not isinstance(track, Corner):
+        return nearest_samples(track, outline, x, y, theta)
+    c, s = np.cos(theta), np.sin(theta)
+    u, v = c * (track.x - x) + s * (track.y - y), c * (track.y - y) - s * (track.x - x)
+    grid = np.linspace(*outline.span, MANY)
+    points = outline.point(grid)
+    return [(0.5 * sum(track.span), float(grid[np.argmin(np.hypot(points[0] - u, points[1] - v))]))]
+
+
+def name_of(pair: PieceCase, used: set[str]) -> str:
+    """The name of a contact that begins: that of its couple, further ones numbered from 2. The corners of a plate among
+    several on a straight line without ends have the numbers of their order in the outline."""
+    couple = cast(Couple, pair.whole)
+    outline, track = couple.plate.outline, couple.track
+    if couple.whole.others and isinstance(outline, Chain) and track.features is None and track.domain is None:
+        corners = [element.number for element in outline.elements if isinstance(element.piece, Corner)]
+        number = pair.second.number % len(outline.elements)
+        if number in corners:
+            return _numbered(couple.pair_name, corners.index(number) + 1)
+    return next(name for i in range(1, len(used) + 2) if (name := _numbered(couple.pair_name, i)) not in used)
+
+
+def _numbered(name: str, number: int) -> str:
+    return name if number == 1 else f"{name} {number}"

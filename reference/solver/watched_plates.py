@@ -1,0 +1,272 @@
+"""Plates with the contacts that are watched, at one instant: states without roundings, and impacts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import prod
+
+import numpy as np
+
+from cases import Case, Impact, Mode
+from cases.corner import Corner
+from cases.piece_case import PieceCase
+from cases.supports import TRACK, base_of, has_slip_law
+
+from ..minimal.flight_end import REBOUND_ROUNDINGS
+from ..minimal.phase_end import (
+    CAUSES,
+    ENERGY,
+    Ending,
+)
+from ..minimal.series import EPS
+from ..scales import speed_scale
+from .bodies import bodies, load_at, rows_of, size, speed
+from .hops import NestedSeries, Strike
+from .impact import NoImpact
+from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, project, without_velocity
+from .strike import strike
+from .touching import name_of
+
+# A contact closes if it does so faster than this part of the largest speed so far; slower is rounding.
+CLOSES = 1e-10
+# Impacts at one instant that follow from each other (each is slower: 50 of 0.63 the speed are 1e-10 of the first), at
+# contacts whose gap is below this part of the plates' size: its rounding.
+MOST_IMPACTS, NO_GAP = 200, 64 * EPS
+# Velocities that follow from those of belts have a few roundings.
+SOME_ROUNDINGS = 8
+# Modes and impulses are enumerated, four for each contact with friction: so many combinations take some seconds.
+MOST_COMBINATIONS = 4**7
+# Two contacts are different ones if their points on both curves are farther apart than this part of the plate's size.
+APART = 1e-6
+
+
+class MotionEnds(Exception):
+    """The motion ends, with a status and a sentence."""
+
+    def __init__(self, ending: Ending):
+        super().__init__(ending[1])
+        self.ending = ending
+
+
+@dataclass
+class Watch:
+    """A contact: its name, pair of elements with their own parameters, mode, the clearance (1/m) at which it is lost
+    while open, when it last passed to another element (s), and whether it stays where two elements join."""
+
+    name: str
+    pair: PieceCase
+    points: tuple[float, float]
+    mode: Mode = Mode.FLIGHT
+    lost: float = 0.0
+    passed: float = -1.0
+    at_joint: bool = False
+
+
+class WatchedPlates:
+    """The state of all plates at time t (s), the contacts that are watched, and which of them touch.
+
+    `turns`: False where rolling resistance has ended the rotation of the only plate; `speed`: the largest so far, m/s.
+    """
+
+    def __init__(self, case: Case, t: float, state: tuple[float, ...]):
+        self.case, self.t, self.state, self.half = case, t, state, len(state) // 2
+        self.watches, self.touching, self.turns = list[Watch](), set[str](), True
+        self.hops, self.causes = NestedSeries(), dict[str, str]()
+        reaches = bodies(case).reaches
+        self.speed = speed_scale(float(np.abs(load_at(case, 0.0, state)).max()), min(reaches))
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """The velocities of all plates, (3n,)."""
+        return np.array(self.state[self.half :])
+
+    def _watch(self, pair: PieceCase, points: tuple[float, float]) -> Watch:
+        """The watch of a pair at a place; a new one if there is none."""
+        for watch in self.watches:
+            if watch.pair == pair and self._is_same_place(pair, watch.points, points):
+                return watch
+        period = pair.pieces[0].period
+        if period:  # in the first round, whichever the search came to
+            points = points[0] - period * round(points[0] / period), points[1]
+        watch = Watch(name_of(pair, {watch.name for watch in self.watches}), pair, points)
+        self.watches.append(watch)
+        return watch
+
+    @staticmethod
+    def _is_same_place(pair: PieceCase, one: tuple[float, float], other: tuple[float, float]) -> bool:
+        """Whether two places of a pair are one: curves may touch in several."""
+        return any(
+            not isinstance(piece, Corner) and np.hypot(*(piece.point(s) - piece.point(z))) <= APART * pair.plate.reach
+            for piece, s, z in zip(pair.pieces, one, other, strict=True)
+        )
+
+    def _places(self, some: Iterable[Watch]) -> list[ContactPlace]:
+        """The contacts in the present state; their parameters are updated."""
+        result = list[ContactPlace]()
+        for watch in some:
+            at = place(watch.pair, self.state, watch.points)
+            watch.points = at.xi1, at.xi2
+            result.append(at)
+        return result
+
+    def _closed(self) -> list[Watch]:
+        return [watch for watch in self.watches if watch.name in self.touching]
+
+    def _check_count(self, some: Sequence[ContactPlace], names: Sequence[str]) -> None:
+        count = prod(4 if at.stick > 0.0 else 2 for at in some)
+        if count > MOST_COMBINATIONS:
+            raise MotionEnds(
+                (
+                    "unfinished",
+                    f"{', '.join(names)} touch together at t = {self.t:.9g} s: {count} combinations of modes, more "
+                    f"than the {MOST_COMBINATIONS} that are tried.",
+                )
+            )
+
+    def _closing(self) -> set[str] | None:
+        """The open contacts without a gap that close; None if there are none."""
+        velocity, least = self.velocity, NO_GAP * size(self.case, self.state)
+        some = [watch for watch in self.watches if watch.name not in self.touching]
+        return {
+            watch.name for watch, at in zip(some, self._places(some), strict=True)
+            if at.gap <= least and float(at.lift_row @ velocity) < -CLOSES * self.speed
+        } or None  # fmt: skip
+
+    def _is_unresolved(self, lift: float, pull: float) -> bool:
+        """Whether a rebound with that speed (m/s), pulled back by that acceleration (m/s²), rises no higher than
+        positions' rounding."""
+        return lift * lift <= 2.0 * pull * REBOUND_ROUNDINGS * EPS * size(self.case, self.state)
+
+    def _settle(self, stuck: set[str], closing: set[str] | None = None) -> None:
+        """Remove errors of the integration: no gap at contacts that touch, and no velocity where there is none.
+
+        `closing`: contacts that may have closed with a velocity, which is an impact, as may others without a gap; the
+        velocities of those that touched before are no part of it. None: no contact has closed."""
+        closed = self.touching - (closing or set())
+        if closing is not None:
+            least = TOUCHES * size(self.case, self.state)
+            near = zip(self.watches, self._places(self.watches), strict=True)
+            self.touching |= closing | {watch.name for watch, at in near if at.gap <= least}
+        touching = self._closed()
+        self.state, now = project(self.case, self.state, [(watch.pair, watch.points) for watch in touching])
+        for watch, at in zip(touching, now, strict=True):
+            watch.points = at.xi1, at.xi2
+        self.speed = max(self.speed, speed(self.case, self.state))
+        if closing is not None:
+            kept = [(watch, at) for watch, at in zip(touching, now, strict=True) if watch.name in closed]
+            self._remove_velocities(kept, stuck)
+            stuck = self._impacts(touching, now, stuck)
+        self._remove_velocities(
+            [(watch, at) for watch, at in zip(touching, now, strict=True) if watch.name in self.touching], stuck
+        )
+        self._still([at for watch, at in zip(touching, now, strict=True) if watch.name in self.touching])
+
+    def _remove_velocities(self, some: Sequence[tuple[Watch, ContactPlace]], stuck: set[str]) -> None:
+        sticking = [at for watch, at in some if watch.name in stuck]
+        places_of = [at for _, at in some]
+        self.state = without_velocity(self.case, self.t, self.state, places_of, sticking, self.turns)
+
+    def _still(self, some: Sequence[ContactPlace]) -> None:
+        """Take velocities that are roundings from plates that touch: decisions, and contacts at the joint of two
+        elements, would see a motion in them."""
+        velocity, lengths = self.velocity, bodies(self.case).lengths
+        own = rows_of(plates_in(some))
+        small = np.abs(velocity[own] * lengths[own]) <= SOME_ROUNDINGS * EPS * self.speed
+        velocity[own] = np.where(small, 0.0, velocity[own])
+        self.state = (*self.state[: self.half], *velocity.tolist())
+
+    def _impacts(self, touching: Sequence[Watch], now: Sequence[ContactPlace], stuck: set[str]) -> set[str]:
+        """Apply the impacts of all groups with a contact that closes, and those that follow at the same instant;
+        returns the contacts that do not slip, and leaves those that open out of `touching`."""
+        for _ in range(MOST_IMPACTS):
+            stuck = self._impacts_once(touching, now, stuck)
+            velocity = self.velocity
+            again = {
+                watch.name
+                for watch, at in zip(touching, now, strict=True)
+                if float(at.lift_row @ velocity) < -CLOSES * self.speed
+            }
+            if not again:
+                return stuck
+            self.touching |= again
+        raise MotionEnds(("accumulation", f"{MOST_IMPACTS} impacts took no time at t = {self.t:.9g} s."))
+
+    def _impacts_once(self, touching: Sequence[Watch], now: Sequence[ContactPlace], stuck: set[str]) -> set[str]:
+        staying, sticking = set[str](), set[str]()
+        strikes: list[tuple[list[str], list[str], float]] = []
+        present = [k for k, watch in enumerate(touching) if watch.name in self.touching]
+        for places_of_group in groups([now[k] for k in present]):
+            group = [present[i] for i in places_of_group]
+            velocity = self.velocity
+            lifts = {k: float(now[k].lift_row @ velocity) for k in group}
+            closing = [k for k in group if lifts[k] < -CLOSES * self.speed]
+            near = [k for k in group if lifts[k] <= CLOSES * self.speed]
+            if not closing:
+                still = 1e-11 * self.speed
+                staying |= {touching[k].name for k in near}
+                sticking |= {
+                    touching[k].name for k in near
+                    if touching[k].name in stuck or abs(now[k].slip(velocity, self.t)) <= still
+                }  # fmt: skip
+                continue
+            for part_places in groups([now[k] for k in near]):  # contacts that part already share no impulses
+                part = [near[i] for i in part_places]
+                part_closing = [k for k in part if k in closing]
+                names = [touching[k].name for k in part]
+                if not part_closing:
+                    staying, sticking = staying | set(names), sticking | (set(names) & stuck)
+                    continue
+                stays, sticks = self._strike([now[k] for k in part], names, {touching[k].name for k in part_closing})
+                staying, sticking = staying | stays, sticking | sticks
+                closers = [touching[k].name for k in part_closing]
+                strikes.append((names, closers, max(-lifts[k] for k in part_closing)))
+        self.touching = staying
+        if strikes:
+            every = frozenset(name for names, _, _ in strikes for name in names)
+            closers_all = frozenset(name for _, closing_names, _ in strikes for name in closing_names)
+            self.hops.strike(Strike(self.t, self.state, max(fastest for *_, fastest in strikes), every, closers_all))
+        return sticking
+
+    def _no_impact(self, at: ContactPlace) -> Ending:
+        couple = couple_of(at.pair)
+        support = base_of(couple.pair_name)
+        which = "its track in a second place" if support == TRACK else f"the support {support!r}"
+        xi1 = float(couple.whole_xi1(at.pair.to_whole(at.xi1, at.xi2)[0]))
+        number = "give mu as a number, and " if has_slip_law(self.case) else ""
+        return (
+            "second_contact",
+            f"The plate meets {which}, xi1 = {xi1:.9g}, at t = "
+            f"{self.t:.9g} s, and the case names no Impact; {number}add Flight() and Impact(0.0) to go on.",
+        )
+
+    def _strike(
+        self, part: Sequence[ContactPlace], names: Sequence[str], closing: set[str]
+    ) -> tuple[set[str], set[str]]:
+        """The impact of one group: the contacts that stay closed, and those that do not slip."""
+        self._check_count(part, names)
+        law, some = self.case.effect(Impact), bodies(self.case)
+        if law is None:
+            raise MotionEnds(self._no_impact(next(at for at, name in zip(part, names, strict=True) if name in closing)))
+        before = self.velocity
+        try:
+            outcome = strike(self.case, self.t, before, part, self.speed)
+        except NoImpact as problem:
+            raise MotionEnds(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
+        mass = some.masses
+        if law.law == "newton" and mass @ outcome.velocity**2 > (1.0 + 1e-12) * (mass @ before**2):
+            raise MotionEnds(ENERGY)
+        self.state, self.turns = (*self.state[: self.half], *outcome.velocity.tolist()), outcome.turns
+        stays, sticks, load = set[str](), set[str](), load_at(self.case, self.t, self.state)
+        for i, (at, name) in enumerate(zip(part, names, strict=True)):
+            lift = float(outcome.lift[i])
+            if name in closing:
+                self.causes[name] = CAUSES["landing"]
+            if lift > 0.0 and not self._is_unresolved(lift, max(-float(at.lift_row @ load), 0.0)):
+                continue
+            if lift > 0.0:
+                self.causes[name] = CAUSES["rest"]
+            stays.add(name)
+            if outcome.slip[i] == 0.0:
+                sticks.add(name)
+        return stays, sticks
