@@ -34,6 +34,8 @@ STILL = 1e-11
 SAME = 1e-7
 # Numbers exclude a combination of modes that violates a condition by this part of the largest force or acceleration.
 VIOLATED = 1e-6
+# Accelerations by this part of the largest apart are tried where forces that are not unique may change them.
+OTHER = 1e-3
 # Rows are dependent if one is the sum of others to this part.
 DEPENDENT = 1e-9
 
@@ -136,7 +138,9 @@ def _consistent(
             and not (answer.guides and modes == lost)
             and _holds(now, contacts, GroupModes(modes, turn, answer.guides), answer.opens)
         ):
-            motions.append(_Motion(modes, False, np.where(own, answer.acceleration, 0.0), turn, answer.guides))
+            for acceleration in (answer.acceleration, answer.another):
+                if acceleration is not None:
+                    motions.append(_Motion(modes, False, np.where(own, acceleration, 0.0), turn, answer.guides))
     if any(at.stick > at.mu for at in contacts):
         # With static friction a contact that may stick does.
         most = max((_sticking(one.modes) for one in motions), default=0)
@@ -233,12 +237,14 @@ def _combinations(
 
 class _Answer(NamedTuple):
     """Accelerations (3n,) in some modes, whether numbers do not exclude them, whether they show that all contacts that
-    open do, and `guides` as of `SolverRegime`."""
+    open do, and `guides` as of `SolverRegime`; `another`: further accelerations in the same modes, if they are not
+    unique."""
 
     acceleration: np.ndarray
     is_possible: bool
     opens: bool
     guides: Guides = ()
+    another: np.ndarray | None = None
 
 
 def _by_numbers(
@@ -321,23 +327,33 @@ def _guided(now: Instant, contacts: Sequence[ContactPlace], modes: Sequence[Mode
         return None
     values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
     acceleration = load + some.inverse * (np.array(columns).T @ values)
-    # Forces that no row misses, of contacts that are left out: with friction they may have an acceleration.
-    for _, column, _ in others:
-        balance = column - np.array(columns).T @ np.linalg.solve(matrix, np.array(rows) * some.inverse @ column)
-        if np.abs(balance * np.sqrt(some.inverse)).max() > SAME * np.abs(column * np.sqrt(some.inverse)).max():
-            return None
     rate = SAME * max(float(np.abs(load).max()), float(np.abs(acceleration * some.lengths).max()))
     if any(abs(float(row @ acceleration) + bias) > rate for row, _, bias in others):
         return None
     away = [at for k, at in enumerate(contacts) if k not in closed]
     lifts = [float(at.lift_row @ acceleration) + at.lift_bias for at in away]
     some_contacts, some_modes = [contacts[k] for k in closed], [modes[k] for k in closed]
-    if guided_margin(now.case, now.time, now.state, acceleration, some_contacts, some_modes, turn) < BALANCED:
+
+    def is_balanced(acceleration: np.ndarray) -> bool:
+        margin = guided_margin(now.case, now.time, now.state, acceleration, some_contacts, some_modes, turn)
+        return margin >= BALANCED
+
+    if not is_balanced(acceleration):
         return _Answer(acceleration, False, False)
+    # Forces that no row misses, of contacts that are left out: with friction they may have an acceleration.
+    another: np.ndarray | None = None
+    for _, column, _ in others:
+        balance = column - np.array(columns).T @ np.linalg.solve(matrix, np.array(rows) * some.inverse @ column)
+        change, own = (np.abs(each * np.sqrt(some.inverse)).max() for each in (balance, column))
+        if change > SAME * own:
+            step = OTHER * rate / SAME * some.inverse * balance / np.abs(some.inverse * balance * some.lengths).max()
+            another = next(
+                (acceleration + s * step for s in (1.0, -1.0) if is_balanced(acceleration + s * step)), another
+            )
     opens = VIOLATED / SAME * rate
     return _Answer(
         acceleration, all(lift >= -opens for lift in lifts), all(lift > opens for lift in lifts),
-        tuple((normal, tangent) for normal, tangent in picks),
+        tuple((normal, tangent) for normal, tangent in picks), another,
     )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from cases.corner import Corner, Piece
 from cases.couples import Couple, couples
 from cases.nearest_samples import nearest_samples
 from cases.piece_case import PieceCase, _piece_case
+from cases.start_pose import OVERLAPS
 
 from ..minimal.element_meetings import elements
 from .bodies import size
@@ -53,7 +54,7 @@ def touching_contacts(
     """The pairs of elements that touch in a state of all plates, with their own parameters; `part`: of the plates' size
     and place, below which a gap is none."""
     poses = np.asarray(state[: len(state) // 2], dtype=float)
-    least = part * size(case, state)
+    least, deepest = part * size(case, state), OVERLAPS * size(case, state)
     for couple in couples(case):
         x, y, theta = (float(v) for v in couple.relative_pose(poses))
         places = list[np.ndarray]()
@@ -65,7 +66,7 @@ def touching_contacts(
                     at = nearest(pair, x, y, theta, near)
                 except DoesNotFit:  # far away
                     continue
-                if abs(at.gap) > least or not inside(pair, at.xi1, at.xi2):
+                if not -deepest <= at.gap <= least or not inside(pair, at.xi1, at.xi2):
                     continue
                 # Next to a joint of two elements both have the same point and direction.
                 track = cast(Piece, pair.pieces[0])
