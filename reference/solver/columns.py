@@ -17,7 +17,7 @@ from ..minimal.integrators.segment import Segment, blocks
 from ..minimal.modes import Phase
 from . import forces
 from .contact_law import STICKING
-from .decide import balance_of, load_and_units
+from .decide import balance_of, is_steady, load_and_units
 from .phase import SolverPhase, SolverRegime, pair_of, regime_of, split
 from .places import ContactPlace, couple_of, groups, place, plates_in
 from .system import COLUMNS
@@ -113,9 +113,10 @@ def contact_columns(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarr
         gap = _outputs(case, now, times, y, k)[3]
         return ContactColumns(gap, none, nothing, nothing, xi1, xi2, *np.zeros((2, 2, len(times))))
     if set(sides(case, regime, k)) <= regime.resting:
-        normal, friction = _rest_ranges(case, now, y[:, 0], name)
-        limits = [np.repeat(limit[:, None], len(times), axis=1) for limit in (normal, friction)]
-        values = [nothing + forces.values(limit[None], _weight(case, times, y))[0] for limit in (normal, friction)]
+        some = [0.0] if is_steady(case, regime.resting) else times.tolist()
+        ranges = [_all_ranges(case, regime, y[:, 0].tobytes(), t)[name] for t in some]
+        limits = [np.broadcast_to(np.array([each[i] for each in ranges]).T, (2, len(times))) for i in (0, 1)]
+        values = [forces.values(limit.T, _weight(case, times, y)) for limit in limits]
         return ContactColumns(nothing, nothing, values[0], values[1], xi1, xi2, limits[0], limits[1])
     normal, friction, slip, _ = _outputs(case, now, times, y, k)
     if regime.guides and _is_guided(case, regime, k):
@@ -205,16 +206,10 @@ def _places(case: Case, regime: SolverRegime, y: np.ndarray, some: Sequence[int]
     return [place(pair_of(case, regime.pairs[k]), state, points[k]) for k in some]
 
 
-def _rest_ranges(case: Case, now: SolverPhase, y: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest normal and friction force (N) of a contact of plates at rest, (2,) each."""
-    limits = _all_ranges(case, regime_of(now), y.tobytes())
-    return limits[name]
-
-
-@lru_cache(maxsize=64)
-def _all_ranges(case: Case, regime: SolverRegime, state: bytes) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """The ranges of the forces of all contacts of plates at rest. `state`: the variables' bytes, because keys that are
-    equal may differ in the sign of a zero."""
+@lru_cache(maxsize=1024)
+def _all_ranges(case: Case, regime: SolverRegime, state: bytes, t: float) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Least and greatest normal and friction force (N), (2,) each, of all contacts of plates at rest. `state`: the
+    variables' bytes, because keys that are equal may differ in the sign of a zero."""
     y = np.frombuffer(state)
     some = [
         k for k, mode in enumerate(regime.modes)
@@ -224,7 +219,7 @@ def _all_ranges(case: Case, regime: SolverRegime, state: bytes) -> dict[str, tup
     result = dict[str, tuple[np.ndarray, np.ndarray]]()
     for group in groups(now):
         at = [now[i] for i in group]
-        load, units = load_and_units(case, 0.0, poses, plates_in(at))
+        load, units = load_and_units(case, t, poses, plates_in(at))
         limits = forces.ranges(at, load, units, [one.stick for one in at])
         for i, place_in_group in enumerate(group):
             pair = limits.normal[i], limits.friction[i]

@@ -392,7 +392,11 @@ def balance_of(
     couples = list[forces.Limit]()
     for at in closed if turn is not None else ():
         couples.append(forces.Slipping(-turn * at.resisting_arm) if turn else at.resisting_arm)
-    return Balance(load - acceleration * bodies(case).masses * (units > 0.0), units, limits, couples)
+    inertial = acceleration * bodies(case).masses * (units > 0.0)
+    sizes = float((np.abs(load) * units).max()), float((np.abs(inertial) * units).max())
+    right = load - inertial
+    right[np.abs(right) * units <= AT_BOUND * max(sizes)] = 0.0  # forces of roundings alone have no balance
+    return Balance(right, units, limits, couples)
 
 
 def rest_margin(case: Case, t: float, state: Sequence[float], contacts: Sequence[ContactPlace]) -> float:

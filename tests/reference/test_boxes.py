@@ -12,14 +12,11 @@ from cases import (
     BadValue,
     Belt,
     Case,
-    Chain,
     CoulombFriction,
-    Curve,
     Flight,
     Gravity,
     Impact,
     Mode,
-    Outline,
     PerfectlyRough,
     Plate,
     Start,
@@ -28,18 +25,12 @@ from cases import (
     library,
 )
 from cases.contact_limits import touches_by_features
-from cases.corner import Edge
-from cases.curves import cos as cosine
-from cases.curves import sin as sine
 from tests.scenes.agreement import check_several_contacts
 
 G = 9.81
 # Step errors at 1e-14 are below a few roundings of the times; quadratures are exact to 1e-14.
 EXACT = 1e-12
 BOX = Plate.rectangle(0.4, 0.2, 1.5)
-HALF_ELLIPSE = Plate.homogeneous(
-    Outline((Curve(lambda s: (0.2 * cosine(s), 0.1 * sine(s)), (-pi, 0.0)), Edge.between((0.2, 0.0), (-0.2, 0.0)))), 1.0
-)
 INELASTIC = Flight(), Impact(0.0, "moreau")
 
 
@@ -266,11 +257,6 @@ def test_a_flat_start_that_turns_is_rejected():
 @pytest.mark.parametrize(
     ("case", "words"),
     [
-        (on(Chain.polyline([(-2, 0), (2, 0)]), BOX, PerfectlyRough(), start=Start(2.0, 0.6)),
-         "give a line as track and its other parts as supports"),
-        (on(Chain.polyline([(-2, 0), (0, 0), (0, -1)]), BOX, PerfectlyRough(), start=Start(1.0, 0.6)),
-         "give a line as track if it stays on one part"),
-        (on(library.line(), HALF_ELLIPSE, *INELASTIC, start=StartPose(0.0, 0.5, 3.0)), "is no arc of a circle"),
         (on(library.line(), BOX, CoulombFriction(0.5), Belt(1.0), start=Start(0.0, 0.6)),
          "add Flight() and Impact(0.0) to go on"),
         (on(library.line(), BOX, PerfectlyRough(), start=Start(0.0, 0.6)), "add Flight() and Impact(0.0) to go on"),

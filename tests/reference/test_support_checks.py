@@ -12,11 +12,9 @@ from cases import (
     BadValue,
     Case,
     CoulombFriction,
-    Curve,
     DoesNotFit,
     Gravity,
     Impact,
-    Outline,
     PerfectlyRough,
     Plate,
     RollingResistance,
@@ -27,9 +25,6 @@ from cases import (
 from cases.contact import start_motion
 from cases.contact_limits import limitation
 from cases.contact_pairs import pairs
-from cases.corner import Edge
-from cases.curves import cos as cosine
-from cases.curves import sin as sine
 from cases.library import ellipse, line
 from tests.scenes.supports import INELASTIC, G
 
@@ -67,10 +62,6 @@ def test_pairs_are_the_supports_and_the_corners_in_order():
     assert sorted(gaps) == pytest.approx([2.0, 2.0, 3.98, 3.98, 4.0, 4.0, 4.0, 4.0], abs=1e-14)
 
 
-HALF_ELLIPSE = Plate.homogeneous(
-    Outline((Curve(lambda s: (0.5 * cosine(s), 0.3 * sine(s)), (-pi, 0)), Edge.between((0.5, 0), (-0.5, 0)))), 1.0
-)
-WAVE = Curve(lambda s: (s, 0.1 * cosine(s) - 0.1), (-3, 3))
 DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
 
 
@@ -78,7 +69,7 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
     ("make", "message"),
     [
         (lambda: Support(line(), "track"), 'give a word such as "wall"'),
-        (lambda: Support(3, "wall"), "give a smooth Curve"),
+        (lambda: Support(3, "wall"), "give a Curve"),
         (lambda: Support(line(), "wall", (Gravity(9.81),)), "is no effect of one Support"),
         (lambda: Support(line(), "wall", 0.3), "give a tuple"),
         (lambda: _with(supports=line()), "give a tuple such as"),
@@ -87,11 +78,6 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
         (lambda: _with(_resistance(), ROD, supports=(Support(line(0.5), "a"),)), "leave RollingResistance out"),
         (lambda: _with((Gravity(G),), supports=(Support(line(0.5), "a"),)), "add Unilateral"),
         (lambda: _with(supports=(Support(line(0.5), "a", (Impact(0.1, "newton"),)),)), "with the same law"),
-        (lambda: _with(supports=(Support(line(pi / 2), "wall"),), plate=ROD, track=WAVE), "straight lines"),
-        (
-            lambda: _with(plate=HALF_ELLIPSE, supports=(Support(line(0.5), "a"),)),
-            "is no arc of a circle",
-        ),
         (lambda: _with(supports=(Support(line(0.5), "a"),)), "overlaps support 'a'"),
     ],
 )

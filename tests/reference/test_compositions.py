@@ -1,0 +1,168 @@
+"""Features with each other: exact motions of scenes in which two of them meet, and laws where no motion is known."""
+
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import reference
+from cases import (
+    Case,
+    Chain,
+    CoulombFriction,
+    Curve,
+    Drive,
+    Flight,
+    FreePlate,
+    Gravity,
+    Impact,
+    Load,
+    Mode,
+    Outline,
+    Plate,
+    Start,
+    StartPose,
+    Support,
+    Unilateral,
+    disc,
+)
+from cases import curves as c
+from cases.corner import Edge
+from cases.library import circle, line
+
+G = 9.81
+INELASTIC = Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau")
+METHOD = pytest.mark.parametrize("method", reference.METHODS)
+BOX = Plate.rectangle(0.2, 0.1, 1.0)
+
+
+def hill(radius: float, x: float, y: float) -> Curve:
+    """The outside of a circle."""
+    return Curve(lambda s: (x + radius * c.sin(s), y + radius * c.cos(s)))
+
+
+# --- exact motions ----------------------------------------------------------------------------------------------------
+
+
+@METHOD
+@pytest.mark.parametrize("support", [False, True])
+def test_a_box_over_seams_in_line_keeps_its_speed(support, method):
+    """It slows down by μ g alone: x = v t − μ g t²/2."""
+    tiles = Chain.polyline([(-1.0, 0.0), (0.3, 0.0), (0.5, 0.0), (0.9, 0.0), (3.0, 0.0)])
+    track, supports = (line(0.0), (Support(tiles, "tiles"),)) if support else (tiles, ())
+    if support:
+        track = Curve(lambda s: (s, -2.0 + 0.0 * s))
+    effects = (*INELASTIC, CoulombFriction(0.3))
+    case = Case(track, BOX, effects, StartPose(0.0, 0.05, vx=2.0), 0.5, supports=supports)
+    motion = reference.simulate(case, method=method)
+    assert motion.status == "completed" and not motion.transitions
+    assert motion.x[-1] == pytest.approx(2.0 * 0.5 - 0.3 * G / 8.0, abs=1e-12)
+
+
+@METHOD
+def test_a_block_slips_on_a_table_that_tilts_from_the_start(method):
+    """On y = 0 of a table that turns about the origin with w, the block at x = 0.5 slips where friction no longer
+    carries g sin wt + 0.5 w² = 0.3 (g cos wt − 0.1 w²)."""
+    effects = (*INELASTIC, CoulombFriction(0.3), Drive(angle="-0.2*t"))
+    case = Case(line(), Plate.rectangle(0.2, 0.2, 1.0), effects, StartPose(0.5, 0.1, 0.0, 0.02, -0.1, -0.2), 2.0)
+    motion = reference.simulate(case, method=method)
+    assert [change.after for change in motion.transitions[:2]] == [Mode.SLIP_FORWARD] * 2
+    assert motion.transitions[0].time == pytest.approx(1.446934363956, abs=1e-10)
+
+
+@METHOD
+def test_the_upper_of_two_boxes_slips_where_the_lower_one_is_pushed_too_hard(method):
+    """A force k t at the lower one of 2 kg: both slide where k t > μ (m₁ + m₂) g, and the upper one stays behind where
+    their acceleration k t/(m₁ + m₂) − μ g exceeds μ g."""
+    mu, rate, mass = 0.3, 10.0, 3.0
+    upper = FreePlate(Plate.rectangle(0.2, 0.2, 1.0), StartPose(0.0, 0.3), "upper")
+    effects = (*INELASTIC, CoulombFriction(mu), Load(fx=f"{rate}*t"))
+    case = Case(line(), Plate.rectangle(0.8, 0.2, 2.0), effects, StartPose(0.0, 0.1), 2.0, others=(upper,))
+    motion = reference.simulate(case, rtol=1e-12, method=method)
+    slides, slips = (
+        next(t.time for t in motion.transitions if name in t.contact and t.after is not Mode.ROLL)
+        for name in ("plate/track", "upper")
+    )
+    assert slides == pytest.approx(mu * mass * G / rate, abs=1e-10)
+    assert slips == pytest.approx(2.0 * mu * mass * G / rate, abs=1e-10)
+    assert not reference.check(case, motion)
+
+
+@METHOD
+def test_a_stack_of_two_boxes_slides_down_an_incline_as_one(method):
+    slope, mu = 0.4, 0.3
+    lower, upper = (StartPose(h * sin(slope), h * cos(slope), -slope) for h in (0.1, 0.3))
+    other = FreePlate(Plate.rectangle(0.2, 0.2, 1.0), upper, "upper")
+    effects = (*INELASTIC, CoulombFriction(mu))
+    case = Case(line(slope), Plate.rectangle(0.4, 0.2, 2.0), effects, lower, 0.5, others=(other,))
+    motion = reference.simulate(case, method=method)
+    way = 0.5 * G * (sin(slope) - mu * cos(slope)) * 0.25
+    for name, begin in (("plate", lower), ("upper", upper)):
+        now = motion.plate(name)(0.5)
+        assert (now.x - begin.x, now.y - begin.y) == pytest.approx((way * cos(slope), -way * sin(slope)), abs=1e-12)
+        assert now.omega == pytest.approx(0.0, abs=1e-12)
+
+
+@METHOD
+@pytest.mark.parametrize("height", [0.02, 0.05])
+def test_a_disc_rolls_into_a_curb(height, method):
+    """It turns about the edge without slip or rebound: of the angular momentum about it, ω⁺/ω = 1 − 2 h/(3 r)."""
+    r, speed = 0.3, 1.0
+    track = Chain.polyline([(-3.0, 0.0), (0.0, 0.0), (0.0, height), (3.0, height)])
+    start = StartPose(-0.6, r, vx=speed, omega=-speed / r)
+    case = Case(track, disc(r, 1.0), (*INELASTIC, CoulombFriction(2.0)), start, 1.0)
+    motion = reference.simulate(case, method=method)
+    time = (0.6 - sqrt(2.0 * r * height - height**2)) / speed
+    assert motion.transitions[0].time == pytest.approx(time, abs=1e-11)
+    after = motion(np.nextafter(motion.transitions[0].time, 2.0)).omega
+    assert after == pytest.approx(-speed / r * (1.0 - 2.0 * height / (3.0 * r)), rel=1e-12)
+
+
+@METHOD
+def test_a_disc_falls_on_a_box_that_rests_on_a_chain(method):
+    """The box is held by tiles in line; the disc arrives after sqrt(2 h/g) and rests on it."""
+    tiles = Chain.polyline([(-2.0, 0.0), (0.1, 0.0), (2.0, 0.0)])
+    ball = FreePlate(disc(0.1, 0.5), StartPose(0.0, 0.7), "ball")
+    effects = (*INELASTIC, CoulombFriction(0.4))
+    case = Case(tiles, Plate.rectangle(0.4, 0.2, 1.0), effects, StartPose(0.0, 0.1), 1.0, others=(ball,))
+    motion = reference.simulate(case, method=method)
+    assert motion.transitions[0].time == pytest.approx(sqrt(2.0 * 0.4 / G), abs=1e-12)
+    assert motion.plate("ball")(1.0).y == pytest.approx(0.3, abs=1e-12)
+
+
+# --- laws -------------------------------------------------------------------------------------------------------------
+
+HALF_ELLIPSE = Plate.homogeneous(
+    Outline((Curve(lambda s: (0.5 * c.cos(s), 0.3 * c.sin(s)), (-pi, 0)), Edge.between((0.5, 0), (-0.5, 0)))), 1.0
+)
+CAPSULE, HALF_DISC = Plate.rectangle(0.6, 0.4, 1.0, radius=0.1), Plate.half_disc(0.4, 1.0)
+STEPS = Chain.polyline([(-3.0, 0.0), (0.0, 0.0), (0.0, -0.4), (5.0, -0.4)])
+WAVE = Curve(lambda s: (s, 0.1 * c.cos(2.0 * s) - 0.1), (-6, 6))
+RUBS = (*INELASTIC, CoulombFriction(0.3))
+SCENES = {
+    "box down a step": Case(STEPS, Plate.rectangle(0.2, 0.2, 1.0), RUBS, StartPose(-0.6, 0.1, vx=3.0), 1.5),
+    "half ellipse on a line": Case(line(), HALF_ELLIPSE, RUBS, StartPose(0.0, 0.5, 3.0), 1.0),
+    "half disc in a bowl": Case(circle(3.0), HALF_DISC, RUBS, StartPose(0.0, -2.0), 1.0),
+    "capsule on a wave": Case(WAVE, CAPSULE, RUBS, StartPose(0.0, 0.5), 1.0),
+    "capsule on a hill in a bowl": Case(
+        circle(3.0), CAPSULE, RUBS, StartPose(0.0, -1.0), 1.0, supports=(Support(hill(0.3, -2.0, -2.0), "hill"),)
+    ),
+    "dominoes": Case(
+        line(), Plate.rectangle(0.02, 0.2, 1.0), RUBS, StartPose(0.0, 0.1, omega=-1.5), 0.6,
+        others=(FreePlate(Plate.rectangle(0.02, 0.2, 1.0), StartPose(0.1, 0.1), "second"),),
+    ),
+    "disc and half disc on a wave": Case(
+        WAVE, disc(0.1, 1.0), RUBS, StartPose(0.5, 0.3), 1.0,
+        others=(FreePlate(HALF_DISC, StartPose(1.8, 0.8), "second"),),
+    ),
+    "wheel in a moving bowl with a load": Case(
+        circle(1.0), disc(0.1, 1.0), (*RUBS, Drive(x="0.1*sin(5*t)"), Load(fx="0.5*sin(3*t)")), Start(-pi / 2, 0.0), 1.0
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_of_several_features_run_and_obey_the_laws(name):
+    motion = reference.simulate(SCENES[name], method="dop853")
+    assert motion.status == "completed"
+    assert not reference.check(SCENES[name], motion)
