@@ -20,7 +20,7 @@ from .bodies import size
 from .contact_law import STICKING
 from .decide import Decision, Instant, decide, flat_of, shares_of
 from .impact_ends import ImpactEnds
-from .phase import LOST, SolverRegime, key_of
+from .phase import SolverRegime, key_of
 from .places import ContactPlace, groups, held_plates, plates_in
 from .watched_plates import SOME_ROUNDINGS, MotionEnds, Watch
 
@@ -115,7 +115,6 @@ class ModeChanges(ImpactEnds):
         kept = list[Watch]()
         for watch, at in zip(self.watches, self._places(self.watches), strict=True):
             if watch.mode is not Mode.FLIGHT:
-                watch.lost = LOST * at.clearance if np.isfinite(at.clearance) else 0.0
                 kept.append(watch)
             elif at.gap <= least and at.clearance > 2.0 * watch.lost:
                 kept.append(watch)

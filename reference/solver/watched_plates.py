@@ -24,6 +24,7 @@ from ..scales import speed_scale
 from .bodies import bodies, load_at, rows_of, size, speed
 from .hops import NestedSeries, Strike
 from .impact import NoImpact
+from .phase import LOST
 from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, project, without_velocity
 from .strike import strike
 from .touching import name_of
@@ -152,6 +153,7 @@ class WatchedPlates:
         self.state, now = project(self.case, self.state, [(watch.pair, watch.points) for watch in touching])
         for watch, at in zip(touching, now, strict=True):
             watch.points = at.xi1, at.xi2
+            watch.lost = LOST * at.clearance if np.isfinite(at.clearance) else 0.0  # also of one that rebounds
         self.speed = max(self.speed, speed(self.case, self.state))
         if closing is not None:
             kept = [(watch, at) for watch, at in zip(touching, now, strict=True) if watch.name in closed]
