@@ -1,6 +1,6 @@
 """The second formulation for several contacts: gaps and slips in the contacts' frames, modes by complementarity.
 
-It shares no code with `several`: accelerations from the Delassus matrix with curvatures only, decisions and impacts as
+It shares no code with `solver`: accelerations from the Delassus matrix with curvatures only, decisions and impacts as
 linear complementarity problems (Lemke's method) without enumeration of modes, SciPy's DOP853.
 """
 

@@ -25,6 +25,8 @@ from cases import Plate
 ZERO = 1e-7
 # Ranges narrower than this part of the load are one value: HiGHS' tolerance is below it.
 UNIQUE = 1e-8
+# A load has the direction of forces to this part: the rounding of its equations.
+WITHIN = 1e-12
 # Vertices of a polytope: so many bases are tried all at once, in the time of a tenth of one linear program. Bases whose
 # determinant is below SINGULAR of their columns' sizes have no vertex (three forces on one line: a rounding); weights
 # above −FEASIBLE are positive, as HiGHS takes them.
@@ -121,6 +123,9 @@ def margin(
         return 0.0
     right = right / size
     matrix = np.column_stack([columns, columns.sum(axis=1)])
+    nearest, *_ = np.linalg.lstsq(matrix, right, rcond=None)
+    if np.abs(matrix @ nearest - right).max() > WITHIN:
+        return -inf
     count = columns.shape[1]
     answer = linprog(
         np.append(np.zeros(count), -1.0), A_eq=matrix, b_eq=right, bounds=[(0.0, None)] * count + [(None, 1.0)]

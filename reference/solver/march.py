@@ -176,9 +176,9 @@ class Simulation(ModeChanges):
         self.turns = regime.turn != 0
         stuck = {watch.name for watch in self.watches if watch.mode in STICKING}
         if meeting is not None:
-            watch = self._watch(meeting.pair, (meeting.xi1, meeting.xi2))
             for pair, points in touching_contacts(self.case, np.array(self.state)):
-                self._watch(pair, points)  # others that close at the same instant
+                self._watch(pair, points)  # others that close at the same instant, too, in the order of their elements
+            watch = self._watch(meeting.pair, (meeting.xi1, meeting.xi2))
             self._settle(stuck, closing={watch.name})
             return None
         if segment.event.guard is None and self.t == limit:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 
 import numpy as np
 
@@ -17,6 +18,8 @@ BALANCED = -1e-11
 LOOKS = 64
 # A root is located to roundings of its time, the finest that SciPy allows, whatever the unit of time.
 SOONEST, FINEST = 1e-300, 4.0 * EPS
+# A balance that is lost within this part of the time between two looks is lost at once.
+AT_ONCE = 1e-6
 # Looks in each step of a motion; the steps resolve the features of belts and loads.
 LOOKS_IN_STEP = 4
 
@@ -47,6 +50,10 @@ def first_loss(margin: Callable[[float], float], looks: list[float]) -> float | 
     for look in looks:
         value = margin(look)
         if value < BALANCED:
-            return float(brentq(margin, last, look, xtol=SOONEST, rtol=FINEST)) if margin(last) > 0.0 else last
+            # Without friction a load is balanced at single instants: no weights of any sign have its direction then.
+            at_once = margin(last + AT_ONCE * (look - last)) == -inf
+            if at_once or not margin(last) > 0.0:
+                return last
+            return float(brentq(lambda t: max(margin(t), -1.0), last, look, xtol=SOONEST, rtol=FINEST))
         last = look if value > 0.0 else last
     return None
