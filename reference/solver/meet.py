@@ -7,15 +7,14 @@ contact is the only one. Plates that are far apart are excluded by the circles a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property, lru_cache
-from math import inf
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from cases import Case, DoesNotFit
 from cases.chain import Element
-from cases.corner import Corner, Piece
+from cases.corner import Corner
 from cases.couples import Couple, couples
 from cases.piece_case import PieceCase, _piece_case, neighbour
 
@@ -30,10 +29,8 @@ from .phase import AT_END, pair_of, regime_of
 from .places import couple_of, nearest
 from .shapes import Poses, Straight, first_closings, guess, shapes
 from .system import COLUMNS
-from .touching import inside, pairs_that_touch
+from .touching import bends, inside, pairs_that_touch
 
-# Samples at which the bend of an element is looked at.
-BEND_SAMPLES = 257
 # A corner that comes to a line with a flat side of its own: a few of the coarsest tolerance's errors of an angle, rad.
 # Nothing else than the corner meets the line first, as lines do not meet lines.
 AT_FLAT = 0.1
@@ -192,16 +189,6 @@ def is_unique(pair: PieceCase) -> bool:
     not bend towards it."""
     track, outline = pair.pieces
     return bends(outline)[0] >= 0.0 and bends(track)[1] <= 0.0
-
-
-@lru_cache(maxsize=1024)
-def bends(piece: Piece) -> tuple[float, float]:
-    """Least and greatest curvature of an element, 1/m: that of a convex corner of an outline or of a track is infinite
-    with its sign."""
-    if isinstance(piece, Corner):
-        return piece.sign * inf, piece.sign * inf
-    values = np.asarray(piece.curvature(np.linspace(*piece.span, BEND_SAMPLES)))
-    return float(values.min()), float(values.max())
 
 
 def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:

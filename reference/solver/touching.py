@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache
+from math import inf
 from typing import cast
 
 import numpy as np
@@ -22,6 +23,8 @@ from .phase import AT_END
 from .places import TOUCHES, nearest
 from .shapes import guess, shapes
 
+# Samples at which the bend of an element is looked at.
+BEND_SAMPLES = 257
 # Points of an element that say where it is, and those of an outline's at which a corner's distance is looked at.
 FEW, MANY = 17, 257
 # Two contacts are one if their place, in units of the plate's reach, and direction differ by less than this.
@@ -39,13 +42,25 @@ def pairs_that_touch(couple: Couple) -> tuple[PieceCase, ...]:
     return tuple(result)
 
 
+@lru_cache(maxsize=1024)
+def bends(piece: Piece) -> tuple[float, float]:
+    """Least and greatest curvature of an element, 1/m: that of a convex corner of an outline or of a track is infinite
+    with its sign."""
+    if isinstance(piece, Corner):
+        return piece.sign * inf, piece.sign * inf
+    values = np.asarray(piece.curvature(np.linspace(*piece.span, BEND_SAMPLES)))
+    return float(values.min()), float(values.max())
+
+
 def _may_touch(track: Piece, outline: Piece) -> bool:
-    """Straight elements touch at their ends only, and a corner that points away from the other curve does not."""
+    """Straight elements touch hollow ones and each other at their ends only, and a corner that points away from the
+    other curve does not."""
     if isinstance(track, Corner):
         return not isinstance(outline, Corner) and track.turn < 0.0
     if isinstance(outline, Corner):
         return outline.turn > 0.0
-    return track.features is not None or outline.features is not None
+    is_flat = outline.features is None and bends(track)[0] >= 0.0
+    return not is_flat and not (track.features is None and bends(outline)[1] <= 0.0)
 
 
 def touching_contacts(
