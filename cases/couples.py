@@ -20,7 +20,7 @@ from .start import Start
 from .supports import TRACK
 
 
-class Boundary(NamedTuple):
+class PlateBoundary(NamedTuple):
     """What a plate may touch: its name, its curve with the plate on its left, the number of the plate that it belongs
     to (None: it is fixed), and the effects of contacts with it."""
 
@@ -72,19 +72,19 @@ class Couple(Case):
 def couples(case: Case) -> tuple[Couple, ...]:
     """Each plate with the track and each support, then with each plate before it."""
     names, plates, result = names_of(case), plates_of(case), list[Couple]()
-    fixed = [Boundary(TRACK, case.track, None, case.effects)]
-    fixed += [Boundary(one.name, one.curve, None, one.acting(case.effects)) for one in case.supports]
+    fixed = [PlateBoundary(TRACK, case.track, None, case.effects)]
+    fixed += [PlateBoundary(one.name, one.curve, None, one.acting(case.effects)) for one in case.supports]
     for body, name in enumerate(names):
         for boundary in fixed:
             result.append(_make(case, len(result), body, f"{name}/{boundary.name}", boundary))
         for other in range(body):
             own, base = (body, other) if plates[body].radius is not None else (other, body)
-            outline = Boundary(names[base], backwards(plates[base].outline), base, case.effects)
+            outline = PlateBoundary(names[base], backwards(plates[base].outline), base, case.effects)
             result.append(_make(case, len(result), own, f"{names[own]}/{names[base]}", outline))
     return tuple(result)
 
 
-def _make(whole: Case, number: int, body: int, name: str, boundary: Boundary) -> Couple:
+def _make(whole: Case, number: int, body: int, name: str, boundary: PlateBoundary) -> Couple:
     couple, plate = object.__new__(Couple), plates_of(whole)[body]
     values = {field: value for field, value in vars(whole).items() if field in Case.__dataclass_fields__}
     middle = [0.5 * sum(curve.span) for curve in (boundary.curve, plate.outline)]

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import effects as all_effects
+from .backwards import backwards
 from .contact_names import FIRST
 from .curves import Curve
 from .effects import (
@@ -173,9 +174,7 @@ def _angle_of(outline: Curve) -> tuple[float, float]:
 
 def start_poses(case: Any) -> np.ndarray:
     """(x, y, θ, vx, vy, ω) of every plate at time zero, shape (plates, 6)."""
-    from .contact import start_motion  # of a case
-
-    first = start_motion(case)
+    first = case.start.motion(case.track, case.plate.outline)
     own = [(s.x, s.y, s.theta, s.vx, s.vy, s.omega) for s in (first, *(other.start for other in case.others))]
     return np.array(own, dtype=float)
 
@@ -244,14 +243,19 @@ def _check_effects(case: Any) -> None:
 
 def check_places(case: Any) -> None:
     """Raise DoesNotFit if plates overlap each other or a support where the motion begins."""
-    from .couples import couples  # a couple is a case
-
-    poses = start_poses(case)[:, :3].ravel()
-    for couple in couples(case):
-        x, y, theta = (float(v) for v in couple.relative_pose(poses))
-        far = couple.base is not None and hypot(x, y) > couple.plate.reach + plates_of(case)[couple.base].reach
-        if not far and enters(couple.track, couple.plate.outline, x, y, theta):
-            raise DoesNotFit(f"{couple.pair_name} overlap where they begin; give another StartPose")
+    names, plates, poses = names_of(case), plates_of(case), start_poses(case)[:, :3].tolist()
+    fixed = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
+    for b, plate in enumerate(plates):
+        for name, curve in fixed:
+            if enters(curve, plate.outline, *poses[b]):
+                raise DoesNotFit(f"{names[b]}/{name} overlap where they begin; give another StartPose")
+        for a, base in enumerate(plates[:b]):
+            (x, y, theta), (u, v, turn) = poses[b], poses[a]
+            if hypot(x - u, y - v) > plate.reach + base.reach:
+                continue
+            dx, dy = local_centre([u, v, turn], x, y)
+            if enters(backwards(base.outline), plate.outline, dx, dy, theta - turn):
+                raise DoesNotFit(f"{names[b]}/{names[a]} overlap where they begin; give another StartPose")
 
 
 def size_of(poses: np.ndarray, radii: tuple[float, ...]) -> float:

@@ -24,7 +24,7 @@ from .laws_check.samples import law_at, place_at
 from .minimal.integrators.segment import Instant, Segment
 from .minimal.modes import FLIGHT, Phase
 from .minimal.phase_end import Ending
-from .solver.phase import SolverPhase
+from .solver.regimes import SolverPhase
 from .solver.system import COLUMNS
 
 # Phases that are looked at: of more, so many that are evenly distributed. Of more than a few, only some are looked at

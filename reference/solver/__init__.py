@@ -2,7 +2,7 @@
 
 from .columns import AllContacts, AllPlates, observe, sides
 from .march import Before, simulate, start_of
-from .phase import SolverPhase, regime_of
+from .regimes import SolverPhase, regime_of
 from .touching import touching_contacts
 
 __all__ = [

@@ -18,8 +18,8 @@ from ..minimal.modes import Phase
 from . import forces
 from .contact_law import STICKING
 from .decide import balance_of, is_steady, load_and_units
-from .phase import SolverPhase, SolverRegime, pair_of, regime_of, split
 from .places import ContactPlace, couple_of, groups, place, plates_in
+from .regimes import SolverPhase, SolverRegime, pair_of, regime_of, split
 from .system import COLUMNS
 
 
@@ -175,7 +175,7 @@ def _at_partner(
     return ContactColumns(nothing, nothing, normal, friction, *parameters, np.array([normal] * 2), limits)
 
 
-def _guided(case: Case, regime: SolverRegime) -> list[int]:
+def _by_guides(case: Case, regime: SolverRegime) -> list[int]:
     """The contacts whose forces are not unique while their plates move: those of groups with guides."""
     plates = {side for k, used in enumerate(regime.guides) if used is not None for side in sides(case, regime, k)}
     closed = [k for k, mode in enumerate(regime.modes) if mode is not Mode.FLIGHT]
@@ -183,13 +183,13 @@ def _guided(case: Case, regime: SolverRegime) -> list[int]:
 
 
 def _is_guided(case: Case, regime: SolverRegime, k: int) -> bool:
-    return k in _guided(case, regime)
+    return k in _by_guides(case, regime)
 
 
 def _guided_ranges(case: Case, now: SolverPhase, t: float, y: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
     """Least and greatest normal and friction force (N), (2,) each, of a contact whose forces are not unique."""
     regime = regime_of(now)
-    some, (state, _) = _guided(case, regime), split(case, y)
+    some, (state, _) = _by_guides(case, regime), split(case, y)
     at, rates = (
         _places(case, regime, y, some),
         np.array(now.system.rates_of_numbers(t, tuple(y.tolist()), now.parameters)),

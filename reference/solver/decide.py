@@ -22,11 +22,11 @@ from ..minimal.decision import AT_BOUND, Undecidable, _by_series, follows, slack
 from ..minimal.effects import SLIP_SIGN, laws
 from ..minimal.elimination import T
 from . import forces
-from .bodies import bodies, load_at, load_scale, rows_of, speed
 from .contact_law import STICKING, TURNING_ROW, slip_modes
-from .phase import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
 from .places import ContactPlace, plates_in, sharing
-from .rest import BALANCED
+from .plate_numbers import bodies, load_at, load_scale, rows_of, speed
+from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
+from .rest import BALANCE
 
 # Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
 STILL = 1e-11
@@ -40,7 +40,7 @@ OTHER = 1e-3
 DEPENDENT = 1e-9
 
 
-class Instant(NamedTuple):
+class DecisionInstant(NamedTuple):
     """What a decision needs: the case, time (s), the plates' state, the largest speed of the motion so far (m/s), and
     the relative error of the state."""
 
@@ -87,12 +87,12 @@ class _Motion(NamedTuple):
 
 
 def decide(
-    now: Instant, contacts: Sequence[ContactPlace], fixed: Mapping[int, tuple[Mode, ...]],
-    lost: tuple[Mode, ...] | None = None,
+    now: DecisionInstant, contacts: Sequence[ContactPlace], fixed: Mapping[int, tuple[Mode, ...]],
+    last_modes: tuple[Mode, ...] | None = None,
 ) -> Decision:  # fmt: skip
     """The modes of one group's contacts that follow; `fixed` limits those of some, by their places. `lost`: the modes
     in which forces that are not unique have reached their limit. Raises Undecidable."""
-    clusters, is_singular = _consistent(now, contacts, fixed, lost)
+    clusters, is_singular = _consistent(now, contacts, fixed, last_modes)
     if len(clusters) != 1:
         return Decision(None, False, (), tuple(some[0].modes for some in clusters), is_singular)
     best = max(
@@ -106,7 +106,7 @@ def decide(
     return Decision(best.modes, best.rests, slack, (best.modes,), is_singular, best.turn, best.guides)
 
 
-def motions_of(now: Instant, contacts: Sequence[ContactPlace]) -> list[tuple[Mode, ...]]:
+def motions_of(now: DecisionInstant, contacts: Sequence[ContactPlace]) -> list[tuple[Mode, ...]]:
     """The consistent motions, each as the contacts' modes, of several with the same accelerations those with the most
     contacts. Raises Undecidable."""
     clusters, _ = _consistent(now, contacts, {}, None)
@@ -114,16 +114,16 @@ def motions_of(now: Instant, contacts: Sequence[ContactPlace]) -> list[tuple[Mod
 
 
 def _consistent(
-    now: Instant,
+    now: DecisionInstant,
     contacts: Sequence[ContactPlace],
     fixed: Mapping[int, tuple[Mode, ...]],
-    lost: tuple[Mode, ...] | None,
+    last_modes: tuple[Mode, ...] | None,
 ) -> tuple[list[list[_Motion]], bool]:
     """The consistent motions, those of the same accelerations together, and `Decision.is_singular`."""
     motions, is_singular, plates = list[_Motion](), False, plates_in(contacts)
     own = np.zeros(len(now.state) // 2, dtype=bool)
     own[rows_of(plates)] = True
-    if lost is None and rest_margin(now.case, now.time, now.state, contacts) >= BALANCED:
+    if last_modes is None and rest_margin(now.case, now.time, now.state, contacts) >= BALANCE:
         turn = 0 if any(at.resisting_arm for at in contacts) else None
         stuck = [at.without_slip if turn is None else Mode.REST for at in contacts]
         still = tuple(mode if at.stick > 0.0 else Mode.SLIDE for at, mode in zip(contacts, stuck, strict=True))
@@ -135,7 +135,7 @@ def _consistent(
             is_singular = True
         elif (
             answer.is_possible
-            and not (answer.guides and modes == lost)
+            and not (answer.guides and modes == last_modes)
             and _holds(now, contacts, GroupModes(modes, turn, answer.guides), answer.opens)
         ):
             for acceleration in (answer.acceleration, answer.another):
@@ -190,7 +190,7 @@ def phase_of(case: Case, contacts: Sequence[ContactPlace], now: GroupModes) -> S
     return solver_phase(case, regime)
 
 
-def _holds(now: Instant, contacts: Sequence[ContactPlace], some: GroupModes, opens: bool) -> bool:
+def _holds(now: DecisionInstant, contacts: Sequence[ContactPlace], some: GroupModes, opens: bool) -> bool:
     """Whether conditions hold just after the instant along the motion in these modes; `opens`: whether the contacts
     that open certainly do, so that only those that stay are looked at."""
     still, weak = now.still, AT_BOUND * load_scale(now.case, now.time, now.state)
@@ -210,7 +210,7 @@ def _sticking(modes: Sequence[Mode]) -> int:
 
 
 def _combinations(
-    now: Instant, contacts: Sequence[ContactPlace], fixed: Mapping[int, tuple[Mode, ...]]
+    now: DecisionInstant, contacts: Sequence[ContactPlace], fixed: Mapping[int, tuple[Mode, ...]]
 ) -> Iterator[tuple[tuple[Mode, ...], int | None]]:
     """The modes that all contacts may have, with the sense of the rotation of a plate that they resist; contacts with
     one slip have one mode where both are closed."""
@@ -248,7 +248,7 @@ class _Answer(NamedTuple):
 
 
 def _by_numbers(
-    now: Instant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], shares: Mapping[int, int],
+    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], shares: Mapping[int, int],
     turn: int | None,
 ) -> _Answer | None:  # fmt: skip
     """The accelerations in these modes; None if neither forces nor accelerations are unique. `shares`: as of
@@ -267,14 +267,14 @@ def _by_numbers(
             belt = at.belt_rate(now.time)
             rows, columns, biases = [*rows, at.slip_row], [*columns, at.slip_row], [*biases, at.slip_bias - belt]
     if turn == 0:
-        held = some.lengths[2] * TURNING_ROW
-        rows, columns, biases = [*rows, held], [*columns, held], [*biases, 0.0]
+        still_row = some.lengths[2] * TURNING_ROW
+        rows, columns, biases = [*rows, still_row], [*columns, still_row], [*biases, 0.0]
     acceleration, values = load, np.zeros(0)
     if rows:
         matrix = np.array(rows) * some.inverse @ np.array(columns).T
         sizes = np.sqrt(np.abs(np.diag(np.array(rows) * some.inverse @ np.array(rows).T)))
         if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(rows):
-            return _guided(now, contacts, modes, turn)
+            return _by_guides(now, contacts, modes, turn)
         values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
         acceleration = load + some.inverse * (np.array(columns).T @ values)
     weight = float((np.abs(load) * some.masses).max())
@@ -301,7 +301,9 @@ def _by_numbers(
     return _Answer(acceleration, bool(possible), opens)
 
 
-def _guided(now: Instant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], turn: int | None) -> _Answer | None:
+def _by_guides(
+    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], turn: int | None
+) -> _Answer | None:
     """The same where the rows depend on each other: some of them determine the motion, and forces that are not unique
     have to give it. None where the acceleration is not unique, or where the rows contradict each other."""
     some, load, velocity = bodies(now.case), load_at(now.case, now.time, now.state), now.velocity
@@ -336,7 +338,7 @@ def _guided(now: Instant, contacts: Sequence[ContactPlace], modes: Sequence[Mode
 
     def is_balanced(acceleration: np.ndarray) -> bool:
         margin = guided_margin(now.case, now.time, now.state, acceleration, some_contacts, some_modes, turn)
-        return margin >= BALANCED
+        return margin >= BALANCE
 
     if not is_balanced(acceleration):
         return _Answer(acceleration, False, False)
@@ -429,7 +431,7 @@ def load_and_units(
     return load_at(case, t, state) * np.where(own, some.masses, 0.0), own / some.lengths
 
 
-def _clusters(now: Instant, motions: Sequence[_Motion]) -> list[list[_Motion]]:
+def _clusters(now: DecisionInstant, motions: Sequence[_Motion]) -> list[list[_Motion]]:
     """Modes with the same accelerations together."""
     lengths, load, clusters = bodies(now.case).lengths, load_at(now.case, now.time, now.state), list[list[_Motion]]()
     for motion in motions:

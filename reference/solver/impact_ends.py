@@ -14,10 +14,10 @@ from ..minimal.phase_end import (
     CAUSES,
     Ending,
 )
-from .bodies import bodies, load_at, rows_of, size
 from .hops import SeriesEnd
-from .phase import SolverPhase, SolverRegime, join, key_of, solver_phase
 from .places import TOUCHES, place, plates_in, project, without_velocity
+from .plate_numbers import bodies, load_at, rows_of, size
+from .regimes import SolverPhase, SolverRegime, join, key_of, solver_phase
 from .watched_plates import MotionEnds, Watch, WatchedPlates
 
 # Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the

@@ -37,13 +37,13 @@ from ..minimal.phase_end import (
 )
 from ..scales import frequency
 from ..time_limit import check_time
-from .bodies import speed
 from .contact_law import STICKING
 from .decide import guided_margin, is_steady, rest_margin
 from .meet import Meetings
 from .mode_changes import ModeChanges
-from .phase import SolverPhase, SolverRegime, join, solver_phase, split
 from .places import TOUCHES, ContactPlace, groups, place, plates_in, sides_of
+from .plate_numbers import speed
+from .regimes import SolverPhase, SolverRegime, join, solver_phase, split
 from .rest import first_loss, first_loss_in, looks_at_load
 from .touching import pairs_that_touch, touching_contacts
 from .watched_plates import MotionEnds, Watch
@@ -70,7 +70,7 @@ class Before(NamedTuple):
     other: tuple[float, float] | None = None
 
 
-class Simulation(ModeChanges):
+class PlatesSimulation(ModeChanges):
     """A simulation of one or several plates; `simulate` computes it until an ending."""
 
     def __init__(self, case: Case, rtol: float, integrate: Callable[..., Segment], before: Before | None = None):
@@ -157,12 +157,12 @@ class Simulation(ModeChanges):
             self._settle({w.name for w in self.watches if w.mode in STICKING})
             return None
         y = join(self.state, [watch.points for watch in self.watches])
-        limit, held = self._limit_of_rest(regime)
+        limit, holders = self._limit_of_rest(regime)
         segment = self.integrate(phase, self.t, y, min(self._until(phase, y, regime), limit), self.rtol)
         loss = self._loss_of_guides(segment, regime)
         if loss is not None:
             segment = _cut(segment, loss)
-            limit, held = (
+            limit, holders = (
                 loss,
                 {name for name, used in zip(regime.names, regime.guides, strict=True) if used is not None},
             )
@@ -182,7 +182,7 @@ class Simulation(ModeChanges):
             self._settle(stuck, closing={watch.name})
             return None
         if segment.event.guard is None and self.t == limit:
-            self.held_out, self.causes = held, dict.fromkeys(held, "the forces at rest reached their limit")
+            self.released, self.causes = holders, dict.fromkeys(holders, "the forces at rest reached their limit")
             self._settle(stuck, self._closing())
             return None
         return self._event(segment, stuck)
@@ -225,11 +225,11 @@ class Simulation(ModeChanges):
 
     def _until(self, phase: SolverPhase, y: tuple[float, ...], regime: SolverRegime) -> float:
         """The end of a phase's integration: not far ahead where a plate flies, as it may land."""
-        end, held = self.case.duration, set[int](regime.resting)
+        end, holders = self.case.duration, set[int](regime.resting)
         for watch in self.watches:
             if watch.mode is not Mode.FLIGHT:
-                held |= set(place(watch.pair, self.state, watch.points).sides)
-        if len(held) == len(plates_of(self.case)):
+                holders |= set(place(watch.pair, self.state, watch.points).sides)
+        if len(holders) == len(plates_of(self.case)):
             return end
         often = frequency(phase, self.t, y)
         return min(end, max(self.t + FLIES / often if often else end, self.t + 1e3 * float(np.spacing(self.t))))
@@ -289,11 +289,11 @@ class Simulation(ModeChanges):
             self.causes[watch.name] = CAUSES[kind]  # a knot
             self._settle(stuck)
             return None
-        if watch.passed == self.t and not watch.at_joint:  # it came from there at this instant
+        if watch.pass_time == self.t and not watch.at_joint:  # it came from there at this instant
             watch.at_joint = True
             self._settle(stuck)
             return None
-        watch.passed, watch.at_joint = self.t, False
+        watch.pass_time, watch.at_joint = self.t, False
         following = neighbour(watch.pair, of_track, step)
         if watch.mode is Mode.FLIGHT:
             self.watches.remove(watch)
@@ -340,7 +340,8 @@ def _cut(segment: Segment, time: float) -> Segment:
 
 def start_of(case: Case) -> tuple[float, ...]:
     """The state of all plates where a motion begins."""
-    poses = start_poses(case)
+    poses, first = start_poses(case), start_motion(case)
+    poses[0] = first.x, first.y, first.theta, first.vx, first.vy, first.omega  # on a belt
     return (*poses[:, :3].ravel().tolist(), *poses[:, 3:].ravel().tolist())
 
 
@@ -348,6 +349,6 @@ def simulate(
     case: Case, rtol: float, integrate: Callable[..., Segment], before: Before | None = None
 ) -> tuple[list[Segment], list[Transition], Ending]:
     """The motion of a case from its start or from `before` on: (segments, transitions, (status, sentence))."""
-    simulation = Simulation(case, rtol, integrate, before)
+    simulation = PlatesSimulation(case, rtol, integrate, before)
     ending = simulation.simulate()
     return simulation.segments, simulation.transitions, ending

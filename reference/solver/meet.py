@@ -1,6 +1,6 @@
 """The first meeting of a plate and a boundary at a place that is not watched, in a phase's dense output.
 
-All pairs of elements of both curves are searched by boxes (`minimal.element_meetings`), but those in which the watched
+All pairs of elements of both curves are searched by boxes (`minimal.element_meetings`), but those in which the in_view
 contact is the only one. Plates that are far apart are excluded by the circles around them.
 """
 
@@ -24,9 +24,9 @@ from ..minimal.element_meetings import ElementSearch, fine
 from ..minimal.integrators.segment import Segment
 from ..minimal.modes import Phase
 from ..minimal.second_contacts import BEYOND, PLACES, _zero
-from .bodies import bodies
-from .phase import AT_END, pair_of, regime_of
 from .places import couple_of, nearest
+from .plate_numbers import bodies
+from .regimes import AT_END, pair_of, regime_of
 from .shapes import Poses, Straight, first_closings, guess, shapes
 from .system import COLUMNS
 from .touching import bends, inside, pairs_that_touch
@@ -40,7 +40,7 @@ FASTER = 2.0
 LOOKS = 4
 
 
-class Meeting(NamedTuple):
+class CoupleMeeting(NamedTuple):
     """A meeting: its time (s), the pair of elements, and their own parameters."""
 
     time: float
@@ -56,7 +56,7 @@ class Meetings:
         self.case = case
         self.searches = [CoupleSearch(couple) for couple in couples(case)]
 
-    def first(self, segment: Segment) -> Meeting | None:
+    def first(self, segment: Segment) -> CoupleMeeting | None:
         """The first meeting in a segment; None if there is none. Raises TooMuch at the limit on work."""
         edges, earliest = np.unique(segment.times), None
         if len(edges) < 2:
@@ -66,11 +66,11 @@ class Meetings:
             couple = search.couple
             if couple_rests(couple, segment) or _is_far(couple, segment, edges):
                 continue
-            watched = [(k, pair_of(self.case, key)) for k, key in enumerate(keys) if key.couple == couple.number]
+            in_view = [(k, pair_of(self.case, key)) for k, key in enumerate(keys) if key.couple == couple.number]
             some = edges if earliest is None else np.append(edges[edges < earliest.time], earliest.time)
             if len(some) < 2:
                 continue
-            meeting = search.first(segment, some, watched, n)
+            meeting = search.first(segment, some, in_view, n)
             if meeting is not None and (earliest is None or meeting.time < earliest.time):
                 earliest = meeting
         return earliest
@@ -93,8 +93,8 @@ class CoupleSearch:
         return ElementSearch(self.couple)
 
     def first(
-        self, segment: Segment, edges: np.ndarray, watched: Sequence[tuple[int, PieceCase]], n: int
-    ) -> Meeting | None:
+        self, segment: Segment, edges: np.ndarray, in_view: Sequence[tuple[int, PieceCase]], n: int
+    ) -> CoupleMeeting | None:
         """The first meeting in a segment between these times; `watched`: pairs with their places in the regime, `n`:
         how many plates there are."""
         couple = self.couple
@@ -102,8 +102,8 @@ class CoupleSearch:
         def poses(times: np.ndarray) -> np.ndarray:
             return np.array(couple.relative_pose(segment.states(times)[: 3 * n]))
 
-        skipped = _skipped([pair for _, pair in watched])
-        earliest = self._first_of_shapes(segment, poses, edges, skipped, n)
+        exclusions = _exclusions([pair for _, pair in in_view])
+        earliest = self._first_of_shapes(segment, poses, edges, exclusions, n)
         if not self.has_others:
             return earliest
         if earliest is not None:
@@ -112,9 +112,9 @@ class CoupleSearch:
             return earliest
 
         def around(first: Element, second: Element, ends: np.ndarray) -> list[Cores]:
-            return _around(segment, watched, first, second, ends)
+            return _around(segment, in_view, first, second, ends)
 
-        found = self.boxes.first(poses, edges, skipped | self.known, around)
+        found = self.boxes.first(poses, edges, exclusions | self.known, around)
         if found is None:
             return earliest
         pair = _piece_case(couple, found.first.number, found.second.number)
@@ -122,12 +122,12 @@ class CoupleSearch:
         return _locate(segment, n, pair, found.time, near)
 
     def _first_of_shapes(
-        self, segment: Segment, poses: Poses, edges: np.ndarray, skipped: set[tuple[int, int]], n: int
-    ) -> Meeting | None:
-        earliest: Meeting | None = None
+        self, segment: Segment, poses: Poses, edges: np.ndarray, exclusions: set[tuple[int, int]], n: int
+    ) -> CoupleMeeting | None:
+        earliest: CoupleMeeting | None = None
         times = fine(poses, edges)
         for pair, some in self.quick:
-            if _in_round(pair) in skipped:
+            if _in_round(pair) in exclusions:
                 continue
             for time in first_closings(some, poses, times, self.couple.plate.reach):
                 if earliest is not None and time >= earliest.time:
@@ -163,11 +163,11 @@ def _is_far(couple: Couple, segment: Segment, edges: np.ndarray) -> bool:
     return bool(away.min() > reaches[couple.body] + reaches[couple.base] + moves)
 
 
-def _skipped(watched: Sequence[PieceCase]) -> set[tuple[int, int]]:
+def _exclusions(in_view: Sequence[PieceCase]) -> set[tuple[int, int]]:
     """The numbers, within one round, of pairs in which no other contact than the watched one is possible: the pair
     itself, if its nearest points are unique, and those with a neighbour to which the contact passes smoothly."""
     result = set[tuple[int, int]]()
-    for pair in watched:
+    for pair in in_view:
         if is_unique(pair) or shapes(pair) is not None:
             result.add(_in_round(pair))
         for of_track in (True, False):
@@ -202,13 +202,13 @@ def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:
 
 
 def _around(
-    segment: Segment, watched: Sequence[tuple[int, PieceCase]], first: Element, second: Element, ends: np.ndarray
+    segment: Segment, in_view: Sequence[tuple[int, PieceCase]], first: Element, second: Element, ends: np.ndarray
 ) -> list[Cores]:
     """The surroundings of each watched contact of two elements in windows of time (2, m)."""
     result = list[Cores]()
     times = (ends[0][:, None] + (ends[1] - ends[0])[:, None] * PLACES).ravel()
     half, size = 3 * len(bodies(segment.phase.case).reaches), (len(ends[0]), len(PLACES))
-    for k, pair in watched:
+    for k, pair in in_view:
         if _in_round(pair) != (first.number, second.number) or isinstance(pair.first.piece, Corner):
             continue
         states = segment.states(times)
@@ -229,7 +229,7 @@ def gap_of(phase: Phase, k: int, times: np.ndarray, states: np.ndarray) -> np.nd
     return np.broadcast_to(np.asarray(columns[first + COLUMNS.index("gap")], dtype=float), times.shape)
 
 
-def _locate(segment: Segment, n: int, pair: PieceCase, when: float, near: tuple[float, float]) -> Meeting:
+def _locate(segment: Segment, n: int, pair: PieceCase, when: float, near: tuple[float, float]) -> CoupleMeeting:
     """The zero of the gap at a meeting, to rounding, with the elements' own parameters."""
     from scipy.optimize import brentq  # slow to import, and many motions never come here
 
@@ -245,4 +245,4 @@ def _locate(segment: Segment, n: int, pair: PieceCase, when: float, near: tuple[
     except (ValueError, DoesNotFit):
         time = when  # it touches without closing: two flat sides, or a start
     at = at_time(max(time, segment.start))
-    return Meeting(max(time, segment.start), pair, at.xi1, at.xi2)
+    return CoupleMeeting(max(time, segment.start), pair, at.xi1, at.xi2)

@@ -16,12 +16,12 @@ from ..minimal.phase_end import (
     Ending,
 )
 from ..minimal.series import EPS
-from .bodies import size
 from .contact_law import STICKING
-from .decide import Decision, Instant, decide, flat_of, shares_of
+from .decide import Decision, DecisionInstant, decide, flat_of, shares_of
 from .impact_ends import ImpactEnds
-from .phase import SolverRegime, key_of
-from .places import ContactPlace, groups, held_plates, plates_in
+from .places import ContactPlace, anchors_of, groups, plates_in
+from .plate_numbers import size
+from .regimes import SolverRegime, key_of
 from .watched_plates import SOME_ROUNDINGS, MotionEnds, Watch
 
 # A contact that has opened is watched as long as its gap is below this part of the plates' size where modes change.
@@ -31,13 +31,13 @@ NEAR = 1e-3
 class ModeChanges(ImpactEnds):
     """Plates whose modes are decided, group by group.
 
-    `fixed`: the modes that some contacts may have; `held_out`: those whose forces have reached a limit at rest;
+    `fixed`: the modes that some contacts may have; `released`: those whose forces have reached a limit at rest;
     `begins`: the modes of a start are no changes.
     """
 
     def __init__(self, case: Case, t: float, state: tuple[float, ...], begins: bool):
         super().__init__(case, t, state)
-        self.fixed, self.held_out, self.begins = dict[str, tuple[Mode, ...]](), set[str](), begins
+        self.fixed, self.released, self.begins = dict[str, tuple[Mode, ...]](), set[str](), begins
 
     def _decision_error(self) -> float:
         raise NotImplementedError
@@ -46,7 +46,7 @@ class ModeChanges(ImpactEnds):
         self._end_bouncing()
         error = self._decision_error()
         closed = self._closed()
-        now, places = Instant(self.case, self.t, self.state, self.speed, error), self._places(closed)
+        now, places = DecisionInstant(self.case, self.t, self.state, self.speed, error), self._places(closed)
         modes, resting, slack = dict[str, Mode](), set[int](), list[tuple[str, str, float]]()
         turn: int | None = None
         guides = dict[str, tuple[bool, bool] | None]()
@@ -54,8 +54,8 @@ class ModeChanges(ImpactEnds):
             some, names = [places[k] for k in group], [closed[k].name for k in group]
             self._check_count(some, names)
             fixed = {i: self.fixed[name] for i, name in enumerate(names) if name in self.fixed}
-            lost = tuple(closed[k].mode for k in group) if self.held_out & set(names) else None
-            decision = decide(now, some, fixed, lost)
+            last_modes = tuple(closed[k].mode for k in group) if self.released & set(names) else None
+            decision = decide(now, some, fixed, last_modes)
             if (fixed and not decision.motions) or self._stays_without_force(now, some, fixed):
                 decision = decide(now, some, {})
             if decision.modes is None:
@@ -73,18 +73,22 @@ class ModeChanges(ImpactEnds):
                 modes |= part
                 resting |= plates_in([at for at, name in zip(some, names, strict=True) if name in part])
                 slack = [one for one in slack if one[1] not in part]
-        self.held_out, self.turns = set(), True
-        kept = [(watch, at) for watch, at in zip(closed, places, strict=True) if modes[watch.name] is not Mode.FLIGHT]
-        sticking = {watch.name for watch, _ in kept if modes[watch.name] in STICKING}
-        slips = [abs(at.slip(self.velocity, self.t)) for watch, at in kept if watch.name in sticking]
+        self.released, self.turns = set(), True
+        remaining = [
+            (watch, at) for watch, at in zip(closed, places, strict=True) if modes[watch.name] is not Mode.FLIGHT
+        ]
+        sticking = {watch.name for watch, _ in remaining if modes[watch.name] in STICKING}
+        slips = [abs(at.slip(self.velocity, self.t)) for watch, at in remaining if watch.name in sticking]
         if max(slips, default=0.0) > SOME_ROUNDINGS * EPS * self.speed:  # an event's error
-            self._remove_velocities(kept, sticking)
-            self._still([at for _, at in kept])
+            self._remove_velocities(remaining, sticking)
+            self._still([at for _, at in remaining])
         self._record(modes)
         return self._regime(resting, slack, turn, guides)
 
     @staticmethod
-    def _stays_without_force(now: Instant, some: Sequence[ContactPlace], fixed: dict[int, tuple[Mode, ...]]) -> bool:
+    def _stays_without_force(
+        now: DecisionInstant, some: Sequence[ContactPlace], fixed: dict[int, tuple[Mode, ...]]
+    ) -> bool:
         """Whether a contact that is to open, as its force has vanished, neither opens nor has a force from then on."""
         slack = decide(now, some, {}).slack if fixed else ()
         return any(f"normal:{k}" == name for k in fixed for name, _ in slack)
@@ -112,13 +116,13 @@ class ModeChanges(ImpactEnds):
         if all(watch.mode is Mode.FLIGHT for watch in self.watches) and self.case.effect(Flight) is None:
             raise MotionEnds(LIFT_OFF)
         least = NEAR * size(self.case, self.state)
-        kept = list[Watch]()
+        remaining = list[Watch]()
         for watch, at in zip(self.watches, self._places(self.watches), strict=True):
             if watch.mode is not Mode.FLIGHT:
-                kept.append(watch)
+                remaining.append(watch)
             elif at.gap <= least and at.clearance > 2.0 * watch.lost:
-                kept.append(watch)
-        self.watches = kept
+                remaining.append(watch)
+        self.watches = remaining
 
     def _regime(
         self, resting: set[int], slack: list[tuple[str, str, float]], turn: int | None,
@@ -144,12 +148,12 @@ class ModeChanges(ImpactEnds):
             turn,
             tuple(guides.get(watch.name) for watch in self.watches) if guides else (),
             tuple(flat.get(k) for k in range(len(now))),
-            held_plates(self.case, self.velocity, closed, stuck) - resting,
+            anchors_of(self.case, self.velocity, closed, stuck) - resting,
             tuple(watch.at_joint for watch in self.watches) if any(watch.at_joint for watch in self.watches) else (),
         )
 
     def _resting_parts(
-        self, now: Instant, some: Sequence[ContactPlace], names: Sequence[str], modes: Sequence[Mode]
+        self, now: DecisionInstant, some: Sequence[ContactPlace], names: Sequence[str], modes: Sequence[Mode]
     ) -> list[dict[str, Mode]]:
         """The modes of parts of a group that rest by themselves, as contacts that open no longer link them to plates
         that move."""

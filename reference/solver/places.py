@@ -23,8 +23,8 @@ from cases.couples import Couple
 from cases.piece_case import PieceCase
 from cases.piece_contact import _foot
 
-from .bodies import bodies, rows_of, size
 from .contact_law import coefficients, kinetic, resisting_arm, restitution
+from .plate_numbers import bodies, rows_of, size
 
 # A contact touches if its gap is below this part of the plates' size and place: the rounding of an event's pose.
 TOUCHES = 1e-12
@@ -203,28 +203,28 @@ def plates_in(now: Iterable[ContactPlace]) -> frozenset[int]:
     return frozenset(side for at in now for side in at.sides)
 
 
-def held_plates(
+def anchors_of(
     case: Case, velocity: np.ndarray, closed: Sequence[ContactPlace], stuck: Sequence[ContactPlace]
 ) -> frozenset[int]:
     """Plates without velocity that closed contacts with what does not move hold: as many rows of theirs are independent
     as the plate has freedoms. A belt moves a plate that sticks to it."""
-    some, held = bodies(case), set[int]()
+    some, anchors = bodies(case), set[int]()
     still = {b for b in plates_in(closed) if not velocity[3 * b : 3 * b + 3].any()}
     for _ in still:
-        for body in still - held:
+        for body in still - anchors:
             own = slice(3 * body, 3 * body + 3)
             rows = [
                 row[own] * np.sqrt(some.inverse[own])
                 for at, row in [*((at, at.lift_row) for at in closed), *((at, at.slip_row) for at in stuck)]
-                if body in at.sides and set(at.sides) <= held | {body} and at.pair.effect(Belt) is None
+                if body in at.sides and set(at.sides) <= anchors | {body} and at.pair.effect(Belt) is None
             ]
             freedoms = np.count_nonzero(some.inverse[own])
             if (
                 len(rows) >= freedoms
                 and np.linalg.matrix_rank(np.array(rows), tol=SAME_ROW * some.inverse[own].max() ** 0.5) == freedoms
             ):
-                held.add(body)
-    return frozenset(held)
+                anchors.add(body)
+    return frozenset(anchors)
 
 
 def sharing(now: Sequence[ContactPlace]) -> dict[int, int]:

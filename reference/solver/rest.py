@@ -13,7 +13,7 @@ from ..minimal.integrators.segment import Segment
 from ..minimal.series import EPS
 
 # A load is balanced if the least weight is no more negative than its rounding.
-BALANCED = -1e-11
+BALANCE = -1e-11
 # Looks at a load in time while it may end a rest, besides those that resolve its features.
 LOOKS = 64
 # A root is located to roundings of its time, the finest that SciPy allows, whatever the unit of time.
@@ -49,7 +49,7 @@ def first_loss(margin: Callable[[float], float], looks: list[float]) -> float | 
     last = looks[0]
     for look in looks:
         value = margin(look)
-        if value < BALANCED:
+        if value < BALANCE:
             # Without friction a load is balanced at single instants: no weights of any sign have its direction then.
             at_once = margin(last + AT_ONCE * (look - last)) == -inf
             if at_once or not margin(last) > 0.0:

@@ -9,9 +9,9 @@ import numpy as np
 from cases import Case, Impact
 
 from ..minimal.impact import ContactVelocity, collide, law_of
-from .bodies import bodies
 from .impact import ImpactVelocities, Inertia, impact_of_all
 from .places import ContactPlace, couple_of
+from .plate_numbers import bodies
 
 
 def strike(case: Case, t: float, velocity: np.ndarray, part: Sequence[ContactPlace], speed: float) -> ImpactVelocities:

@@ -58,7 +58,7 @@ Row = dict[tuple[int, int], Node]
 class ContactForm(NamedTuple):
     """What the equations of one contact depend on: the numbers of its plate and of its base (None: fixed), the
     structures of both elements (a corner's is the sign of its turn), its rows, its law of friction, at which ends of
-    both elements it passes on (`phase.ends_of`), the surface of its base, and the contact (its place among all) that
+    both elements it passes on (`regimes.ends_of`), the surface of its base, and the contact (its place among all) that
     has the friction force of both where two contacts of the same plates stick on one line: only its sum is unique.
     `resists`: whether it resists rolling; `guides`: where forces are not unique, which of its rows are used; `along`:
     an earlier contact of the same straight side.
@@ -102,12 +102,12 @@ class _Terms(NamedTuple):
 @in_one_thread
 def solver_system(
     forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws, rotation: Rotation = Rotation.FREE,
-    idle: tuple[str, ...] = (), held: frozenset[int] = frozenset(),
+    idle: tuple[str, ...] = (), anchors: frozenset[int] = frozenset(),
 ) -> System:  # fmt: skip
     """The equations of that many plates with contacts of those forms; those that rest do not move. `rotation`: how the
     contacts of the only plate resist its rotation; `idle`: guards that stay at zero, which have a slack (a parameter,
-    m/s²); `held`: plates whose contacts have forces that keep them where they are."""
-    return System(_equations(forms, count, resting, law, rotation, held).with_slack(idle))
+    m/s²); `anchors`: plates whose contacts have forces that keep them where they are."""
+    return System(_equations(forms, count, resting, law, rotation, anchors).with_slack(idle))
 
 
 def _at(name: str, body: int | None) -> tuple[Node, Node, Node]:
@@ -319,12 +319,12 @@ def _ratio(form: ContactForm, k: int, slip: Node) -> Node:
 
 def _equations(
     forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws, rotation: Rotation,
-    held: frozenset[int],
+    anchors: frozenset[int],
 ) -> Equations:  # fmt: skip
     terms = [_terms(form, k) for k, form in enumerate(forms)]
     free, by_load = _loads(law, count)
     forces, acceleration, painleve, couple = _forces(forms, terms, free, rotation)
-    acceleration |= {(b, c): ZERO for b in held for c in range(3)}  # exactly, so that no motion of roundings begins
+    acceleration |= {(b, c): ZERO for b in anchors for c in range(3)}  # exactly, so that no motion of roundings begins
     conditions, slip_rates, limits = dict[str, Node](), dict[str, Node](), dict[str, Node]()
     equalities = dict[str, Node]()
     outputs = list[Node]()

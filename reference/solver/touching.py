@@ -18,9 +18,9 @@ from cases.piece_case import PieceCase, _piece_case
 from cases.start_pose import OVERLAPS
 
 from ..minimal.element_meetings import elements
-from .bodies import size
-from .phase import AT_END
 from .places import TOUCHES, nearest
+from .plate_numbers import size
+from .regimes import AT_END
 from .shapes import guess, shapes
 
 # Samples at which the bend of an element is looked at.

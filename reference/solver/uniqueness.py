@@ -8,9 +8,9 @@ import numpy as np
 
 from cases import Case, Mode
 
-from .bodies import speed
-from .decide import Instant, motions_of
+from .decide import DecisionInstant, motions_of
 from .places import place
+from .plate_numbers import speed
 from .touching import name_of, touching_contacts
 
 # Relative error of a state that is given by formulas: a few roundings of its numbers.
@@ -27,6 +27,6 @@ def motions_in(case: Case, state: Sequence[float]) -> list[dict[str, Mode]]:
     touching, names = list(touching_contacts(case, np.asarray(state, dtype=float))), list[str]()
     for pair, _ in touching:
         names.append(name_of(pair, set(names)))
-    now = Instant(case, 0.0, tuple(map(float, state)), speed(case, state), ERROR)
+    now = DecisionInstant(case, 0.0, tuple(map(float, state)), speed(case, state), ERROR)
     motions = motions_of(now, [place(pair, state, points) for pair, points in touching])
     return [dict(zip(names, modes, strict=True)) for modes in motions]

@@ -21,11 +21,11 @@ from ..minimal.phase_end import (
 )
 from ..minimal.series import EPS
 from ..scales import speed_scale
-from .bodies import bodies, load_at, rows_of, size, speed
 from .hops import NestedSeries, Strike
 from .impact import NoImpact
-from .phase import LOST
 from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, project, without_velocity
+from .plate_numbers import bodies, load_at, rows_of, size, speed
+from .regimes import LOST
 from .strike import strike
 from .touching import name_of
 
@@ -60,7 +60,7 @@ class Watch:
     points: tuple[float, float]
     mode: Mode = Mode.FLIGHT
     lost: float = 0.0
-    passed: float = -1.0
+    pass_time: float = -1.0
     at_joint: bool = False
 
 
@@ -156,8 +156,8 @@ class WatchedPlates:
             watch.lost = LOST * at.clearance if np.isfinite(at.clearance) else 0.0  # also of one that rebounds
         self.speed = max(self.speed, speed(self.case, self.state))
         if closing is not None:
-            kept = [(watch, at) for watch, at in zip(touching, now, strict=True) if watch.name in closed]
-            self._remove_velocities(kept, stuck)
+            contacts_before = [(watch, at) for watch, at in zip(touching, now, strict=True) if watch.name in closed]
+            self._remove_velocities(contacts_before, stuck)
             stuck = self._impacts(touching, now, stuck)
         self._remove_velocities(
             [(watch, at) for watch, at in zip(touching, now, strict=True) if watch.name in self.touching], stuck

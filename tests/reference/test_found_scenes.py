@@ -24,7 +24,7 @@ from cases import (
 from cases.library import circle, ellipse
 from reference import contact_frame
 from reference.minimal.integrators import dop853, taylor
-from reference.solver.phase import PairKey, SolverRegime, solver_phase
+from reference.solver.regimes import PairKey, SolverRegime, solver_phase
 from tests.reference.test_random_effects import check_physics, with_effects
 from tests.reference.test_two_formulations import bouncing, check_agreement, output
 from tests.scenes.elliptic import ellipse_in_ellipse

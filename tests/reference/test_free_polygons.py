@@ -34,9 +34,9 @@ from cases.polygon_features import region_of, regions
 from reference.certification import certify
 from reference.delassus import bodies_motion, polygon_pairs
 from reference.paper.bodies import BodyContact, solve_bodies
-from reference.solver.bodies import bodies as numbers_of
-from reference.solver.bodies import load_at
 from reference.solver.places import place
+from reference.solver.plate_numbers import bodies as numbers_of
+from reference.solver.plate_numbers import load_at
 from reference.solver.touching import touching_contacts
 from tests.scenes.free_polygons import random_polygon_scene
 

@@ -29,7 +29,7 @@ from cases.curves import sin as sine
 from cases.library import line
 from reference.certification.witnesses import _by_second
 from reference.paper.bodies import BodyContact, solve_bodies
-from reference.solver.phase import SolverPhase, pair_of, regime_of
+from reference.solver.regimes import SolverPhase, pair_of, regime_of
 
 G = 9.81
 FREE = Gravity(G), Unilateral(), Flight()

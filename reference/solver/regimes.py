@@ -21,9 +21,9 @@ from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
 from ..minimal.phase_end import PIECE_ENDS
 from ..minimal.system import slack_name
-from .bodies import bodies
 from .contact_law import STICKING, coefficients, resisting_arm
 from .places import couple_of
+from .plate_numbers import bodies
 from .system import NO_ROWS, ContactForm, ContactRows, Rotation, solver_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of the outline's curvature: its
@@ -54,7 +54,7 @@ class SolverRegime(NamedTuple):
     the clearance (1/m) below which it is not watched any more; `turn`: the sense of a rotation of the only plate that
     closed contacts resist, 0 if they prevent it; None if none of them resists rolling. `guides`: where forces are not
     unique; (False, False) for contacts that are no part of it, or open. `along`: for each closed contact the place of
-    the first one of the same straight side; `held`: plates that contacts hold while others press on them;
+    the first one of the same straight side; `anchors`: plates that contacts hold while others press on them;
     `at_joint`: contacts that stay where two elements join, to rounding: they do not pass on within `AT_END`.
     """
 
@@ -68,7 +68,7 @@ class SolverRegime(NamedTuple):
     turn: int | None = None
     guides: Guides = ()
     along: tuple[int | None, ...] = ()
-    held: frozenset[int] = frozenset()
+    anchors: frozenset[int] = frozenset()
     at_joint: tuple[bool, ...] = ()
 
 
@@ -177,7 +177,7 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
     values["tau"] = float(regime.turn or 0)
     idle, turn = tuple(name for name, _ in regime.slack), regime.turn if any(form.resists for form in forms) else None
     rotation = Rotation.FREE if turn is None else Rotation.RESISTED if turn else Rotation.HELD
-    system = solver_system(tuple(forms), len(plates), regime.resting, laws(case), rotation, idle, regime.held)
+    system = solver_system(tuple(forms), len(plates), regime.resting, laws(case), rotation, idle, regime.anchors)
     parameters = parameter_values(case, values, system)
     reaches = bodies(case).reaches
     lengths = [length for reach in reaches for length in (reach, reach, 1.0)]
