@@ -17,7 +17,6 @@ import numpy as np
 from cases import Case, Flight, Mode, NotSupported, Trajectory, Transition
 from cases.contact import start_motion
 from cases.contact_limits import limitation, touches_by_features
-from cases.contact_pairs import pairs
 from cases.free_plates import names_of
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.trajectory import CONTACT
@@ -269,10 +268,8 @@ def _just_before(end: float) -> float:
 
 def components(case: Case) -> int:
     """The largest number of state components in any phase of the case."""
-    if case.others:
-        return 6 * (1 + len(case.others))
-    if touches_by_features(case):
-        return 6 + 2 * len(pairs(case))
+    if case.others or touches_by_features(case):
+        return max(len(segment.event.state) for segment in _motion(case).dense._segments)
     case = relative_case(case)
     regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
     here, start = start_pieces(case), start_state(case)
@@ -303,14 +300,17 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
     return _witness(f"component {component} moved by {roundings:g} roundings", motion)
 
 
-@lru_cache(maxsize=64)
 def _has_several_contacts(case: Case) -> bool:
     """Whether a motion goes on after a second contact."""
+    return len(_motion(case).contact_names) > 1
+
+
+@lru_cache(maxsize=64)
+def _motion(case: Case) -> Trajectory:
     try:
-        motion = solve.simulate(case)
+        return solve.simulate(case)
     except NotSupported:  # by the default method of this machine
-        motion = solve.simulate(case, method="dop853")
-    return len(motion.contact_names) > 1
+        return solve.simulate(case, method="dop853")
 
 
 def _shift(now: Phase, y: Sequence[float], component: int, roundings: float) -> tuple[float, ...]:

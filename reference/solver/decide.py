@@ -316,8 +316,8 @@ def _by_guides(
     for k, is_tangent in each:
         at = contacts[k]
         row = at.slip_row if is_tangent else at.lift_row
-        ratio = 0.0 if is_tangent else -SLIP_SIGN.get(modes[k], 0.0) * at.mu_of(velocity, now.time)
-        column = row + ratio * at.slip_row
+        slips = not is_tangent and modes[k] in SLIP_SIGN
+        column = row - (SLIP_SIGN[modes[k]] * at.mu_of(velocity, now.time) * at.slip_row if slips else 0.0)
         bias = at.slip_bias - at.belt_rate(now.time) if is_tangent else at.lift_bias
         if np.linalg.matrix_rank(_unit(np.array([*rows, row]) * np.sqrt(some.inverse)), tol=DEPENDENT) > len(rows):
             rows, columns, biases, picks[k][is_tangent] = [*rows, row], [*columns, column], [*biases, bias], True

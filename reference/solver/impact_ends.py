@@ -73,7 +73,7 @@ class ImpactEnds(WatchedPlates):
         if end is None or not end.time < self.case.duration:
             return
         limit, values = end.time, tuple(end.body)
-        hit = [watch for watch in self.watches if watch.name in end.contacts]
+        of_series = [watch for watch in self.watches if watch.name in end.contacts]
         near = [watch for watch in self.watches if watch.name in end.contacts or watch.name in self.touching]
         moving, others = np.array(values[self.half :]), [watch for watch in self.watches if watch not in near]
         ats = [(watch.name, place(watch.pair, values, watch.points)) for watch in others]
@@ -99,7 +99,7 @@ class ImpactEnds(WatchedPlates):
         if end.ends_cascade:
             self.hops.end_cascade()
         self.state, self.touching = state, {watch.name for watch in near}
-        self.causes = {watch.name: CAUSES["rest"] for watch in hit}
+        self.causes = {watch.name: CAUSES["rest"] for watch in of_series}
         if landing:
             self.hops.record(self.t, [], CAUSES["rest"])
             self.causes = {}
@@ -132,7 +132,7 @@ class ImpactEnds(WatchedPlates):
         return 0 < len(hops) == len(recent) and max(hops) <= height
 
     def _bouncing(self) -> frozenset[str]:
-        """The contacts that small impacts go on to hit, while others have come to rest."""
+        """The contacts that small impacts go on to of_series, while others have come to rest."""
         height, velocity = SMALL_HOP * size(self.case, self.state), self.velocity
         near = [(w, at) for w, at in zip(self.watches, self._places(self.watches), strict=True) if at.gap <= height]
         return self.hops.bouncing(

@@ -85,7 +85,7 @@ class CoupleSearch:
         every = pairs_that_touch(couple)
         self.quick = [(pair, some) for pair in every if (some := shapes(pair)) is not None]
         self.has_others = len(self.quick) < len(every)
-        self.known = {_in_round(pair) for pair, _ in self.quick}
+        self.quick_numbers = {_in_round(pair) for pair, _ in self.quick}
 
     @cached_property
     def boxes(self) -> ElementSearch:
@@ -114,12 +114,12 @@ class CoupleSearch:
         def around(first: Element, second: Element, ends: np.ndarray) -> list[Cores]:
             return _around(segment, in_view, first, second, ends)
 
-        found = self.boxes.first(poses, edges, exclusions | self.known, around)
-        if found is None:
+        first_box = self.boxes.first(poses, edges, exclusions | self.quick_numbers, around)
+        if first_box is None:
             return earliest
-        pair = _piece_case(couple, found.first.number, found.second.number)
-        near = found.xi1 - pair.first.shift, found.xi2 - pair.second.shift
-        return _locate(segment, n, pair, found.time, near)
+        pair = _piece_case(couple, first_box.first.number, first_box.second.number)
+        near = first_box.xi1 - pair.first.shift, first_box.xi2 - pair.second.shift
+        return _locate(segment, n, pair, first_box.time, near)
 
     def _first_of_shapes(
         self, segment: Segment, poses: Poses, edges: np.ndarray, exclusions: set[tuple[int, int]], n: int
