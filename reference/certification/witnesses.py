@@ -269,7 +269,8 @@ def _just_before(end: float) -> float:
 def components(case: Case) -> int:
     """The largest number of state components in any phase of the case."""
     if case.others or touches_by_features(case):
-        return max(len(segment.event.state) for segment in _motion(case).dense._segments)
+        segments, *_ = solve.solve_supports(relative_case(case), 1e-10, solve.INTEGRATORS["dop853"][1])
+        return max(len(segment.event.state) for segment in segments)
     case = relative_case(case)
     regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
     here, start = start_pieces(case), start_state(case)
@@ -300,17 +301,14 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
     return _witness(f"component {component} moved by {roundings:g} roundings", motion)
 
 
+@lru_cache(maxsize=64)
 def _has_several_contacts(case: Case) -> bool:
     """Whether a motion goes on after a second contact."""
-    return len(_motion(case).contact_names) > 1
-
-
-@lru_cache(maxsize=64)
-def _motion(case: Case) -> Trajectory:
     try:
-        return solve.simulate(case)
+        motion = solve.simulate(case)
     except NotSupported:  # by the default method of this machine
-        return solve.simulate(case, method="dop853")
+        motion = solve.simulate(case, method="dop853")
+    return len(motion.contact_names) > 1
 
 
 def _shift(now: Phase, y: Sequence[float], component: int, roundings: float) -> tuple[float, ...]:
