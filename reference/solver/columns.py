@@ -16,8 +16,8 @@ from cases.trajectory import CONTACT, ContactColumns
 from ..minimal.integrators.segment import Segment, blocks
 from ..minimal.modes import Phase
 from . import forces
+from .accelerations import balance_of, is_steady, load_and_units
 from .contact_law import STICKING
-from .decide import balance_of, is_steady, load_and_units
 from .places import ContactPlace, couple_of, groups, place, plates_in
 from .regimes import SolverPhase, SolverRegime, pair_of, regime_of, split
 from .system import COLUMNS

@@ -9,56 +9,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from math import copysign, inf
+from math import copysign
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, Mode
+from cases import Case, Mode
 from cases.corner import Corner
 
-from ..minimal.assembly import _MOTION
-from ..minimal.decision import AT_BOUND, Undecidable, _by_series, follows, slack_of, vanishes
-from ..minimal.effects import SLIP_SIGN, laws
-from ..minimal.elimination import T
-from . import forces
-from .contact_law import STICKING, TURNING_ROW, slip_modes
+from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
+from .accelerations import SAME, DecisionInstant, answer_by_numbers, rest_margin
+from .contact_law import STICKING, slip_modes
 from .places import ContactPlace, plates_in, sharing
-from .plate_numbers import bodies, load_at, load_scale, rows_of, speed
+from .plate_numbers import bodies, load_at, load_scale, rows_of
 from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
 from .rest import BALANCE
-
-# Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
-STILL = 1e-11
-# Accelerations that differ by less than this part of the largest are the same motion: series decide with 1e-12.
-SAME = 1e-7
-# Numbers exclude a combination of modes that violates a condition by this part of the largest force or acceleration.
-VIOLATED = 1e-6
-# Accelerations by this part of the largest apart are tried where forces that are not unique may change them.
-OTHER = 1e-3
-# Rows are dependent if one is the sum of others to this part.
-DEPENDENT = 1e-9
-
-
-class DecisionInstant(NamedTuple):
-    """What a decision needs: the case, time (s), the plates' state, the largest speed of the motion so far (m/s), and
-    the relative error of the state."""
-
-    case: Case
-    time: float
-    state: tuple[float, ...]
-    speed: float
-    error: float
-
-    @property
-    def velocity(self) -> np.ndarray:
-        """The velocities of all plates, (3n,)."""
-        return np.array(self.state[len(self.state) // 2 :])
-
-    @property
-    def still(self) -> float:
-        """The speed (m/s) below which a slip or a rim has none: the error of an event, or of a constraint's start."""
-        return max(vanishes(self.error) * speed(self.case, self.state), STILL * self.speed)
 
 
 class Decision(NamedTuple):
@@ -130,7 +95,7 @@ def _consistent(
         motions.append(_Motion(still, True, np.zeros(len(own)), turn))
     for modes, turn in _combinations(now, contacts, fixed):
         shares = shares_of(contacts, modes)
-        answer = _by_numbers(now, contacts, modes, shares, turn)
+        answer = answer_by_numbers(now, contacts, modes, shares, turn)
         if answer is None:
             is_singular = True
         elif (
@@ -233,202 +198,6 @@ def _combinations(
         resists = any(at.resisting_arm and mode is not Mode.FLIGHT for at, mode in zip(contacts, modes, strict=True))
         for turn in turns if resists else (None,):
             yield tuple(Mode.REST if mode in STICKING and turn == 0 else mode for mode in modes), turn
-
-
-class _Answer(NamedTuple):
-    """Accelerations (3n,) in some modes, whether numbers do not exclude them, whether they show that all contacts that
-    open do, and `guides` as of `SolverRegime`; `another`: further accelerations in the same modes, if they are not
-    unique."""
-
-    acceleration: np.ndarray
-    is_possible: bool
-    opens: bool
-    guides: Guides = ()
-    another: np.ndarray | None = None
-
-
-def _by_numbers(
-    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], shares: Mapping[int, int],
-    turn: int | None,
-) -> _Answer | None:  # fmt: skip
-    """The accelerations in these modes; None if neither forces nor accelerations are unique. `shares`: as of
-    `shares_of`."""
-    some, load, velocity = bodies(now.case), load_at(now.case, now.time, now.state), now.velocity
-    rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
-    for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
-        if mode is Mode.FLIGHT:
-            continue
-        ratio = -SLIP_SIGN.get(mode, 0.0)
-        column = at.lift_row + (ratio * at.mu_of(velocity, now.time) * at.slip_row if ratio else 0.0)
-        if turn:
-            column = column - turn * at.resisting_arm * TURNING_ROW
-        rows, columns, biases = [*rows, at.lift_row], [*columns, column], [*biases, at.lift_bias]
-        if mode in STICKING and i not in shares:
-            belt = at.belt_rate(now.time)
-            rows, columns, biases = [*rows, at.slip_row], [*columns, at.slip_row], [*biases, at.slip_bias - belt]
-    if turn == 0:
-        still_row = some.lengths[2] * TURNING_ROW
-        rows, columns, biases = [*rows, still_row], [*columns, still_row], [*biases, 0.0]
-    acceleration, values = load, np.zeros(0)
-    if rows:
-        matrix = np.array(rows) * some.inverse @ np.array(columns).T
-        sizes = np.sqrt(np.abs(np.diag(np.array(rows) * some.inverse @ np.array(rows).T)))
-        if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(rows):
-            return _by_guides(now, contacts, modes, turn)
-        values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
-        acceleration = load + some.inverse * (np.array(columns).T @ values)
-    weight = float((np.abs(load) * some.masses).max())
-    force = VIOLATED * max(weight, float(np.abs(values).max(initial=0.0)))
-    rate = VIOLATED * max(float(np.abs(load).max()), float(np.abs(acceleration * some.lengths).max()))
-    forces_left, possible, opens = iter(values.tolist()), True, True
-    frictions, bounds, couple = dict[int, float](), dict[int, float](), 0.0
-    for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
-        if mode is Mode.FLIGHT:
-            lift = float(at.lift_row @ acceleration) + at.lift_bias
-            possible, opens = possible and lift >= -rate, opens and lift > rate
-            continue
-        normal = next(forces_left)
-        possible &= normal >= -force
-        couple += at.resisting_arm * max(normal, 0.0)
-        if mode in STICKING:
-            holder = shares.get(i, i)
-            bounds[holder] = bounds.get(holder, 0.0) + at.stick * max(normal, 0.0) + force * (1.0 + min(at.stick, 1e3))
-            if holder == i:
-                frictions[i] = next(forces_left)
-    if turn == 0:
-        possible &= abs(next(forces_left)) * some.lengths[2] <= couple + force * some.lengths[2]
-    possible &= all(not abs(friction) > bounds[i] for i, friction in frictions.items())
-    return _Answer(acceleration, bool(possible), opens)
-
-
-def _by_guides(
-    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], turn: int | None
-) -> _Answer | None:
-    """The same where the rows depend on each other: some of them determine the motion, and forces that are not unique
-    have to give it. None where the acceleration is not unique, or where the rows contradict each other."""
-    some, load, velocity = bodies(now.case), load_at(now.case, now.time, now.state), now.velocity
-    closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
-    each = [(k, False) for k in closed] + [(k, True) for k in closed if modes[k] in STICKING]
-    rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
-    picks, others = [[False, False] for _ in contacts], list[tuple[np.ndarray, np.ndarray, float]]()
-    if turn == 0:
-        rows, columns, biases = [some.lengths[2] * TURNING_ROW], [some.lengths[2] * TURNING_ROW], [0.0]
-    for k, is_tangent in each:
-        at = contacts[k]
-        row = at.slip_row if is_tangent else at.lift_row
-        slips = not is_tangent and modes[k] in SLIP_SIGN
-        column = row - (SLIP_SIGN[modes[k]] * at.mu_of(velocity, now.time) * at.slip_row if slips else 0.0)
-        bias = at.slip_bias - at.belt_rate(now.time) if is_tangent else at.lift_bias
-        if np.linalg.matrix_rank(_unit(np.array([*rows, row]) * np.sqrt(some.inverse)), tol=DEPENDENT) > len(rows):
-            rows, columns, biases, picks[k][is_tangent] = [*rows, row], [*columns, column], [*biases, bias], True
-        else:
-            others.append((row, column, bias))
-    matrix = np.array(rows) * some.inverse @ np.array(columns).T
-    sizes = np.sqrt(np.diag(np.array(rows) * some.inverse @ np.array(rows).T))
-    if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(rows):
-        return None
-    values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
-    acceleration = load + some.inverse * (np.array(columns).T @ values)
-    rate = SAME * max(float(np.abs(load).max()), float(np.abs(acceleration * some.lengths).max()))
-    if any(abs(float(row @ acceleration) + bias) > rate for row, _, bias in others):
-        return None
-    away = [at for k, at in enumerate(contacts) if k not in closed]
-    lifts = [float(at.lift_row @ acceleration) + at.lift_bias for at in away]
-    some_contacts, some_modes = [contacts[k] for k in closed], [modes[k] for k in closed]
-
-    def is_balanced(acceleration: np.ndarray) -> bool:
-        margin = guided_margin(now.case, now.time, now.state, acceleration, some_contacts, some_modes, turn)
-        return margin >= BALANCE
-
-    if not is_balanced(acceleration):
-        return _Answer(acceleration, False, False)
-    # Forces that no row misses, of contacts that are left out: with friction they may have an acceleration.
-    another: np.ndarray | None = None
-    for _, column, _ in others:
-        balance = column - np.array(columns).T @ np.linalg.solve(matrix, np.array(rows) * some.inverse @ column)
-        change, own = (np.abs(each * np.sqrt(some.inverse)).max() for each in (balance, column))
-        if change > SAME * own:
-            step = OTHER * rate / SAME * some.inverse * balance / np.abs(some.inverse * balance * some.lengths).max()
-            another = next(
-                (acceleration + s * step for s in (1.0, -1.0) if is_balanced(acceleration + s * step)), another
-            )
-    opens = VIOLATED / SAME * rate
-    return _Answer(
-        acceleration, all(lift >= -opens for lift in lifts), all(lift > opens for lift in lifts),
-        tuple((normal, tangent) for normal, tangent in picks), another,
-    )  # fmt: skip
-
-
-def _unit(rows: np.ndarray) -> np.ndarray:
-    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
-
-
-def guided_margin(
-    case: Case, t: float, state: Sequence[float], acceleration: np.ndarray, closed: Sequence[ContactPlace],
-    modes: Sequence[Mode], turn: int | None,
-) -> float:  # fmt: skip
-    """`forces.margin` of contacts in those modes whose forces give their plates an acceleration (3n,)."""
-    return forces.margin(closed, *balance_of(case, t, state, acceleration, closed, modes, turn))
-
-
-class Balance(NamedTuple):
-    """What forces of contacts balance: the load less what gives the acceleration, the units of the equations, and the
-    limits of friction and of couples, as `forces.margin` has them."""
-
-    load: np.ndarray
-    units: np.ndarray
-    limits: list[forces.Limit]
-    couples: list[forces.Limit]
-
-
-def balance_of(
-    case: Case, t: float, state: Sequence[float], acceleration: np.ndarray, closed: Sequence[ContactPlace],
-    modes: Sequence[Mode], turn: int | None,
-) -> Balance:  # fmt: skip
-    """What the forces of contacts in those modes balance whose plates have an acceleration (3n,)."""
-    load, units = load_and_units(case, t, state, plates_in(closed))
-    velocity, limits = np.asarray(state[len(state) // 2 :], dtype=float), list[forces.Limit]()
-    for at, mode in zip(closed, modes, strict=True):
-        slips = forces.Slipping(-SLIP_SIGN[mode] * at.mu_of(velocity, t)) if mode in SLIP_SIGN else 0.0
-        limits.append(at.stick if mode in STICKING else slips)
-    couples = list[forces.Limit]()
-    for at in closed if turn is not None else ():
-        couples.append(forces.Slipping(-turn * at.resisting_arm) if turn else at.resisting_arm)
-    inertial = acceleration * bodies(case).masses * (units > 0.0)
-    sizes = float((np.abs(load) * units).max()), float((np.abs(inertial) * units).max())
-    right = load - inertial
-    right[np.abs(right) * units <= AT_BOUND * max(sizes)] = 0.0  # forces of roundings alone have no balance
-    return Balance(right, units, limits, couples)
-
-
-def rest_margin(case: Case, t: float, state: Sequence[float], contacts: Sequence[ContactPlace]) -> float:
-    """`forces.margin` of a group of contacts whose plates are still; −inf if they are not, or are on a belt, which may
-    move them. Raises Undecidable."""
-    plates, half = plates_in(contacts), len(state) // 2
-    moves = np.asarray(state[half:], dtype=float)[rows_of(plates)].any()
-    if moves or any(at.pair.effect(Belt) is not None for at in contacts):
-        return -inf
-    load, units = load_and_units(case, t, state, plates)
-    if not np.isfinite(load).all():
-        raise Undecidable
-    couples = [at.resisting_arm for at in contacts]
-    return forces.margin(contacts, load, units, [at.stick for at in contacts], couples if any(couples) else ())
-
-
-def is_steady(case: Case, plates: frozenset[int]) -> bool:
-    """Whether the load on some plates at rest stays the same."""
-    return 0 not in plates or not any(e.symbols & {T, _MOTION[0]} for e in laws(case).torsor)
-
-
-def load_and_units(
-    case: Case, t: float, state: Sequence[float], plates: frozenset[int]
-) -> tuple[np.ndarray, np.ndarray]:
-    """The load (3n,) on some plates (N, N, N m), and the units of the equations of their equilibrium: 0 for those of
-    other plates, and for the moment of a plate that cannot turn."""
-    some, own = bodies(case), np.zeros(len(state) // 2, dtype=bool)
-    own[rows_of(plates)] = True
-    own &= some.inverse > 0.0
-    return load_at(case, t, state) * np.where(own, some.masses, 0.0), own / some.lengths
 
 
 def _clusters(now: DecisionInstant, motions: Sequence[_Motion]) -> list[list[_Motion]]:

@@ -37,8 +37,8 @@ from ..minimal.phase_end import (
 )
 from ..scales import frequency
 from ..time_limit import check_time
+from .accelerations import guided_margin, is_steady, rest_margin
 from .contact_law import STICKING
-from .decide import guided_margin, is_steady, rest_margin
 from .meet import Meetings
 from .mode_changes import ModeChanges
 from .places import TOUCHES, ContactPlace, groups, place, plates_in, sides_of

@@ -16,8 +16,9 @@ from ..minimal.phase_end import (
     Ending,
 )
 from ..minimal.series import EPS
+from .accelerations import DecisionInstant
 from .contact_law import STICKING
-from .decide import Decision, DecisionInstant, decide, flat_of, shares_of
+from .decide import Decision, decide, flat_of, shares_of
 from .impact_ends import ImpactEnds
 from .places import ContactPlace, anchors_of, groups, plates_in
 from .plate_numbers import size

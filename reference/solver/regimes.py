@@ -22,9 +22,10 @@ from ..minimal.modes import Phase, Regime, _features
 from ..minimal.phase_end import PIECE_ENDS
 from ..minimal.system import slack_name
 from .contact_law import STICKING, coefficients, resisting_arm
+from .contact_terms import NO_ROWS, ContactForm, ContactRows, Rotation
 from .places import couple_of
 from .plate_numbers import bodies
-from .system import NO_ROWS, ContactForm, ContactRows, Rotation, solver_system
+from .system import solver_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of the outline's curvature: its
 # nearest points then move fast, and may soon be lost.

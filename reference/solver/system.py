@@ -10,92 +10,30 @@ from the same rows with the velocity of the base's frame at the plate's point: t
 from __future__ import annotations
 
 from collections import namedtuple
-from enum import Enum
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 from cases.derivation import in_one_thread
-from cases.expression_graph import ONE, ZERO, Node, call, node, sqrt, substitute, symbol
+from cases.expression_graph import ONE, ZERO, Node, node, substitute, symbol
 
 from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
-from ..minimal.effects import MASS, Coulomb, CoulombBySpeed, FixedSurface, Frictionless, Laws, Weight
-from ..minimal.elimination import GYRATION
-from ..minimal.frames import Frame, frame
+from ..minimal.effects import MASS, CoulombBySpeed, Laws, Weight
 from ..minimal.system import LOAD_FORCES, CheckLayout, Equations, System
+from .contact_terms import (
+    NO_ROWS,
+    RADIUS,
+    ContactForm,
+    ContactRows,
+    ContactTerms,
+    Rotation,
+    Row,
+    apply_row,
+    contact_terms,
+    variables_of,
+)
 
 # Columns of the outputs for each contact.
 COLUMNS = ("normal", "friction", "slip", "gap")
-
-# The radius of gyration of the only plate, m.
-RADIUS = sqrt(GYRATION)
-
-
-class Rotation(Enum):
-    """How the contacts resist the only plate's rotation: not at all, against its direction, or so that it does not
-    turn."""
-
-    FREE = "free"
-    RESISTED = "resisted"
-    HELD = "held"
-
-
-class ContactRows(Enum):
-    """What a contact contributes to the equations: nothing, a normal row, or a normal and a tangential row. A contact
-    that is away is one of plates at rest."""
-
-    AWAY = "away"
-    OPEN = "open"
-    SLIP = "slip"
-    STICK = "stick"
-
-
-NO_ROWS = ContactRows.AWAY, ContactRows.OPEN
-
-# A sum of velocities' or accelerations' components, by (plate, component).
-Row = dict[tuple[int, int], Node]
-
-
-class ContactForm(NamedTuple):
-    """What the equations of one contact depend on: the numbers of its plate and of its base (None: fixed), the
-    structures of both elements (a corner's is the sign of its turn), its rows, its law of friction, at which ends of
-    both elements it passes on (`regimes.ends_of`), the surface of its base, and the contact (its place among all) that
-    has the friction force of both where two contacts of the same plates stick on one line: only its sum is unique.
-    `resists`: whether it resists rolling; `guides`: where forces are not unique, which of its rows are used; `along`:
-    an earlier contact of the same straight side.
-    """
-
-    body: int
-    base: int | None
-    track: Any
-    outline: Any
-    kind: ContactRows
-    friction: Frictionless
-    ends: tuple[str, ...]
-    surface: FixedSurface = FixedSurface()
-    shares: int | None = None
-    resists: bool = False
-    guides: tuple[bool, bool] | None = None
-    along: int | None = None
-
-    @property
-    def rubs(self) -> bool:
-        """Whether there is friction with a bound."""
-        return isinstance(self.friction, Coulomb)
-
-
-class _Terms(NamedTuple):
-    """One contact's expressions: frames of both elements, rows of lift and slip velocity, slip relative to the base's
-    surface, gap, the parts of both rates that the velocities give, ṡ on both elements, the rates of ξ₁ and ξ₂, and the
-    clearance of the curvatures (None at a corner)."""
-
-    lift_row: Row
-    slip_row: Row
-    slip: Node
-    gap: Node
-    lift_bias: Node
-    slip_bias: Node
-    rates: tuple[Node, Node]
-    clearance: Node | None
 
 
 @lru_cache(maxsize=256)
@@ -108,71 +46,6 @@ def solver_system(
     contacts of the only plate resist its rotation; `idle`: guards that stay at zero, which have a slack (a parameter,
     m/s²); `anchors`: plates whose contacts have forces that keep them where they are."""
     return System(_equations(forms, count, resting, law, rotation, anchors).with_slack(idle))
-
-
-def _at(name: str, body: int | None) -> tuple[Node, Node, Node]:
-    """Three variables of a plate, zeros for what is fixed."""
-    if body is None:
-        return ZERO, ZERO, ZERO
-    x, y, angle = (("x", "y", "theta"), ("vx", "vy", "omega"))[name == "velocity"]
-    return symbol(f"{x}_{body}"), symbol(f"{y}_{body}"), symbol(f"{angle}_{body}")
-
-
-def _apply(row: Row, value) -> Node:
-    """The sum of a row's entries times the values of their components."""
-    total = ZERO
-    for place, entry in row.items():
-        total = total + entry * value(place)
-    return total
-
-
-def _terms(form: ContactForm, k: int) -> _Terms:
-    f = frame(form.track, symbol(f"xi1_{k}"), f"track_{k}_")
-    h = frame(form.outline, symbol(f"xi2_{k}"), f"outline_{k}_")
-    body, base = form.body, form.base
-    (x, y, _), (u, v, turn) = _at("position", body), _at("position", base)
-    spin, turning = _at("velocity", body)[2], _at("velocity", base)[2]
-    tx, ty = f.tx, f.ty
-    if base is not None:
-        c, s = call("cos", turn), call("sin", turn)
-        tx, ty = c * tx - s * ty, s * tx + c * ty
-    lift_row: Row = {(body, 0): -ty, (body, 1): tx, (body, 2): h.ht}
-    slip_row: Row = {(body, 0): tx, (body, 1): ty, (body, 2): -h.hn}
-    if base is not None:
-        lift_row |= {(base, 0): ty, (base, 1): -tx, (base, 2): -f.ht}
-        slip_row |= {(base, 0): -tx, (base, 1): -ty, (base, 2): f.hn}
-    velocity = lambda one: _at("velocity", one[0])[one[1]]  # noqa: E731
-    slip = _apply(slip_row, velocity)
-    gap = (y - v) * tx - (x - u) * ty + h.hn - f.hn
-    apart = gap if form.kind is ContactRows.OPEN else ZERO
-    along_track, along_outline, tangent_rate, clearance = _places(f, h, slip, spin, turning, apart)
-    lift_bias = spin * along_outline - turning * along_track - spin * spin * h.hn - slip * tangent_rate
-    slip_bias = -spin * spin * h.ht
-    if base is not None:
-        lift_bias, slip_bias = lift_bias + turning * turning * f.hn, slip_bias + turning * turning * f.ht
-    rate1 = node(f.sign) * (tangent_rate - turning) if f.sign else along_track / f.P
-    rate2 = node(h.sign) * (tangent_rate - spin) if h.sign else along_outline / h.P
-    surface = form.surface.of_contact(k).surface
-    return _Terms(
-        lift_row, slip_row, slip - surface.speed, gap, lift_bias, slip_bias - surface.rate, (rate1, rate2), clearance
-    )
-
-
-def _places(
-    f: Frame, h: Frame, slip: Node, spin: Node, turning: Node, gap: Node
-) -> tuple[Node, Node, Node, Node | None]:
-    """ṡ on both curves, the rate at which the common tangent turns, and the clearance."""
-    if f.sign:  # the base's point is a corner
-        along = -(slip + gap * spin) / (ONE + gap * h.curvature)
-        return ZERO, along, spin + h.curvature * along, None
-    seen = slip + gap * turning
-    shrink = ONE - gap * f.curvature
-    if h.sign:
-        along = seen / shrink
-        return along, ZERO, turning + f.curvature * along, None
-    clearance = h.curvature * shrink - f.curvature
-    along = (h.curvature * seen - (spin - turning)) / clearance
-    return along, along * shrink - seen, turning + f.curvature * along, clearance
 
 
 def _inverse(place: tuple[int, int]) -> Node:
@@ -215,7 +88,7 @@ def _solve(matrix: list[list[Node]], right: list[Node]) -> tuple[list[Node], Nod
 def _loads(law: Laws, count: int) -> tuple[dict[tuple[int, int], Node], tuple[Node, ...]]:
     """The accelerations of all plates without contacts, and what of a load is checked along each step. The case's load
     acts on the first plate, weight on all."""
-    own = dict(zip(_MOTION[1:], (*_at("position", 0), *_at("velocity", 0)), strict=True))
+    own = dict(zip(_MOTION[1:], (*variables_of("position", 0), *variables_of("velocity", 0)), strict=True))
     fx, fy, moment = substitute(law.torsor, own)
     result = {(0, 0): fx, (0, 1): fy, (0, 2): moment * MASS * _inverse((0, 2))}
     gx, gy, _ = next((load.torsor for load in law.loads if isinstance(load, Weight)), (ZERO, ZERO, ZERO))
@@ -235,7 +108,7 @@ class _Solution(NamedTuple):
 
 
 def _forces(
-    forms: tuple[ContactForm, ...], terms: list[_Terms], free: dict[tuple[int, int], Node], rotation: Rotation
+    forms: tuple[ContactForm, ...], terms: list[ContactTerms], free: dict[tuple[int, int], Node], rotation: Rotation
 ) -> _Solution:
     rows, columns, right = list[Row](), list[Row](), list[Node]()
     ratios = [_ratio(form, k, term.slip) for k, (form, term) in enumerate(zip(forms, terms, strict=True))]
@@ -253,15 +126,15 @@ def _forces(
             ):  # fmt: skip
                 if is_used:
                     rows, columns = [*rows, row], [*columns, force]
-                    right.append(-_apply(row, free.__getitem__) - bias)
+                    right.append(-apply_row(row, free.__getitem__) - bias)
             continue
         if form.resists and rotation is Rotation.RESISTED:
             column[form.body, 2] = column[form.body, 2] + symbol(f"rho_{k}")
         rows, columns = [*rows, term.lift_row], [*columns, column]
-        right.append(-_apply(term.lift_row, free.__getitem__) - term.lift_bias)
+        right.append(-apply_row(term.lift_row, free.__getitem__) - term.lift_bias)
         if sticks and form.shares is None:
             rows, columns = [*rows, term.slip_row], [*columns, term.slip_row]
-            right.append(-_apply(term.slip_row, free.__getitem__) - term.slip_bias)
+            right.append(-apply_row(term.slip_row, free.__getitem__) - term.slip_bias)
     if rotation is Rotation.HELD:
         turning: Row = {(0, 2): RADIUS}
         rows, columns, right = [*rows, turning], [*columns, turning], [*right, -RADIUS * free[0, 2]]
@@ -298,7 +171,9 @@ def _forces(
     return _Solution(forces, acceleration, painleve, next(values, None))
 
 
-def _turning_of_side(form: ContactForm, one: _Terms, other: _Terms, acceleration: dict[tuple[int, int], Node]) -> Node:
+def _turning_of_side(
+    form: ContactForm, one: ContactTerms, other: ContactTerms, acceleration: dict[tuple[int, int], Node]
+) -> Node:
     """ω̇ of a plate that lies flat, from the difference of both normal rows (8)″, in which translation vanishes: that
     of its base, and what centrifugal terms add."""
     lever = other.lift_row[form.body, 2] - one.lift_row[form.body, 2]
@@ -321,7 +196,7 @@ def _equations(
     forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws, rotation: Rotation,
     anchors: frozenset[int],
 ) -> Equations:  # fmt: skip
-    terms = [_terms(form, k) for k, form in enumerate(forms)]
+    terms = [contact_terms(form, k) for k, form in enumerate(forms)]
     free, by_load = _loads(law, count)
     forces, acceleration, painleve, couple = _forces(forms, terms, free, rotation)
     acceleration |= {(b, c): ZERO for b in anchors for c in range(3)}  # exactly, so that no motion of roundings begins
@@ -353,7 +228,7 @@ def _equations(
         if form.kind is ContactRows.SLIP and form.rubs:
             sigma = symbol(f"sigma_{k}")
             conditions[f"slip:{k}"] = sigma * term.slip
-            slip_rates[f"slip:{k}"] = sigma * (_apply(term.slip_row, acceleration.__getitem__) + term.slip_bias)
+            slip_rates[f"slip:{k}"] = sigma * (apply_row(term.slip_row, acceleration.__getitem__) + term.slip_bias)
     is_guided = any(form.guides is not None for form in forms)
     if rotation is not Rotation.FREE and not (is_guided and rotation is Rotation.HELD):
         bound = sum((symbol(f"arm_{k}") * forces[k][0] for k, form in enumerate(forms) if form.resists), ZERO)
@@ -362,9 +237,9 @@ def _equations(
     if painleve is not None and painleve.symbols:
         limits["painleve"] = painleve - node(PAINLEVE_LEAST**2)
     places = [symbol(f"xi{i}_{k}") for k in range(len(forms)) for i in (1, 2)]
-    positions = [*(v for b in range(count) for v in _at("position", b)), *places]
-    velocities = [v for b in range(count) for v in _at("velocity", b)]
-    still = {symbol_ for b in resting for symbol_ in _at("velocity", b)}
+    positions = [*(v for b in range(count) for v in variables_of("position", b)), *places]
+    velocities = [v for b in range(count) for v in variables_of("velocity", b)]
+    still = {symbol_ for b in resting for symbol_ in variables_of("velocity", b)}
     rates = [ZERO if v in still else v for v in velocities]
     for form, term in zip(forms, terms, strict=True):
         rates += term.rates if form.kind is not ContactRows.AWAY else (ZERO, ZERO)
@@ -380,14 +255,14 @@ def _equations(
 
 
 def _contradictions(
-    term: _Terms, form: ContactForm, k: int, acceleration: dict[tuple[int, int], Node]
+    term: ContactTerms, form: ContactForm, k: int, acceleration: dict[tuple[int, int], Node]
 ) -> dict[str, Node]:
     """By how much the acceleration misses the rows that are not used (m/s²), of both signs: it must not."""
     result = dict[str, Node]()
     rows = (term.lift_row, term.lift_bias), (term.slip_row, term.slip_bias)
     for i, (row, bias) in enumerate(rows[: 2 if form.kind is ContactRows.STICK else 1]):
         if form.guides is not None and not form.guides[i]:
-            off = _apply(row, acceleration.__getitem__) + bias
+            off = apply_row(row, acceleration.__getitem__) + bias
             result |= {f"row_{i}_above:{k}": off, f"row_{i}_below:{k}": -off}
     return result
 
@@ -398,14 +273,17 @@ def _resistance(
     """The conditions of rolling resistance, and the rates of those that are velocities."""
     if rotation is Rotation.RESISTED:
         tau = symbol("tau")
-        return {"turn": tau * _at("velocity", 0)[2] * RADIUS}, {"turn": tau * turning * RADIUS}
+        return {"turn": tau * variables_of("velocity", 0)[2] * RADIUS}, {"turn": tau * turning * RADIUS}
     assert couple is not None
     # Forward is the direction in which the plate begins to turn when the couple reaches its bound.
     return {"couple_forward": bound / RADIUS + couple, "couple_backward": bound / RADIUS - couple}, {}
 
 
 def _checked(
-    forms: tuple[ContactForm, ...], terms: list[_Terms], forces: list[tuple[Node, Node]], by_load: tuple[Node, ...]
+    forms: tuple[ContactForm, ...],
+    terms: list[ContactTerms],
+    forces: list[tuple[Node, Node]],
+    by_load: tuple[Node, ...],
 ) -> tuple[tuple[Node, ...], CheckLayout]:
     """What is checked along each step: arguments of laws of friction and of the load, then friction forces of slipping
     contacts and the load's (`minimal.assembly`)."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from cases import Case, Mode
 
-from .decide import DecisionInstant, motions_of
+from .accelerations import DecisionInstant
+from .decide import motions_of
 from .places import place
 from .plate_numbers import speed
 from .touching import name_of, touching_contacts

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from cases import Case, Mode
-from reference.solver.decide import Decision, DecisionInstant, GroupModes, decide, phase_of, variables
+from reference.solver.accelerations import DecisionInstant
+from reference.solver.decide import Decision, GroupModes, decide, phase_of, variables
 from reference.solver.places import ContactPlace, place, project
 from reference.solver.touching import touching_contacts
 
