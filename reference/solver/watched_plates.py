@@ -9,6 +9,7 @@ from math import prod
 import numpy as np
 
 from cases import Case, Impact, Mode
+from cases.chain import Chain
 from cases.corner import Corner
 from cases.piece_case import PieceCase
 from cases.supports import TRACK, base_of, has_slip_law
@@ -73,7 +74,7 @@ class WatchedPlates:
     def __init__(self, case: Case, t: float, state: tuple[float, ...]):
         self.case, self.t, self.state, self.half = case, t, state, len(state) // 2
         self.watches, self.touching, self.turns = list[Watch](), set[str](), True
-        self.hops, self.causes = NestedSeries(), dict[str, str]()
+        self.hops, self.causes, self.names = NestedSeries(), dict[str, str](), dict[tuple[int, int], str]()
         reaches = bodies(case).reaches
         self.speed = speed_scale(float(np.abs(load_at(case, 0.0, state)).max()), min(reaches))
 
@@ -90,9 +91,19 @@ class WatchedPlates:
         period = pair.pieces[0].period
         if period:  # in the first round, whichever the search came to
             points = points[0] - period * round(points[0] / period), points[1]
-        watch = Watch(name_of(pair, {watch.name for watch in self.watches}), pair, points)
+        watch = Watch(self._name_of(pair), pair, points)
         self.watches.append(watch)
         return watch
+
+    def _name_of(self, pair: PieceCase) -> str:
+        """The name of a contact that begins; elements of an outline keep theirs while they are not watched."""
+        outline, used = pair.whole.plate.outline, {watch.name for watch in self.watches}
+        if not isinstance(outline, Chain):
+            return name_of(pair, used | set(self.names.values()))
+        key = couple_of(pair).number, pair.second.number % len(outline.elements)
+        if self.names.get(key, "") in used | {""}:
+            self.names[key] = name_of(pair, used | set(self.names.values()))
+        return self.names[key]
 
     @staticmethod
     def _is_same_place(pair: PieceCase, one: tuple[float, float], other: tuple[float, float]) -> bool:
