@@ -18,6 +18,7 @@ from .hops import SeriesEnd
 from .places import TOUCHES, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, rows_of, size
 from .regimes import SolverPhase, SolverRegime, join, key_of, solver_phase
+from .touching import touching_contacts
 from .watched_plates import MotionEnds, Watch, WatchedPlates
 
 # Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the
@@ -27,6 +28,8 @@ LOW_HOP = 1e-12
 SMALL_HOP = 1e-9
 # Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
 ACCUMULATES = 1e-7
+# Contacts that may close at the end of impacts, whose time has a doubt, have gaps below this part of the plates' size.
+MAY_LAND = 1e-6
 
 
 class ImpactEnds(WatchedPlates):
@@ -73,6 +76,10 @@ class ImpactEnds(WatchedPlates):
         if end is None or not end.time < self.case.duration:
             return
         limit, values = end.time, tuple(end.body)
+        known = [(watch.pair, place(watch.pair, values, watch.points)) for watch in self.watches]
+        for pair, points in touching_contacts(self.case, np.array(values), MAY_LAND):
+            if not any(pair == one and self._is_same_place(pair, (at.xi1, at.xi2), points) for one, at in known):
+                self._watch(pair, points)
         of_series = [watch for watch in self.watches if watch.name in end.contacts]
         near = [watch for watch in self.watches if watch.name in end.contacts or watch.name in self.touching]
         moving, others = np.array(values[self.half :]), [watch for watch in self.watches if watch not in near]

@@ -69,7 +69,7 @@ def touching_contacts(
     """The pairs of elements that touch in a state of all plates, with their own parameters; `part`: of the plates' size
     and place, below which a gap is none."""
     poses = np.asarray(state[: len(state) // 2], dtype=float)
-    least, deepest = part * size(case, state), OVERLAPS * size(case, state)
+    least, deepest = part * size(case, state), max(part, OVERLAPS) * size(case, state)
     for couple in couples(case):
         x, y, theta = (float(v) for v in couple.relative_pose(poses))
         places = list[np.ndarray]()
