@@ -12,14 +12,13 @@ from ..minimal.bouncing import StraightStates
 from ..minimal.integrators.segment import Event, Segment
 from ..minimal.phase_end import (
     CAUSES,
-    Ending,
 )
 from .hops import SeriesEnd
 from .places import TOUCHES, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, rows_of, size
 from .regimes import SolverPhase, SolverRegime, join, key_of, solver_phase
 from .touching import touching_contacts
-from .watched_plates import MotionEnds, Watch, WatchedPlates
+from .watched_plates import Watch, WatchedPlates
 
 # Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the
 # plate's size, the gap at which contacts count as touching.
@@ -42,8 +41,8 @@ class ImpactEnds(WatchedPlates):
         """The contacts that an impact has just opened, whose hops rise no higher than positions' rounding: the other
         contacts' forces may drive plates together that their loads do not.
 
-        Where impacts follow each other ever faster without a fixed ratio, all of their contacts: which of them open is
-        a question of forces then. Raises MotionEnds if one of these opens faster."""
+        Where impacts follow each other ever faster without a fixed ratio, all of their contacts that open no faster: which
+        of them open is a question of forces then."""
         if not self.hops.strikes or self.hops.strikes[-1].time != self.t:
             return set()
         y = join(self.state, [watch.points for watch in self.watches])
@@ -58,16 +57,7 @@ class ImpactEnds(WatchedPlates):
                 continue
             if (lift > 0.0 and self._is_unresolved(lift, pull)) or (watch.name in recent and abs(lift) <= slow):
                 low.add(watch.name)
-            elif watch.name in recent:
-                raise MotionEnds(self._no_end_of_impacts(watch.name))
         return low
-
-    def _no_end_of_impacts(self, name: str) -> Ending:
-        return (
-            "accumulation",
-            f"Impacts at {', '.join(sorted(self.hops.strikes[-1].contacts))} follow each other ever faster at t = "
-            f"{self.t:.9g} s, without a fixed ratio, and {name} opens: their end is not computed.",
-        )
 
     def _end_bouncing(self) -> None:
         """Go to the instant at which impacts that accumulate end, if they do: plates move by less than rounding until

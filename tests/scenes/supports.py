@@ -62,12 +62,19 @@ def simulated(case: Case):
 
 
 def agree(case: Case, within: float = 1e-11) -> int:
-    """Compare both formulations' whole sequences; returns the number of changes, or raises AssertionError."""
+    """Compare both formulations' whole sequences, and the laws where the second one ends; returns the number of changes
+    that both have, or raises AssertionError."""
     motion, second = simulated(case), _by_second(case, "second", 1e-13)
-    assert (second.status, events(second)) == (motion.status, events(motion))
-    for one, other in zip(motion.transitions, second.transitions, strict=True):
+    changes, count = events(motion), len(motion.transitions)
+    if second.status == "breakdown":  # where two contacts hold one point of the plate, the first formulation goes on
+        assert not reference.check(case, motion)
+        count = len(second.transitions)
+    else:
+        assert second.status == motion.status
+    assert events(second) == changes[:count]
+    for one, other in zip(motion.transitions[:count], second.transitions, strict=True):
         assert abs(one.time - other.time) < within
-    return len(motion.transitions)
+    return count
 
 
 def random_case(seed: int) -> Case:
