@@ -25,8 +25,8 @@ from cases import Plate
 ZERO = 1e-7
 # Ranges narrower than this part of the load are one value: HiGHS' tolerance is below it.
 UNIQUE = 1e-8
-# A load has the direction of forces to this part: the rounding of its equations.
-WITHIN = 1e-12
+# A load has the direction of forces to this part: HiGHS is feasible to it, and states have the error of an integrator.
+WITHIN = 1e-9
 # Vertices of a polytope: so many bases are tried all at once, in the time of a tenth of one linear program. Bases whose
 # determinant is below SINGULAR of their columns' sizes have no vertex (three forces on one line: a rounding); weights
 # above −FEASIBLE are positive, as HiGHS takes them.

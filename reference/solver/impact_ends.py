@@ -41,8 +41,8 @@ class ImpactEnds(WatchedPlates):
         """The contacts that an impact has just opened, whose hops rise no higher than positions' rounding: the other
         contacts' forces may drive plates together that their loads do not.
 
-        Where impacts follow each other ever faster without a fixed ratio, all of their contacts that open no faster: which
-        of them open is a question of forces then."""
+        Where impacts follow each other ever faster without a fixed ratio, all of their contacts that open no faster:
+        which of them open is a question of forces then."""
         if not self.hops.strikes or self.hops.strikes[-1].time != self.t:
             return set()
         y = join(self.state, [watch.points for watch in self.watches])
