@@ -16,8 +16,8 @@ def test_both_formulations_have_the_same_random_sequences(seed):
 
 @pytest.mark.slow
 def test_a_plate_that_turns_about_a_point_held_by_two_contacts_goes_on():
-    # A rod's corner sticks in the corner of plane and wall, and the rod turns about it: four rows of rank two. The second
-    # formulation ends there.
+    # A rod's corner sticks in the corner of plane and wall, and the rod turns about it: four rows of rank two. The
+    # second formulation ends there.
     case = random_case(25)
     assert agree(case, 1e-10) == 5
     assert simulated(case).status == "completed" and len(simulated(case).transitions) > 5
