@@ -44,8 +44,8 @@ from .polygon_features import (
     regions,
     size_of_plate,
 )
-from .start_pose import StartPose
-from .supports import TRACK, enters, is_straight
+from .start_pose import OVERLAPS, StartPose
+from .supports import TRACK, cover, enters, is_straight, overlaps
 
 # Modes are enumerated: four for each contact of plates that touch each other.
 MOST = 8
@@ -243,19 +243,28 @@ def _check_effects(case: Any) -> None:
 
 def check_places(case: Any) -> None:
     """Raise DoesNotFit if plates overlap each other or a support where the motion begins."""
-    names, plates, poses = names_of(case), plates_of(case), start_poses(case)[:, :3].tolist()
+    names, plates, poses = names_of(case), plates_of(case), start_poses(case)
+    if not why_not_closed_forms(case):
+        for contact in plate_contacts(case):
+            gap = gap_of(contact, poses)
+            if gap < -OVERLAPS * size_of(poses, tuple(map(size_of_plate, plates))):
+                raise DoesNotFit(f"{contact.name} overlap by {-gap:.6g} m where they begin; give another StartPose")
+        return
     fixed = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
     for b, plate in enumerate(plates):
+        pose = poses[b, :3].tolist()
         for name, curve in fixed:
-            if enters(curve, plate.outline, *poses[b]):
+            if overlaps(curve, plate, *pose):
                 raise DoesNotFit(f"{names[b]}/{name} overlap where they begin; give another StartPose")
         for a, base in enumerate(plates[:b]):
-            (x, y, theta), (u, v, turn) = poses[b], poses[a]
-            if hypot(x - u, y - v) > plate.reach + base.reach:
-                continue
-            dx, dy = local_centre([u, v, turn], x, y)
-            if enters(backwards(base.outline), plate.outline, dx, dy, theta - turn):
+            x, y = local_centre(poses[a], *pose[:2])
+            if hypot(x, y) <= plate.reach + base.reach and _both_overlap(base, plate, x, y, pose[2] - poses[a, 2]):
                 raise DoesNotFit(f"{names[b]}/{names[a]} overlap where they begin; give another StartPose")
+
+
+def _both_overlap(base: Plate, plate: Plate, x: float, y: float, theta: float) -> bool:
+    """Whether two plates overlap, the second one in a pose in the frame of the first one."""
+    return enters(backwards(base.outline), plate.outline, x, y, theta) or cover(base, plate, x, y, theta)
 
 
 def size_of(poses: np.ndarray, radii: tuple[float, ...]) -> float:

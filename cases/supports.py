@@ -26,6 +26,7 @@ from .outline_features import arc_ranges, features, is_arc, sides
 from .overlap import first_overlap, span
 from .own_effects import own_effects
 from .piece_contact import Chains, find
+from .plate import Plate
 from .start_overlap import deepest_overlap
 
 # The name of the track among the supports.
@@ -38,6 +39,9 @@ DEPTH = 1e-9
 FOOT_STEPS = 8
 # Samples at which the bend of a support is looked at.
 HOLLOW_SAMPLES = 2_001
+# Points of an outline by which overlaps of plates are seen, and how deep (in units of the reach): an arc is 1e-5 of its
+# radius away from the chord of two points.
+SAMPLES, SAMPLED_DEPTH = 721, 1e-4
 # The centre of mass as a feature of the outline.
 CENTRE = Corner(0.0, 0.0, 0.0, pi)
 # Effects that a support may have of its own; those by which it resists slip and rotation, and which it has instead of
@@ -267,27 +271,62 @@ def is_hill(curve: Curve) -> bool:
 
 def check_start(case: Any, x: float, y: float, theta: float) -> None:
     """Raise DoesNotFit if the plate overlaps a support where the motion begins."""
-    outline: Curve = case.plate.outline
-    c, s = cos(theta), sin(theta)
-    u, v = outline.point(outline.vertices(0.01) if isinstance(outline, Chain) else np.linspace(*outline.span, 721))
-    points = np.array([x + c * u - s * v, y + s * u + c * v])
     for support in case.supports:
-        curve, line = support.curve, as_line(support.curve)
-        if line is not None and curve.domain is None:
-            normal, near = np.array([-line.direction[1], line.direction[0]]), curve.span[0]
-            is_deep = float((normal @ (points - line.point[:, None])).min()) < -DEPTH * case.plate.reach
-            for _ in range(FOOT_STEPS):
-                near += float((np.array([x, y]) - curve.point(near)) @ line.direction) / float(curve.speed(near))
-        elif isinstance(curve, Chain):
-            is_deep, near = bool(enters(curve, outline, x, y, theta)), 0.0
-        else:
-            near = nearest_samples(curve, CENTRE, x, y, theta)[0][0]
-            px, py, angle, at = (np.array([value]) for value in (x, y, theta, near))
-            is_deep = first_overlap(curve, outline, px, py, angle, at) is not None
-            is_deep |= isinstance(outline, Chain) and _crosses(curve, outline, x, y, theta)
-        deepest = None if is_deep or isinstance(curve, Chain) else deepest_overlap(curve, outline, x, y, theta, near)
-        if is_deep or (deepest is not None and deepest.depth > DEPTH * case.plate.reach):
+        if overlaps(support.curve, case.plate, x, y, theta):
             raise DoesNotFit(f"the plate overlaps support {support.name!r} where it begins; give another start")
+
+
+def overlaps(curve: Curve, plate: Plate, x: float, y: float, theta: float) -> bool:
+    """Whether a plate in a pose lies deeper than DEPTH behind a curve, whose free side is its left."""
+    outline, c, s = plate.outline, cos(theta), sin(theta)
+    line = as_line(curve)
+    if line is not None and curve.domain is None:
+        u, v = outline.point(outline.vertices(0.01) if isinstance(outline, Chain) else np.linspace(*outline.span, 721))
+        points = np.array([x + c * u - s * v, y + s * u + c * v])
+        normal, near = np.array([-line.direction[1], line.direction[0]]), curve.span[0]
+        is_deep = float((normal @ (points - line.point[:, None])).min()) < -DEPTH * plate.reach
+        for _ in range(FOOT_STEPS):
+            near += float((np.array([x, y]) - curve.point(near)) @ line.direction) / float(curve.speed(near))
+    elif isinstance(curve, Chain):
+        return bool(enters(curve, outline, x, y, theta))
+    else:
+        near = nearest_samples(curve, CENTRE, x, y, theta)[0][0]
+        px, py, angle, at = (np.array([value]) for value in (x, y, theta, near))
+        is_deep = first_overlap(curve, outline, px, py, angle, at) is not None
+        is_deep |= isinstance(outline, Chain) and _crosses(curve, outline, x, y, theta)
+    deepest = None if is_deep else deepest_overlap(curve, outline, x, y, theta, near)
+    return is_deep or (deepest is not None and deepest.depth > DEPTH * plate.reach)
+
+
+def cover(one: Plate, other: Plate, x: float, y: float, theta: float) -> bool:
+    """Whether a plate in a pose in the frame of `one` has points deeper inside that, or the other way round, than
+    SAMPLES points of both outlines show."""
+    c, s = cos(theta), sin(theta)
+    own, further = (_samples(plate.outline) for plate in (one, other))
+    u, v = further
+    placed = np.array([x + c * u - s * v, y + s * u + c * v])
+    return _any_inside(own, placed, one.reach) or _any_inside(placed, own, other.reach)
+
+
+def _samples(outline: Curve) -> np.ndarray:
+    if isinstance(outline, Chain):
+        return np.asarray(outline.point(outline.vertices(0.001)))
+    return np.asarray(outline.point(np.linspace(*outline.span, SAMPLES)))
+
+
+def _any_inside(closed: np.ndarray, points: np.ndarray, reach: float) -> bool:
+    """Whether a point (2, n) is deep inside a closed line of points (2, m), by the number of its edges on one side."""
+    (ax, ay), (bx, by) = closed, np.roll(closed, -1, axis=1)
+    x, y = points[0][:, None], points[1][:, None]
+    spans = (ay > y) != (by > y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = x < ax + (y - ay) * (bx - ax) / (by - ay)
+    inside = (spans & left).sum(axis=1) % 2 == 1
+    if not inside.any():
+        return False
+    u, v, dx, dy = x[inside] - ax, y[inside] - ay, bx - ax, by - ay
+    along = np.clip((u * dx + v * dy) / np.maximum(dx * dx + dy * dy, 1e-300), 0.0, 1.0)
+    return bool(np.hypot(u - along * dx, v - along * dy).min(axis=1).max() > SAMPLED_DEPTH * reach)
 
 
 def enters(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> bool:

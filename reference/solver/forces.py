@@ -123,9 +123,11 @@ def margin(
         return 0.0
     right = right / size
     matrix = np.column_stack([columns, columns.sum(axis=1)])
-    nearest, *_ = np.linalg.lstsq(matrix, right, rcond=None)
-    if np.abs(matrix @ nearest - right).max() > WITHIN:
+    basis, sizes, _ = np.linalg.svd(matrix)
+    rank = int((sizes > SINGULAR * sizes[0]).sum())
+    if np.abs(basis[:, rank:].T @ right).max(initial=0.0) > WITHIN:
         return -inf
+    matrix, right = basis[:, :rank].T @ matrix, basis[:, :rank].T @ right  # presolve takes roundings of others for rows
     count = columns.shape[1]
     answer = linprog(
         np.append(np.zeros(count), -1.0), A_eq=matrix, b_eq=right, bounds=[(0.0, None)] * count + [(None, 1.0)]
@@ -141,7 +143,7 @@ def margin(
         if np.linalg.matrix_rank(matrix[:, [*active, k]], tol=SINGULAR) > len(active):
             active = np.append(active, k)
     exact, *_ = np.linalg.lstsq(matrix[:, active], right, rcond=None)
-    is_vertex = np.abs(matrix[:, active] @ exact - right).max() < 1e-12 and exact[1:].min(initial=0.0) > -ZERO
+    is_vertex = np.abs(matrix[:, active] @ exact - right).max() < WITHIN and exact[1:].min(initial=0.0) > -ZERO
     return float(exact[0]) if is_vertex else float(answer.x[-1])
 
 

@@ -11,6 +11,7 @@ from cases import (
     Chain,
     CoulombFriction,
     Curve,
+    DoesNotFit,
     Drive,
     Flight,
     FreePlate,
@@ -159,6 +160,15 @@ SCENES = {
         circle(1.0), disc(0.1, 1.0), (*RUBS, Drive(x="0.1*sin(5*t)"), Load(fx="0.5*sin(3*t)")), Start(-pi / 2, 0.0), 1.0
     ),
 }  # fmt: skip
+
+
+@pytest.mark.parametrize("at", [(0.5, 0.3, 0.0), (0.52, 0.31, 1.0), (0.5, 0.58, 0.0)])
+def test_plates_of_any_shape_that_overlap_where_they_begin_are_rejected(at):
+    """A disc inside a half disc, the other way round, and a half disc that another one enters."""
+    for plate in (disc(0.05, 1.0), HALF_DISC):
+        with pytest.raises(DoesNotFit, match="overlap where they begin"):
+            other = FreePlate(plate, StartPose(*at), "second")
+            Case(WAVE, HALF_DISC, RUBS, StartPose(0.5, 0.4), 1.0, others=(other,))
 
 
 @pytest.mark.parametrize("name", SCENES)
