@@ -18,7 +18,7 @@ from .places import TOUCHES, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, rows_of, size
 from .regimes import SolverPhase, SolverRegime, join, key_of, solver_phase
 from .touching import touching_contacts
-from .watched_plates import Watch, WatchedPlates
+from .watched_plates import CLOSES, Watch, WatchedPlates
 
 # Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the
 # plate's size, the gap at which contacts count as touching.
@@ -55,7 +55,8 @@ class ImpactEnds(WatchedPlates):
             lift, pull = float(at.lift_row @ velocity), -float(at.lift_row @ acceleration + at.lift_bias)
             if at.gap > TOUCHES * size(self.case, self.state):
                 continue
-            if (lift > 0.0 and self._is_unresolved(lift, pull)) or (watch.name in recent and abs(lift) <= slow):
+            is_slow = watch.name in recent and CLOSES * self.speed < abs(lift) <= slow
+            if is_slow or (lift > 0.0 and self._is_unresolved(lift, pull)):
                 low.add(watch.name)
         return low
 

@@ -110,7 +110,10 @@ class PlatesSimulation(ModeChanges):
         """Add a segment to the motion. Raises MotionEnds where too many in a row took no time."""
         self.segments.append(segment)
         self.work += segment.steps
-        self.idle = self.idle + 1 if segment.event.time == self.t else 0
+        self._count_idle(segment.event.time == self.t)
+
+    def _count_idle(self, is_idle: bool) -> None:
+        self.idle = self.idle + 1 if is_idle else 0
         if self.idle > STUCK:
             raise MotionEnds(("accumulation", f"{STUCK} changes of mode took no time at t = {self.t:.9g} s."))
 
@@ -155,6 +158,7 @@ class PlatesSimulation(ModeChanges):
             self.touching = {w.name for w in self.watches if w.mode is not Mode.FLIGHT} | low
             self.causes = dict.fromkeys(low, CAUSES["rest"])
             self._settle({w.name for w in self.watches if w.mode in STICKING})
+            self._count_idle(True)
             return None
         y = join(self.state, [watch.points for watch in self.watches])
         limit, holders = self._limit_of_rest(regime)
