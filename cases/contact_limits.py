@@ -8,12 +8,11 @@ from .case_class import Case
 from .chain import Chain
 from .contact_pairs import pairs, pairs_in_pose
 from .curves import Curve
-from .effects import Flight, Unilateral
+from .effects import Flight
 from .outline_features import features
-from .own_effects import own_effects
 from .piece_case import has_pieces
 from .start_pose import TOUCHES
-from .supports import exclusion, has_rolling_resistance, is_general, is_hill, why_not_by_features
+from .supports import exclusion, is_general, is_hill, why_not_by_features
 
 
 def limitation(case: Case) -> str:
@@ -34,12 +33,6 @@ def is_general_case(case: Case) -> bool:
         return True
     fixed_with_corners = has_pieces(case) and not case.plate.turns
     return fixed_with_corners or (bool(case.supports) and is_general(case))
-
-
-def can_be_general(case: Case) -> bool:
-    """Whether the effects of a case are those of several contacts in any pose: a guide, effects of packages and rolling
-    resistance are not."""
-    return case.effect(Unilateral) is not None and not own_effects(case.effects) and not has_rolling_resistance(case)
 
 
 def touches_by_features(case: Case) -> bool:

@@ -16,9 +16,6 @@ from .chain import Chain
 from .corner import Corner, Edge
 from .plate import Plate
 
-# A centre on the border of two regions is in the one to which it moves: compared after this part of the plate's reach.
-AHEAD = 1e-12
-
 
 class TouchCircle(NamedTuple):
     """A circle that touches: its centre in the plate's frame and its radius (m); of a corner the direction (rad) of the
@@ -132,20 +129,6 @@ def region_of(some: tuple[Region, ...], x, y):
         outside = [] if one.corner else [(x - one.x) * one.ty - (y - one.y) * one.tx]
         values.append(np.min([*borders, *outside], axis=0))
     return np.argmax(values, axis=0)
-
-
-def region_ahead(plate: Plate, base: np.ndarray, base_rate: np.ndarray, x: np.ndarray, rate: np.ndarray) -> int:
-    """The number of the region in which a disc's centre `x` with velocity `rate`, (2,) each, is or goes to. `base`,
-    `base_rate`: pose and velocities of the polygon."""
-    u, v = local_centre(base, *x)
-    offset = x - base[:2]
-    relative = rate - base_rate[:2] - base_rate[2] * np.array([-offset[1], offset[0]])
-    speed = float(np.hypot(*relative))
-    if speed > 0.0:
-        a, b = local_centre(np.array([0.0, 0.0, base[2]]), *(relative / speed))
-        step = AHEAD * plate.reach
-        u, v = u + step * a, v + step * b
-    return int(region_of(regions(plate), u, v))
 
 
 def place_in_region(one: Region, x, y, radius: float):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import frexp, inf, ldexp, sqrt
+from math import frexp, ldexp, sqrt
 from typing import Any, Protocol
 
 import numpy as np
@@ -56,16 +56,6 @@ def looks_between(times: np.ndarray) -> np.ndarray:
 # The part of the motion's time scale after which a straight continuation of second order is off by more than a rounding
 # of the pose: the neglected term is its cube, over six.
 STRAIGHT = 1e-5
-
-
-def doubt_of_closing(rounding: float, closing: float, bend: float, often: float) -> float:
-    """By how much (s) the time is in doubt at which a gap closes that is known to a rounding (m), with that closing
-    speed (m/s) and second derivative (m/s²): τ of closing τ + ½ |bend| τ² = rounding.
-
-    Of a contact that touches without force both may vanish, and are roundings: it has no time of closing. So the doubt
-    is at most `STRAIGHT` of the motion's time scale, of frequency `often` (1/s)."""
-    root = closing + sqrt(closing * closing + 2.0 * abs(bend) * rounding)
-    return min(2.0 * rounding / root if root > 0.0 else inf, STRAIGHT / often if often > 0.0 else 0.0)
 
 
 # --- speeds -------------------------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ computed N dips below zero depends on the error of the integration.
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -47,13 +47,6 @@ def over_touch(segment: Segment, guard: str, error: float, end: float) -> Segmen
         return np.polynomial.polynomial.polyval(times - t, motion.T)
 
     return Segment.of(now, np.array([t, t + lasts]), states, Event(None, t + lasts, tuple(last.tolist())), 1)
-
-
-def depth_of_dip(now: Phase, guard: str, t: float, y) -> float:
-    """How deep a condition that has reached zero at (t, y) falls below it, by its parabola; infinite if it does not
-    rise again."""
-    value, slope, bend = _series_of(now, guard, t, y, 2)[1][:3]
-    return slope * slope / (4.0 * bend) - value if bend > 0.0 else inf
 
 
 def _expand(now: Phase, guard: str, t: float, y) -> tuple[np.ndarray, list[float]]:

@@ -18,8 +18,6 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from cases import Plate
-
 # Weights below this part of the load count as zero where a linear program (HiGHS: feasible to 1e-9) ends; the active
 # equations are then solved again.
 ZERO = 1e-7
@@ -40,11 +38,6 @@ class RowsOfContact(Protocol):
     def lift_row(self) -> np.ndarray: ...
     @property
     def slip_row(self) -> np.ndarray: ...
-
-
-def units_of(plate: Plate) -> np.ndarray:
-    """The units of one plate's equations of equilibrium; a plate that does not turn has none for moments."""
-    return np.array([1.0, 1.0, 1.0 / plate.gyration if plate.turns else 0.0])
 
 
 class Slipping(NamedTuple):

@@ -130,7 +130,7 @@ class ImpactEnds(WatchedPlates):
         return 0 < len(hops) == len(recent) and max(hops) <= height
 
     def _bouncing(self) -> frozenset[str]:
-        """The contacts that small impacts go on to of_series, while others have come to rest."""
+        """The contacts that small impacts go on to hit, while others have come to rest."""
         height, velocity = SMALL_HOP * size(self.case, self.state), self.velocity
         near = [(w, at) for w, at in zip(self.watches, self._places(self.watches), strict=True) if at.gap <= height]
         return self.hops.bouncing(

@@ -95,7 +95,7 @@ class CoupleSearch:
     def first(
         self, segment: Segment, edges: np.ndarray, in_view: Sequence[tuple[int, PieceCase]], n: int
     ) -> CoupleMeeting | None:
-        """The first meeting in a segment between these times; `watched`: pairs with their places in the regime, `n`:
+        """The first meeting in a segment between these times; `in_view`: pairs with their places in the regime, `n`:
         how many plates there are."""
         couple = self.couple
 

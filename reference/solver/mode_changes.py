@@ -57,8 +57,10 @@ class ModeChanges(ImpactEnds):
             fixed = {i: self.fixed[name] for i, name in enumerate(names) if name in self.fixed}
             last_modes = tuple(closed[k].mode for k in group) if self.released & set(names) else None
             decision = decide(now, some, fixed, last_modes)
-            if (fixed and not decision.motions) or self._stays_without_force(now, some, fixed):
-                decision = decide(now, some, {})
+            if fixed:
+                free = decide(now, some, {})
+                if not decision.motions or self._stays_without_force(free, fixed):
+                    decision = free
             if decision.modes is None:
                 raise MotionEnds(self._no_modes(names, decision))
             modes |= dict(zip(names, decision.modes, strict=True))
@@ -87,12 +89,9 @@ class ModeChanges(ImpactEnds):
         return self._regime(resting, slack, turn, guides)
 
     @staticmethod
-    def _stays_without_force(
-        now: DecisionInstant, some: Sequence[ContactPlace], fixed: dict[int, tuple[Mode, ...]]
-    ) -> bool:
+    def _stays_without_force(free: Decision, fixed: dict[int, tuple[Mode, ...]]) -> bool:
         """Whether a contact that is to open, as its force has vanished, neither opens nor has a force from then on."""
-        slack = decide(now, some, {}).slack if fixed else ()
-        return any(f"normal:{k}" == name for k in fixed for name, _ in slack)
+        return any(f"normal:{k}" == name for k in fixed for name, _ in free.slack)
 
     def _record(self, modes: dict[str, Mode]) -> None:
         """List the changes of modes; contacts that have opened and are far away are no longer watched."""

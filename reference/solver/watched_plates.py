@@ -22,6 +22,7 @@ from ..minimal.phase_end import (
 )
 from ..minimal.series import EPS
 from ..scales import speed_scale
+from .accelerations import STILL
 from .hops import NestedSeries, Strike
 from .impact import NoImpact
 from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, project, without_velocity
@@ -216,7 +217,7 @@ class WatchedPlates:
             closing = [k for k in group if lifts[k] < -CLOSES * self.speed]
             near = [k for k in group if lifts[k] <= CLOSES * self.speed]
             if not closing:
-                still = 1e-11 * self.speed
+                still = STILL * self.speed
                 staying |= {touching[k].name for k in near}
                 sticking |= {
                     touching[k].name for k in near
