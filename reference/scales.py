@@ -53,11 +53,6 @@ def looks_between(times: np.ndarray) -> np.ndarray:
     return (times[:-1, None] + np.diff(times)[:, None] * parts).ravel()
 
 
-# The part of the motion's time scale after which a straight continuation of second order is off by more than a rounding
-# of the pose: the neglected term is its cube, over six.
-STRAIGHT = 1e-5
-
-
 # --- speeds -------------------------------------------------------------------------------------------------------
 
 

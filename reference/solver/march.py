@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, DoesNotFit, Mode, Transition
+from cases import Belt, Case, DoesNotFit, Mode, Transition
 from cases.contact import belt_speed, start_motion
 from cases.contact_limits import has_features
 from cases.couples import couples
@@ -35,7 +35,7 @@ from ..minimal.phase_end import (
     undecidable,
     work_limit_ending,
 )
-from ..scales import frequency
+from ..scales import frequency, looks_between
 from ..time_limit import check_time
 from .accelerations import guided_margin, is_steady, rest_margin
 from .contact_law import STICKING
@@ -244,8 +244,11 @@ class PlatesSimulation(ModeChanges):
         self.state, points = split(self.case, segment.event.state)
         for watch, pair in zip(self.watches, points, strict=True):
             watch.points = pair
-        belts = [abs(float(belt_speed(watch.pair, self.t))) for watch in self.watches]
-        self.speed = max(self.speed, speed(self.case, self.state), *belts, 0.0)
+        # A belt may stop, or turn back, at both ends of a step.
+        belts = [watch.pair for watch in self.watches if watch.pair.effect(Belt) is not None]
+        times = [self.t, *looks_between(segment.times).tolist()] if belts else []
+        speeds = [abs(float(belt_speed(pair, t))) for pair in belts for t in times]
+        self.speed = max(self.speed, speed(self.case, self.state), *speeds)
 
     def _event(self, segment: Segment, stuck: set[str]) -> Ending | None:
         guard = segment.event.guard
