@@ -147,7 +147,7 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     """Why a route does not support a case, in one sentence, or None: by what the adapter has to declare, then by its
     own `refuses`."""
     # These import SymPy, which a command's help does not need.
-    from cases import Drive, Load
+    from cases import Drive
     from cases.free_plates import why_not_closed_forms
     from cases.own_effects import own_effects
     from cases.piece_case import has_pieces
@@ -165,8 +165,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route supports several plates if all of them are discs."
     if case.others and (reason := why_not_closed_forms(case)):
         return f"The {route} route supports discs and one convex polygon on straight lines: {reason}."
-    if case.others and (case.effect(Load) is not None or has_belt(case)):
-        return f"The {route} route does not support a load or a belt with several plates."
+    if case.others and (missing := _not_with_plates(case)):
+        return f"The {route} route does not support {missing} with several plates."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."
     if case.supports and not case.others and is_general(case):
@@ -186,6 +186,25 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     if is_driven and (has_pieces(case) or case.supports) and route not in getattr(adapter, "DRIVEN_CONTACTS", ()):
         return f"The {route} route does not support a driven track together with corners or supports."
     return adapter.refuses(case, route)
+
+
+def _not_with_plates(case: Case) -> str:
+    """What of a case with several plates no route models; "" if nothing."""
+    from cases import Drive, Impact
+    from cases.free_plates import loads_of
+    from cases.own_effects import own_effects
+    from cases.supports import has_belt, has_rolling_resistance, has_slip_law
+
+    missing = {
+        "a load": any(loads_of(case)),
+        "a belt": has_belt(case),
+        "a driven track": case.effect(Drive) is not None,
+        "friction that depends on the slip velocity": has_slip_law(case),
+        "rolling resistance": has_rolling_resistance(case),
+        "an effect of a package of its own": bool(own_effects(case.effects)),
+        "contacts without Impact": case.effect(Impact) is None,
+    }
+    return next((name for name, is_there in missing.items() if is_there), "")
 
 
 def refusal_of_several_contacts(adapter: Any, case: Case, route: str) -> str:

@@ -17,7 +17,7 @@ from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, instance, parameter, positive, real
 from .free_plates import FreePlate, check_others, check_places
 from .plate import Plate
-from .size_limits import check_arm, check_belt, check_sizes
+from .size_limits import check_arm, check_belt, check_load, check_sizes
 from .start import Start
 from .start_pose import StartPose, as_start, from_flat_side
 from .supports import Support, check_start, check_supports, has_rolling_resistance
@@ -81,6 +81,8 @@ class Case:
             check_others(self)
             _check_rotation(self)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
+            for other in self.others:
+                check_load(other.plate, other.load, other.start)
             for support in self.supports:
                 check_belt(effects.one(support.effects or (), effects.Belt))
                 check_arm(

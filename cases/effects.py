@@ -11,6 +11,7 @@ from functools import lru_cache
 from math import cos, inf, pi, sin
 from typing import Any, TypeVar, get_args
 
+import numpy as np
 import sympy as sp
 
 from . import expressions, features, slip_laws
@@ -123,7 +124,8 @@ class CoulombFriction:
     """Dry friction: |T| = mu·N against the slip velocity, |T| ≤ mu_static·N without slip (mu_static=None: mu at rest).
 
     `mu` is a number, or a formula in v, the slip speed (m/s, v ≥ 0): text such as "0.1 + 0.1*exp(-v/0.05) + 0.02*v", or
-    an expression in `cases.slip_laws.SLIP_SPEED`. Raises BadValue for anything else, and for a formula that
+    an expression in `cases.slip_laws.SLIP_SPEED`. An impact has one coefficient: that of the slip speed before it.
+    Raises BadValue for anything else, and for a formula that
     `cases.slip_laws` rejects.
     """
 
@@ -167,6 +169,13 @@ class CoulombFriction:
     def stick(self) -> float:
         """The coefficient that bounds friction without slip."""
         return self.at_rest if self.mu_static is None else self.mu_static
+
+    def in_impact(self, slip):
+        """The coefficients against slip and without it of an impact that begins at a slip velocity (m/s), or at an
+        array of them: an impact has one, `mu` at the slip speed before it; a larger `mu_static` bounds friction without
+        slip."""
+        mu = self.at(abs(slip))
+        return mu, np.maximum(mu, self.mu_static or 0.0)
 
 
 @in_one_thread
@@ -291,11 +300,6 @@ def check_formula(effects) -> tuple[Effect, ...]:
     if same := next((status for status in statuses if statuses.count(status) > 1), None):
         raise BadValue(f"two conditions end the motion with the status {same!r}; give each a status of its own")
     _check_kinds(kinds)
-    if Impact in kinds and any(isinstance(e, CoulombFriction) and e.by_speed for e in effects):
-        raise DoesNotFit(
-            "the laws of Impact have one coefficient of friction; give mu of CoulombFriction as a number, or leave "
-            "Impact out"
-        )
     return effects
 
 

@@ -19,6 +19,7 @@ from .contact_names import FIRST
 from .curves import Curve
 from .effects import (
     CoulombFriction,
+    Drive,
     E,
     Effect,
     Flight,
@@ -52,17 +53,18 @@ MOST = 8
 # Pose and velocities of a plate, in the order of rows.
 POSE = ("x", "y", "theta", "vx", "vy", "omega")
 # Effects of a case with several plates.
-POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Load, Belt)
+POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Load, Belt, Drive)
 
 
 @dataclass(frozen=True)
 class FreePlate:
-    """A further plate of a case: a disc or a convex polygon, its pose and velocities at time zero, and a name for its
-    contacts, such as "upper/plate" or "upper/track". Raises BadValue."""
+    """A further plate of a case: its pose and velocities at time zero, a name for its contacts, such as "upper/plate"
+    or "upper/track", and a load of its own. The Load of the case acts on the case's own plate. Raises BadValue."""
 
     plate: Plate
     start: StartPose
     name: str
+    load: Load | None = None
 
     def __post_init__(self):
         if not isinstance(self.plate, Plate) or not isinstance(self.start, StartPose):
@@ -102,6 +104,11 @@ class PlateContact(NamedTuple):
 def plates_of(case: Any) -> tuple[Plate, ...]:
     """All plates of a case."""
     return (case.plate, *(other.plate for other in case.others))
+
+
+def loads_of(case: Any) -> tuple[Load | None, ...]:
+    """The loads of all plates."""
+    return (case.effect(Load), *(other.load for other in case.others))
 
 
 def names_of(case: Any) -> tuple[str, ...]:
@@ -173,10 +180,20 @@ def _angle_of(outline: Curve) -> tuple[float, float]:
 
 
 def start_poses(case: Any) -> np.ndarray:
-    """(x, y, θ, vx, vy, ω) of every plate at time zero, shape (plates, 6)."""
-    first = case.start.motion(case.track, case.plate.outline)
-    own = [(s.x, s.y, s.theta, s.vx, s.vy, s.omega) for s in (first, *(other.start for other in case.others))]
-    return np.array(own, dtype=float)
+    """(x, y, θ, vx, vy, ω) of every plate at time zero, as the track sees it, shape (plates, 6)."""
+    first, drive = case.start.motion(case.track, case.plate.outline), case.effect(Drive)
+    own = np.array([_row(s) for s in (first, *(other.start for other in case.others))], dtype=float)
+    if drive is not None:
+        place = drive.at(0.0)
+        x, y, theta, vx, vy, omega = own[1:].T
+        x, y, vx, vy, omega = place.seen_from_track(x, y, vx, vy, omega)
+        own[1:] = np.array([x, y, theta - place.angle, vx, vy, omega]).T
+        own[0, 5] -= place.spin
+    return own
+
+
+def _row(start: Any) -> tuple[float, ...]:
+    return start.x, start.y, start.theta, start.vx, start.vy, start.omega
 
 
 def gap_of(contact: PlateContact, poses: np.ndarray | list[list[float]]) -> float:
@@ -231,14 +248,9 @@ def _check_effects(case: Any) -> None:
             raise BadValue(
                 f"{other[0]} of support {support.name!r} with several plates is not supported; leave {other[0]} out"
             )
-    for needed, text in ((Unilateral, "Unilateral()"), (Flight, "Flight()"), (Impact, "Impact(0.0)")):
+    for needed, text in ((Unilateral, "Unilateral()"), (Flight, "Flight()")):
         if case.effect(needed) is None:
             raise BadValue(f"several plates may part and meet; add {text} to the effects")
-    friction = case.effect(CoulombFriction)
-    if friction is not None and friction.by_speed:
-        raise BadValue(
-            "friction that depends on the slip speed with several plates is not supported; give mu as a number"
-        )
 
 
 def check_places(case: Any) -> None:

@@ -22,6 +22,9 @@ from .contact import track_place
 from .derivation import in_one_thread
 from .effects import MOTION, Drive, Effect, Gravity, Load
 from .errors import BadValue
+from .free_plates import loads_of, plates_of, start_poses
+from .plate import Plate
+from .start_pose import StartPose
 from .trajectory import State, Trajectory
 
 
@@ -35,22 +38,31 @@ def relative_case(case: Case) -> Case:
 @lru_cache(maxsize=256)
 def _from_track(case: Case, drive: Drive) -> Case:
     try:
-        load = _load(case, drive)
+        load, *loads = (
+            _load(case, drive, plate, own) for plate, own in zip(plates_of(case), loads_of(case), strict=True)
+        )
     except BadValue as problem:
         raise BadValue(
             f"the formulas of Drive and Load are too long together for the load in the track's frame ({problem}); give "
             "shorter ones, or a track that does not turn"
         ) from problem
+    poses = start_poses(case)[1:].tolist()
+    further = tuple(
+        replace(other, start=StartPose(*pose), load=one)
+        for other, pose, one in zip(case.others, poses, loads, strict=True)
+    )
     others: list[Effect] = [e for e in case.effects if not isinstance(e, Drive | Load)]
     if drive.is_turning:
         others = [e for e in others if not isinstance(e, Gravity)]
     effects = (*others, *([load] if load else []))
-    return replace(case, effects=effects, start=replace(case.start, omega=case.start.omega - drive.at(0.0).spin))
+    start = replace(case.start, omega=case.start.omega - drive.at(0.0).spin)
+    return replace(case, effects=effects, start=start, others=further)
 
 
 @in_one_thread
-def _load(case: Case, drive: Drive) -> Load | None:
-    """All loads in the track's frame; None if there are none. Gravity is one of them if the track turns."""
+def _load(case: Case, drive: Drive, plate: Plate, own: Load | None) -> Load | None:
+    """All loads on a plate in the track's frame, with its `own` in the fixed frame; None if there are none. Gravity is
+    one of them if the track turns."""
     t, x, y, theta, vx, vy, omega = MOTION
     X, Y, A, X1, Y1, A1, X2, Y2, A2 = drive.rates
     c, s = (sp.cos(A), sp.sin(A)) if drive.is_turning else (sp.Integer(1), sp.Integer(0))
@@ -62,7 +74,7 @@ def _load(case: Case, drive: Drive) -> Load | None:
         vy: Y1 + s * vx + c * vy + A1 * (c * x - s * y),
         omega: omega + A1,
     }
-    own, gravity, mass = case.effect(Load), case.effect(Gravity), case.plate.mass
+    gravity, mass = case.effect(Gravity), plate.mass
     fx, fy, moment = (e.subs(from_track, simultaneous=True) for e in own.expression) if own else (sp.Integer(0),) * 3
     if gravity and drive.is_turning:
         gx, gy = gravity.vector
@@ -70,7 +82,7 @@ def _load(case: Case, drive: Drive) -> Load | None:
     along = c * fx + s * fy - mass * (c * X2 + s * Y2 - A2 * y - A1**2 * x - 2 * A1 * vy)
     across = c * fy - s * fx - mass * (c * Y2 - s * X2 + A2 * x - A1**2 * y + 2 * A1 * vx)
     if drive.is_turning:
-        moment = moment - case.plate.inertia * A2
+        moment = moment - plate.inertia * A2
     parts = [sp.sympify(part) for part in (along, across, moment)]
     return Load(*parts) if any(not part.is_zero for part in parts) else None
 
@@ -90,6 +102,8 @@ def in_fixed_frame(case: Case, motion: Trajectory) -> Trajectory:
 def _seen(motion: Trajectory, case: Case, view: _View) -> Trajectory:
     others: dict[str, Any] = {f.name: getattr(motion, f.name) for f in fields(motion) if f.name not in _SAMPLES}
     dense = view if motion.dense is not None else None
+    if motion.plate_columns is not None:
+        others |= dict(plate_columns=_PlatesSeen(view))
     return Trajectory.on_demand(view.samples, **others | dict(case=case, dense=dense))
 
 
@@ -113,6 +127,18 @@ class _View:
     def move(self, when: np.ndarray, state: State) -> State:
         """The states in the other frame."""
         raise NotImplementedError
+
+
+class _PlatesSeen:
+    """The plates of a motion from another frame: (name, times) ↦ State, as `plate_columns` of a Trajectory."""
+
+    def __init__(self, view: _View):
+        self.view = view
+
+    def __call__(self, name: str, times: np.ndarray | None) -> State:
+        motion = self.view.motion
+        assert motion.plate_columns is not None
+        return self.view.move(motion.t if times is None else times, motion.plate_columns(name, times))
 
 
 class _SeenFromOutside(_View):

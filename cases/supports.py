@@ -164,12 +164,7 @@ def why_not_by_features(track: Curve, outline: Curve) -> str:
 
 def exclusion(case: Any) -> str:
     """What of a case excludes several contacts, and what to give instead, as a sentence without its capital and period;
-    "" if nothing does. Shapes are looked at for RollingResistance alone."""
-    if isinstance(case.plate.outline, Chain) and has_rolling_resistance(case):
-        return (
-            "RollingResistance with several contacts of a plate with corners or pieces is not supported; give a smooth "
-            "outline or leave RollingResistance out"
-        )
+    "" if nothing does."""
     if own := own_effects(case.effects):
         return f"{type(own[0]).__name__} with several contacts is not supported; leave it out"
     if case.effect(all_effects.Unilateral) is None:

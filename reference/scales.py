@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cases import Case, Gravity, Load
+from cases import Load, Plate
 
 
 class PhaseNumbers(Protocol):
@@ -75,19 +75,10 @@ def approach_scale(phase: PhaseNumbers, t: float, y: Sequence[float]) -> float:
     return phase.system.approach_error(t, y, phase.parameters)
 
 
-def load_acceleration(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
-    """Weight and load of a plate (x, y, θ, vx, vy, ω) per mass, m/s², each alone, as they may cancel."""
-    plate, gravity, load = case.plate, case.effect(Gravity), case.effect(Load)
-    fx, fy, moment = load.at(t, *map(float, body)) if load else (0.0, 0.0, 0.0)
-    return (gravity.g if gravity else 0.0) + (abs(fx) + abs(fy) + abs(moment) / plate.gyration) / plate.mass
-
-
-def acceleration_scale(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
-    """The size of what a contact force per mass is a sum of, m/s²: weight, load, and what turns the velocities of a
-    plate (x, y, θ, vx, vy, ω). It vanishes only for a plate at rest without any of these."""
-    plate, (vx, vy, omega) = case.plate, (float(v) for v in body[3:])
-    turning = (vx * vx + vy * vy) / plate.gyration + omega * omega * plate.reach
-    return load_acceleration(case, t, body) + turning
+def load_acceleration(plate: Plate, load: Load, t: float, body: Sequence[float] | np.ndarray) -> float:
+    """A load of a plate (x, y, θ, vx, vy, ω) per mass, m/s², each component alone, as they may cancel."""
+    fx, fy, moment = load.at(t, *map(float, body))
+    return (abs(fx) + abs(fy) + abs(moment) / plate.gyration) / plate.mass
 
 
 # --- forces -------------------------------------------------------------------------------------------------------

@@ -15,10 +15,11 @@ inequalities; if several phases agree, the most static one.
 
 from __future__ import annotations
 
+from copy import copy
 from math import inf
 from typing import NamedTuple
 
-from cases import Impact, PerfectlyRough
+from cases import CoulombFriction, Impact, PerfectlyRough
 
 from .coulomb_law import ContactForces, admissible
 from .equations import ContactPhase, ContactScene, Place, ratios
@@ -59,6 +60,10 @@ class ImpactWithoutSolution(Exception):
 
 def hit(scene: ContactScene, effect: Impact, q: Place, slip: float, lift: float, spin: float) -> ImpactResult:
     """Compute the impact at a place with contact velocity (slip, lift < 0) and spin; raises ImpactWithoutSolution."""
+    if (friction := scene.case.effect(CoulombFriction)) is not None:
+        against, holds = map(float, friction.in_impact(slip))
+        scene = copy(scene)
+        scene.laws = scene.laws._replace(slip=against, stick=holds, by_speed=None)
     if effect.law == "moreau":
         return _whole(scene, q, slip, lift, spin, effect.restitution)
     impulse = _Impulse(scene, q, slip, lift, spin)

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, Chain, Gravity, Impact, Load, Transition, Unilateral
-from cases.free_plates import names_of, plates_of
+from cases import Case, Chain, Gravity, Impact, Transition, Unilateral
+from cases.free_plates import loads_of, names_of, plates_of
 from cases.overlap import span
 from cases.piece_contact import excludes_second
 from cases.supports import TRACK
@@ -67,9 +67,9 @@ def faults_at(
 
 
 def _scales(case: Case, phases: list[PhaseInstants]) -> _Scales:
-    plates, gravity, has_load = plates_of(case), case.effect(Gravity), case.effect(Load) is not None
+    plates, gravity, loads = plates_of(case), case.effect(Gravity), loads_of(case)
     reach, largest = [plate.reach for plate in plates], [0.0] * len(plates)
-    speed, extent, acceleration = 0.0, 0.0, gravity.g if gravity else 0.0
+    speed, extent, applied = 0.0, 0.0, 0.0
     for phase in phases:
         for poses in phase.plates:
             for (place, _, velocity, spin), size in zip(poses, reach, strict=True):
@@ -89,13 +89,14 @@ def _scales(case: Case, phases: list[PhaseInstants]) -> _Scales:
             for body in (law.body,) if law.base is None else (law.body, law.base):
                 if most > largest[body]:
                     largest[body] = most
-        if has_load:  # at the start of each phase
-            place, turn, velocity, spin = phase.plates[0][0]
-            state = place.real, place.imag, angle_of(turn), velocity.real, velocity.imag, spin
-            acceleration = max(acceleration, load_acceleration(case, phase.times[0], state))
+        for b, load in enumerate(loads):
+            if load is not None:  # at the start of each phase
+                place, turn, velocity, spin = phase.plates[b][0]
+                state = place.real, place.imag, angle_of(turn), velocity.real, velocity.imag, spin
+                applied = max(applied, load_acceleration(plates[b], load, phase.times[0], state))
         if phase.belt > speed:
             speed = phase.belt
-    size = max(reach)
+    size, acceleration = max(reach), (gravity.g if gravity else 0.0) + applied
     speed = max(speed, speed_scale(acceleration, size)) or size / case.duration
     forces = [force_scale(f, p.mass, acceleration, speed, extent) for f, p in zip(largest, plates, strict=True)]
     return _Scales(speed, extent, reach, forces)
@@ -188,7 +189,7 @@ def _at_impacts(
         every = [("", *row) for row in laws.energy_of_impact(case, law, before, after, scales.speed)]
         if t in points:
             point, tangent = points[t]
-            rows = laws.landing_laws(case, law, point - centre, tangent, before, after, scales.speed)
+            rows = laws.landing_laws(case, law, t, point - centre, tangent, before, after, scales.speed)
             every += [(law.name, *row) for row in rows]
         for place, name, size, scale, unit in every:
             if size > part * scale:

@@ -12,7 +12,7 @@ import numpy as np
 from cases import Case, Gravity, Impact, Load, Mode, Transition, Unilateral
 from cases.effects import MOTION
 from cases.expression_code import ON_ARRAYS, function_of
-from cases.free_plates import names_of, plates_of
+from cases.free_plates import loads_of, names_of, plates_of
 from cases.own_effects import CONTACT as AT_CONTACT
 from cases.own_effects import ContactEffect, own_effects
 from cases.trajectory import CONTACT
@@ -74,9 +74,9 @@ def _own(effect: ContactEffect):
     return function_of(AT_CONTACT, effect.formulas[:3], ON_ARRAYS)
 
 
-def _load(samples: MotionSamples) -> tuple[np.ndarray | complex, np.ndarray | float]:
-    """Force (complex, N) and moment (N m) of the load on the first plate."""
-    load, one = samples.case.effect(Load), samples.plates[0]
+def _load(samples: MotionSamples, body: int) -> tuple[np.ndarray | complex, np.ndarray | float]:
+    """Force (complex, N) and moment (N m) of the load on a plate."""
+    load, one = loads_of(samples.case)[body], samples.plates[body]
     if load is None:
         return 0j, 0.0
     fx, fy, moment = load_on_arrays(load)(
@@ -87,10 +87,10 @@ def _load(samples: MotionSamples) -> tuple[np.ndarray | complex, np.ndarray | fl
 
 def acceleration(samples: MotionSamples) -> float:
     """Weight and the largest load per mass, m/s²: each alone, as they may cancel."""
-    gravity, plate, outer = samples.case.effect(Gravity), samples.case.plate, 0.0
-    if samples.case.effect(Load) is not None:
-        force, moment = _load(samples)
-        outer = float(np.max(np.abs(force) + np.abs(moment) / plate.gyration)) / plate.mass
+    gravity, outer = samples.case.effect(Gravity), 0.0
+    for body, plate in enumerate(plates_of(samples.case)):
+        force, moment = _load(samples, body)
+        outer = max(outer, float(np.max(np.abs(force) + np.abs(moment) / plate.gyration)) / plate.mass)
     return (gravity.g if gravity else 0.0) + outer
 
 
@@ -101,9 +101,10 @@ def sums(samples: MotionSamples) -> Sums:
     forces = [np.full(shape, plate.mass * pull) for plate in plates_of(case)]
     moments = [np.zeros(shape) for _ in forces]
     largest = [np.full(shape[0], plate.mass * abs(pull)) for plate in plates_of(case)]
-    force, moment = _load(samples)
-    forces[0], moments[0] = forces[0] + force, moments[0] + moment
-    largest[0] = np.maximum(largest[0], np.abs(forces[0]).max(axis=1))
+    for b in range(len(forces)):
+        force, moment = _load(samples, b)
+        forces[b], moments[b] = forces[b] + force, moments[b] + moment
+        largest[b] = np.maximum(largest[b], np.abs(forces[b]).max(axis=1))
     for contact in samples.contacts:
         law, steps = contact.law, contact.steps
         here = slice(None) if len(steps) == len(shape) and len(steps) == shape[0] else steps
@@ -310,9 +311,9 @@ def impact_defects(
         yield Defects(name, "", sudden.times, sizes, scale, unit)
     if points:
         point, tangent = np.array([points[t] for t in every_time if t in points]).T
-        centre, before, after = (row[..., has_place] for row in one)
-        for name, sizes, scale, unit in landing_laws(case, law, point - centre, tangent, before, after, speed):
-            yield Defects(name, law.name, sudden.times[has_place], sizes, scale, unit)
+        (centre, before, after), when = (row[..., has_place] for row in one), sudden.times[has_place]
+        for name, sizes, scale, unit in landing_laws(case, law, when, point - centre, tangent, before, after, speed):
+            yield Defects(name, law.name, when, sizes, scale, unit)
 
 
 def impact_law(case: Case, transitions: Sequence[Transition], contacts: set[str]) -> ContactLaw | None:
@@ -345,10 +346,11 @@ def energy_of_impact(
 
 
 def landing_laws(
-    case: Case, law: ContactLaw, arm: Any, tangent: Any, before: Any, after: Any, speed: float
+    case: Case, law: ContactLaw, when: Any, arm: Any, tangent: Any, before: Any, after: Any, speed: float
 ) -> Iterator[tuple[str, Any, float, str]]:
-    """The laws of impacts at one contact, for each its name, how far it is broken, the scale and the unit. Its arm from
-    the centre of mass, the track's unit tangent, and velocity and spin before and after are numbers or arrays.
+    """The laws of impacts at one contact, for each its name, how far it is broken, the scale and the unit. Times (s),
+    its arm from the centre of mass, the track's unit tangent, and velocity and spin before and after are numbers or
+    arrays.
 
     The impulse presses, lies in the cone and acts at the contact, and the normal velocity turns to −e times itself.
     Poisson's restitution has that only if the centre of mass lies on the normal."""
@@ -357,13 +359,16 @@ def landing_laws(
     scale, along = plate.mass * speed, tangent.conjugate()
     change, turned = after[0] - before[0], after[1] - before[1]
     parts = plate.mass * change * along
+    after_hit, before_hit = ((v + 1j * spin * arm) * along for v, spin in (after, before))
     yield "impulse presses", -parts.imag, scale, "N s"
     if isfinite(law.stick):
-        yield "impulse in Coulomb's cone", abs(parts.real) - law.stick * abs(parts.imag), scale, "N s"
+        surface = law.belt.at_arrays(np.asarray(when)) if law.belt else 0.0
+        cone = law.impact_cone(before_hit.real - surface)
+        yield "impulse in Coulomb's cone", abs(parts.real) - cone * abs(parts.imag), scale, "N s"
     if plate.turns and not law.arm:
         off = plate.inertia * turned.real - plate.mass * (arm.conjugate() * change).imag
         yield "impulse acts at the contact", abs(off), scale * plate.reach, "N m s"
-    lift, closing = (((v + 1j * spin * arm) * along).imag for v, spin in (after, before))
+    lift, closing = after_hit.imag, before_hit.imag
     off = abs(lift + impact.restitution * closing)
     if impact.law == "poisson" and impact.restitution != 0.0:
         off = np.where(abs((arm * along).real) <= EXACT * plate.reach, off, -lift)
@@ -389,7 +394,7 @@ def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:
 
 def keeps_energy(case: Case, contacts: Iterable[ContactLaw]) -> bool:
     """Whether nothing gives energy: no load, belt or effect of the user's own, where Newton's law has the balance."""
-    return case.effect(Load) is None and not any(law.belt or own_effects(law.effects) for law in contacts)
+    return not any(loads_of(case)) and not any(law.belt or own_effects(law.effects) for law in contacts)
 
 
 def impacts_create_energy(case: Case) -> bool:

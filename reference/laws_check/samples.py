@@ -79,6 +79,11 @@ class ContactLaw(NamedTuple):
         """The coefficient of friction at slip velocities (m/s), an array of their shape or one number."""
         return self.friction.at(abs(slip)) if self.friction else 0.0
 
+    def impact_cone(self, slip: np.ndarray):
+        """The largest ratio of the impulses of friction and of pressure in an impact that begins at slip velocities
+        (m/s), an array of their shape or one number."""
+        return np.inf if self.is_rough else self.friction.in_impact(slip)[1] if self.friction else 0.0
+
 
 class ContactInstants(NamedTuple):
     """One contact in the m steps in which it is closed, given by their numbers (m,): arrays (m, 5) of the point of its

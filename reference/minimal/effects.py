@@ -60,14 +60,21 @@ class Weight:
 
 @dataclass(frozen=True)
 class AppliedLoad:
-    """A load: its formulas with their constants lifted, so that loads that differ in numbers share one system."""
+    """A load: its formulas with their constants lifted, so that loads that differ in numbers share one system. The
+    constants' names begin with `name`."""
 
     formulas: tuple[sp.Expr, ...]
     sizes: tuple[sp.Symbol, ...]
+    name: str = "load"
 
     @property
     def torsor(self):
-        return tuple(e / MASS for e in self._nodes(self.formulas))
+        return tuple(e / MASS for e in self.forces)
+
+    @property
+    def forces(self) -> tuple[Node, ...]:
+        """Force and moment (N, N m)."""
+        return self._nodes(self.formulas)
 
     @property
     def checked_quantities(self) -> tuple[Node, ...]:
@@ -75,13 +82,24 @@ class AppliedLoad:
         return self._nodes(checked_quantities(self.formulas))
 
     def _nodes(self, expressions: tuple[sp.Expr, ...]) -> tuple[Node, ...]:
-        names = {s: symbol(f"load_{s.name}") for s in self.sizes}
+        names = {s: symbol(f"{self.name}_{s.name}") for s in self.sizes}
         return tuple(from_sympy(e, names) for e in expressions)
 
     def values(self, case: Case) -> dict[str, float]:
         load = case.effect(Load)
         assert load is not None
-        return {f"load_c{i}": value for i, value in enumerate(constants(load.expression))}
+        return self.constants_of(load)
+
+    def constants_of(self, load: Load) -> dict[str, float]:
+        """The constants of a load of this form, by name."""
+        return {f"{self.name}_c{i}": value for i, value in enumerate(constants(load.expression))}
+
+
+@lru_cache(maxsize=256)
+@in_one_thread
+def applied_load(expression: tuple[sp.Expr, ...], name: str) -> AppliedLoad:
+    """The form of a load with those components."""
+    return AppliedLoad(*lift_constants(expression), name)
 
 
 # --- surface ----------------------------------------------------------------------------------------------------------

@@ -121,7 +121,7 @@ def _after_landing(
             return Step(path, landing.time, place, "landing", ending=FLAT_LANDING)
     if case.effect(Impact) is None:
         return Step(path, landing.time, place, "landing", ending=LANDING_END)
-    law, since = law_of(case, landing.arm_t, landing.arm_n), path[0].start
+    law, since = law_of(case, landing.arm_t, landing.arm_n, landing.touch.slip), path[0].start
     # A gap that opens without a flight does not grow: the plate comes down as fast as it rose, and stays.
     none = landing.time == since and landing.touch.lift >= 0.0
     is_listed = not none and bounces.strike(since, landing)

@@ -207,11 +207,12 @@ def _stops(law: Law, now: ContactVelocity) -> ContactVelocity:
     return ContactVelocity(0.0, now.lift + law.arm_t * spin_change, now.omega + spin_change)
 
 
-def law_of(case: Case, arm_t: float, arm_n: float) -> Law:
-    """The law of an impact of the case at a contact with that arm from the centre of mass."""
+def law_of(case: Case, arm_t: float, arm_n: float, slip: float) -> Law:
+    """The law of an impact of the case at a contact with that arm from the centre of mass, which begins at that slip
+    velocity (m/s)."""
     impact, friction, resistance = case.effect(Impact), case.effect(CoulombFriction), case.effect(RollingResistance)
     assert impact is not None
-    mu, stick = (friction.mu, friction.stick) if friction else (0.0, 0.0)
+    mu, stick = map(float, friction.in_impact(slip)) if friction else (0.0, 0.0)
     if case.effect(PerfectlyRough):
         mu = stick = inf
     return Law(

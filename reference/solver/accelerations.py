@@ -1,17 +1,18 @@
 """Accelerations of one group of contacts in given modes, by numbers, and the balance of forces that are not unique."""
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, Mode
+from cases import Belt, Case, Load, Mode
+from cases.effects import MOTION
+from cases.free_plates import loads_of
 
-from ..minimal.assembly import _MOTION
 from ..minimal.decision import AT_BOUND, Undecidable, vanishes
-from ..minimal.effects import SLIP_SIGN, laws
-from ..minimal.elimination import T
+from ..minimal.effects import SLIP_SIGN
 from . import forces
 from .contact_law import STICKING, TURNING_ROW
 from .places import ContactPlace, plates_in
@@ -233,8 +234,14 @@ def rest_margin(case: Case, t: float, state: Sequence[float], contacts: Sequence
 
 
 def is_steady(case: Case, plates: frozenset[int]) -> bool:
-    """Whether the load on some plates at rest stays the same."""
-    return 0 not in plates or not any(e.symbols & {T, _MOTION[0]} for e in laws(case).torsor)
+    """Whether the loads on some plates at rest stay the same."""
+    loads = loads_of(case)
+    return not any(_depends_on_time(load) for b in plates if (load := loads[b]) is not None)
+
+
+@lru_cache(maxsize=256)
+def _depends_on_time(load: Load) -> bool:
+    return any(part.has(MOTION[0]) for part in load.expression)
 
 
 def load_and_units(

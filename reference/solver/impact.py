@@ -46,14 +46,12 @@ class ImpactVelocities(NamedTuple):
 
 
 class TouchedContact(Protocol):
-    """What the law of impact needs of a contact: the rows of its lift and slip velocity, and its coefficients."""
+    """What the law of impact needs of a contact: the rows of its lift and slip velocity, and its restitution."""
 
     @property
     def lift_row(self) -> np.ndarray: ...
     @property
     def slip_row(self) -> np.ndarray: ...
-    @property
-    def mu(self) -> float: ...
     @property
     def restitution(self) -> float: ...
 
@@ -89,15 +87,16 @@ def impact_of_all(
     inertia: Inertia,
     before: np.ndarray,
     contacts: Sequence[TouchedContact],
+    mu: Sequence[float],
     speed: float,
     belts: np.ndarray | None = None,
     arms: np.ndarray | None = None,
 ) -> ImpactVelocities:
     """The velocities of one or several bodies after an impact at all touched contacts: by Newton's, Moreau's or
-    Poisson's law ("newton", "moreau", "poisson") for whole impulses. `belts`: the speeds of the supports' surfaces
-    (m/s; None: at rest); `arms`: those of the rolling resistance of one body (m; None: there is none). Arguments and
-    errors as of `impact`."""
-    mu, nothing = [at.mu for at in contacts], np.zeros(len(contacts))
+    Poisson's law ("newton", "moreau", "poisson") for whole impulses. `mu`: the coefficient of friction of each;
+    `belts`: the speeds of the supports' surfaces (m/s; None: at rest); `arms`: those of the rolling resistance of one
+    body (m; None: there is none). Arguments and errors as of `impact`."""
+    mu, nothing = list(mu), np.zeros(len(contacts))
     belts, arms = (nothing if some is None else some for some in (belts, arms))
     restitution = np.array([at.restitution for at in contacts])
     if law != "poisson":

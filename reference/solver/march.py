@@ -200,7 +200,7 @@ class PlatesSimulation(ModeChanges):
         now = self._places(resting)
         for group in groups(now):
             some = [now[k] for k in group]
-            if 0 not in plates_in(some):
+            if is_steady(self.case, plates_in(some)):
                 continue
             last = first_loss(partial(self._rest_margin, some), looks_at_load(self.case, self.t))
             if last is not None:

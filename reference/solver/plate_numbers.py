@@ -5,14 +5,14 @@ The state of n plates is (x, y, θ) of each, then (vx, vy, ω) of each: 6 n numb
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Gravity, Load
-from cases.free_plates import plates_of
+from cases import Case, Gravity
+from cases.free_plates import loads_of, plates_of
 
 
 class Bodies(NamedTuple):
@@ -39,22 +39,31 @@ def bodies(case: Case) -> Bodies:
 
 
 def load_at(case: Case, t: float, state: Sequence[float] | np.ndarray) -> np.ndarray:
-    """The accelerations (3n,) that weight gives all plates, and a load the first one."""
-    gravity, load, half = case.effect(Gravity), case.effect(Load), len(state) // 2
+    """The accelerations (3n,) that weight and loads give all plates."""
+    gravity, half = case.effect(Gravity), len(state) // 2
     result = np.tile((*gravity.vector, 0.0) if gravity is not None else (0.0, 0.0, 0.0), half // 3)
-    if load is not None:
-        force = load.at(t, *map(float, state[:3]), *map(float, state[half : half + 3]))
-        result[:3] += np.array(force) * bodies(case).inverse[:3]
+    for b, force in _forces(case, t, state):
+        own = slice(3 * b, 3 * b + 3)
+        result[own] += np.array(force) * bodies(case).inverse[own]
     return result
+
+
+def _forces(case: Case, t: float, state: Sequence[float] | np.ndarray) -> Iterator[tuple[int, list[float]]]:
+    """The numbers of plates with a load, and force and moment (N, N m) on them."""
+    half = len(state) // 2
+    for b, load in enumerate(loads_of(case)):
+        if load is not None:
+            own = (*state[3 * b : 3 * b + 3], *state[half + 3 * b : half + 3 * b + 3])
+            yield b, load.at(t, *map(float, own))
 
 
 def load_scale(case: Case, t: float, state: Sequence[float] | np.ndarray) -> float:
     """The size of accelerations (m/s²): weight and load, each alone, as they may cancel, and what turns velocities."""
-    gravity, load, half, some = case.effect(Gravity), case.effect(Load), len(state) // 2, bodies(case)
-    fx, fy, moment = (
-        load.at(t, *map(float, state[:3]), *map(float, state[half : half + 3])) if load is not None else (0.0, 0.0, 0.0)
+    gravity, half, some = case.effect(Gravity), len(state) // 2, bodies(case)
+    applied = sum(
+        (abs(fx) + abs(fy) + abs(moment) / some.reaches[b]) * float(some.inverse[3 * b])
+        for b, (fx, fy, moment) in _forces(case, t, state)
     )
-    applied = (abs(fx) + abs(fy) + abs(moment) / some.reaches[0]) * some.inverse[0]
     speeds = np.abs(np.asarray(state[half:], dtype=float) * some.lengths)
     return (gravity.g if gravity else 0.0) + applied + float(speeds.max()) ** 2 / min(some.reaches)
 

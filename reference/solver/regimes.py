@@ -8,15 +8,15 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Curve, Load, Mode
+from cases import Case, CoulombFriction, Curve, Mode
 from cases.corner import Corner, Piece
 from cases.couples import couples
-from cases.free_plates import plates_of
+from cases.free_plates import loads_of, plates_of
 from cases.piece_case import PieceCase, _piece_case, neighbour
 from cases.pieces import CurvePart
 
 from ..minimal.assembly import parameter_values
-from ..minimal.effects import SLIP_SIGN, CoulombBySpeed, FixedSurface, Frictionless, laws
+from ..minimal.effects import SLIP_SIGN, CoulombBySpeed, FixedSurface, Frictionless, applied_load, laws
 from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
 from ..minimal.phase_end import PIECE_ENDS
@@ -178,11 +178,19 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
     values["tau"] = float(regime.turn or 0)
     idle, turn = tuple(name for name, _ in regime.slack), regime.turn if any(form.resists for form in forms) else None
     rotation = Rotation.FREE if turn is None else Rotation.RESISTED if turn else Rotation.HELD
-    system = solver_system(tuple(forms), len(plates), regime.resting, laws(case), rotation, idle, regime.anchors)
+    loads = loads_of(case)
+    further = tuple(
+        applied_load(load.expression, f"load{b}") if load is not None else None for b, load in enumerate(loads[1:], 1)
+    )
+    for form_of_load, load in zip(further, loads[1:], strict=True):
+        values |= form_of_load.constants_of(load) if form_of_load is not None and load is not None else {}
+    system = solver_system(
+        tuple(forms), len(plates), regime.resting, laws(case), rotation, idle, regime.anchors, further
+    )
     parameters = parameter_values(case, values, system)
     reaches = bodies(case).reaches
     lengths = [length for reach in reaches for length in (reach, reach, 1.0)]
-    features = list(_features(case.effect(Load), None))
+    features = [feature for load in loads for feature in _features(load, None)]
     for k, pair in enumerate(some):
         for i, piece in enumerate(cast(tuple[Piece, Piece], pair.pieces)):
             lengths.append(_angle(piece, reaches[couple_of(pair).body]))

@@ -7,7 +7,8 @@ from math import inf
 
 import numpy as np
 
-from cases import Case, Load
+from cases import Case
+from cases.free_plates import loads_of
 
 from ..minimal.integrators.segment import Segment
 from ..minimal.series import EPS
@@ -25,11 +26,11 @@ LOOKS_IN_STEP = 4
 
 
 def looks_at_load(case: Case, start: float) -> list[float]:
-    """Times (s) from a start to the end of a case's motion that resolve its load."""
-    load, end = case.effect(Load), case.duration
-    looks = np.linspace(start, end, LOOKS)
-    if load is not None and load.features is not None:
-        looks = np.union1d(looks, load.features.nodes(start, end))
+    """Times (s) from a start to the end of a case's motion that resolve its loads."""
+    end, looks = case.duration, np.linspace(start, case.duration, LOOKS)
+    for load in loads_of(case):
+        if load is not None and load.features is not None:
+            looks = np.union1d(looks, load.features.nodes(start, end))
     return looks.tolist()
 
 

@@ -22,7 +22,8 @@ def strike(case: Case, t: float, velocity: np.ndarray, part: Sequence[ContactPla
     if len(part) == 1 and couple_of(part[0].pair).base is None:
         return _at_one_contact(t, velocity, part[0])
     belts, arms = (np.array(each) for each in zip(*((at.belt(t), at.resisting_arm) for at in part), strict=True))
-    return impact_of_all(law.law, Inertia(some.inverse, some.lengths), velocity, list(part), speed, belts, arms)
+    mu = [at.mu_of(velocity, t) for at in part]
+    return impact_of_all(law.law, Inertia(some.inverse, some.lengths), velocity, list(part), mu, speed, belts, arms)
 
 
 def _at_one_contact(t: float, velocity: np.ndarray, at: ContactPlace) -> ImpactVelocities:
@@ -30,7 +31,7 @@ def _at_one_contact(t: float, velocity: np.ndarray, at: ContactPlace) -> ImpactV
     own = slice(3 * body, 3 * body + 3)
     (tx, ty), ht, hn = at.tangent, float(at.lift_row[own][2]), -float(at.slip_row[own][2])
     before = ContactVelocity(at.slip(velocity, t), float(at.lift_row @ velocity), float(velocity[own][2]))
-    slip, lift, omega = collide(law_of(at.pair, ht, hn), before)
+    slip, lift, omega = collide(law_of(at.pair, ht, hn, before.slip), before)
     # The centre of mass follows from the contact's point, at the arm h.
     along, across = slip + at.belt(t) + omega * hn, lift - omega * ht
     after = velocity.copy()

@@ -17,7 +17,7 @@ from cases.derivation import in_one_thread
 from cases.expression_graph import ONE, ZERO, Node, node, substitute, symbol
 
 from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
-from ..minimal.effects import MASS, CoulombBySpeed, Laws, Weight
+from ..minimal.effects import MASS, AppliedLoad, CoulombBySpeed, Laws, Weight
 from ..minimal.system import LOAD_FORCES, CheckLayout, Equations, System
 from .contact_terms import (
     NO_ROWS,
@@ -41,11 +41,13 @@ COLUMNS = ("normal", "friction", "slip", "gap")
 def solver_system(
     forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws, rotation: Rotation = Rotation.FREE,
     idle: tuple[str, ...] = (), anchors: frozenset[int] = frozenset(),
+    further: tuple[AppliedLoad | None, ...] = (),
 ) -> System:  # fmt: skip
     """The equations of that many plates with contacts of those forms; those that rest do not move. `rotation`: how the
     contacts of the only plate resist its rotation; `idle`: guards that stay at zero, which have a slack (a parameter,
-    m/s²); `anchors`: plates whose contacts have forces that keep them where they are."""
-    return System(_equations(forms, count, resting, law, rotation, anchors).with_slack(idle))
+    m/s²); `anchors`: plates whose contacts have forces that keep them where they are; `further`: the loads of all
+    plates but the first."""
+    return System(_equations(forms, count, resting, law, rotation, anchors, further).with_slack(idle))
 
 
 def _inverse(place: tuple[int, int]) -> Node:
@@ -85,16 +87,35 @@ def _solve(matrix: list[list[Node]], right: list[Node]) -> tuple[list[Node], Nod
     return values, determinant
 
 
-def _loads(law: Laws, count: int) -> tuple[dict[tuple[int, int], Node], tuple[Node, ...]]:
-    """The accelerations of all plates without contacts, and what of a load is checked along each step. The case's load
-    acts on the first plate, weight on all."""
-    own = dict(zip(_MOTION[1:], (*variables_of("position", 0), *variables_of("velocity", 0)), strict=True))
-    fx, fy, moment = substitute(law.torsor, own)
+class _Loads(NamedTuple):
+    """The accelerations of all plates without contacts, and what is checked along each step: arguments of the loads'
+    functions, and forces and moments (N, N m)."""
+
+    acceleration: dict[tuple[int, int], Node]
+    arguments: tuple[Node, ...]
+    forces: tuple[Node, ...]
+
+
+def _loads(law: Laws, count: int, further: tuple[AppliedLoad | None, ...]) -> _Loads:
+    """The case's load acts on the first plate, weight on all."""
+
+    def of_plate(body: int, expressions: tuple[Node, ...]) -> tuple[Node, ...]:
+        own = (*variables_of("position", body), *variables_of("velocity", body))
+        return tuple(substitute(expressions, dict(zip(_MOTION[1:], own, strict=True))))
+
+    fx, fy, moment = of_plate(0, law.torsor)
     result = {(0, 0): fx, (0, 1): fy, (0, 2): moment * MASS * _inverse((0, 2))}
     gx, gy, _ = next((load.torsor for load in law.loads if isinstance(load, Weight)), (ZERO, ZERO, ZERO))
+    checked = [of_plate(0, law.checked_quantities)]
     for body in range(1, count):
         result |= {(body, 0): gx, (body, 1): gy, (body, 2): ZERO}
-    return result, tuple(substitute(law.checked_quantities, own))
+        load = further[body - 1] if further else None
+        if load is not None:
+            for c, force in enumerate(of_plate(body, load.forces)):
+                result[body, c] = result[body, c] + force * _inverse((body, c))
+            checked.append(of_plate(body, load.checked_quantities))
+    arguments, forces = zip(*((some[:-LOAD_FORCES], some[-LOAD_FORCES:]) for some in checked), strict=True)
+    return _Loads(result, sum(arguments, ()), sum(forces, ()))
 
 
 class _Solution(NamedTuple):
@@ -194,10 +215,10 @@ def _ratio(form: ContactForm, k: int, slip: Node) -> Node:
 
 def _equations(
     forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws, rotation: Rotation,
-    anchors: frozenset[int],
+    anchors: frozenset[int], further: tuple[AppliedLoad | None, ...],
 ) -> Equations:  # fmt: skip
-    terms = [contact_terms(form, k) for k, form in enumerate(forms)]
-    free, by_load = _loads(law, count)
+    terms, loads = [contact_terms(form, k) for k, form in enumerate(forms)], _loads(law, count, further)
+    free = loads.acceleration
     forces, acceleration, painleve, couple = _forces(forms, terms, free, rotation)
     acceleration |= {(b, c): ZERO for b in anchors for c in range(3)}  # exactly, so that no motion of roundings begins
     conditions, slip_rates, limits = dict[str, Node](), dict[str, Node](), dict[str, Node]()
@@ -248,7 +269,7 @@ def _equations(
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & {*variables, _MOTION[0]}}
     applied = [acceleration[b, c] if b not in resting else ZERO for b in range(count) for c in range(3)]
     record = _outputs(count, len(forms))(free[0, 0], free[0, 1], *applied, *outputs)
-    checked, layout = _checked(forms, terms, forces, by_load)
+    checked, layout = _checked(forms, terms, forces, loads)
     return Equations(
         variables, len(positions), tuple(rates), record, conditions | equalities, slip_rates, guards, checked, layout
     )  # fmt: skip
@@ -283,10 +304,10 @@ def _checked(
     forms: tuple[ContactForm, ...],
     terms: list[ContactTerms],
     forces: list[tuple[Node, Node]],
-    by_load: tuple[Node, ...],
+    loads: _Loads,
 ) -> tuple[tuple[Node, ...], CheckLayout]:
-    """What is checked along each step: arguments of laws of friction and of the load, then friction forces of slipping
-    contacts and the load's (`minimal.assembly`)."""
+    """What is checked along each step: arguments of laws of friction and of loads, then friction forces of slipping
+    contacts and the loads' (`minimal.assembly`)."""
     first, others, frictions = list[Node](), list[Node](), list[Node]()
     for k, form in enumerate(forms):
         if form.kind is not ContactRows.SLIP or not isinstance(form.friction, CoulombBySpeed):
@@ -296,11 +317,8 @@ def _checked(
         if arguments:
             first, others = [*first, *arguments[:of_order_one]], [*others, *arguments[of_order_one:]]
             frictions.append(forces[k][1])
-    if not frictions:
-        return by_load, CheckLayout()
-    of_load = by_load[-LOAD_FORCES:] or (ZERO,) * LOAD_FORCES
-    every = (*first, *others, *by_load[:-LOAD_FORCES], *frictions, *of_load)
-    return every, CheckLayout(len(first), len(frictions) + LOAD_FORCES)
+    every = (*first, *others, *loads.arguments, *frictions, *loads.forces)
+    return every, CheckLayout(len(first), len(frictions) + len(loads.forces))
 
 
 def _ends(ends: tuple[str, ...], k: int) -> dict[str, Node]:

@@ -12,7 +12,7 @@ from cases import Case, Impact, Mode
 from cases.chain import Chain
 from cases.corner import Corner
 from cases.piece_case import PieceCase
-from cases.supports import TRACK, base_of, has_slip_law
+from cases.supports import TRACK
 
 from ..minimal.flight_end import REBOUND_ROUNDINGS
 from ..minimal.phase_end import (
@@ -244,14 +244,17 @@ class WatchedPlates:
 
     def _no_impact(self, at: ContactPlace) -> Ending:
         couple = couple_of(at.pair)
-        support = base_of(couple.pair_name)
-        which = "its track in a second place" if support == TRACK else f"the support {support!r}"
+        name, _, support = couple.pair_name.partition("/")
+        who = f"The plate {name!r}" if self.case.others else "The plate"
+        which = (
+            f"the {'plate' if couple.base is not None else 'support'} {support!r}" if support != TRACK
+            else "its track" if self.case.others else "its track in a second place"
+        )  # fmt: skip
         xi1 = float(couple.whole_xi1(at.pair.to_whole(at.xi1, at.xi2)[0]))
-        number = "give mu as a number, and " if has_slip_law(self.case) else ""
         return (
-            "second_contact",
-            f"The plate meets {which}, xi1 = {xi1:.9g}, at t = "
-            f"{self.t:.9g} s, and the case names no Impact; {number}add Flight() and Impact(0.0) to go on.",
+            "landing" if self.case.others else "second_contact",
+            f"{who} meets {which}, xi1 = {xi1:.9g}, at t = "
+            f"{self.t:.9g} s, and the case names no Impact; add Flight() and Impact(0.0) to go on.",
         )
 
     def _strike(

@@ -16,7 +16,7 @@ class Touch:
 
     def __init__(self, system: BodiesSystem, k: int, restitution: float):
         self.lift_row, self.slip_row = system.rows[k], system.rows[len(system.mu) + k]
-        self.mu, self.restitution = float(system.mu[k]), restitution
+        self.restitution = restitution
 
 
 def cradle(speeds, touching, restitution: float = 1.0, law: str = "moreau", mu: float = 0.0) -> np.ndarray:
@@ -27,7 +27,7 @@ def cradle(speeds, touching, restitution: float = 1.0, law: str = "moreau", mu: 
     inertia = Inertia(np.tile([1.0, 1.0, 8.0], len(discs)), np.tile([1.0, 1.0, sqrt(0.125)], len(discs)))
     before = np.array([value for disc_ in discs for value in disc_[4:]])
     touched = [Touch(system, k, restitution) for k in range(len(touching))]
-    return impact_of_all(law, inertia, before, touched, 1.0).velocity.reshape(-1, 3)
+    return impact_of_all(law, inertia, before, touched, system.mu, 1.0).velocity.reshape(-1, 3)
 
 
 def test_newtons_cradle_passes_its_momentum_on_by_pairs():
@@ -81,7 +81,7 @@ def _compare_impacts(seeds) -> dict[str, int]:
         inertia = Inertia(system.inverse, np.ones(6))
         touched = [Touch(system, k, float(e)) for k, e in enumerate(restitution)]
         try:
-            outcome = impact_of_all("moreau", inertia, speeds.ravel(), touched, float(np.abs(speeds).max()))
+            outcome = impact_of_all("moreau", inertia, speeds.ravel(), touched, system.mu, float(np.abs(speeds).max()))
         except NoImpact:
             counts["not one"] += 1
             continue

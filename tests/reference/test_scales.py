@@ -9,7 +9,7 @@ import reference
 from cases import Case, Flight, Gravity, Load, Start, Unilateral, disc
 from cases.library import line
 from reference.minimal.modes import candidates, phase_at, start_state, state_in
-from reference.scales import acceleration_scale, approach_scale, inverse_mass_scale, looks_between, power_of_two
+from reference.scales import approach_scale, inverse_mass_scale, looks_between, power_of_two
 from tests.scenes.units import scene_in_units
 
 G = 9.81
@@ -31,11 +31,6 @@ def test_approach_scale_is_that_of_the_terms(name):
     value = phase.system.record(*phase.system.outputs_of_numbers(time, state, phase.parameters))
     assert abs(value.free_approach) < 1e-14 * size
     assert 0.5 * size < approach_scale(phase, time, state) < 10.0 * size
-
-
-def test_acceleration_scale_counts_each_effect_alone():
-    case = Case(line(), disc(0.1, 2.0), (Gravity(G), Unilateral(), Load(fy=f"{2 * G!r}")), Start(0.0), 1.0)
-    assert acceleration_scale(case, 0.0, [0.0, 0.1, 0.0, 0.0, 0.0, 0.0]) == pytest.approx(2 * G)
 
 
 def test_units_of_matrices_are_powers_of_two():
