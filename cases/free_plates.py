@@ -53,7 +53,7 @@ MOST = 8
 # Pose and velocities of a plate, in the order of rows.
 POSE = ("x", "y", "theta", "vx", "vy", "omega")
 # Effects of a case with several plates.
-POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Load, Belt, Drive)
+POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Load, Belt, Drive, RollingResistance)
 
 
 @dataclass(frozen=True)
@@ -243,11 +243,6 @@ def _check_effects(case: Any) -> None:
         if not isinstance(effect, POSSIBLE):
             kind = type(effect).__name__
             raise BadValue(f"{kind} with several plates is not supported; leave {kind} out")
-    for support in case.supports:
-        if other := [type(e).__name__ for e in support.effects or () if isinstance(e, RollingResistance)]:
-            raise BadValue(
-                f"{other[0]} of support {support.name!r} with several plates is not supported; leave {other[0]} out"
-            )
     for needed, text in ((Unilateral, "Unilateral()"), (Flight, "Flight()")):
         if case.effect(needed) is None:
             raise BadValue(f"several plates may part and meet; add {text} to the effects")

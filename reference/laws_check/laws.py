@@ -128,6 +128,8 @@ def _couple(samples: MotionSamples, contact: ContactInstants, here) -> np.ndarra
     arm, spin = contact.law.arm, samples.plates[contact.law.body].spin
     if not arm:
         return 0.0
+    if contact.law.base is not None:
+        spin = spin - samples.plates[contact.law.base].spin
     couple = -np.sign(spin[here][:, 2:3]) * arm * np.abs(contact.normal)
     couple[(np.abs(spin[here]) <= CREEP * np.abs(spin).max()).all(axis=1)] = np.nan
     return couple

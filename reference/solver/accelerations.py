@@ -14,9 +14,9 @@ from cases.free_plates import loads_of
 from ..minimal.decision import AT_BOUND, Undecidable, vanishes
 from ..minimal.effects import SLIP_SIGN
 from . import forces
-from .contact_law import STICKING, TURNING_ROW
+from .contact_law import STICKING, Sides, Turns, held, turning_row
 from .places import ContactPlace, plates_in
-from .plate_numbers import bodies, load_at, rows_of, speed
+from .plate_numbers import Bodies, bodies, load_at, rows_of, speed
 from .regimes import Guides
 from .rest import BALANCE
 
@@ -67,39 +67,39 @@ class GroupAccelerations(NamedTuple):
 
 def answer_by_numbers(
     now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], shares: Mapping[int, int],
-    turn: int | None,
+    turns: Turns,
 ) -> GroupAccelerations | None:  # fmt: skip
     """The accelerations in these modes; None if neither forces nor accelerations are unique. `shares`: as of
     `shares_of`."""
     some, load, velocity = bodies(now.case), load_at(now.case, now.time, now.state), now.velocity
-    rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
+    rows, columns, biases, senses = list[np.ndarray](), list[np.ndarray](), list[float](), dict(turns)
     for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
         if mode is Mode.FLIGHT:
             continue
         ratio = -SLIP_SIGN.get(mode, 0.0)
         column = at.lift_row + (ratio * at.mu_of(velocity, now.time) * at.slip_row if ratio else 0.0)
-        if turn:
-            column = column - turn * at.resisting_arm * TURNING_ROW
+        if sense := senses.get(at.sides):
+            column = column - sense * at.resisting_arm * at.turning_row
         rows, columns, biases = [*rows, at.lift_row], [*columns, column], [*biases, at.lift_bias]
         if mode in STICKING and i not in shares:
             belt = at.belt_rate(now.time)
             rows, columns, biases = [*rows, at.slip_row], [*columns, at.slip_row], [*biases, at.slip_bias - belt]
-    if turn == 0:
-        still_row = some.lengths[2] * TURNING_ROW
-        rows, columns, biases = [*rows, still_row], [*columns, still_row], [*biases, 0.0]
+    holding = [sides for sides, sense in turns if sense == 0]
+    still_rows = [_still_row(sides, some) for sides in holding]
+    rows, columns, biases = [*rows, *still_rows], [*columns, *still_rows], [*biases, *(0.0 for _ in holding)]
     acceleration, values = load, np.zeros(0)
     if rows:
         matrix = np.array(rows) * some.inverse @ np.array(columns).T
         sizes = np.sqrt(np.abs(np.diag(np.array(rows) * some.inverse @ np.array(rows).T)))
         if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(rows):
-            return _by_guides(now, contacts, modes, turn)
+            return _by_guides(now, contacts, modes, turns)
         values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
         acceleration = load + some.inverse * (np.array(columns).T @ values)
     weight = float((np.abs(load) * some.masses).max())
     force = VIOLATED * max(weight, float(np.abs(values).max(initial=0.0)))
     rate = VIOLATED * max(float(np.abs(load).max()), float(np.abs(acceleration * some.lengths).max()))
     forces_left, possible, opens = iter(values.tolist()), True, True
-    frictions, bounds, couple = dict[int, float](), dict[int, float](), 0.0
+    frictions, bounds, couples = dict[int, float](), dict[int, float](), dict[Sides, float]()
     for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
         if mode is Mode.FLIGHT:
             lift = float(at.lift_row @ acceleration) + at.lift_bias
@@ -107,20 +107,26 @@ def answer_by_numbers(
             continue
         normal = next(forces_left)
         possible &= normal >= -force
-        couple += at.resisting_arm * max(normal, 0.0)
+        couples[at.sides] = couples.get(at.sides, 0.0) + at.resisting_arm * max(normal, 0.0)
         if mode in STICKING:
             holder = shares.get(i, i)
             bounds[holder] = bounds.get(holder, 0.0) + at.stick * max(normal, 0.0) + force * (1.0 + min(at.stick, 1e3))
             if holder == i:
                 frictions[i] = next(forces_left)
-    if turn == 0:
-        possible &= abs(next(forces_left)) * some.lengths[2] <= couple + force * some.lengths[2]
+    for sides in holding:
+        length = some.lengths[3 * sides[0] + 2]
+        possible &= abs(next(forces_left)) * length <= couples[sides] + force * length
     possible &= all(not abs(friction) > bounds[i] for i, friction in frictions.items())
     return GroupAccelerations(acceleration, bool(possible), opens)
 
 
+def _still_row(sides: Sides, some: Bodies) -> np.ndarray:
+    """The row of a rotation that is prevented, in m/s²."""
+    return float(some.lengths[3 * sides[0] + 2]) * turning_row(sides, len(some.lengths))
+
+
 def _by_guides(
-    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], turn: int | None
+    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], turns: Turns
 ) -> GroupAccelerations | None:
     """The same where the rows depend on each other: some of them determine the motion, and forces that are not unique
     have to give it. None where the acceleration is not unique, or where the rows contradict each other."""
@@ -128,14 +134,17 @@ def _by_guides(
     closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
     each = [(k, False) for k in closed] + [(k, True) for k in closed if modes[k] in STICKING]
     rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
+    senses = dict(turns)
     picks, others = [[False, False] for _ in contacts], list[tuple[np.ndarray, np.ndarray, float]]()
-    if turn == 0:
-        rows, columns, biases = [some.lengths[2] * TURNING_ROW], [some.lengths[2] * TURNING_ROW], [0.0]
+    rows = [_still_row(sides, some) for sides in held(turns)]
+    columns, biases = list(rows), [0.0] * len(rows)
     for k, is_tangent in each:
         at = contacts[k]
         row = at.slip_row if is_tangent else at.lift_row
         slips = not is_tangent and modes[k] in SLIP_SIGN
         column = row - (SLIP_SIGN[modes[k]] * at.mu_of(velocity, now.time) * at.slip_row if slips else 0.0)
+        if (sense := senses.get(at.sides)) and not is_tangent:
+            column = column - sense * at.resisting_arm * at.turning_row
         bias = at.slip_bias - at.belt_rate(now.time) if is_tangent else at.lift_bias
         if np.linalg.matrix_rank(_unit(np.array([*rows, row]) * np.sqrt(some.inverse)), tol=DEPENDENT) > len(rows):
             rows, columns, biases, picks[k][is_tangent] = [*rows, row], [*columns, column], [*biases, bias], True
@@ -155,7 +164,7 @@ def _by_guides(
     some_contacts, some_modes = [contacts[k] for k in closed], [modes[k] for k in closed]
 
     def is_balanced(acceleration: np.ndarray) -> bool:
-        margin = guided_margin(now.case, now.time, now.state, acceleration, some_contacts, some_modes, turn)
+        margin = guided_margin(now.case, now.time, now.state, acceleration, some_contacts, some_modes, turns)
         return margin >= BALANCE
 
     if not is_balanced(acceleration):
@@ -183,10 +192,10 @@ def _unit(rows: np.ndarray) -> np.ndarray:
 
 def guided_margin(
     case: Case, t: float, state: Sequence[float], acceleration: np.ndarray, closed: Sequence[ContactPlace],
-    modes: Sequence[Mode], turn: int | None,
+    modes: Sequence[Mode], turns: Turns,
 ) -> float:  # fmt: skip
     """`forces.margin` of contacts in those modes whose forces give their plates an acceleration (3n,)."""
-    return forces.margin(closed, *balance_of(case, t, state, acceleration, closed, modes, turn))
+    return forces.margin(closed, *balance_of(case, t, state, acceleration, closed, modes, turns))
 
 
 class Balance(NamedTuple):
@@ -201,7 +210,7 @@ class Balance(NamedTuple):
 
 def balance_of(
     case: Case, t: float, state: Sequence[float], acceleration: np.ndarray, closed: Sequence[ContactPlace],
-    modes: Sequence[Mode], turn: int | None,
+    modes: Sequence[Mode], turns: Turns,
 ) -> Balance:  # fmt: skip
     """What the forces of contacts in those modes balance whose plates have an acceleration (3n,)."""
     load, units = load_and_units(case, t, state, plates_in(closed))
@@ -209,9 +218,10 @@ def balance_of(
     for at, mode in zip(closed, modes, strict=True):
         slips = forces.Slipping(-SLIP_SIGN[mode] * at.mu_of(velocity, t)) if mode in SLIP_SIGN else 0.0
         limits.append(at.stick if mode in STICKING else slips)
-    couples = list[forces.Limit]()
-    for at in closed if turn is not None else ():
-        couples.append(forces.Slipping(-turn * at.resisting_arm) if turn else at.resisting_arm)
+    couples, senses = list[forces.Limit](), dict(turns)
+    for at in closed if turns else ():
+        sense = senses.get(at.sides)
+        couples.append(forces.Slipping(-sense * at.resisting_arm) if sense else at.resisting_arm)
     inertial = acceleration * bodies(case).masses * (units > 0.0)
     sizes = float((np.abs(load) * units).max()), float((np.abs(inertial) * units).max())
     right = load - inertial

@@ -195,7 +195,7 @@ def _guided_ranges(case: Case, now: SolverPhase, t: float, y: np.ndarray, k: int
         np.array(now.system.rates_of_numbers(t, tuple(y.tolist()), now.parameters)),
     )
     balance = balance_of(
-        case, t, state, rates[len(rates) - len(state) // 2 :], at, [regime.modes[i] for i in some], regime.turn
+        case, t, state, rates[len(rates) - len(state) // 2 :], at, [regime.modes[i] for i in some], regime.turns
     )
     limits = forces.ranges(at, *balance)
     return limits.normal[some.index(k)], limits.friction[some.index(k)]
@@ -220,7 +220,7 @@ def _all_ranges(case: Case, regime: SolverRegime, state: bytes, t: float) -> dic
     for group in groups(now):
         at = [now[i] for i in group]
         load, units = load_and_units(case, t, poses, plates_in(at))
-        limits = forces.ranges(at, load, units, [one.stick for one in at])
+        limits = forces.ranges(at, load, units, [one.stick for one in at], [one.resisting_arm for one in at])
         for i, place_in_group in enumerate(group):
             pair = limits.normal[i], limits.friction[i]
             for each in pair:

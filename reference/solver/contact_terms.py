@@ -15,14 +15,17 @@ from cases.expression_graph import ONE, ZERO, Node, call, node, sqrt, symbol
 from ..minimal.effects import Coulomb, FixedSurface, Frictionless
 from ..minimal.elimination import GYRATION
 from ..minimal.frames import Frame, frame
+from .contact_law import Sides
 
-# The radius of gyration of the only plate, m.
-RADIUS = sqrt(GYRATION)
+
+def radius(body: int) -> Node:
+    """The radius of gyration of a plate, m; its reach if it does not turn."""
+    return sqrt(GYRATION) if body == 0 else symbol(f"radius_{body}")
 
 
 class Rotation(Enum):
-    """How the contacts resist the only plate's rotation: not at all, against its direction, or so that it does not
-    turn."""
+    """How contacts resist the rotation of two plates against each other, or of one on what is fixed: not at all,
+    against its direction, or so that they do not turn."""
 
     FREE = "free"
     RESISTED = "resisted"
@@ -50,7 +53,7 @@ class ContactForm(NamedTuple):
     structures of both elements (a corner's is the sign of its turn), its rows, its law of friction, at which ends of
     both elements it passes on (`regimes.ends_of`), the surface of its base, and the contact (its place among all) that
     has the friction force of both where two contacts of the same plates stick on one line: only its sum is unique.
-    `resists`: whether it resists rolling; `guides`: where forces are not unique, which of its rows are used; `along`:
+    `rotation`: how it resists rolling; `guides`: where forces are not unique, which of its rows are used; `along`:
     an earlier contact of the same straight side.
     """
 
@@ -63,9 +66,14 @@ class ContactForm(NamedTuple):
     ends: tuple[str, ...]
     surface: FixedSurface = FixedSurface()
     shares: int | None = None
-    resists: bool = False
+    rotation: Rotation = Rotation.FREE
     guides: tuple[bool, bool] | None = None
     along: int | None = None
+
+    @property
+    def sides(self) -> Sides:
+        """The numbers of the plates that touch."""
+        return (self.body,) if self.base is None else (self.body, self.base)
 
     @property
     def rubs(self) -> bool:

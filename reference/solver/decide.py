@@ -19,7 +19,7 @@ from cases.corner import Corner
 
 from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
 from .accelerations import SAME, DecisionInstant, answer_by_numbers, rest_margin
-from .contact_law import STICKING, slip_modes
+from .contact_law import STICKING, Sides, Turns, slip_modes, turning_row
 from .places import ContactPlace, plates_in, sharing
 from .plate_numbers import bodies, load_at, load_scale, rows_of
 from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
@@ -31,7 +31,7 @@ class Decision(NamedTuple):
     all the time with their slack, by (name of the condition, place of the contact); None if there are none or several.
 
     `motions`: the modes of each different motion that is consistent; `is_singular`: whether modes were left out because
-    their forces are not unique; `turn`, `guides`: as of `SolverRegime`.
+    their forces are not unique; `turns`, `guides`: as of `SolverRegime`.
     """
 
     modes: tuple[Mode, ...] | None
@@ -39,7 +39,7 @@ class Decision(NamedTuple):
     slack: tuple[tuple[str, float], ...]
     motions: tuple[tuple[Mode, ...], ...]
     is_singular: bool
-    turn: int | None = None
+    turns: Turns = ()
     guides: Guides = ()
 
 
@@ -47,7 +47,7 @@ class _Motion(NamedTuple):
     modes: tuple[Mode, ...]
     rests: bool
     acceleration: np.ndarray
-    turn: int | None = None
+    turns: Turns = ()
     guides: Guides = ()
 
 
@@ -65,10 +65,10 @@ def decide(
     )
     slack: tuple[tuple[str, float], ...] = ()
     if not best.rests:
-        of_best = GroupModes(best.modes, best.turn, best.guides)
+        of_best = GroupModes(best.modes, best.turns, best.guides)
         phase, y = phase_of(now.case, contacts, of_best), variables(now.state, contacts)
         slack = slack_of(phase, now.time, y, now.error, AT_BOUND * load_scale(now.case, now.time, now.state))
-    return Decision(best.modes, best.rests, slack, (best.modes,), is_singular, best.turn, best.guides)
+    return Decision(best.modes, best.rests, slack, (best.modes,), is_singular, best.turns, best.guides)
 
 
 def motions_of(now: DecisionInstant, contacts: Sequence[ContactPlace]) -> list[tuple[Mode, ...]]:
@@ -89,23 +89,23 @@ def _consistent(
     own = np.zeros(len(now.state) // 2, dtype=bool)
     own[rows_of(plates)] = True
     if last_modes is None and rest_margin(now.case, now.time, now.state, contacts) >= BALANCE:
-        turn = 0 if any(at.resisting_arm for at in contacts) else None
-        stuck = [at.without_slip if turn is None else Mode.REST for at in contacts]
+        turns = tuple((sides, 0) for sides in _resisting(contacts))
+        stuck = [Mode.REST if (at.sides, 0) in turns else at.without_slip for at in contacts]
         still = tuple(mode if at.stick > 0.0 else Mode.SLIDE for at, mode in zip(contacts, stuck, strict=True))
-        motions.append(_Motion(still, True, np.zeros(len(own)), turn))
-    for modes, turn in _combinations(now, contacts, fixed):
+        motions.append(_Motion(still, True, np.zeros(len(own)), turns))
+    for modes, turns in _combinations(now, contacts, fixed):
         shares = shares_of(contacts, modes)
-        answer = answer_by_numbers(now, contacts, modes, shares, turn)
+        answer = answer_by_numbers(now, contacts, modes, shares, turns)
         if answer is None:
             is_singular = True
         elif (
             answer.is_possible
             and not (answer.guides and modes == last_modes)
-            and _holds(now, contacts, GroupModes(modes, turn, answer.guides), answer.opens)
+            and _holds(now, contacts, GroupModes(modes, turns, answer.guides), answer.opens)
         ):
             for acceleration in (answer.acceleration, answer.another):
                 if acceleration is not None:
-                    motions.append(_Motion(modes, False, np.where(own, acceleration, 0.0), turn, answer.guides))
+                    motions.append(_Motion(modes, False, np.where(own, acceleration, 0.0), turns, answer.guides))
     if any(at.stick > at.mu for at in contacts):
         # With static friction a contact that may stick does.
         most = max((_sticking(one.modes) for one in motions), default=0)
@@ -134,10 +134,10 @@ def flat_of(contacts: Sequence[ContactPlace], modes: Sequence[Mode]) -> dict[int
 
 
 class GroupModes(NamedTuple):
-    """The modes of a group's contacts, with `turn` and `guides` as of `SolverRegime`."""
+    """The modes of a group's contacts, with `turns` and `guides` as of `SolverRegime`."""
 
     modes: tuple[Mode, ...]
-    turn: int | None = None
+    turns: Turns = ()
     guides: Guides = ()
 
     def some(self, which: Sequence[int]) -> GroupModes:
@@ -151,7 +151,7 @@ def phase_of(case: Case, contacts: Sequence[ContactPlace], now: GroupModes) -> S
     shares = {} if now.guides else shares_of(contacts, now.modes)
     keys = tuple(key_of(at.pair, (at.xi1, at.xi2)) for at in contacts)
     own, along = (tuple(some.get(k) for k in range(len(keys))) for some in (shares, flat_of(contacts, now.modes)))
-    regime = SolverRegime(keys, now.modes, shares=own, turn=now.turn, guides=now.guides, along=along)
+    regime = SolverRegime(keys, now.modes, shares=own, turns=now.turns, guides=now.guides, along=along)
     return solver_phase(case, regime)
 
 
@@ -176,11 +176,9 @@ def _sticking(modes: Sequence[Mode]) -> int:
 
 def _combinations(
     now: DecisionInstant, contacts: Sequence[ContactPlace], fixed: Mapping[int, tuple[Mode, ...]]
-) -> Iterator[tuple[tuple[Mode, ...], int | None]]:
-    """The modes that all contacts may have, with the sense of the rotation of a plate that they resist; contacts with
-    one slip have one mode where both are closed."""
-    omega, size = float(now.velocity[2]), bodies(now.case).reaches[0]
-    turns = (int(copysign(1.0, omega)),) if abs(omega) * size > now.still else (0, 1, -1)
+) -> Iterator[tuple[tuple[Mode, ...], Turns]]:
+    """The modes that all contacts may have, with the senses of the rotations that they resist; contacts with one slip
+    have one mode where both are closed."""
     options, velocity = list[tuple[Mode, ...]](), now.velocity
     for k, at in enumerate(contacts):
         slip, slipping = at.slip(velocity, now.time), slip_modes(at.pair)
@@ -195,9 +193,30 @@ def _combinations(
     for modes in product(*options):
         if not all(modes[i] is modes[j] or Mode.FLIGHT in (modes[i], modes[j]) for i, j in same):
             continue
-        resists = any(at.resisting_arm and mode is not Mode.FLIGHT for at, mode in zip(contacts, modes, strict=True))
-        for turn in turns if resists else (None,):
-            yield tuple(Mode.REST if mode in STICKING and turn == 0 else mode for mode in modes), turn
+        closed = [at for at, mode in zip(contacts, modes, strict=True) if mode is not Mode.FLIGHT]
+        resisting = _resisting(closed)
+        for senses in product(*(_senses(now, sides) for sides in resisting)):
+            turns = tuple(zip(resisting, senses, strict=True))
+            yield (
+                tuple(
+                    Mode.REST if mode in STICKING and (at.sides, 0) in turns else mode
+                    for at, mode in zip(contacts, modes, strict=True)
+                ),
+                turns,
+            )
+
+
+def _resisting(contacts: Sequence[ContactPlace]) -> list[Sides]:
+    """The plates with contacts that resist rolling."""
+    return list(dict.fromkeys(at.sides for at in contacts if at.resisting_arm))
+
+
+def _senses(now: DecisionInstant, sides: Sides) -> tuple[int, ...]:
+    """The senses in which a plate may turn against another one, or against what is fixed."""
+    spin = float(turning_row(sides, len(now.velocity)) @ now.velocity)
+    if abs(spin) * float(bodies(now.case).lengths[3 * sides[0] + 2]) > now.still:
+        return (int(copysign(1.0, spin)),)
+    return 0, 1, -1
 
 
 def _clusters(now: DecisionInstant, motions: Sequence[_Motion]) -> list[list[_Motion]]:

@@ -32,12 +32,14 @@ MOST_BASES, SINGULAR, FEASIBLE = 500, 1e-9, 1e-9
 
 
 class RowsOfContact(Protocol):
-    """What the forces of a contact need: the rows of its lift and slip velocity."""
+    """What the forces of a contact need: the rows of its lift and slip velocity, and of the rotation it resists."""
 
     @property
     def lift_row(self) -> np.ndarray: ...
     @property
     def slip_row(self) -> np.ndarray: ...
+    @property
+    def turning_row(self) -> np.ndarray: ...
 
 
 class Slipping(NamedTuple):
@@ -73,7 +75,7 @@ def _generators(
         for normal, friction, couple in edges[k]:
             parts[k, :, len(columns)] = normal, friction
             column = normal * one.lift_row + friction * one.slip_row
-            columns.append(column + (0.0, 0.0, couple) if couple else column)
+            columns.append(column + couple * one.turning_row if couple else column)
     return np.array(columns).T, parts
 
 

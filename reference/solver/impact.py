@@ -3,7 +3,8 @@
 Normal impulses P ≥ 0 and velocities after the impact obey v_n⁺ + e v_n⁻ ≥ 0, complementary to P, at every contact that
 is touched, and friction Coulomb's law between whole impulses and velocities after the impact. Poisson's law has two
 stages: e = 0, then impulses of at least e times those of the first. Rolling resistance adds impulses of couples, of the
-arm times P against the rotation after the impact, or, if there is none, of at most that. Where one plate touches in one
+arm times P against the rotation of the plates against each other after the impact, or, if there is none, of at most
+that. Where one plate touches in one
 place, Routh's construction of `minimal.impact` is used instead (`strike`). (Derived here; the laws differ where several
 contacts are touched.)
 """
@@ -17,7 +18,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from .contact_law import TURNING_ROW
+from .contact_law import Sides, Turns, held, turning_row
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10
@@ -27,7 +28,7 @@ WITHIN = 1e-7
 TURNS = 1e-9
 STICK, FORWARD, BACKWARD, OPEN = "stick", "forward", "backward", "open"
 SIGN = {FORWARD: 1.0, BACKWARD: -1.0}
-# In place of a contact's number: the couple that ends the rotation.
+# In place of a contact's number, less the number of a pair of plates: the couple that ends their rotation.
 COUPLE = -1
 
 
@@ -37,17 +38,22 @@ class NoImpact(ArithmeticError):
 
 class ImpactVelocities(NamedTuple):
     """Velocities (vx, vy, ω) of each body after an impact, and lift and slip velocity of every touched contact, zeros
-    exact; `turns`: False if rolling resistance has ended the rotation."""
+    exact; `still`: plates whose rotation against each other rolling resistance has ended."""
 
     velocity: np.ndarray
     lift: np.ndarray
     slip: np.ndarray
-    turns: bool = True
+    still: tuple[Sides, ...] = ()
 
 
 class TouchedContact(Protocol):
-    """What the law of impact needs of a contact: the rows of its lift and slip velocity, and its restitution."""
+    """What the law of impact needs of a contact: the plates that touch, the rows of its lift and slip velocity and
+    of the rotation that it resists, and its restitution."""
 
+    @property
+    def sides(self) -> Sides: ...
+    @property
+    def turning_row(self) -> np.ndarray: ...
     @property
     def lift_row(self) -> np.ndarray: ...
     @property
@@ -66,20 +72,21 @@ class Inertia(NamedTuple):
 
 class _ImpactLaw(NamedTuple):
     """Restitution, least normal impulse and coefficient of friction of each contact, the speed of its support's
-    surface (m/s), and the arm of its rolling resistance (m; 0: none). `turn`: the sense of the rotation after the
-    impact, 0 if the resistance ends it; None without resistance. `gyration`: the radius of gyration, m."""
+    surface (m/s), and the arm of its rolling resistance (m; 0: none). `turns`: the senses of the rotations after the
+    impact that contacts resist. `gyration`: a length that makes rotations velocities, m."""
 
     restitution: np.ndarray
     least: np.ndarray
     mu: list[float]
     belts: np.ndarray
     arms: np.ndarray
-    turn: int | None = None
+    turns: Turns = ()
     gyration: float = 1.0
 
-    def couple(self, k: int) -> np.ndarray | float:
-        """The couple (vx, vy, ω) per normal impulse of contact k against the rotation; 0 if there is none."""
-        return -self.turn * self.arms[k] * TURNING_ROW if self.turn else 0.0
+    def couple(self, at: TouchedContact, k: int) -> np.ndarray | float:
+        """The couple (3n,) per normal impulse of contact k against the rotation; 0 if there is none."""
+        sense = dict(self.turns).get(at.sides) if self.turns else 0
+        return -sense * self.arms[k] * at.turning_row if sense else 0.0
 
 
 def impact_of_all(
@@ -94,8 +101,8 @@ def impact_of_all(
 ) -> ImpactVelocities:
     """The velocities of one or several bodies after an impact at all touched contacts: by Newton's, Moreau's or
     Poisson's law ("newton", "moreau", "poisson") for whole impulses. `mu`: the coefficient of friction of each;
-    `belts`: the speeds of the supports' surfaces (m/s; None: at rest); `arms`: those of the rolling resistance of one
-    body (m; None: there is none). Arguments and errors as of `impact`."""
+    `belts`: the speeds of the supports' surfaces (m/s; None: at rest); `arms`: those of the rolling resistance (m;
+    None: there is none). Arguments and errors as of `impact`."""
     mu, nothing = list(mu), np.zeros(len(contacts))
     belts, arms = (nothing if some is None else some for some in (belts, arms))
     restitution = np.array([at.restitution for at in contacts])
@@ -117,13 +124,16 @@ def _collide(
         for mu in law.mu
     ]
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
-    turns, alike = (0, 1, -1) if law.arms.any() else (None,), _with_one_slip(inertia, places_hit, law)
-    for modes, turn in product(product(*options), turns):
+    resisting = list(dict.fromkeys(at.sides for at, arm in zip(places_hit, law.arms, strict=True) if arm))
+    senses, alike = product((0, 1, -1), repeat=len(resisting)), _with_one_slip(inertia, places_hit, law)
+    for modes, some in product(product(*options), senses):
         if any(modes[i] != modes[j] and OPEN not in (modes[i], modes[j]) for i, j in alike):
             continue
         for one in _in_modes(
-            modes, before, places_hit, law._replace(turn=turn, gyration=inertia.lengths[2]), inertia.inverse, speed
-        ):
+            modes, before, places_hit,
+            law._replace(turns=tuple(zip(resisting, some, strict=True)), gyration=inertia.lengths[2]),
+            inertia.inverse, speed,
+        ):  # fmt: skip
             if all(_differ(one[0], other[0], inertia.lengths, speed) for other in solutions):
                 solutions.append(one)
     if len(solutions) != 1:
@@ -162,11 +172,11 @@ def _in_modes(
                 # The least impulse has friction of its own; its direction is that of the slip after the impact.
                 one = _with_least(modes, before, places_hit, law, compliance, speed)
                 return [one] if one is not None else []
-            change = change + law.least[k] * (at.lift_row + law.couple(k))
+            change = change + law.least[k] * (at.lift_row + law.couple(at, k))
             continue
         rows.append(at.lift_row)
         goals.append(-(1.0 + law.restitution[k]) * lift[k])
-        columns.append(at.lift_row + ratio * at.slip_row + law.couple(k))
+        columns.append(at.lift_row + ratio * at.slip_row + law.couple(at, k))
         which.append((k, True))
         if mode == STICK:
             rows.append(at.slip_row)
@@ -186,23 +196,29 @@ def _in_modes(
 
 
 def _hold(law: _ImpactLaw, before: np.ndarray, rows: list, columns: list, goals: list, which: list) -> None:
-    """Add the row that ends the rotation, if rolling resistance does."""
-    if law.turn == 0:
-        rows.append(law.gyration * TURNING_ROW)
-        columns.append(law.gyration * TURNING_ROW)
-        goals.append(-law.gyration * float(before[2]))
-        which.append((COUPLE, False))
+    """Add the rows that end rotations, where rolling resistance does."""
+    for number, (sides, sense) in enumerate(law.turns):
+        if sense == 0:
+            row = law.gyration * turning_row(sides, len(before))
+            rows.append(row)
+            columns.append(row)
+            goals.append(-float(row @ before))
+            which.append((COUPLE - number, False))
 
 
-def _bounds_of_couple(law: _ImpactLaw, which: list) -> tuple[list[np.ndarray], float]:
-    """Rows of the impulses in `which` that must not be below a bound, and that bound: the couple that ends the rotation
-    is at most the sum of all contacts' normal impulses times their arms."""
+def _bounds_of_couple(
+    law: _ImpactLaw, places_hit: Sequence[TouchedContact], which: list, i: int
+) -> tuple[list[np.ndarray], float]:
+    """Rows of the impulses in `which` that must not be below a bound, and that bound: the couple of place i, which ends
+    a rotation, is at most the sum of the normal impulses of the contacts that resist it times their arms."""
     limit, row = np.zeros(len(which)), np.zeros(len(which))
+    sides, _ = law.turns[COUPLE - which[i][0]]
+    own = {k for k, at in enumerate(places_hit) if at.sides == sides}
     closed = {k for k, is_normal in which if is_normal}
-    for i, (k, is_normal) in enumerate(which):
-        limit[i] = law.arms[k] if is_normal else 0.0
-    row[which.index((COUPLE, False))] = law.gyration
-    return [limit + row, limit - row], -sum(law.arms[k] * law.least[k] for k in range(len(law.arms)) if k not in closed)
+    for j, (k, is_normal) in enumerate(which):
+        limit[j] = law.arms[k] if is_normal and k in own else 0.0
+    row[i] = law.gyration
+    return [limit + row, limit - row], -sum(law.arms[k] * law.least[k] for k in own - closed)
 
 
 def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solution, which, turning) -> list:
@@ -216,8 +232,8 @@ def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solution, which
         if is_normal:
             rows.append(free[i])
             bounds.append(law.least[k] - impulses[i])
-        elif k == COUPLE:
-            of_couple, bound = _bounds_of_couple(law, which)
+        elif k <= COUPLE:
+            of_couple, bound = _bounds_of_couple(law, places_hit, which, i)
             rows += [row @ free for row in of_couple]
             bounds += [bound - float(row @ impulses) for row in of_couple]
         elif law.mu[k] < inf and (k, True) in which:
@@ -232,9 +248,11 @@ def _extremes(modes, before, places_hit, law: _ImpactLaw, speed, solution, which
         elif mode in SIGN and law.mu[k]:
             rows.append(SIGN[mode] * (at.slip_row @ turning))
             bounds.append(-SIGN[mode] * float(at.slip_row @ after - law.belts[k]))
-    if law.turn:
-        rows.append(law.turn * turning[2])
-        bounds.append(-law.turn * float(after[2]))
+    for sides, sense in law.turns:
+        if sense:
+            rotation = sense * turning_row(sides, len(before))
+            rows.append(rotation @ turning)
+            bounds.append(-float(rotation @ after))
     members = []
     for goal in (*turning, *-turning):
         answer = linprog(goal, A_ub=-np.array(rows), b_ub=small - np.array(bounds), bounds=(None, None))
@@ -253,12 +271,12 @@ def _with_least(
         rows, columns, goals, which, change = [], [], [], [], np.zeros(len(before))
         for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
             if mode == OPEN and k not in opening:
-                change = change + law.least[k] * (at.lift_row + law.couple(k))
+                change = change + law.least[k] * (at.lift_row + law.couple(at, k))
                 continue
             if mode == OPEN:
                 sense = senses[opening.index(k)]
                 ratio = sense * law.mu[k] if sense else 0.0  # without slip the friction is unknown
-                change = change + law.least[k] * (at.lift_row - ratio * at.slip_row + law.couple(k))
+                change = change + law.least[k] * (at.lift_row - ratio * at.slip_row + law.couple(at, k))
                 if sense == 0.0:
                     rows.append(at.slip_row)
                     goals.append(-float(at.slip_row @ before - law.belts[k]))
@@ -268,7 +286,7 @@ def _with_least(
             ratio = -SIGN[mode] * law.mu[k] if mode in SIGN else 0.0
             rows.append(at.lift_row)
             goals.append(-(1.0 + law.restitution[k]) * float(at.lift_row @ before))
-            columns.append(at.lift_row + ratio * at.slip_row + law.couple(k))
+            columns.append(at.lift_row + ratio * at.slip_row + law.couple(at, k))
             which.append((k, True))
             if mode == STICK:
                 rows.append(at.slip_row)
@@ -324,8 +342,8 @@ def _check(
             admissible.append(row)
             bounds.append(float(law.least[k]))
             continue
-        if k == COUPLE:
-            of_couple, bound = _bounds_of_couple(law, which)
+        if k <= COUPLE:
+            of_couple, bound = _bounds_of_couple(law, places_hit, which, i)
             admissible += of_couple
             bounds += [bound] * 2
             continue
@@ -352,13 +370,16 @@ def _check(
         if mode != OPEN and law.restitution[k] * (places_hit[k].lift_row @ before) == 0.0:
             lift[k] = 0.0
     lift[np.abs(lift) <= small] = 0.0
-    if law.turn and law.turn * law.gyration * after[2] < -small:
+    rotations = [(sense, law.gyration * float(turning_row(sides, len(after)) @ after)) for sides, sense in law.turns]
+    if any(sense * rotation < -small for sense, rotation in rotations):
         return None
     if not _is_admissible(admissible, np.array(bounds), impulses, free, small):  # last, as it may be a linear program
         return None
-    if law.turn == 0:
-        after[2] = 0.0
-    return ImpactVelocities(after, lift, slip, law.turn != 0), normal
+    still = held(law.turns)
+    for sides in still:
+        if len(sides) == 1:
+            after[3 * sides[0] + 2] = 0.0
+    return ImpactVelocities(after, lift, slip, tuple(still)), normal
 
 
 def _is_admissible(rows: list[np.ndarray], bounds: np.ndarray, impulses, free, small: float) -> bool:

@@ -38,7 +38,7 @@ from ..minimal.phase_end import (
 from ..scales import frequency, looks_between
 from ..time_limit import check_time
 from .accelerations import guided_margin, is_steady, rest_margin
-from .contact_law import STICKING
+from .contact_law import STICKING, held
 from .meet import Meetings
 from .mode_changes import ModeChanges
 from .places import TOUCHES, ContactPlace, groups, place, plates_in, sides_of
@@ -51,7 +51,7 @@ from .watched_plates import MotionEnds, Watch
 # A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
 # turn of 1e-11 (`cases.piece_case.LEVEL`).
 MEETS = 1e-11
-# Guards of the plate's rotation, which belong to all contacts that resist rolling.
+# Guards of a rotation of plates against each other, which belong to all their contacts.
 OF_ROTATION = ("turn", "couple_forward", "couple_backward")
 # A motion with a plate in flight is integrated over this many of its time scales at once.
 FLIES = 4.0
@@ -177,7 +177,7 @@ class PlatesSimulation(ModeChanges):
             meeting = None
         self._advance(segment)
         self.touching = {watch.name for watch in self.watches if watch.mode is not Mode.FLIGHT}
-        self.turns = regime.turn != 0
+        self.still = held(regime.turns)
         stuck = {watch.name for watch in self.watches if watch.mode in STICKING}
         if meeting is not None:
             for pair, points in touching_contacts(self.case, np.array(self.state)):
@@ -223,7 +223,7 @@ class PlatesSimulation(ModeChanges):
             state, points = split(self.case, y)
             rates = np.array(phase.system.rates_of_numbers(t, tuple(y.tolist()), phase.parameters))
             now = [place(pair, state, points[k]) for pair, k in zip(pairs, some, strict=True)]
-            return guided_margin(self.case, t, state, rates[len(rates) - half :], now, modes, regime.turn)
+            return guided_margin(self.case, t, state, rates[len(rates) - half :], now, modes, regime.turns)
 
         return first_loss_in(segment, margin)
 
@@ -267,8 +267,10 @@ class PlatesSimulation(ModeChanges):
         if kind in ENDS:
             return ENDS[kind]
         if kind in OF_ROTATION:
-            self.causes |= dict.fromkeys(self.touching, CAUSES[kind])
-            self.turns = False
+            sides = sides_of(self.watches[int(number)].pair)
+            together = {watch.name for watch in self._closed() if sides_of(watch.pair) == sides}
+            self.causes |= dict.fromkeys(together, CAUSES[kind])
+            self.still = [*self.still, sides]
             self._settle(stuck, self._closing())
             return None
         watch = self.watches[int(number)]

@@ -17,7 +17,7 @@ from ..minimal.phase_end import (
 )
 from ..minimal.series import EPS
 from .accelerations import DecisionInstant
-from .contact_law import STICKING
+from .contact_law import STICKING, Turns
 from .decide import Decision, decide, flat_of, shares_of
 from .impact_ends import ImpactEnds
 from .places import ContactPlace, anchors_of, groups, plates_in
@@ -49,7 +49,7 @@ class ModeChanges(ImpactEnds):
         closed = self._closed()
         now, places = DecisionInstant(self.case, self.t, self.state, self.speed, error), self._places(closed)
         modes, resting, slack = dict[str, Mode](), set[int](), list[tuple[str, str, float]]()
-        turn: int | None = None
+        turns: Turns = ()
         guides = dict[str, tuple[bool, bool] | None]()
         for group in groups(places):
             some, names = [places[k] for k in group], [closed[k].name for k in group]
@@ -64,7 +64,7 @@ class ModeChanges(ImpactEnds):
             if decision.modes is None:
                 raise MotionEnds(self._no_modes(names, decision))
             modes |= dict(zip(names, decision.modes, strict=True))
-            turn = decision.turn if turn is None else turn
+            turns += decision.turns
             guides |= dict(zip(names, decision.guides, strict=False))
             for condition, amount in decision.slack:
                 kind, _, number = condition.partition(":")
@@ -76,7 +76,7 @@ class ModeChanges(ImpactEnds):
                 modes |= part
                 resting |= plates_in([at for at, name in zip(some, names, strict=True) if name in part])
                 slack = [one for one in slack if one[1] not in part]
-        self.released, self.turns = set(), True
+        self.released, self.still = set(), []
         remaining = [
             (watch, at) for watch, at in zip(closed, places, strict=True) if modes[watch.name] is not Mode.FLIGHT
         ]
@@ -86,7 +86,7 @@ class ModeChanges(ImpactEnds):
             self._remove_velocities(remaining, sticking)
             self._still([at for _, at in remaining])
         self._record(modes)
-        return self._regime(resting, slack, turn, guides)
+        return self._regime(resting, slack, turns, guides)
 
     @staticmethod
     def _stays_without_force(free: Decision, fixed: dict[int, tuple[Mode, ...]]) -> bool:
@@ -125,7 +125,7 @@ class ModeChanges(ImpactEnds):
         self.watches = remaining
 
     def _regime(
-        self, resting: set[int], slack: list[tuple[str, str, float]], turn: int | None,
+        self, resting: set[int], slack: list[tuple[str, str, float]], turns: Turns,
         guides: dict[str, tuple[bool, bool] | None],
     ) -> SolverRegime:  # fmt: skip
         """The regime of all watched contacts, closed ones first."""
@@ -145,7 +145,7 @@ class ModeChanges(ImpactEnds):
             tuple(shares.get(k) for k in range(len(now))),
             tuple((f"{kind}:{order[name]}" if name else kind, amount) for kind, name, amount in slack),
             tuple(float(np.float32(watch.lost)) for watch in self.watches),
-            turn,
+            turns,
             tuple(guides.get(watch.name) for watch in self.watches) if guides else (),
             tuple(flat.get(k) for k in range(len(now))),
             anchors_of(self.case, self.velocity, closed, stuck) - resting,

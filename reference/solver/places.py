@@ -10,7 +10,7 @@ both sides moving; s_A, s_B are arc lengths of the contact's place on both curve
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from math import cos, inf, pi, sin
 from typing import NamedTuple, cast
 
@@ -23,7 +23,7 @@ from cases.couples import Couple
 from cases.piece_case import PieceCase
 from cases.piece_contact import _foot
 
-from .contact_law import coefficients, kinetic, resisting_arm, restitution
+from .contact_law import Sides, coefficients, kinetic, resisting_arm, restitution, turning_row
 from .plate_numbers import bodies, rows_of, size
 
 # A contact touches if its gap is below this part of the plates' size and place: the rounding of an event's pose.
@@ -41,7 +41,7 @@ def couple_of(pair: PieceCase) -> Couple:
     return cast(Couple, pair.whole)
 
 
-def sides_of(pair: PieceCase) -> tuple[int, ...]:
+def sides_of(pair: PieceCase) -> Sides:
     """The numbers of the plates of a pair of elements."""
     couple = couple_of(pair)
     return (couple.body,) if couple.base is None else (couple.body, couple.base)
@@ -95,6 +95,11 @@ class ContactPlace(NamedTuple):
         return restitution(self.pair)
 
     @property
+    def turning_row(self) -> np.ndarray:
+        """The row (3n,) of the rotation that rolling resistance is against."""
+        return turning_row(self.sides, len(self.lift_row))
+
+    @property
     def resisting_arm(self) -> float:
         """The largest couple of rolling resistance per normal force, m."""
         return resisting_arm(self.pair)
@@ -106,7 +111,7 @@ class ContactPlace(NamedTuple):
         return Mode.ROLL if couple.plate.turns or couple.base is not None else Mode.REST
 
     @property
-    def sides(self) -> tuple[int, ...]:
+    def sides(self) -> Sides:
         """The numbers of the plates that touch."""
         return sides_of(self.pair)
 
@@ -264,24 +269,26 @@ def project(
 
 def without_velocity(
     case: Case, t: float, state: State, touching: Sequence[ContactPlace], stuck: Sequence[ContactPlace],
-    turns: bool = True,
+    still: Collection[Sides] = (),
 ) -> tuple[float, ...]:  # fmt: skip
     """The state with lift velocity 0 at touching contacts and slip velocity 0 at the stuck ones, and without rotation
-    of the only plate unless it turns: the nearest such velocities in kinetic energy. Plates of other contacts keep
-    their bits."""
+    of the plates `still` against each other: the nearest such velocities in kinetic energy. Plates of other contacts
+    keep their bits."""
     some, half = bodies(case), len(state) // 2
     velocity = np.array(state[half:], dtype=float)
     now, count = [*touching, *stuck], len(touching)
     for group in groups(now):
         rows = np.array([now[k].lift_row if k < count else now[k].slip_row for k in group])
         goals = np.array([0.0 if k < count else belt_speed(now[k].pair, t) for k in group])
-        if not turns:
-            rows, goals = np.vstack([rows, [0.0, 0.0, 1.0]]), np.append(goals, 0.0)
+        plates = plates_in(now[k] for k in group)
+        rotations = [turning_row(sides, half) for sides in still if set(sides) <= plates]
+        if rotations:
+            rows, goals = np.vstack([rows, rotations]), np.append(goals, np.zeros(len(rotations)))
         for _ in range(2):  # the second step removes the rounding of the first
             off = np.linalg.lstsq(rows * some.inverse @ rows.T, rows @ velocity - goals, rcond=1e-10)[0]
             velocity = velocity - some.inverse * (rows.T @ off)
         # Plates that their contacts hold have no velocity, to the last bit.
-        own = rows_of(plates_in(now[k] for k in group))
+        own = rows_of(plates)
         free = rows * np.sqrt(some.inverse)
         rank = np.linalg.matrix_rank(free, tol=1e-9 * float(np.linalg.norm(free, 2)))
         if not goals.any() and rank == np.count_nonzero(some.inverse[own]):

@@ -21,9 +21,9 @@ from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
 from ..minimal.phase_end import PIECE_ENDS
 from ..minimal.system import slack_name
-from .contact_law import STICKING, coefficients, resisting_arm
+from .contact_law import STICKING, Turns, coefficients, resisting_arm
 from .contact_terms import NO_ROWS, ContactForm, ContactRows, Rotation
-from .places import couple_of
+from .places import couple_of, sides_of
 from .plate_numbers import bodies
 from .system import solver_system
 
@@ -52,8 +52,8 @@ class SolverRegime(NamedTuple):
 
     `shares`: for each contact the place of the one with its friction force, if another has it; `slack`: conditions on
     forces that vanish all the time, and how far below zero they may be (m/s²): their rounding; `lost`: of each contact
-    the clearance (1/m) below which it is not watched any more; `turn`: the sense of a rotation of the only plate that
-    closed contacts resist, 0 if they prevent it; None if none of them resists rolling. `guides`: where forces are not
+    the clearance (1/m) below which it is not watched any more; `turns`: the rotations that closed
+    contacts resist. `guides`: where forces are not
     unique; (False, False) for contacts that are no part of it, or open. `along`: for each closed contact the place of
     the first one of the same straight side; `anchors`: plates that contacts hold while others press on them;
     `at_joint`: contacts that stay where two elements join, to rounding: they do not pass on within `AT_END`.
@@ -66,7 +66,7 @@ class SolverRegime(NamedTuple):
     shares: tuple[int | None, ...] = ()
     slack: tuple[tuple[str, float], ...] = ()
     lost: tuple[float, ...] = ()
-    turn: int | None = None
+    turns: Turns = ()
     guides: Guides = ()
     along: tuple[int | None, ...] = ()
     anchors: frozenset[int] = frozenset()
@@ -140,6 +140,7 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
     """The equations of that regime with the case's parameters."""
     plates, some = plates_of(case), [pair_of(case, key) for key in regime.pairs]
     shares = regime.shares or (None,) * len(some)
+    senses = dict(regime.turns)
     forms, values = list[ContactForm](), {slack_name(name): amount for name, amount in regime.slack}
     for k, (pair, mode) in enumerate(zip(some, regime.modes, strict=True)):
         couple, kind = couple_of(pair), kind_of(mode)
@@ -154,7 +155,7 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
             couple.body, couple.base, _structure(track), _structure(outline), kind,
             Frictionless() if is_open else law.friction, ends_of(pair),
             FixedSurface() if is_open else law.belt, shares[k],
-            regime.turn is not None and not is_open and resisting_arm(pair) > 0.0,
+            Rotation.FREE if is_open or not resisting_arm(pair) else _rotation(senses.get(sides_of(pair))),
             regime.guides[k] if regime.guides and not is_open else None,
             regime.along[k] if regime.along and not is_open else None,
         )  # fmt: skip
@@ -170,23 +171,24 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
             for bound, sign in (("low", -1.0), ("high", 1.0)):
                 for name in (f"track_{k}_{bound}", f"outline_{k}_{bound}"):
                     values[name] = values.get(name, 0.0) + sign * AT_END
-        values |= {f"arm_{k}": resisting_arm(pair), f"rho_{k}": -(regime.turn or 0) * resisting_arm(pair)}
+        sense = float(senses.get(sides_of(pair), 0))
+        values |= {f"arm_{k}": resisting_arm(pair), f"rho_{k}": -sense * resisting_arm(pair), f"tau_{k}": sense}
         values[f"lost_{k}"] = regime.lost[k] if regime.lost else 0.0
     for b, plate in enumerate(plates):
         values |= {f"w_{b}": 1.0 / plate.mass, f"v_{b}": 1.0 / plate.inertia}
-    values |= {"m": plates[0].mass, "G": plates[0].inertia / plates[0].mass}
-    values["tau"] = float(regime.turn or 0)
-    idle, turn = tuple(name for name, _ in regime.slack), regime.turn if any(form.resists for form in forms) else None
-    rotation = Rotation.FREE if turn is None else Rotation.RESISTED if turn else Rotation.HELD
+        values[f"radius_{b}"] = plate.gyration if plate.turns else plate.reach
+    values |= {
+        "m": plates[0].mass,
+        "G": plates[0].inertia / plates[0].mass if plates[0].turns else plates[0].reach ** 2,
+    }
+    idle = tuple(name for name, _ in regime.slack)
     loads = loads_of(case)
     further = tuple(
         applied_load(load.expression, f"load{b}") if load is not None else None for b, load in enumerate(loads[1:], 1)
     )
     for form_of_load, load in zip(further, loads[1:], strict=True):
         values |= form_of_load.constants_of(load) if form_of_load is not None and load is not None else {}
-    system = solver_system(
-        tuple(forms), len(plates), regime.resting, laws(case), rotation, idle, regime.anchors, further
-    )
+    system = solver_system(tuple(forms), len(plates), regime.resting, laws(case), idle, regime.anchors, further)
     parameters = parameter_values(case, values, system)
     reaches = bodies(case).reaches
     lengths = [length for reach in reaches for length in (reach, reach, 1.0)]
@@ -201,6 +203,11 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
         cast(Regime, regime), system, parameters, min(reaches), tuple(lengths), places, case, tuple(features),
         bool(system.load_quantities),
     )  # fmt: skip
+
+
+def _rotation(sense: int | None) -> Rotation:
+    """How contacts resist a rotation of that sense."""
+    return Rotation.FREE if sense is None else Rotation.RESISTED if sense else Rotation.HELD
 
 
 def _angle(piece: Piece, reach: float) -> float:

@@ -36,5 +36,5 @@ def _at_one_contact(t: float, velocity: np.ndarray, at: ContactPlace) -> ImpactV
     along, across = slip + at.belt(t) + omega * hn, lift - omega * ht
     after = velocity.copy()
     after[own] = along * tx - across * ty, along * ty + across * tx, omega
-    turns = omega != 0.0 or not at.resisting_arm
-    return ImpactVelocities(after, np.array([lift]), np.array([slip]), turns)
+    still = (at.sides,) if omega == 0.0 and at.resisting_arm else ()
+    return ImpactVelocities(after, np.array([lift]), np.array([slip]), still)

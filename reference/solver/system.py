@@ -19,9 +19,9 @@ from cases.expression_graph import ONE, ZERO, Node, node, substitute, symbol
 from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
 from ..minimal.effects import MASS, AppliedLoad, CoulombBySpeed, Laws, Weight
 from ..minimal.system import LOAD_FORCES, CheckLayout, Equations, System
+from .contact_law import Sides, held
 from .contact_terms import (
     NO_ROWS,
-    RADIUS,
     ContactForm,
     ContactRows,
     ContactTerms,
@@ -29,6 +29,7 @@ from .contact_terms import (
     Row,
     apply_row,
     contact_terms,
+    radius,
     variables_of,
 )
 
@@ -39,15 +40,14 @@ COLUMNS = ("normal", "friction", "slip", "gap")
 @lru_cache(maxsize=256)
 @in_one_thread
 def solver_system(
-    forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws, rotation: Rotation = Rotation.FREE,
+    forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws,
     idle: tuple[str, ...] = (), anchors: frozenset[int] = frozenset(),
     further: tuple[AppliedLoad | None, ...] = (),
 ) -> System:  # fmt: skip
-    """The equations of that many plates with contacts of those forms; those that rest do not move. `rotation`: how the
-    contacts of the only plate resist its rotation; `idle`: guards that stay at zero, which have a slack (a parameter,
-    m/s²); `anchors`: plates whose contacts have forces that keep them where they are; `further`: the loads of all
-    plates but the first."""
-    return System(_equations(forms, count, resting, law, rotation, anchors, further).with_slack(idle))
+    """The equations of that many plates with contacts of those forms; those that rest do not move. `idle`: guards that
+    stay at zero, which have a slack (a parameter, m/s²); `anchors`: plates whose contacts have forces that keep them
+    where they are; `further`: the loads of all plates but the first."""
+    return System(_equations(forms, count, resting, law, anchors, further).with_slack(idle))
 
 
 def _inverse(place: tuple[int, int]) -> Node:
@@ -120,17 +120,16 @@ def _loads(law: Laws, count: int, further: tuple[AppliedLoad | None, ...]) -> _L
 
 class _Solution(NamedTuple):
     """Normal and friction force of each contact, the accelerations, Painlevé's determinant, which no friction makes
-    vanish if it is None, and the couple that holds the rotation over the radius of gyration, None if none does."""
+    vanish if it is None, and the couples that hold plates which do not turn against each other, over the radius of
+    gyration."""
 
     forces: list[tuple[Node, Node]]
     acceleration: dict[tuple[int, int], Node]
     painleve: Node | None
-    couple: Node | None
+    couples: dict[Sides, Node]
 
 
-def _forces(
-    forms: tuple[ContactForm, ...], terms: list[ContactTerms], free: dict[tuple[int, int], Node], rotation: Rotation
-) -> _Solution:
+def _forces(forms: tuple[ContactForm, ...], terms: list[ContactTerms], free: dict[tuple[int, int], Node]) -> _Solution:
     rows, columns, right = list[Row](), list[Row](), list[Node]()
     ratios = [_ratio(form, k, term.slip) for k, (form, term) in enumerate(zip(forms, terms, strict=True))]
     for k, (term, form, ratio) in enumerate(zip(terms, forms, ratios, strict=True)):
@@ -140,6 +139,9 @@ def _forces(
         column = dict(term.lift_row) if sticks else {
             place: term.lift_row[place] + ratio * term.slip_row[place] for place in term.lift_row
         }  # fmt: skip
+        if form.rotation is Rotation.RESISTED:
+            for body, sign in zip(form.sides, (ONE, -ONE), strict=False):
+                column[body, 2] = column[body, 2] + sign * symbol(f"rho_{k}")
         if form.guides is not None:
             for row, force, bias, is_used in zip(
                 (term.lift_row, term.slip_row), (column, term.slip_row), (term.lift_bias, term.slip_bias), form.guides,
@@ -149,16 +151,16 @@ def _forces(
                     rows, columns = [*rows, row], [*columns, force]
                     right.append(-apply_row(row, free.__getitem__) - bias)
             continue
-        if form.resists and rotation is Rotation.RESISTED:
-            column[form.body, 2] = column[form.body, 2] + symbol(f"rho_{k}")
         rows, columns = [*rows, term.lift_row], [*columns, column]
         right.append(-apply_row(term.lift_row, free.__getitem__) - term.lift_bias)
         if sticks and form.shares is None:
             rows, columns = [*rows, term.slip_row], [*columns, term.slip_row]
             right.append(-apply_row(term.slip_row, free.__getitem__) - term.slip_bias)
-    if rotation is Rotation.HELD:
-        turning: Row = {(0, 2): RADIUS}
-        rows, columns, right = [*rows, turning], [*columns, turning], [*right, -RADIUS * free[0, 2]]
+    still = held(tuple((form.sides, 0) for form in forms if form.rotation is Rotation.HELD))
+    for sides in still:
+        turning: Row = {(b, 2): s * radius(sides[0]) for b, s in zip(sides, (ONE, -ONE), strict=False)}
+        rows, columns = [*rows, turning], [*columns, turning]
+        right.append(-apply_row(turning, free.__getitem__))
     matrix = [[_product(row, column) for column in columns] for row in rows]
     multipliers, pivots = _solve(matrix, right)
     acceleration = dict(free)
@@ -184,12 +186,12 @@ def _forces(
         if len(rows) >= 3 * len({body for row in rows for body, _ in row}):
             painleve = painleve * painleve  # as many rows as velocities determine the motion whatever its sign
     # Exactly, so that no rotation of roundings begins.
-    if rotation is Rotation.HELD:
-        acceleration[0, 2] = ZERO
+    for sides in sorted(still, key=len):
+        acceleration[sides[0], 2] = acceleration[sides[1], 2] if len(sides) > 1 else ZERO
     for k, form in sorted(enumerate(forms), key=lambda each: each[1].base is not None):
         if form.along is not None:
             acceleration[form.body, 2] = _turning_of_side(form, terms[form.along], terms[k], acceleration)
-    return _Solution(forces, acceleration, painleve, next(values, None))
+    return _Solution(forces, acceleration, painleve, dict(zip(still, values, strict=True)))
 
 
 def _turning_of_side(
@@ -214,12 +216,12 @@ def _ratio(form: ContactForm, k: int, slip: Node) -> Node:
 
 
 def _equations(
-    forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws, rotation: Rotation,
+    forms: tuple[ContactForm, ...], count: int, resting: frozenset[int], law: Laws,
     anchors: frozenset[int], further: tuple[AppliedLoad | None, ...],
 ) -> Equations:  # fmt: skip
     terms, loads = [contact_terms(form, k) for k, form in enumerate(forms)], _loads(law, count, further)
     free = loads.acceleration
-    forces, acceleration, painleve, couple = _forces(forms, terms, free, rotation)
+    forces, acceleration, painleve, couples = _forces(forms, terms, free)
     acceleration |= {(b, c): ZERO for b in anchors for c in range(3)}  # exactly, so that no motion of roundings begins
     conditions, slip_rates, limits = dict[str, Node](), dict[str, Node](), dict[str, Node]()
     equalities = dict[str, Node]()
@@ -251,9 +253,12 @@ def _equations(
             conditions[f"slip:{k}"] = sigma * term.slip
             slip_rates[f"slip:{k}"] = sigma * (apply_row(term.slip_row, acceleration.__getitem__) + term.slip_bias)
     is_guided = any(form.guides is not None for form in forms)
-    if rotation is not Rotation.FREE and not (is_guided and rotation is Rotation.HELD):
-        bound = sum((symbol(f"arm_{k}") * forces[k][0] for k, form in enumerate(forms) if form.resists), ZERO)
-        turns, turn_rates = _resistance(rotation, acceleration[0, 2], bound, couple)
+    for k, form in enumerate(forms):
+        own = [i for i, one in enumerate(forms) if one.rotation is not Rotation.FREE and one.sides == form.sides]
+        if not own or own[0] != k or (is_guided and form.rotation is Rotation.HELD):
+            continue
+        bound = sum((symbol(f"arm_{i}") * forces[i][0] for i in own), ZERO)
+        turns, turn_rates = _resistance(form, k, acceleration, bound, couples)
         conditions, slip_rates = conditions | turns, slip_rates | turn_rates
     if painleve is not None and painleve.symbols:
         limits["painleve"] = painleve - node(PAINLEVE_LEAST**2)
@@ -289,15 +294,19 @@ def _contradictions(
 
 
 def _resistance(
-    rotation: Rotation, turning: Node, bound: Node, couple: Node | None
+    form: ContactForm, k: int, acceleration: dict[tuple[int, int], Node], bound: Node, couples: dict[Sides, Node]
 ) -> tuple[dict[str, Node], dict[str, Node]]:
-    """The conditions of rolling resistance, and the rates of those that are velocities."""
-    if rotation is Rotation.RESISTED:
-        tau = symbol("tau")
-        return {"turn": tau * variables_of("velocity", 0)[2] * RADIUS}, {"turn": tau * turning * RADIUS}
-    assert couple is not None
+    """The conditions of rolling resistance of two plates, of which this is the first contact, k, and the rates of those
+    that are velocities."""
+    length, signs = radius(form.body), dict(zip(form.sides, (ONE, -ONE), strict=False))
+    if form.rotation is Rotation.RESISTED:
+        spin = apply_row({(b, 2): s for b, s in signs.items()}, lambda one: variables_of("velocity", one[0])[2])
+        turning = apply_row({(b, 2): s for b, s in signs.items()}, acceleration.__getitem__)
+        tau = symbol(f"tau_{k}")
+        return {f"turn:{k}": tau * spin * length}, {f"turn:{k}": tau * turning * length}
     # Forward is the direction in which the plate begins to turn when the couple reaches its bound.
-    return {"couple_forward": bound / RADIUS + couple, "couple_backward": bound / RADIUS - couple}, {}
+    couple = couples[form.sides]
+    return {f"couple_forward:{k}": bound / length + couple, f"couple_backward:{k}": bound / length - couple}, {}
 
 
 def _checked(

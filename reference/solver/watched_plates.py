@@ -23,6 +23,7 @@ from ..minimal.phase_end import (
 from ..minimal.series import EPS
 from ..scales import speed_scale
 from .accelerations import STILL
+from .contact_law import Sides
 from .hops import NestedSeries, Strike
 from .impact import NoImpact
 from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, project, without_velocity
@@ -69,12 +70,13 @@ class Watch:
 class WatchedPlates:
     """The state of all plates at time t (s), the contacts that are watched, and which of them touch.
 
-    `turns`: False where rolling resistance has ended the rotation of the only plate; `speed`: the largest so far, m/s.
+    `still`: plates that do not turn against each other, as rolling resistance has ended their rotation; `speed`: the
+    largest so far, m/s.
     """
 
     def __init__(self, case: Case, t: float, state: tuple[float, ...]):
         self.case, self.t, self.state, self.half = case, t, state, len(state) // 2
-        self.watches, self.touching, self.turns = list[Watch](), set[str](), True
+        self.watches, self.touching, self.still = list[Watch](), set[str](), list[Sides]()
         self.hops, self.causes, self.names = NestedSeries(), dict[str, str](), dict[tuple[int, int], str]()
         reaches = bodies(case).reaches
         self.speed = speed_scale(float(np.abs(load_at(case, 0.0, state)).max()), min(reaches))
@@ -179,7 +181,7 @@ class WatchedPlates:
     def _remove_velocities(self, some: Sequence[tuple[Watch, ContactPlace]], stuck: set[str]) -> None:
         sticking = [at for watch, at in some if watch.name in stuck]
         places_of = [at for _, at in some]
-        self.state = without_velocity(self.case, self.t, self.state, places_of, sticking, self.turns)
+        self.state = without_velocity(self.case, self.t, self.state, places_of, sticking, self.still)
 
     def _still(self, some: Sequence[ContactPlace]) -> None:
         """Take velocities that are roundings from plates that touch: decisions, and contacts at the joint of two
@@ -273,7 +275,8 @@ class WatchedPlates:
         mass = some.masses
         if law.law == "newton" and mass @ outcome.velocity**2 > (1.0 + 1e-12) * (mass @ before**2):
             raise MotionEnds(ENERGY)
-        self.state, self.turns = (*self.state[: self.half], *outcome.velocity.tolist()), outcome.turns
+        self.state, plates = (*self.state[: self.half], *outcome.velocity.tolist()), plates_in(part)
+        self.still = [*(sides for sides in self.still if not plates & set(sides)), *outcome.still]
         stays, sticks, load = set[str](), set[str](), load_at(self.case, self.t, self.state)
         for i, (at, name) in enumerate(zip(part, names, strict=True)):
             lift = float(outcome.lift[i])
