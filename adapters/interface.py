@@ -156,6 +156,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
             return f"The {route} route does not support {type(effect).__name__}, an effect of a package of its own."
+    if case.pairs:
+        return f"The {route} route does not support effects of a pair of bodies (pairs)."
     if has_slip_law(case) and route not in getattr(adapter, "SLIP_LAWS", ()):
         return f"The {route} route does not support friction that depends on the slip velocity."
     if case.others and route not in getattr(adapter, "SEVERAL_PLATES", ()):

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .free_plates import FreePlate
     from .outline import Outline, arc
     from .own_effects import ContactEffect, ContactForce, EndCondition
+    from .pair_effects import Pair
     from .plate import Plate, disc
     from .start import Start
     from .start_pose import StartPose
@@ -65,6 +66,7 @@ __all__ = [
     "Mode",
     "NotSupported",
     "Outline",
+    "Pair",
     "Passage",
     "PerfectlyRough",
     "Plate",
@@ -96,7 +98,7 @@ _MODULES = {
     "effects": ("Belt", "CoulombFriction", "Drive", "Effect", "Flight", "Gravity", "Impact", "Load", "PerfectlyRough",
                 "RollingResistance", "Unilateral"),
     "fits": ("fit_friction", "fit_waves"), "free_plates": ("FreePlate",), "outline": ("Outline", "arc"),
-    "own_effects": ("ContactEffect", "ContactForce", "EndCondition"),
+    "own_effects": ("ContactEffect", "ContactForce", "EndCondition"), "pair_effects": ("Pair",),
     "plate": ("Plate", "disc"), "start": ("Start",), "start_pose": ("StartPose",), "supports": ("Support",),
     "trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
 }  # fmt: skip

@@ -16,6 +16,7 @@ from .curves import Curve
 from .effects import E, Effect, Gravity
 from .errors import BadValue, DoesNotFit, instance, parameter, positive, real
 from .free_plates import FreePlate, check_others, check_places
+from .pair_effects import Pair, check_pairs
 from .plate import Plate
 from .size_limits import check_arm, check_belt, check_load, check_sizes
 from .start import Start
@@ -34,8 +35,8 @@ class Case:
     """One scene. All checks are made here, before any solver runs.
 
     `name` and `parameters` are filled in by the catalogue; a case made by hand may leave them out. `supports` are
-    further fixed curves that the plate may touch, `others` further plates that move. A `start` given as `StartPose`, a
-    pose, is stored as a `Start`.
+    further fixed curves that the plate may touch, `others` further plates that move, `pairs` effects of two bodies
+    instead of the case's. A `start` given as `StartPose`, a pose, is stored as a `Start`.
     Raises BadValue, BadCurve or DoesNotFit with one sentence that says what to change.
     """
 
@@ -48,6 +49,7 @@ class Case:
     parameters: Mapping[str, float] = field(default_factory=dict, hash=False)
     supports: tuple[Support, ...] = ()
     others: tuple[FreePlate, ...] = ()
+    pairs: tuple[Pair, ...] = ()
 
     if TYPE_CHECKING:  # the fields, but for a start that may be given as a pose
 
@@ -62,6 +64,7 @@ class Case:
             parameters: Mapping[str, float] = ...,
             supports: tuple[Support, ...] = (),
             others: tuple[FreePlate, ...] = (),
+            pairs: tuple[Pair, ...] = (),
         ) -> None: ...
 
     def __post_init__(self):
@@ -79,6 +82,7 @@ class Case:
         with np.errstate(all="ignore"):  # what is not finite does not fit
             check_supports(self)
             check_others(self)
+            check_pairs(self)
             _check_rotation(self)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             for other in self.others:
@@ -108,7 +112,17 @@ class Case:
     def _hash(self) -> int:
         # Computed once: caches of derived results use the case as key, and are read at every change of mode.
         return hash(
-            (self.track, self.plate, self.effects, self.start, self.duration, self.name, self.supports, self.others)
+            (
+                self.track,
+                self.plate,
+                self.effects,
+                self.start,
+                self.duration,
+                self.name,
+                self.supports,
+                self.others,
+                self.pairs,
+            )
         )
 
     def __reduce__(self):

@@ -1,5 +1,5 @@
-"""The names of a case's first plate and of its contact with its track."""
+"""The names of a case's first plate, of its track among the supports, and of the contact of both."""
 
-FIRST = "plate"
+FIRST, TRACK = "plate", "track"
 # Further contacts with the track are numbered from 2.
-CONTACT = f"{FIRST}/track"
+CONTACT = f"{FIRST}/{TRACK}"

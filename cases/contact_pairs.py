@@ -16,6 +16,7 @@ import numpy as np
 from .case_class import Case
 from .chain import Chain
 from .contact import find
+from .contact_names import FIRST
 from .corner import Corner, Edge, turning
 from .curves import Curve
 from .errors import DoesNotFit, unknown_name
@@ -25,7 +26,7 @@ from .outline_features import ArcRange, arc_ranges, features, side_ranges, sides
 from .plate import Plate
 from .start import Start
 from .start_pose import TOUCHES
-from .supports import TRACK, Support, is_convex, is_hill, is_straight
+from .supports import TRACK, Support, effects_at, is_convex, is_hill, is_straight
 
 # Newton's method for a guess on a line: quadratic, so that these are many, and how close the guess is to be.
 MOST_STEPS, NEAR = 20, 1e-6
@@ -282,7 +283,7 @@ def _make(
     middle = [0.5 * sum(piece.span) for piece in (support.curve, feature)]
     start = whole.start if is_track and not is_feature else Start(*middle)
     values |= {"track": support.curve, "plate": plate, "start": start, "supports": (), "others": ()}
-    values["effects"] = whole.effects if is_track else support.acting(whole.effects)
+    values |= {"effects": effects_at(whole, f"{FIRST}/{TRACK if is_track else support.name}"), "pairs": ()}
     is_unique = is_straight(support.curve) and (is_feature or (is_convex(feature) and bool(whole.supports)))
     vars(case).update(
         values, whole=whole, number=number, first=first, support=TRACK if is_track else support.name,

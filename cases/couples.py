@@ -14,20 +14,18 @@ import numpy as np
 from .backwards import backwards, forwards
 from .case_class import Case
 from .curves import Curve
-from .effects import Effect
 from .free_plates import names_of, plates_of
 from .start import Start
-from .supports import TRACK
+from .supports import TRACK, effects_at
 
 
 class PlateBoundary(NamedTuple):
-    """What a plate may touch: its name, its curve with the plate on its left, the number of the plate that it belongs
-    to (None: it is fixed), and the effects of contacts with it."""
+    """What a plate may touch: its name, its curve with the plate on its left, and the number of the plate that it
+    belongs to (None: it is fixed)."""
 
     name: str
     curve: Curve
     body: int | None
-    effects: tuple[Effect, ...]
 
 
 class Couple(Case):
@@ -72,23 +70,24 @@ class Couple(Case):
 def couples(case: Case) -> tuple[Couple, ...]:
     """Each plate with the track and each support, then with each plate before it."""
     names, plates, result = names_of(case), plates_of(case), list[Couple]()
-    fixed = [PlateBoundary(TRACK, case.track, None, case.effects)]
-    fixed += [PlateBoundary(one.name, one.curve, None, one.acting(case.effects)) for one in case.supports]
-    for body, name in enumerate(names):
+    fixed = [PlateBoundary(TRACK, case.track, None)]
+    fixed += [PlateBoundary(one.name, one.curve, None) for one in case.supports]
+    for body in range(len(plates)):
         for boundary in fixed:
-            result.append(_make(case, len(result), body, f"{name}/{boundary.name}", boundary))
+            result.append(_make(case, len(result), body, boundary))
         for other in range(body):
             own, base = (body, other) if plates[body].radius is not None else (other, body)
-            outline = PlateBoundary(names[base], backwards(plates[base].outline), base, case.effects)
-            result.append(_make(case, len(result), own, f"{names[own]}/{names[base]}", outline))
+            outline = PlateBoundary(names[base], backwards(plates[base].outline), base)
+            result.append(_make(case, len(result), own, outline))
     return tuple(result)
 
 
-def _make(whole: Case, number: int, body: int, name: str, boundary: PlateBoundary) -> Couple:
-    couple, plate = object.__new__(Couple), plates_of(whole)[body]
+def _make(whole: Case, number: int, body: int, boundary: PlateBoundary) -> Couple:
+    couple, plate, name = object.__new__(Couple), plates_of(whole)[body], f"{names_of(whole)[body]}/{boundary.name}"
     values = {field: value for field, value in vars(whole).items() if field in Case.__dataclass_fields__}
     middle = [0.5 * sum(curve.span) for curve in (boundary.curve, plate.outline)]
-    values |= {"track": boundary.curve, "plate": plate, "effects": boundary.effects, "supports": (), "others": ()}
+    values |= {"track": boundary.curve, "plate": plate, "effects": effects_at(whole, name)}
+    values |= {"supports": (), "others": (), "pairs": ()}
     vars(couple).update(
         values | {"start": Start(*middle)}, whole=whole, number=number, body=body, base=boundary.body, pair_name=name
     )

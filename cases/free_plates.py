@@ -46,7 +46,7 @@ from .polygon_features import (
     size_of_plate,
 )
 from .start_pose import OVERLAPS, StartPose
-from .supports import TRACK, cover, enters, is_straight, overlaps
+from .supports import TRACK, cover, effects_at, enters, is_straight, overlaps
 
 # Modes are enumerated: four for each contact of plates that touch each other.
 MOST = 8
@@ -147,9 +147,10 @@ def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
     if reason := why_not_closed_forms(case):
         raise NotSupported(f"contacts of several plates have closed forms for discs, one polygon and lines; {reason}")
     names, plates, contacts = names_of(case), plates_of(case), list[PlateContact]()
-    supports = ((TRACK, case.track, case.effects), *((s.name, s.curve, s.acting(case.effects)) for s in case.supports))
+    supports = ((TRACK, case.track), *((s.name, s.curve) for s in case.supports))
     for body, name in enumerate(names):
-        for support, curve, acting in supports:
+        for support, curve in supports:
+            acting = effects_at(case, f"{name}/{support}")
             for i, circle in enumerate(circles(plates[body])):
                 contact = contact_name(name, support, i + 1)
                 contacts.append(PlateContact(contact, body, None, as_line(curve), curve, acting, circle))
@@ -157,7 +158,7 @@ def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
             own, base = (body, other) if plates[body].radius is not None else (other, body)
             (circle,) = circles(plates[own])
             name, size, around = f"{names[own]}/{names[base]}", size_of_plate(plates[base]), regions(plates[base])
-            contacts.append(PlateContact(name, own, base, None, None, case.effects, circle, size, around))
+            contacts.append(PlateContact(name, own, base, None, None, effects_at(case, name), circle, size, around))
     return tuple(contacts)
 
 

@@ -15,9 +15,10 @@ import numpy as np
 
 from . import effects as all_effects
 from .chain import Chain
+from .contact_names import TRACK
 from .corner import Corner, Edge, Piece
 from .curves import Curve
-from .effects import CoulombFriction, Effect, Impact, PerfectlyRough, RollingResistance
+from .effects import CoulombFriction, Effect, Impact, RollingResistance
 from .errors import BadValue, DoesNotFit, items
 from .line_or_circle import as_line
 from .moving_surface import Belt
@@ -25,12 +26,11 @@ from .nearest_samples import nearest_samples
 from .outline_features import arc_ranges, features, is_arc, sides
 from .overlap import first_overlap, span
 from .own_effects import own_effects
+from .pair_effects import RESISTING, check_law, of_pair, own_effects_of, replaced
 from .piece_contact import Chains, find
 from .plate import Plate
 from .start_overlap import deepest_overlap
 
-# The name of the track among the supports.
-TRACK = "track"
 # A smooth outline is convex if its curvature is nowhere below this part of 1/reach.
 CONVEX = 1e-6
 # A plate overlaps a support where it begins if it lies deeper in it than this part of its size: far above rounding.
@@ -44,10 +44,8 @@ HOLLOW_SAMPLES = 2_001
 SAMPLES, SAMPLED_DEPTH = 721, 1e-4
 # The centre of mass as a feature of the outline.
 CENTRE = Corner(0.0, 0.0, 0.0, pi)
-# Effects that a support may have of its own; those by which it resists slip and rotation, and which it has instead of
-# the case's as soon as it has effects of its own.
-OWN = (CoulombFriction, PerfectlyRough, RollingResistance, Impact, Belt)
-RESISTING = (CoulombFriction, PerfectlyRough, RollingResistance)
+# Effects that a support may have of its own.
+OWN = (*RESISTING, Impact, Belt)
 
 
 @dataclass(frozen=True)
@@ -76,30 +74,13 @@ class Support:
             )
         if self.effects is None:
             return
-        try:
-            own = tuple(self.effects)
-        except TypeError:
-            raise BadValue(
-                f"effects of Support is {self.effects!r}; give a tuple such as (CoulombFriction(0.2),)"
-            ) from None
-        for effect in own:
-            if not isinstance(effect, OWN):
-                raise BadValue(
-                    f"{effect!r} is no effect of one Support; give CoulombFriction, PerfectlyRough, RollingResistance, "
-                    "Impact or Belt there, and the other effects in the case"
-                )
-        object.__setattr__(self, "effects", own)
+        object.__setattr__(self, "effects", own_effects_of("Support", self.effects, OWN))
 
     def acting(self, of_case: tuple[Effect, ...]) -> tuple[Effect, ...]:
         """All effects at this support's contacts, given those of the case."""
-        replaced: tuple[type, ...] = (Belt,)
-        if self.effects is not None:
-            replaced += RESISTING
-            replaced += (Impact,) if all_effects.one(self.effects, Impact) else ()
-        return (
-            *(effect for effect in items("effects", of_case) if not isinstance(effect, replaced)),
-            *(self.effects or ()),
-        )
+        if self.effects is None:
+            return tuple(effect for effect in items("effects", of_case) if not isinstance(effect, Belt))
+        return replaced(of_case, self.effects, Belt)
 
 
 def base_of(contact: str) -> str:
@@ -108,9 +89,10 @@ def base_of(contact: str) -> str:
 
 
 def effects_at(case: Any, contact: str) -> tuple[Effect, ...]:
-    """All effects at a contact, such as "plate/wall 2": those of the case, and its support's own in their places."""
+    """All effects at a contact, such as "plate/wall 2": those of the case, and those of its pair, or its support's own,
+    in their places."""
     own = [support for support in case.supports if support.name == base_of(contact)]
-    return own[0].acting(case.effects) if own else case.effects
+    return of_pair(case, contact.partition(" ")[0], own[0].acting(case.effects) if own else case.effects)
 
 
 def check_supports(case: Any) -> None:
@@ -125,12 +107,7 @@ def check_supports(case: Any) -> None:
             raise BadValue(f"two supports have the name {support.name!r}; give each its own")
         names.append(support.name)
         all_effects.check_formula(support.acting(case.effects))
-        own, law = all_effects.one(support.effects or (), Impact), case.effect(Impact)
-        if own is not None and (law is None or own.law != law.law):
-            raise BadValue(
-                f"the Impact of support {support.name!r} needs an Impact of the case with the same law; restitution "
-                "may differ"
-            )
+        check_law(case, f"support {support.name!r}", support.effects or ())
     if not case.supports:
         return
     if reason := exclusion(case):
@@ -212,8 +189,9 @@ def has_slip_law(case: Any) -> bool:
 
 
 def _all_effects(case: Any) -> tuple[Effect, ...]:
-    """The effects of a case and of its supports."""
-    return (*case.effects, *(effect for support in case.supports for effect in support.effects or ()))
+    """The effects of a case, of its supports and of its pairs."""
+    parts = (*case.supports, *case.pairs)
+    return (*case.effects, *(effect for part in parts for effect in part.effects or ()))
 
 
 def _check_features(case: Any) -> None:

@@ -8,6 +8,7 @@ import pytest
 import reference
 from cases import (
     Case,
+    CaseError,
     Chain,
     CoulombFriction,
     Curve,
@@ -20,7 +21,9 @@ from cases import (
     Load,
     Mode,
     Outline,
+    Pair,
     Plate,
+    RollingResistance,
     Start,
     StartPose,
     Support,
@@ -129,6 +132,102 @@ def test_a_disc_falls_on_a_box_that_rests_on_a_chain(method):
     motion = reference.simulate(case, method=method)
     assert motion.transitions[0].time == pytest.approx(sqrt(2.0 * 0.4 / G), abs=1e-12)
     assert motion.plate("ball")(1.0).y == pytest.approx(0.3, abs=1e-12)
+
+
+@METHOD
+def test_the_upper_of_two_boxes_on_an_accelerated_table_slips_by_the_friction_of_its_pair(method):
+    """The table's acceleration 6 t exceeds μ₁ g, by which the upper box is held; the lower one stays on the table."""
+    upper = FreePlate(BOX, StartPose(0.0, 0.15), "upper")
+    effects, own = (*INELASTIC, CoulombFriction(0.6), Drive(x="t**3")), Pair("plate/upper", (CoulombFriction(0.2),))
+    lower = Plate.rectangle(0.8, 0.1, 2.0)
+    case = Case(line(), lower, effects, StartPose(0.0, 0.05), 0.5, others=(upper,), pairs=(own,))
+    motion = reference.simulate(case, method=method)
+    assert all(change.contact.startswith("plate/upper") for change in motion.transitions)
+    assert motion.transitions[0].time == pytest.approx(0.2 * G / 6.0, abs=1e-11)
+    assert motion.plate("plate")(0.5).x == pytest.approx(0.125, abs=1e-12)
+    begin = 0.2 * G / 6.0
+    speed = 3.0 * begin**2 + 0.2 * G * (0.5 - begin)
+    assert motion.plate("upper")(0.5).vx == pytest.approx(speed, abs=1e-11)
+    assert not reference.check(case, motion)
+
+
+@METHOD
+def test_a_disc_with_rolling_resistance_pushes_the_plank_on_which_it_rolls(method):
+    """On a floor without friction. The friction T of the disc (mass m, radius r) obeys T (1/m + 1/M + 2/m) =
+    −2 g arm/r, by the equal rates of both points that touch."""
+    r, arm, mass, speed = 0.1, 0.004, 3.0, 1.2
+    ball = FreePlate(disc(r, 1.0), StartPose(-0.5, 0.1 + r, vx=speed, omega=-speed / r), "disc")
+    pairs = Pair("disc/plate", (CoulombFriction(0.6), RollingResistance(arm))), Pair("plate/track", ())
+    plank = Plate.rectangle(4.0, 0.1, mass)
+    case = Case(
+        line(), plank, (*INELASTIC, CoulombFriction(0.6)), StartPose(0.0, 0.05), 1.0, others=(ball,), pairs=pairs
+    )
+    motion = reference.simulate(case, method=method)
+    force = -2.0 * G * arm / r / (1.0 + 1.0 / mass + 2.0)
+    assert motion.status == "completed" and not motion.transitions
+    assert motion.plate("disc")(1.0).vx == pytest.approx(speed + force, abs=1e-12)
+    assert motion(1.0).vx == pytest.approx(-force / mass, abs=1e-12)
+    assert not reference.check(case, motion)
+
+
+@METHOD
+@pytest.mark.parametrize("arm", [0.0, 0.02])
+def test_a_box_tips_where_its_weight_exceeds_the_couple_of_rolling_resistance(arm, method):
+    """On an incline: h/2 tan a > w/2 + arm."""
+    effects = CoulombFriction(2.0), *((RollingResistance(arm),) if arm else ())
+    for off, count in ((-1e-6, 0), (1e-6, 1)):
+        slope = np.arctan((0.1 + arm) / 0.2) + off
+        load = Gravity(G, direction=-pi / 2 - slope)
+        case = Case(line(), Plate.rectangle(0.2, 0.4, 1.0), (load, *INELASTIC[1:], *effects), StartPose(0.0, 0.2), 0.1)
+        motion = reference.simulate(case, method=method)
+        assert (abs(motion.theta[-1]) > 1e-9) == bool(count) and not reference.check(case, motion)
+
+
+@METHOD
+def test_a_load_on_a_further_plate_moves_it_where_it_exceeds_friction(method):
+    upper = FreePlate(BOX, StartPose(0.0, 0.15), "upper", Load(fx="10*t"))
+    case = Case(line(), BOX, (*INELASTIC, CoulombFriction(0.3)), StartPose(0.0, 0.05), 0.5, others=(upper,))
+    motion = reference.simulate(case, method=method)
+    assert motion.transitions[0].time == pytest.approx(0.03 * G, abs=1e-12)
+    assert not reference.check(case, motion)
+
+
+@METHOD
+@pytest.mark.parametrize("law", ["poisson", "newton", "moreau"])
+def test_an_impact_has_the_friction_of_the_slip_speed_before_it(law, method):
+    """Twice: a disc (r = 0.1) slows down by μ(v) (1 + e) times its closing speed, and its slip three times as much."""
+    e, speed, mu = 0.5, 2.0, lambda v: 0.1 + 0.2 * np.exp(-v / 0.5)
+    effects = Gravity(G), Unilateral(), Flight(), CoulombFriction("0.1 + 0.2*exp(-v/0.5)"), Impact(e, law)
+    case = Case(line(), disc(0.1, 1.0), effects, Start(0.0, slip=speed, gap=0.3), 0.6)
+    motion = reference.simulate(case, method=method)
+    closing = sqrt(2.0 * G * 0.3)
+    first = mu(speed) * (1.0 + e) * closing
+    second = mu(speed - 3.0 * first) * (1.0 + e) * e * closing
+    assert motion(0.3).vx == pytest.approx(speed - first, abs=1e-13)
+    assert motion(0.55).vx == pytest.approx(speed - first - second, abs=1e-13)
+    assert not reference.check(case, motion)
+
+
+def test_plates_without_an_impact_run_until_they_meet():
+    ball = FreePlate(disc(0.1, 0.5), StartPose(0.0, 0.7), "ball")
+    effects = Gravity(G), Unilateral(), Flight(), CoulombFriction(0.4)
+    case = Case(line(), Plate.rectangle(0.4, 0.2, 1.0), effects, StartPose(0.0, 0.1), 1.0, others=(ball,))
+    motion = reference.simulate(case)
+    assert motion.status == "landing" and "The plate 'ball' meets the plate 'plate'" in motion.reason
+    assert motion.t[-1] == pytest.approx(sqrt(0.8 / G), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "words"),
+    [
+        ([Pair("plate/track", ())], "give a tuple such as"),
+        ((Pair("disc/plate", ()),), "there is no pair of the case 'disc/plate'"),
+        ((Pair("plate/track", ()),), "give its effects as those of the case"),
+    ],
+)
+def test_pairs_that_a_case_does_not_have_are_rejected(pairs, words):
+    with pytest.raises(CaseError, match=words):
+        Case(line(), BOX, INELASTIC, StartPose(0.0, 0.05), 1.0, pairs=pairs)
 
 
 # --- laws -------------------------------------------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 """A driven track with corners, or with several contacts: exact motions, inertial loads, and two formulations."""
 
-from dataclasses import replace
 from math import asin, cos, pi, tan
 
 import numpy as np
@@ -10,7 +9,6 @@ from scipy.optimize import brentq
 import cases
 import reference
 from cases import (
-    BadValue,
     Case,
     Chain,
     CoulombFriction,
@@ -175,12 +173,6 @@ def test_a_disc_leaves_one_side_of_a_v_that_is_driven_too_hard(method):
 )
 def test_both_formulations_agree_where_supports_move_with_the_track(drive):
     assert agree(in_v(drive), within=1e-9) >= 2
-
-
-def test_a_drive_with_further_plates_is_rejected():
-    case = cases.load("disc_on_free_disc")
-    with pytest.raises(BadValue, match="Drive with several plates is not supported; leave Drive out"):
-        replace(case, effects=(*case.effects, Drive(x="0.1*sin(t)")))
 
 
 @pytest.mark.sampled(2)

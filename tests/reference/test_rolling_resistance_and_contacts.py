@@ -16,12 +16,10 @@ from cases import (
     DoesNotFit,
     Effect,
     Flight,
-    FreePlate,
     Gravity,
     Impact,
     Load,
     Mode,
-    Plate,
     RollingResistance,
     StartPose,
     Support,
@@ -29,7 +27,6 @@ from cases import (
     disc,
 )  # fmt: skip
 from cases.contact import start_motion
-from cases.contact_limits import limitation
 from cases.contact_pairs import pairs
 from cases.library import line
 from reference.delassus import complementarity
@@ -282,20 +279,6 @@ def test_the_papers_matrix_with_couples_gives_the_same_accelerations_and_forces(
 
 
 # --- what is rejected -------------------------------------------------------------------------------------------------
-
-
-def test_plates_with_corners_and_free_plates_with_rolling_resistance_are_rejected_with_what_to_give():
-    block = Plate.rectangle(0.6, 0.4, 1.0)
-    sentence = "give a smooth outline or leave RollingResistance out"
-    for effects, own in ((surface(0.3, 0.01), None), ((), surface(0.3, 0.01))):
-        with pytest.raises(BadValue, match=sentence):
-            wall = Support(line(pi / 2), "wall", own)
-            Case(line(), block, (*INELASTIC, *effects), StartPose(1.0, 0.2), 1.0, supports=(wall,))
-    assert sentence in limitation(Case(line(), block, (*INELASTIC, *surface(0.3, 0.01)), StartPose(1.0, 0.2), 1.0))
-    with pytest.raises(BadValue, match="RollingResistance of support 'wall' with several plates"):
-        other = FreePlate(disc(R, 1.0), StartPose(1.0, R), "other")
-        wall = Support(line(pi / 2), "wall", surface(0.3, 0.01))
-        Case(line(), disc(R, 1.0), INELASTIC, StartPose(2.0, R), 1.0, supports=(wall,), others=(other,))
 
 
 def test_a_supports_own_resistance_is_checked():
