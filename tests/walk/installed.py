@@ -44,6 +44,13 @@ class Environment:
         words = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile", "-c", CONSTRAINTS]
         subprocess.run([folder / "bin" / "python", *words, f"{wheel()}[{extras}]"], check=True, env=self.variables())
 
+    @classmethod
+    def existing(cls, folder: Path) -> Environment:
+        """One that has what is installed in it, and is left as it is."""
+        environment = cls.__new__(cls)
+        environment.folder = folder
+        return environment
+
     def variables(self, **more: str) -> dict[str, str]:
         """The variables of a shell in which it is active."""
         outside = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}

@@ -28,22 +28,21 @@ VOLATILE = (
 )
 
 
-def lines_of(name: str) -> list[str]:
+def lines_of(name: str, folder: Path = FOLDER) -> list[str]:
     """The commands of a script."""
-    return [
-        line for line in (FOLDER / f"{name}.sh").read_text(encoding="utf-8").splitlines() if line[:1] not in ("", "#")
-    ]
+    lines = (folder / f"{name}.sh").read_text(encoding="utf-8").splitlines()
+    return [line for line in lines if line[:1] not in ("", "#")]
 
 
-def run(name: str, environment: Environment, desk: Path) -> tuple[str, float]:
-    """Run a script in an empty folder that has only its own files; returns the record, and the CPU seconds until its
-    first result."""
-    for file in FOLDER.iterdir():
-        if file.suffix not in (".sh", ".txt") and file.name in (FOLDER / f"{name}.sh").read_text(encoding="utf-8"):
+def run(name: str, environment: Environment, desk: Path, folder: Path = FOLDER) -> tuple[str, float]:
+    """Run a script of a folder in an empty one that has only its own files; returns the record, and the CPU seconds
+    until its first result."""
+    for file in folder.iterdir():
+        if file.suffix not in (".sh", ".txt") and file.name in (folder / f"{name}.sh").read_text(encoding="utf-8"):
             shutil.copy(file, desk)
     parts, first = [], 0.0
     began = _cpu()
-    for line in lines_of(name):
+    for line in lines_of(name, folder):
         command, mark, _ = line.partition("  # first result")
         done = environment.run(command, desk, {"COLUMNS": "80"})
         status = f"[exit status {done.returncode}]\n" if done.returncode else ""
@@ -68,8 +67,7 @@ def _steady(text: str, desk: Path) -> str:
 
 def main(folder: str, *names: str) -> None:
     """Write the records of the scripts with the installed wheel of an environment."""
-    environment = Environment.__new__(Environment)
-    environment.folder = Path(folder).resolve()
+    environment = Environment.existing(Path(folder).resolve())
     for name in names or SCRIPTS:
         with TemporaryDirectory() as desk:
             record, first = run(name, environment, Path(desk))

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tarfile
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,7 @@ import pytest
 import cases
 
 from .installed import ROOMS, ROOT, Environment, wheel
-from .pages import PAGES, WALK, Left, Step, commands
+from .pages import PAGES, WALK, Left, Page, Step, commands
 
 # What a room holds beside code.
 DATA = (".csv", ".json", ".html", ".css", ".typed")
@@ -42,30 +43,30 @@ def test_a_step_that_is_left_out_has_a_reason_and_one_that_is_run_says_what_it_p
             assert step.why if isinstance(step, Left) else step.prints
 
 
-def block(page: str, language: str) -> str:
+def block(page: str, language: str, pages: Sequence[Path] = PAGES) -> str:
     """The first block of a language on a page."""
-    (path,) = [path for path in PAGES if path.name == page]
+    (path,) = [path for path in pages if path.name == page]
     found = re.search(rf"```{language}\n(.*?)```", path.read_text(encoding="utf-8"), flags=re.S)
     assert found, f"{page} has a block of {language}"
     return found[1]
 
 
-def walk(name: str, environment: Environment, desk: Path) -> None:
+def walk(page: Page, environment: Environment, desk: Path, pages: Sequence[Path] = PAGES) -> None:
     """Every command of a page in a folder: it ends well, prints what is expected and writes what is expected."""
-    for file, place in WALK[name].files.items():
+    for file, place in page.files.items():
         (desk / file).parent.mkdir(parents=True, exist_ok=True)
-        (desk / file).write_text(block(*place))
+        (desk / file).write_text(block(*place, pages))
         (desk / file).chmod(0o755)
-    for step in WALK[name].steps:
+    for step in page.steps:
         if isinstance(step, Left):
             continue
         if step.needs and not shutil.which(step.needs):
             print(f"left out, for there is no {step.needs}: {step.command}")
             continue
-        _check(step, environment, desk)
+        check_step(step, environment, desk)
 
 
-def _check(step: Step, environment: Environment, desk: Path) -> None:
+def check_step(step: Step, environment: Environment, desk: Path) -> None:
     began = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     if step.before:
         assert environment.run(step.before, desk).returncode == 0, step.before
@@ -102,7 +103,7 @@ def test_what_is_installed_is_the_wheel_alone(environment, tmp_path):
 
 @pytest.mark.slow
 def test_the_readme_is_walked(environment, tmp_path):
-    walk("README.md", environment, tmp_path)
+    walk(WALK["README.md"], environment, tmp_path)
 
 
 @pytest.mark.slow
@@ -124,7 +125,7 @@ def test_the_code_of_the_readme_gives_what_its_comments_say(environment, tmp_pat
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in WALK if name != "README.md"])
 def test_a_page_is_walked(name, environment, tmp_path):
-    walk(name, environment, tmp_path)
+    walk(WALK[name], environment, tmp_path)
 
 
 @pytest.mark.slow

@@ -1,0 +1,184 @@
+"""Files of users of version 0.2.0, unchanged, with the package that is installed: code, commands, engines, motions.
+
+All of them run unchanged. One that cannot any more must end with one line that says what to type, and be in
+CHANGELOG.md; at most five may.
+"""
+
+import json
+import re
+import sys
+from math import isclose
+from pathlib import Path
+
+import pytest
+
+import cases
+from reports import export
+from reports.comparison import compare
+
+from ..docs.test_docs import codes, desk  # noqa: F401 - a fixture
+from . import replay
+from .installed import Environment
+from .older_files import EXPORTS, POINTS, SUBMISSION, unpack
+from .pages import WALK, Left, Page, Step, commands
+from .test_walk import check_step, environment, walk  # noqa: F401 - a fixture
+
+pytestmark = pytest.mark.builds
+
+# Commands, patterns of what they print: each of the user's files with the command that reads it.
+VALLEY = (
+    r"^my_valley: fits; slides forward for 0\.87 s, then rolls for 0\.022 s, then slides backward to the end of 2 s"
+)
+WHEEL = "cd examples/magnetic_wheel && "
+STEPS = {
+    "a template": Step("python -m cases check my_valley.py", (VALLEY,)),
+    "an effect of a package": Step(
+        f"{WHEEL}python -m cases check magnetic_wheel.py", (r"^magnetic_wheel_in_loop: fits; rolls to the end of 2 s$",)
+    ),
+    "its law": Step(
+        f"{WHEEL}python -c 'import magnetic_wheel_laws as laws, adapters.laws; print(laws.magnet_braking.__doc__)'",
+        (r"^A wheel that slides on a level line",),
+    ),
+    "a submission": Step(
+        f"python -m reports.submit {SUBMISSION}",
+        (
+            r"^my_engine 2\.1\.0, by Ada Example",
+            r"^disc_in_circle\[mu=0\.2\] +answered +excellent",
+            r"^disc_on_incline\[slope=0\.4\] +answered +excellent",
+            r"^disc_on_line\[mu=0\.1\] +answered +excellent",
+        ),
+    ),
+    "engines": Step(
+        "pytest -q -p no:cacheprovider --slip-to-roll-engine ./engine_py --slip-to-roll-engine ./engine_c",
+        (r"\b10 passed, 4 skipped in ",),
+        needs="cc",
+        before="cc -O2 -o engine_c starter/engine.c -lm && cp starter/engine.py engine_py && chmod +x engine_py",
+    ),
+    "an engine in JavaScript": Step(
+        "pytest -q -p no:cacheprovider --slip-to-roll-engine ./engine_js",
+        (r"\b5 passed, 2 skipped in ",),
+        needs="node",
+        before="cp starter/engine.js engine_js && chmod +x engine_js",
+    ),
+    "an engine in Rust": Step(
+        "pytest -q -p no:cacheprovider --slip-to-roll-engine ./engine_rs",
+        (r"\b5 passed, 2 skipped in ",),
+        needs="rustc",
+        before="rustc -O -o engine_rs starter/engine.rs",
+    ),
+}
+# Commands of its pages that today's pages do not have any more.
+ONLY_THERE: dict[str, Step | Left] = {}
+# The last digits of a number in a scene: computed points differ between machines by some roundings.
+ROUNDING = 1e-12
+
+
+@pytest.fixture(scope="session")
+def archive(tmp_path_factory) -> Path:
+    """A folder with the files, which no test changes."""
+    folder = tmp_path_factory.mktemp("archive")
+    unpack(folder)
+    return folder
+
+
+@pytest.fixture
+def own_files(tmp_path) -> Path:
+    """A folder with the files, for one test."""
+    unpack(tmp_path)
+    return tmp_path
+
+
+def pages_in(folder: Path) -> list[Path]:
+    return [folder / "README.md", *sorted((folder / "docs").glob("*.md"))]
+
+
+# Pages with Python code; a test compares the list with the archive.
+WITH_CODE = (
+    "README", "add_a_case", "api", "cluster", "equations", "index", "moving_tracks", "own_effects", "proofs", "truth",
+    "tutorial",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("page", WITH_CODE)
+def test_code_of_a_page_runs_from_top_to_bottom(page, archive, desk):  # noqa: F811
+    (path,) = [path for path in pages_in(archive) if path.stem == page]
+    names: dict = {"__name__": "page"}
+    for number, code in enumerate(codes(path, "python"), start=1):
+        exec(compile(code, f"{path.name} of 0.2.0, block {number}", "exec"), names)
+
+
+def test_every_page_with_code_is_run(archive):
+    assert tuple(path.stem for path in pages_in(archive) if codes(path, "python")) == WITH_CODE
+
+
+def test_every_case_has_its_name_and_parameters(archive):
+    labels = (archive / "labels.txt").read_text(encoding="utf-8").splitlines()
+    assert len(labels) == 179
+    assert [cases.load(label).label for label in labels] == labels
+
+
+@pytest.mark.parametrize("row", STEPS)
+def test_a_command_reads_a_file(row, own_files):
+    check_step(STEPS[row], Environment.existing(Path(sys.prefix)), own_files)
+
+
+@pytest.mark.parametrize("label", EXPORTS)
+def test_an_exported_motion_is_still_true(label, archive):
+    """Its samples may leave the grade undecided; they never make it wrong."""
+    (run,) = compare(cases.load(label), before=archive / "exported" / label / "motion.csv").runs
+    assert run.outcome == "answered" and run.score.off < 1e-5, run.reason
+
+
+@pytest.mark.parametrize("label", EXPORTS)
+def test_a_scene_has_every_key_and_number_that_it_had(label, archive, tmp_path):
+    """So an engine that reads the scene of 0.2.0 reads today's: keys may be added, none may go or change."""
+    export.export(cases.load(label), tmp_path, points=POINTS)
+    before, after = ((folder / "scene.json") for folder in (archive / "exported" / label, tmp_path))
+    lost = list(differences(json.loads(before.read_text()), json.loads(after.read_text())))
+    assert not lost, "\n".join(lost)
+    for name in ("track.csv", "outline.csv"):
+        texts = ((folder / name).read_text().splitlines() for folder in (archive / "exported" / label, tmp_path))
+        assert len({(rows[0], len(rows)) for rows in texts}) == 1
+
+
+def differences(before, after, place: str = "scene"):
+    """What a value of a JSON file has lost, in lines."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        for key, value in before.items():
+            if key not in after:
+                yield f"{place}.{key} is gone"
+            else:
+                yield from differences(value, after[key], f"{place}.{key}")
+    elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
+        for i, pair in enumerate(zip(before, after, strict=True)):
+            yield from differences(*pair, f"{place}[{i}]")
+    elif isinstance(before, float) and isinstance(after, int | float):
+        if not isclose(before, after, rel_tol=ROUNDING, abs_tol=ROUNDING):
+            yield f"{place} was {before!r} and is {after!r}"
+    elif before != after:
+        yield f"{place} was {before!r:.80} and is {after!r:.80}"
+
+
+def test_every_command_of_its_pages_is_walked(archive):
+    known = {step.command for page in WALK.values() for step in page.steps} | ONLY_THERE.keys()
+    assert {command for path in pages_in(archive) for command in commands(path)} <= known
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WALK)
+def test_a_page_of_0_2_0_is_walked(name, environment, archive, tmp_path):  # noqa: F811
+    """Its commands in their order, with its own blocks as files."""
+    known = {step.command: step for page in WALK.values() for step in page.steps} | ONLY_THERE
+    (path,) = [path for path in pages_in(archive) if path.name == name]
+    page = Page(tuple(known[command] for command in commands(path)), WALK[name].files)
+    walk(page, environment, tmp_path, pages_in(archive))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", replay.SCRIPTS)
+def test_a_script_of_0_2_0_runs(name, environment, archive, tmp_path):  # noqa: F811
+    """Each command with the exit status that its record has."""
+    record, _ = replay.run(name, environment, tmp_path, archive / "newcomers")
+    before = (archive / "newcomers" / f"{name}.txt").read_text(encoding="utf-8")
+    kept = [re.findall(r"^\$ .*|^\[exit status .*", text, flags=re.M) for text in (record, before)]
+    assert kept[0] == kept[1] and "Traceback" not in record
