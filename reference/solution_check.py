@@ -18,12 +18,12 @@ from cases.piece_case import PieceCase
 from cases.trajectory import CONTACT
 
 from . import solver
-from .laws_check import BROKEN_LAW, faults_at
+from .endings import Ending, law_ending
+from .laws_check import faults_at
 from .laws_check.instants import PhaseInstants, PlateInstant, TouchInstant
 from .laws_check.samples import law_at, place_at
 from .minimal.integrators.segment import Instant, Segment
 from .minimal.modes import FLIGHT, Phase
-from .minimal.phase_end import Ending
 from .solver.regimes import SolverPhase
 from .solver.system import COLUMNS
 
@@ -41,7 +41,7 @@ def ending_by_laws(case: Case, solution: tuple[Sequence[Segment], Sequence[Trans
     every = faults_at(case, _phases(case, segments), transitions, rtol)
     if not every:
         return status, reason
-    return BROKEN_LAW, f"The motion breaks a law, so the solver is wrong: {every[0]}. It ended as {status}: {reason}"
+    return law_ending(every[0], (status, reason))
 
 
 def _phases(case: Case, segments: Sequence[Segment]) -> list[PhaseInstants]:

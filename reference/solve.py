@@ -25,10 +25,11 @@ from cases.supports import exclusion
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, solver
+from .endings import BREAKDOWN, FLAT, LIFT_OFF, undecidable
 from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import simulate_phases
 from .minimal.integrators import taylor
-from .minimal.integrators.segment import BREAKDOWN, Segment, blocks
+from .minimal.integrators.segment import Segment, blocks
 from .minimal.modes import (
     FLIGHT,
     Phase,
@@ -41,7 +42,7 @@ from .minimal.modes import (
     start_state,
     state_in,
 )
-from .minimal.phase_end import FLAT, LIFT_OFF, LOCATION_ERROR, undecidable
+from .minimal.phase_end import LOCATION_ERROR
 from .minimal.second_contacts import until_second_contact
 from .solution_check import ending_by_laws
 
@@ -231,7 +232,7 @@ def _touches_twice(case: Case) -> bool:
 
 def _ended_at_second(case: Case, status: str) -> bool:
     """Whether a motion of curves with corners ended where a flat side or a second place met the track."""
-    return has_pieces(case) and status in (FLAT[0], "second_contact")
+    return has_pieces(case) and status == FLAT[0]
 
 
 def as_trajectory(

@@ -14,7 +14,8 @@ import numpy as np
 
 from cases import Case, CaseError, Drive, Mode
 
-from ..laws_check import BROKEN_LAW, BrokenLaw, check, overlaps
+from ..endings import BROKEN_LAW
+from ..laws_check import BrokenLaw, check, overlaps
 from ..time_limit import OutOfTime, cpu_limit
 from .bars import METHOD_ULPS, Bar, Shares, ambiguity, bar, roundings, shares
 from .proof_kind import kinds

@@ -27,8 +27,6 @@ from .laws import ENERGY
 from .samples import ContactLaw, PlateSamples, parameters_near
 from .tolerances import part_of
 
-# The status of a motion that breaks a law.
-BROKEN_LAW = "broken_law"
 # Phases, each with the one that begins where it ends.
 Neighbours = list[tuple[PhaseInstants, PhaseInstants]]
 

@@ -11,7 +11,7 @@ from cases import BadValue, Case, Trajectory
 from cases.free_plates import plates_of
 from cases.moving_frame import in_track_frame, relative_case
 
-from ..transition_causes import CAUSES
+from ..endings import CAUSES
 from . import laws, penetration
 from .laws import Defects, Joins
 from .samples import ContactInstants, MotionSamples, PlateSamples, of_motion, parameters_near, steps_of

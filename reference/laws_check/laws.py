@@ -17,8 +17,8 @@ from cases.own_effects import CONTACT as AT_CONTACT
 from cases.own_effects import ContactEffect, own_effects
 from cases.trajectory import CONTACT
 
+from ..endings import CAUSES
 from ..scales import force_scale, speed_scale
-from ..transition_causes import CAUSES
 from .samples import (
     CREEP,
     WEIGHTS,

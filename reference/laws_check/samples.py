@@ -32,7 +32,7 @@ from cases.moving_surface import Belt
 from cases.supports import TRACK, base_of, effects_at
 from cases.trajectory import CONTACT
 
-from ..transition_causes import CAUSES
+from ..endings import CAUSES
 
 # Nodes and weights of Lobatto's quadrature on [0, 1].
 _INNER = float(np.sqrt(3.0 / 7.0))

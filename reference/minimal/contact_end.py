@@ -12,13 +12,28 @@ from cases.contact import belt_speed, clearance
 from cases.own_effects import own_effects
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
+from ..endings import (
+    BREAKDOWN,
+    CONCAVE,
+    ENDS,
+    FLAT,
+    LANDING_END,
+    LIFT_OFF,
+    LIFTED,
+    NO_MODE,
+    NO_SLIP,
+    OFF_CORNER,
+    Ending,
+    singular_ending,
+    work_limit_ending,
+)
 from ..scales import approach_scale
 from .decision import AT_BOUND, Undecidable, decide, slack_of
 from .effects import OWN_END
 from .elimination import Elimination
 from .grazing import over_touch
 from .impact import ContactVelocity
-from .integrators.segment import BREAKDOWN, OUT_OF_STEPS, Segment
+from .integrators.segment import OUT_OF_STEPS, Segment
 from .knots import passed
 from .modes import (
     FLIGHT,
@@ -40,24 +55,7 @@ from .modes import (
     without_slip,
     without_turning,
 )
-from .phase_end import (
-    CONCAVE,
-    ENDS,
-    FLAT,
-    LANDING_END,
-    LIFT_OFF,
-    LIFTED,
-    LOCATION_ERROR,
-    NO_MODE,
-    NO_SLIP,
-    OFF_CORNER,
-    PIECE_ENDS,
-    ROUGH,
-    Ending,
-    Step,
-    singular_ending,
-    work_limit_ending,
-)
+from .phase_end import LOCATION_ERROR, PIECE_ENDS, ROUGH, Step
 
 
 def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: float) -> Step:

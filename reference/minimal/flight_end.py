@@ -11,6 +11,15 @@ from cases import Case, Impact
 from cases.contact import pose
 from cases.piece_case import PieceCase, corners_meet, has_pieces, lies_flat, pieces_at
 
+from ..endings import (
+    COMPLETION,
+    CORNERS_MEET,
+    ENERGY,
+    FLAT_LANDING,
+    LANDING_END,
+    search_limit_ending,
+    work_limit_ending,
+)
 from ..scales import frequency
 from .bouncing import Bounces
 from .contact_end import breakdown, contact_step, free_quantities, own_lift
@@ -19,17 +28,7 @@ from .impact import collide, energy, law_of
 from .integrators.segment import LOST_SIGHT, OUT_OF_STEPS, Segment
 from .landing import Landing, Landings
 from .modes import FLIGHT, Phase, in_contact, in_flight
-from .phase_end import (
-    COMPLETION,
-    CORNERS_MEET,
-    ENERGY,
-    FLAT_LANDING,
-    LANDING_END,
-    MOST_STEPS,
-    Step,
-    search_limit_ending,
-    work_limit_ending,
-)
+from .phase_end import MOST_STEPS, Step
 from .series import EPS
 
 # A rebound that rises by no more roundings of positions than this does not count: bouncing is over. Its limit is

@@ -8,27 +8,17 @@ from cases import Case, DoesNotFit, Mode, Transition
 from cases.contact import start_motion
 from cases.piece_case import PieceCase, has_pieces
 
+from ..endings import ACCUMULATION, CAUSES, OFF, no_numbers, phase_limit_ending, undecidable, work_limit_ending
 from ..scales import frequency
 from ..time_limit import check_time
 from .bouncing import Bounces
 from .contact_end import after_contact, leave
 from .decision import Undecidable, decide
 from .flight_end import after_flight, closes, simulate_flight, start_flight
-from .integrators.segment import BREAKDOWN, Segment
+from .integrators.segment import Segment
 from .landing import Landings
 from .modes import FLIGHT, Phase, Regime, candidates, phase_at, start_pieces, state_in
-from .phase_end import (
-    ACCUMULATION,
-    CAUSES,
-    LOCATION_ERROR,
-    MANY,
-    MOST_STEPS,
-    OFF,
-    ROUGH,
-    Step,
-    undecidable,
-    work_limit_ending,
-)
+from .phase_end import LOCATION_ERROR, MANY, MOST_STEPS, ROUGH, Step
 from .piece_landing import PieceLandings
 
 # Changes of regime accumulate if MANY of them follow each other within this part of the motion's time scale.
@@ -78,7 +68,7 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
         except Undecidable:
             return segments, transitions, undecidable(t)
         except DoesNotFit as problem:  # no nearest point of the track, or no speed of the contact at the landing
-            return segments, transitions, (BREAKDOWN, f"After t = {t:.9g} s {problem}.")
+            return segments, transitions, no_numbers(t, problem)
         segments.extend(step.segments)
         steps += sum(segment.steps for segment in step.segments)
         following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending in OFF else regime.mode
@@ -91,8 +81,7 @@ def simulate_phases(case: Case, regime: Regime | None, start, rtol: float, integ
         t, y, regime = step.time, step.state, step.regime
         if steps >= MOST_STEPS:
             return segments, transitions, work_limit_ending(t, steps)
-    sentence = f"The regime changed {MOST_PHASES} times until t = {t:.9g} s, the limit of a run; end it there."
-    return segments, transitions, ("unfinished", sentence)
+    return segments, transitions, phase_limit_ending(t, MOST_PHASES)
 
 
 class _Progress:

@@ -19,6 +19,7 @@ from cases.piece_case import PieceCase, has_pieces
 from cases.piece_contact import Chains, Entry, entry_time, excludes_second, piece_gap
 
 from ..curvature_proof import fits
+from ..endings import Ending, second_place, second_search_ending
 from .boxes import Cores, Geometry
 from .contact_cores import cores
 from .curve_pieces import TooMuch
@@ -62,14 +63,11 @@ def until_second_contact(case: Case, solution: Solution) -> tuple[Solution, Meet
         try:
             meeting = search.first(motion, [around])
         except TooMuch:
-            t = lot[0].start
-            why = f"The search for second contacts reached its limit at {t:.9g} s."
-            return _cut(solution, t, "unfinished", why), None
+            return _cut(solution, lot[0].start, second_search_ending(lot[0].start)), None
         if meeting is not None:
             segment = next(segment for segment in reversed(lot) if segment.start <= meeting.time or segment is lot[0])
             touch = _locate(case, segment, meeting)
-            reason = f"The plate meets its track in a second place, xi1 = {touch.xi1:.9g}, at t = {touch.time:.9g} s."
-            return _cut(solution, touch.time, "second_contact", reason), touch
+            return _cut(solution, touch.time, second_place(touch.time, touch.xi1)), touch
     return solution, None
 
 
@@ -96,11 +94,9 @@ def _until_entry(case: Case, solution: Solution, segments: list[Segment]) -> Sol
         try:
             meeting = _meeting(case, search, segment, states, entry[0] if entry else float(segment.times[-1]))
         except TooMuch:
-            why = f"The search for second contacts reached its limit at {segment.start:.9g} s."
-            return _cut(solution, segment.start, "unfinished", why)
+            return _cut(solution, segment.start, second_search_ending(segment.start))
         if first := meeting or entry:
-            reason = f"The plate meets its track in a second place, xi1 = {first[1]:.9g}, at t = {first[0]:.9g} s."
-            return _cut(solution, first[0], "second_contact", reason)
+            return _cut(solution, first[0], second_place(*first))
     return solution
 
 
@@ -188,7 +184,7 @@ def _close_times(segment: Segment, states: Callable[[np.ndarray], np.ndarray], w
     return np.append(np.concatenate(parts), edges[-1]) if parts else edges
 
 
-def _cut(solution: Solution, time: float, status: str, reason: str) -> Solution:
+def _cut(solution: Solution, time: float, ending: Ending) -> Solution:
     """The motion up to that time."""
     segments, transitions, _ = solution
     # The motion may end at its start, before which there is no segment.
@@ -198,7 +194,7 @@ def _cut(solution: Solution, time: float, status: str, reason: str) -> Solution:
     last = segments[number].until(time, work)
     last.event = last.event._replace(guard=None)  # beyond the cut the motion may have become singular
     parts = [*segments[:number], last]
-    return parts, [t for t in transitions if t.time < time], (status, reason)
+    return parts, [t for t in transitions if t.time < time], ending
 
 
 def _lots(case: Case, segments: list[Segment]) -> Iterator[tuple[list[Segment], Windows, Cores]]:

@@ -8,11 +8,9 @@ import numpy as np
 
 from cases import Mode
 
+from ..endings import CAUSES
 from ..minimal.bouncing import StraightStates
 from ..minimal.integrators.segment import Event, Segment
-from ..minimal.phase_end import (
-    CAUSES,
-)
 from .hops import SeriesEnd
 from .places import TOUCHES, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, rows_of, size

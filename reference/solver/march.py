@@ -17,24 +17,25 @@ from cases.free_plates import plates_of, start_poses
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 from cases.trajectory import CONTACT
 
-from ..minimal.curve_pieces import TooMuch
-from ..minimal.decision import Undecidable
-from ..minimal.hybrid import MOST_PHASES
-from ..minimal.integrators.segment import BREAKDOWN, OUT_OF_STEPS, Event, Segment
-from ..minimal.phase_end import (
+from ..endings import (
+    BREAKDOWN,
     CAUSES,
     COMPLETION,
     ENDS,
-    LOCATION_ERROR,
-    MOST_STEPS,
-    PIECE_ENDS,
-    ROUGH,
     Ending,
+    events_without_time,
+    no_numbers,
+    phase_limit_ending,
     search_limit_ending,
     singular_ending,
     undecidable,
     work_limit_ending,
 )
+from ..minimal.curve_pieces import TooMuch
+from ..minimal.decision import Undecidable
+from ..minimal.hybrid import MOST_PHASES
+from ..minimal.integrators.segment import OUT_OF_STEPS, Event, Segment
+from ..minimal.phase_end import LOCATION_ERROR, MOST_STEPS, PIECE_ENDS, ROUGH
 from ..scales import frequency, looks_between
 from ..time_limit import check_time
 from .accelerations import guided_margin, is_steady, rest_margin
@@ -99,8 +100,8 @@ class PlatesSimulation(ModeChanges):
         except Undecidable:
             return undecidable(self.t)
         except (DoesNotFit, np.linalg.LinAlgError) as problem:
-            return BREAKDOWN, f"After t = {self.t:.9g} s {problem}."
-        return "unfinished", f"The modes changed {MOST_PHASES} times until t = {self.t:.9g} s, the limit of a run."
+            return no_numbers(self.t, problem)
+        return phase_limit_ending(self.t, MOST_PHASES)
 
     def _decision_error(self) -> float:
         """The part of a bound within which values are at it."""
@@ -115,7 +116,7 @@ class PlatesSimulation(ModeChanges):
     def _count_idle(self, is_idle: bool) -> None:
         self.idle = self.idle + 1 if is_idle else 0
         if self.idle > STUCK:
-            raise MotionEnds(("accumulation", f"{STUCK} changes of mode took no time at t = {self.t:.9g} s."))
+            raise MotionEnds(events_without_time(self.t, STUCK, "changes of mode"))
 
     @property
     def transitions(self) -> list[Transition]:

@@ -8,13 +8,7 @@ import numpy as np
 
 from cases import Case, Flight, Mode, Transition
 
-from ..minimal.integrators.segment import BREAKDOWN
-from ..minimal.phase_end import (
-    CAUSES,
-    LIFT_OFF,
-    NO_MODE,
-    Ending,
-)
+from ..endings import CAUSES, LIFT_OFF, NO_MODE, Ending, forces_not_unique, several_motions
 from ..minimal.series import EPS
 from .accelerations import DecisionInstant
 from .contact_law import STICKING, Turns
@@ -177,16 +171,5 @@ class ModeChanges(ImpactEnds):
         if decision.motions:
             return several_motions(self.t, names, decision.motions)
         if decision.is_singular:
-            return BREAKDOWN, (
-                f"At t = {self.t:.9g} s the forces of {', '.join(names)} are not unique while the plates move, and "
-                "this motion is not computed."
-            )
+            return forces_not_unique(self.t, names)
         return NO_MODE
-
-
-def several_motions(t: float, names: Sequence[str], motions: Sequence[Sequence[Mode]]) -> Ending:
-    """The ending where several motions are consistent, each given by the modes of the contacts with these names."""
-    choices = "; ".join(
-        ", ".join(f"{name} {mode}" for name, mode in zip(names, modes, strict=True)) for modes in motions
-    )
-    return "not_unique", (f"{len(motions)} motions of rigid Coulomb contact are consistent at {t:.9g} s: {choices}.")

@@ -14,12 +14,16 @@ from cases.corner import Corner
 from cases.piece_case import PieceCase
 from cases.supports import TRACK
 
-from ..minimal.flight_end import REBOUND_ROUNDINGS
-from ..minimal.phase_end import (
+from ..endings import (
     CAUSES,
     ENERGY,
     Ending,
+    combination_limit_ending,
+    events_without_time,
+    no_impact_law,
+    several_impacts,
 )
+from ..minimal.flight_end import REBOUND_ROUNDINGS
 from ..minimal.series import EPS
 from ..scales import speed_scale
 from .accelerations import STILL
@@ -131,13 +135,7 @@ class WatchedPlates:
     def _check_count(self, some: Sequence[ContactPlace], names: Sequence[str]) -> None:
         count = prod(4 if at.stick > 0.0 else 2 for at in some)
         if count > MOST_COMBINATIONS:
-            raise MotionEnds(
-                (
-                    "unfinished",
-                    f"{', '.join(names)} touch together at t = {self.t:.9g} s: {count} combinations of modes, more "
-                    f"than the {MOST_COMBINATIONS} that are tried.",
-                )
-            )
+            raise MotionEnds(combination_limit_ending(self.t, names, count, MOST_COMBINATIONS))
 
     def _closing(self) -> set[str] | None:
         """The open contacts without a gap that close; None if there are none."""
@@ -206,7 +204,7 @@ class WatchedPlates:
             if not again:
                 return stuck
             self.touching |= again
-        raise MotionEnds(("accumulation", f"{MOST_IMPACTS} impacts took no time at t = {self.t:.9g} s."))
+        raise MotionEnds(events_without_time(self.t, MOST_IMPACTS, "impacts"))
 
     def _impacts_once(self, touching: Sequence[Watch], now: Sequence[ContactPlace], stuck: set[str]) -> set[str]:
         staying, sticking = set[str](), set[str]()
@@ -253,11 +251,7 @@ class WatchedPlates:
             else "its track" if self.case.others else "its track in a second place"
         )  # fmt: skip
         xi1 = float(couple.whole_xi1(at.pair.to_whole(at.xi1, at.xi2)[0]))
-        return (
-            "landing" if self.case.others else "second_contact",
-            f"{who} meets {which}, xi1 = {xi1:.9g}, at t = "
-            f"{self.t:.9g} s, and the case names no Impact; add Flight() and Impact(0.0) to go on.",
-        )
+        return no_impact_law(self.t, who, which, xi1, bool(self.case.others))
 
     def _strike(
         self, part: Sequence[ContactPlace], names: Sequence[str], closing: set[str]
@@ -271,7 +265,7 @@ class WatchedPlates:
         try:
             outcome = strike(self.case, self.t, before, part, self.speed)
         except NoImpact as problem:
-            raise MotionEnds(("not_unique", f"At t = {self.t:.9g} s {problem}.")) from problem
+            raise MotionEnds(several_impacts(self.t, problem)) from problem
         mass = some.masses
         if law.law == "newton" and mass @ outcome.velocity**2 > (1.0 + 1e-12) * (mass @ before**2):
             raise MotionEnds(ENERGY)

@@ -16,6 +16,7 @@ import numpy as np
 
 from cases import CoulombFriction, Flight, Mode, RollingResistance, Unilateral
 
+from .. import endings
 from ..minimal import contact_end, hybrid, phase_end
 from ..minimal.assembly import contact_system
 from ..minimal.decision import Undecidable
@@ -184,7 +185,7 @@ class _Wave:
             some = guards == guard
             y = self._full(columns, indices[some], states[:, some])
             if guard == _TIME:
-                self._end(indices[some], times[some], y, phase_end.COMPLETION)
+                self._end(indices[some], times[some], y, endings.COMPLETION)
             else:
                 self._after(number, list(columns.system.guards)[guard], indices[some], times[some], y)
 
@@ -244,8 +245,8 @@ class _Wave:
     def _after(self, number: int, guard: str, indices: np.ndarray, t: np.ndarray, y: np.ndarray) -> None:
         """Decide what follows a guard's zero, as `hybrid` does; special cases are passed to `hybrid` one by one."""
         regime = self.regimes[number]
-        if guard in phase_end.ENDS:
-            self._end(indices, t, y, phase_end.ENDS[guard])
+        if guard in endings.ENDS:
+            self._end(indices, t, y, endings.ENDS[guard])
             return
         slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
         if guard == "slip":
@@ -280,7 +281,7 @@ class _Wave:
         for i in indices[choice == NO_DECISION].tolist():
             self._one(i)
         is_decided = choice != NO_DECISION
-        cause = PHRASES.index(phase_end.CAUSES[guard])
+        cause = PHRASES.index(endings.CAUSES[guard])
         self._go_on(number, numbers[choice[is_decided]], indices[is_decided], t[is_decided], y[:, is_decided], cause)
 
     def _lifts_off(self, number: int, indices: np.ndarray, t, y: np.ndarray) -> np.ndarray:
@@ -306,11 +307,11 @@ class _Wave:
             self.now[indices] = _ALONE
             return
         mode, nothing = NUMBER[self.regimes[number].mode], np.ones(len(indices), dtype=int)
-        cause = PHRASES.index(phase_end.CAUSES[guard])
+        cause = PHRASES.index(endings.CAUSES[guard])
         self.events.append(
             Events(indices, t, mode * nothing, NUMBER[Mode.FLIGHT] * nothing, y[0], y[1], cause * nothing)
         )
-        self._end(indices, t, y, phase_end.LIFT_OFF)
+        self._end(indices, t, y, endings.LIFT_OFF)
 
     def _unique_force(self, number: int, indices: np.ndarray, t, y) -> np.ndarray:
         """Where the contact force of a slip that begins is unique (Painlevé)."""
@@ -336,13 +337,13 @@ class _Wave:
         indices, t, last = np.array([i]), np.array([step.time]), step.segments[-1].event.state
         y = np.array(step.state or full_state(case, now, step.time, last))[:, None]
         self.steps[i] += sum(segment.steps for segment in step.segments)
-        if step.ending is phase_end.LIFT_OFF:
+        if step.ending is endings.LIFT_OFF:
             self._leave(number, indices, t, y, step.cause)
-        elif step.regime is None and step.ending is phase_end.COMPLETION:
+        elif step.regime is None and step.ending is endings.COMPLETION:
             self._end(indices, t, y, step.ending)
         elif step.regime in self.regimes:
             after = np.array([self.regimes.index(step.regime)])
-            self._go_on(number, after, indices, t, y, PHRASES.index(phase_end.CAUSES[step.cause]))
+            self._go_on(number, after, indices, t, y, PHRASES.index(endings.CAUSES[step.cause]))
         else:
             self.now[i] = _ALONE  # it flies, or the sentence of its ending contains numbers
 

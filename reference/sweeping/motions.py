@@ -12,14 +12,12 @@ from cases.contact import belt_speed, start_motion
 from cases.mechanics import energy
 from cases.piece_case import PieceCase
 
-from ..laws_check import BROKEN_LAW
+from ..endings import BROKEN_LAW, CAUSES, undecidable
 from ..minimal.contact_end import slip_and_spin
 from ..minimal.decision import Undecidable
 from ..minimal.modes import FLIGHT, Phase, full_state, start_state
-from ..minimal.phase_end import undecidable
 from ..solution_check import ending_by_laws
 from ..solve import INTEGRATORS, METHODS, at_once, first_regime, solve_motion
-from ..transition_causes import CAUSES
 from .scenario_values import ScenarioGroup
 
 # One of so many scenarios is checked by the laws, and every one that does not end by its duration, by leaving its track

@@ -12,7 +12,7 @@ import reference
 from cases import Case, Chain, CoulombFriction, Curve, Flight, Gravity, Impact, Start, StartPose, Unilateral, disc
 from reference import solve
 from reference.certification import NotCertified, certificate, witnesses
-from reference.laws_check import BROKEN_LAW
+from reference.endings import BROKEN_LAW
 from reference.laws_check.broken_laws import OVERLAP
 from reference.sweeping import batches, motions
 from tests.scenes.lifted_plates import lifted_plate

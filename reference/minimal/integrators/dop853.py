@@ -19,13 +19,14 @@ from scipy.integrate import DOP853, DenseOutput
 from cases import CoulombFriction
 from cases.supports import has_belt
 
+from ...endings import BREAKDOWN
 from ...scales import frequency
 from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
 from ..series import EPS
 from .direct_solver import DirectDOP853
 from .first_step import SHORTER
-from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks
+from .segment import MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks
 from .step_zeros import FINE, NODES, first_zero, growing_gaps, guard_at, guards_at_nodes, never_opens, weights
 
 # Limit on the defect of a step's dense output, which is of order seven while the step is of order eight, in tolerances

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...endings import BREAKDOWN
 from ..defect_check import Expansion, clear_part
 from ..modes import Phase
 from ..series import Series
-from .segment import BREAKDOWN
 
 # Length of the first step as a part of its polynomial's range: the polynomial is exact there to rounding, and a
 # quantity that grows with the fourth power of time is still well above its own rounding.

@@ -11,8 +11,6 @@ import numpy as np
 
 from ..modes import Phase
 
-# Used instead of a guard's name if the equations became singular and no step can continue.
-BREAKDOWN = "breakdown"
 # Used instead of a guard's name if a motion reached its limit on steps.
 OUT_OF_STEPS = "exhausted"
 # Used instead of a guard's name if the search for landings reached its limit on work.

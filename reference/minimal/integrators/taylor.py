@@ -12,11 +12,12 @@ from math import inf, ulp
 
 import numpy as np
 
+from ...endings import BREAKDOWN
 from ..defect_check import Expansion, good_part
 from ..modes import Phase
 from ..system import System
 from .pool import IntegratorPool
-from .segment import BREAKDOWN, MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Instant, Segment
+from .segment import MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Instant, Segment
 
 try:
     import heyoka as hy
