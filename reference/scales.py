@@ -55,6 +55,17 @@ def looks_between(times: np.ndarray) -> np.ndarray:
 
 # --- speeds -------------------------------------------------------------------------------------------------------
 
+# Relative rounding of a number.
+EPS = 2.0**-52
+# Velocities below this part of a motion's largest speed are the roundings of a constraint that has just begun.
+STILL = 1e-11
+
+
+def slip_error(error: float) -> float:
+    """The part of the plate's speed below which a slip or a spin counts as zero in a state of that relative error: at
+    an event a thousand times its error; at a start the rounding of a difference of two speeds."""
+    return 1e3 * error if error > EPS else 8 * EPS
+
 
 def speed_scale(acceleration: float, length: float) -> float:
     """The speed (m/s) that a load of that acceleration (m/s²) gives over a length (m), as that of a fall from a plate's

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from reference.endings import STATUSES
 from reports.running.storage import source_code
 
 pytestmark = pytest.mark.style
@@ -147,6 +148,7 @@ PARTS = {
         "solution_check",
         "curvature_proof",
         "endings",
+        "scales",
     },
 }
 
@@ -173,6 +175,64 @@ def test_every_place_that_is_named_is_there():
     for line in facts:
         places = re.findall(r"`([^`]+)`", line.split("|")[2])
         assert places and all((ROOT / place).exists() for place in places), line
+
+
+QUESTIONS = [
+    [re.findall(r"`([^`]+)`", cell) or cell.strip() for cell in line.split("|")[1:4]]
+    for line in TEXT.partition("## Questions")[2].partition("\n## ")[0].splitlines()
+    if "`" in line and line.startswith("|")
+]
+# Questions that have one answer for one contact and another one for several: there may be fewer, never more.
+TWOFOLD = {"where a contact opens", "the law of impact"}
+
+
+@pytest.mark.parametrize(("question", "files", "names"), QUESTIONS, ids=[question for question, *_ in QUESTIONS])
+def test_the_file_that_answers_a_question_defines_the_name(question, files, names):
+    assert len(files) == len(names) == (2 if question in TWOFOLD else 1)
+    for file, name in zip(files, names, strict=True):
+        assert name in top_level_names((ROOT / file).read_text()), f"{file} has no {name}: {question}"
+
+
+def test_there_are_twelve_questions_of_the_reference_and_of_the_reports():
+    rooms = [file.partition("/")[0] for _, (file, *_), _ in QUESTIONS]
+    assert sum(room in ("cases", "reference") for room in rooms) == len(rooms) / 2 == 12
+
+
+def top_level_names(source: str) -> set[str]:
+    """The functions, classes and constants that a module defines itself."""
+    body = ast.parse(source).body
+    values = [node for node in body if isinstance(node, ast.Assign | ast.AnnAssign)]
+    targets = [
+        target for node in values for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
+    ]
+    functions = {node.name for node in body if isinstance(node, ast.FunctionDef | ast.ClassDef)}
+    return functions | {target.id for target in targets if isinstance(target, ast.Name)}
+
+
+# Statuses that are names of guards and causes, too.
+ALSO_NAMES = {"landing", "track_end", "outline_end"}
+# The independent witnesses share no code with the first formulation, and have statuses of their own.
+FIRST_FORMULATION = ("minimal", "solver", "sweeping", "laws_check", "solve.py", "solution_check.py")
+
+
+def test_statuses_are_made_in_one_file():
+    """Nowhere else in the first formulation is a status a text; lists of statuses that sweeps expect are no endings."""
+    folders = [ROOT / "reference" / name for name in FIRST_FORMULATION]
+    files = [file for path in folders for file in ([path] if path.is_file() else sorted(path.rglob("*.py")))]
+    for file in files:
+        texts = {
+            node.value
+            for node in nodes(re.sub(r"(?m)^.*USUAL = .*$", "", file.read_text()))
+            if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        }
+        assert not texts & (STATUSES.keys() - ALSO_NAMES), f"{file}: {texts & STATUSES.keys()}"
+
+
+def test_every_ending_has_a_listed_status():
+    source = (ROOT / "reference" / "endings.py").read_text()
+    first = [node.elts[0] for node in nodes(source) if isinstance(node, ast.Tuple) and len(node.elts) == 2]
+    texts = {node.value for node in first if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+    assert texts and texts <= STATUSES.keys() | {"track_start", "outline_start"}, texts - STATUSES.keys()
 
 
 def test_the_picture_shows_every_room_in_its_order():

@@ -12,7 +12,7 @@ from math import isfinite
 
 from cases import Case
 
-from ..scales import power_of_two
+from ..scales import power_of_two, slip_error
 from . import series
 from .modes import Phase, Regime, candidates, phase_at, state_in
 from .series import Series
@@ -71,7 +71,7 @@ def _by_value(candidate: Phase, t, y, error, still: float, weak: float) -> bool 
         # For a velocity that has just vanished, the sign of its rate decides. (All other conditions are forces per
         # mass, and so is this rate.)
         fastest = max([abs(u) / unit for u, unit in zip(y[system.positions :], candidate.lengths, strict=False)])
-        bound = max(vanishes(error) * candidate.size * fastest, still)
+        bound = max(slip_error(error) * candidate.size * fastest, still)
         if any([abs(values[place]) <= bound for place in system.rated]):
             rates = system.condition_rates_of_numbers(t, y, parameters)
             for place, rate in zip(system.rated, rates, strict=True):
@@ -82,12 +82,6 @@ def _by_value(candidate: Phase, t, y, error, still: float, weak: float) -> bool 
     if sizes and min(sizes) <= max(close(error) * max(sizes), weak):
         return None
     return not values or min(values) > 0.0
-
-
-def vanishes(error: float) -> float:
-    """The part of the plate's speed below which a slip or a spin counts as none in a state of that relative error: at
-    an event a thousand times its error; at a start the rounding of a difference of two speeds."""
-    return 1e3 * error if error > series.EPS else 8 * series.EPS
 
 
 def close(error: float) -> float:

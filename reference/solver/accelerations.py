@@ -11,8 +11,9 @@ from cases import Belt, Case, Load, Mode
 from cases.effects import MOTION
 from cases.free_plates import loads_of
 
-from ..minimal.decision import AT_BOUND, Undecidable, vanishes
+from ..minimal.decision import AT_BOUND, Undecidable
 from ..minimal.effects import SLIP_SIGN
+from ..scales import STILL, slip_error
 from . import forces
 from .contact_law import STICKING, Sides, Turns, held, turning_row
 from .places import ContactPlace, plates_in
@@ -20,8 +21,6 @@ from .plate_numbers import Bodies, bodies, load_at, rows_of, speed
 from .regimes import Guides
 from .rest import BALANCE
 
-# Velocities below this part of the motion's largest speed are the roundings of a constraint that has just begun.
-STILL = 1e-11
 # Accelerations that differ by less than this part of the largest are the same motion: series decide with 1e-12.
 SAME = 1e-7
 # Numbers exclude a combination of modes that violates a condition by this part of the largest force or acceleration.
@@ -50,7 +49,7 @@ class DecisionInstant(NamedTuple):
     @property
     def still(self) -> float:
         """The speed (m/s) below which a slip or a rim has none: the error of an event, or of a constraint's start."""
-        return max(vanishes(self.error) * speed(self.case, self.state), STILL * self.speed)
+        return max(slip_error(self.error) * speed(self.case, self.state), STILL * self.speed)
 
 
 class GroupAccelerations(NamedTuple):

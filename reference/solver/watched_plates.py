@@ -25,8 +25,7 @@ from ..endings import (
 )
 from ..minimal.flight_end import REBOUND_ROUNDINGS
 from ..minimal.series import EPS
-from ..scales import speed_scale
-from .accelerations import STILL
+from ..scales import STILL, speed_scale
 from .contact_law import Sides
 from .hops import NestedSeries, Strike
 from .impact import NoImpact

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..minimal.decision import close, vanishes
+from ..minimal.decision import close
 from ..minimal.modes import Regime
 from ..minimal.system import System
+from ..scales import slip_error
 
 NO_DECISION = -1
 
@@ -58,7 +59,7 @@ def follows(candidate: Columns, t: np.ndarray, y: np.ndarray, error: float) -> t
         names = list(system.conditions)
         rates = rows(system.condition_rates_of_arrays(t, own, candidate.parameters), len(t))
         speeds = [abs(u) / unit for u, unit in zip(own[system.positions :], candidate.lengths, strict=False)]
-        bound = vanishes(error) * candidate.size * np.max(speeds, axis=0)
+        bound = slip_error(error) * candidate.size * np.max(speeds, axis=0)
         for name, rate in zip(system.condition_rates, rates, strict=True):
             row = names.index(name)
             values[row] = np.where(np.abs(values[row]) <= bound, rate, values[row])
