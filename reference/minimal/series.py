@@ -15,7 +15,8 @@ from collections.abc import Callable, Sequence
 from cases.expression_graph import Node, call
 from cases.expression_graph import sqrt as sqrt_of_node
 
-EPS = 2.0**-52
+from ..scales import EPS as EPS  # the equations' modules read it here
+
 # Rounding of a product and of the sum that it is added to.
 ROUNDING = 2 * EPS
 
