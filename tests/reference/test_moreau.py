@@ -157,7 +157,7 @@ def test_both_formulations_have_the_same_impact(slip, lift, spin, xi2, mu, more,
     case = struck(slip, lift, spin, xi2, friction, *((Resistance(arm),) if arm else ()), Impact(e, "moreau"))
     scene = ContactScene(case)
     place = scene.place(0.0, xi2)
-    law, before = law_of(case, place.arm_t, place.arm_n), ContactVelocity(slip, lift, spin)
+    law, before = law_of(case, place.arm_t, place.arm_n, slip), ContactVelocity(slip, lift, spin)
     one, other = collide(law, before), hit(scene, case.effect(Impact), place, *before)
     # Impulses of an inertia of 0.023 kg m² at most 0.3 m off: rounding of some units, magnified by a hundred.
     assert other[:3] == pytest.approx(one, rel=1e-11, abs=1e-11)
@@ -189,7 +189,7 @@ def test_a_restitution_that_creates_energy_goes_on_as_engines_do():
     effects = CoulombFriction(0.76), Impact(0.94, "moreau")
     case = struck(0.96, -2.7, -0.14, -2.9, *effects)
     place = ContactScene(case).place(0.0, -2.9)
-    law, before = law_of(case, place.arm_t, place.arm_n), ContactVelocity(0.96, -2.7, -0.14)
+    law, before = law_of(case, place.arm_t, place.arm_n, 0.96), ContactVelocity(0.96, -2.7, -0.14)
     assert energy(law, collide(law, before)) > energy(law, before)
     assert (reference.simulate(case).status, contact_frame.solve(case, rtol=1e-13).status) == ("completed", "completed")
 

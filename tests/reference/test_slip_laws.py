@@ -10,7 +10,7 @@ import sympy as sp
 
 import cases
 import reference
-from cases import BadValue, Case, CoulombFriction, DoesNotFit, Flight, Gravity, Impact, Mode, Start, Unilateral
+from cases import BadValue, Case, CoulombFriction, Flight, Gravity, Impact, Mode, Start, Unilateral
 from cases.library import circle, line
 from reference import contact_frame
 from reference.minimal.modes import candidates, phase, start_state, state_in
@@ -210,10 +210,15 @@ def test_static_friction_below_the_law_at_rest_is_rejected():
         CoulombFriction(STRIBECK, 0.15)
 
 
-def test_impacts_need_one_coefficient():
-    effects = (Gravity(G), CoulombFriction(STRIBECK), Unilateral(), Flight(), Impact(0.5))
-    with pytest.raises(DoesNotFit, match="the laws of Impact have one coefficient"):
-        Case(line(), cases.disc(0.1, 1.0), effects, Start(0.0, gap=0.1), 1.0)
+@pytest.mark.parametrize("law", ["poisson", "newton", "moreau"])
+def test_both_formulations_agree_on_impacts_with_friction_by_the_slip_speed(law):
+    effects = (Gravity(G), CoulombFriction(STRIBECK), Unilateral(), Flight(), Impact(0.5, law))
+    case = Case(line(0.2), cases.disc(0.1, 1.0), effects, Start(0.0, slip=1.5, gap=0.1), 1.0)
+    motion, other = reference.simulate(case), contact_frame.solve(case, rtol=1e-13)
+    assert (motion.status, len(motion.transitions)) == (other.status, len(other.transitions))
+    assert [change.time for change in motion.transitions] == pytest.approx(
+        [change.time for change in other.transitions], abs=1e-9
+    )
 
 
 def test_proofs_and_sweeps_reject_it_in_one_sentence():

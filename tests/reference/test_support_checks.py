@@ -1,5 +1,6 @@
 """Poses at supports, their pairs, and what is rejected in one sentence."""
 
+from dataclasses import dataclass
 from math import cos, pi, sin
 
 import pytest
@@ -11,13 +12,12 @@ from adapters import lookup
 from cases import (
     BadValue,
     Case,
-    CoulombFriction,
+    ContactEffect,
     DoesNotFit,
     Gravity,
     Impact,
     PerfectlyRough,
     Plate,
-    RollingResistance,
     StartPose,
     Support,
     disc,
@@ -62,6 +62,11 @@ def test_pairs_are_the_supports_and_the_corners_in_order():
     assert sorted(gaps) == pytest.approx([2.0, 2.0, 3.98, 3.98, 4.0, 4.0, 4.0, 4.0], abs=1e-14)
 
 
+@dataclass(frozen=True)
+class Pull(ContactEffect):
+    """An effect of a package."""
+
+
 DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
 
 
@@ -75,7 +80,7 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
         (lambda: _with(supports=line()), "give a tuple such as"),
         (lambda: _with(supports=(line(),)), 'give Support(curve, "name")'),
         (lambda: _with(supports=(Support(line(0.5), "a"), Support(line(0.4), "a"))), "give each its own"),
-        (lambda: _with(_resistance(), ROD, supports=(Support(line(0.5), "a"),)), "leave RollingResistance out"),
+        (lambda: _with((*INELASTIC, Pull()), supports=(Support(line(0.5), "a"),)), "leave it out"),
         (lambda: _with((Gravity(G),), supports=(Support(line(0.5), "a"),)), "add Unilateral"),
         (lambda: _with(supports=(Support(line(0.5), "a", (Impact(0.1, "newton"),)),)), "with the same law"),
         (lambda: _with(supports=(Support(line(0.5), "a"),)), "overlaps support 'a'"),
@@ -87,16 +92,12 @@ def test_what_supports_cannot_be_is_said_in_one_line(make, message):
     assert "\n" not in str(output.value)
 
 
-def _resistance() -> tuple:
-    return (*INELASTIC, CoulombFriction(0.3), RollingResistance(0.01))
-
-
 def _with(effects=INELASTIC, plate=DISC, track=None, supports=()) -> Case:
     return Case(track or line(), plate, effects, StartPose(0.0, 0.5), 1.0, supports=supports)
 
 
 def test_one_rule_excludes_effects_with_supports_and_at_second_contacts():
-    extra = _resistance()
+    extra = (*INELASTIC, Pull())
     with pytest.raises(BadValue) as problem:
         _with(extra, ROD, supports=(Support(line(0.5), "a"),))
     sentence = limitation(_with(extra, ROD))

@@ -38,7 +38,7 @@ def accelerations_of(now: DecisionInstant, contacts: Sequence[ContactPlace], dec
     result = list[np.ndarray]()
     for modes in decision.motions:
         rows = sum(2 if mode is Mode.ROLL else mode is not Mode.FLIGHT for mode in modes)
-        turn = decision.turn if decision.modes == modes else None
+        turns = decision.turns if decision.modes == modes else ()
         is_held = decision.rests or rows > 2
-        result.append(np.zeros(3) if is_held else outputs_in(now, contacts, GroupModes(modes, turn))[0])
+        result.append(np.zeros(3) if is_held else outputs_in(now, contacts, GroupModes(modes, turns))[0])
     return result
