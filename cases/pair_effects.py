@@ -52,7 +52,7 @@ def own_effects_of(what: str, effects: Any, possible: tuple[type, ...]) -> tuple
     return own
 
 
-def replaced(of_case: tuple[Effect, ...], own: Sequence[Effect], *more: type) -> tuple[Effect, ...]:
+def with_own(of_case: tuple[Effect, ...], own: Sequence[Effect], *more: type) -> tuple[Effect, ...]:
     """The effects of a case with those of one of its parts in their places, and without those of `more` kinds."""
     kinds = (*RESISTING, *more, *((Impact,) if all_effects.one(own, Impact) else ()))
     return (*(effect for effect in items("effects", of_case) if not isinstance(effect, kinds)), *own)
@@ -62,7 +62,7 @@ def of_pair(case: Any, name: str, otherwise: tuple[Effect, ...]) -> tuple[Effect
     """All effects at the contacts of two bodies; `otherwise`: those where the case names no Pair of them."""
     names = {name, "/".join(reversed(name.split("/")))}
     own = next((pair.effects for pair in case.pairs if pair.name in names), None)
-    return otherwise if own is None else replaced(otherwise, own)
+    return otherwise if own is None else with_own(otherwise, own)
 
 
 def check_pairs(case: Any) -> None:
@@ -71,16 +71,16 @@ def check_pairs(case: Any) -> None:
         raise BadValue(f'pairs is {case.pairs!r}; give a tuple such as (Pair("plate/track", (CoulombFriction(0.2),)),)')
     plates = (FIRST, *(other.name for other in case.others))
     fixed = (TRACK, *(support.name for support in case.supports))
-    known = [f"{plate}/{base}" for i, plate in enumerate(plates) for base in (*fixed, *plates[:i])]
+    possible_names = [f"{plate}/{base}" for i, plate in enumerate(plates) for base in (*fixed, *plates[:i])]
     seen = set[frozenset[str]]()
     for pair in case.pairs:
         bodies = frozenset(pair.name.split("/"))
-        if bodies not in map(frozenset, (name.split("/") for name in known)):
-            raise unknown_name("pair of the case", pair.name, known)
+        if bodies not in map(frozenset, (name.split("/") for name in possible_names)):
+            raise unknown_name("pair of the case", pair.name, possible_names)
         if bodies in seen:
             raise BadValue(f"two pairs have the name {pair.name!r}; give all its effects in one")
         seen.add(bodies)
-        if len(known) == 1:
+        if len(possible_names) == 1:
             raise BadValue(f"{pair.name!r} is the only pair of the case; give its effects as those of the case")
         all_effects.check_formula(of_pair(case, pair.name, case.effects))
         check_law(case, f"pair {pair.name!r}", pair.effects)

@@ -26,7 +26,7 @@ from .nearest_samples import nearest_samples
 from .outline_features import arc_ranges, features, is_arc, sides
 from .overlap import first_overlap, span
 from .own_effects import own_effects
-from .pair_effects import RESISTING, check_law, of_pair, own_effects_of, replaced
+from .pair_effects import RESISTING, check_law, of_pair, own_effects_of, with_own
 from .piece_contact import Chains, find
 from .plate import Plate
 from .start_overlap import deepest_overlap
@@ -80,7 +80,7 @@ class Support:
         """All effects at this support's contacts, given those of the case."""
         if self.effects is None:
             return tuple(effect for effect in items("effects", of_case) if not isinstance(effect, Belt))
-        return replaced(of_case, self.effects, Belt)
+        return with_own(of_case, self.effects, Belt)
 
 
 def base_of(contact: str) -> str:

@@ -16,7 +16,7 @@ STEPS, FURTHEST, ENDS = 30, 0.25, 256.0
 EPS = 2.0**-52
 
 
-class Pair(NamedTuple):
+class PointPair(NamedTuple):
     """A pair of points where outline and track come close: signed gap (m), parameters, and the gap's rate (m/s)."""
 
     gap: float
@@ -67,7 +67,7 @@ def frame(scene: ContactScene, body, xi1: float, xi2: float) -> PairFrame:
     )  # fmt: skip
 
 
-def refine(scene: ContactScene, body, xi1: float, xi2: float, size: float) -> Pair | None:
+def refine(scene: ContactScene, body, xi1: float, xi2: float, size: float) -> PointPair | None:
     """The pair next to parameters whose tangents are parallel and whose points are straight above each other, by
     Newton's method in arc lengths; None if it finds none."""
     features = scene.track.features
@@ -87,7 +87,7 @@ def refine(scene: ContactScene, body, xi1: float, xi2: float, size: float) -> Pa
         xi1, xi2 = xi1 + shorten * step1 / f.P, xi2 + shorten * step2 / f.p
         if longest <= 1e-13 * size:
             f = frame(scene, body, xi1, xi2)
-            return Pair(f.gap, xi1, xi2, f.lift)
+            return PointPair(f.gap, xi1, xi2, f.lift)
     return None
 
 

@@ -67,7 +67,7 @@ def faults_at(
 def _scales(case: Case, phases: list[PhaseInstants]) -> _Scales:
     plates, gravity, loads = plates_of(case), case.effect(Gravity), loads_of(case)
     reach, largest = [plate.reach for plate in plates], [0.0] * len(plates)
-    speed, extent, applied = 0.0, 0.0, 0.0
+    speed, extent, outer = 0.0, 0.0, 0.0
     for phase in phases:
         for poses in phase.plates:
             for (place, _, velocity, spin), size in zip(poses, reach, strict=True):
@@ -91,10 +91,10 @@ def _scales(case: Case, phases: list[PhaseInstants]) -> _Scales:
             if load is not None:  # at the start of each phase
                 place, turn, velocity, spin = phase.plates[b][0]
                 state = place.real, place.imag, angle_of(turn), velocity.real, velocity.imag, spin
-                applied = max(applied, load_acceleration(plates[b], load, phase.times[0], state))
+                outer = max(outer, load_acceleration(plates[b], load, phase.times[0], state))
         if phase.belt > speed:
             speed = phase.belt
-    size, acceleration = max(reach), (gravity.g if gravity else 0.0) + applied
+    size, acceleration = max(reach), (gravity.g if gravity else 0.0) + outer
     speed = max(speed, speed_scale(acceleration, size)) or size / case.duration
     forces = [force_scale(f, p.mass, acceleration, speed, extent) for f, p in zip(largest, plates, strict=True)]
     return _Scales(speed, extent, reach, forces)

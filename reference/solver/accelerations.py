@@ -15,7 +15,7 @@ from ..minimal.decision import AT_BOUND, Undecidable
 from ..minimal.effects import SLIP_SIGN
 from ..scales import STILL, slip_error
 from . import forces
-from .contact_law import STICKING, Sides, Turns, held, turning_row
+from .contact_law import STICKING, Sides, Turns, rigid_pairs, turning_row
 from .places import ContactPlace, plates_in
 from .plate_numbers import Bodies, bodies, load_at, rows_of, speed
 from .regimes import Guides
@@ -135,7 +135,7 @@ def _by_guides(
     rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
     senses = dict(turns)
     picks, others = [[False, False] for _ in contacts], list[tuple[np.ndarray, np.ndarray, float]]()
-    rows = [_still_row(sides, some) for sides in held(turns)]
+    rows = [_still_row(sides, some) for sides in rigid_pairs(turns)]
     columns, biases = list(rows), [0.0] * len(rows)
     for k, is_tangent in each:
         at = contacts[k]

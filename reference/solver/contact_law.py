@@ -23,7 +23,7 @@ def turning_row(sides: Sides, size: int) -> np.ndarray:
     return row
 
 
-def held(turns: Turns) -> list[Sides]:
+def rigid_pairs(turns: Turns) -> list[Sides]:
     """The plates that do not turn against each other. Left out are those that others hold: two plates that do not turn
     against a third one do not turn against each other."""
     together, result = dict[int, int](), list[Sides]()

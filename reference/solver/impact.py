@@ -18,7 +18,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from .contact_law import Sides, Turns, held, turning_row
+from .contact_law import Sides, Turns, rigid_pairs, turning_row
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10
@@ -375,7 +375,7 @@ def _check(
         return None
     if not _is_admissible(admissible, np.array(bounds), impulses, free, small):  # last, as it may be a linear program
         return None
-    still = held(law.turns)
+    still = rigid_pairs(law.turns)
     for sides in still:
         if len(sides) == 1:
             after[3 * sides[0] + 2] = 0.0

@@ -39,7 +39,7 @@ from ..minimal.phase_end import LOCATION_ERROR, MOST_STEPS, PIECE_ENDS, ROUGH
 from ..scales import frequency, looks_between
 from ..time_limit import check_time
 from .accelerations import guided_margin, is_steady, rest_margin
-from .contact_law import STICKING, held
+from .contact_law import STICKING, rigid_pairs
 from .meet import Meetings
 from .mode_changes import ModeChanges
 from .places import TOUCHES, ContactPlace, groups, place, plates_in, sides_of
@@ -178,7 +178,7 @@ class PlatesSimulation(ModeChanges):
             meeting = None
         self._advance(segment)
         self.touching = {watch.name for watch in self.watches if watch.mode is not Mode.FLIGHT}
-        self.still = held(regime.turns)
+        self.still = rigid_pairs(regime.turns)
         stuck = {watch.name for watch in self.watches if watch.mode in STICKING}
         if meeting is not None:
             for pair, points in touching_contacts(self.case, np.array(self.state)):

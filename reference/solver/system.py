@@ -19,7 +19,7 @@ from cases.expression_graph import ONE, ZERO, Node, node, substitute, symbol
 from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
 from ..minimal.effects import MASS, AppliedLoad, CoulombBySpeed, Laws, Weight
 from ..minimal.system import LOAD_FORCES, CheckLayout, Equations, System
-from .contact_law import Sides, held
+from .contact_law import Sides, rigid_pairs
 from .contact_terms import (
     NO_ROWS,
     ContactForm,
@@ -106,15 +106,15 @@ def _loads(law: Laws, count: int, further: tuple[AppliedLoad | None, ...]) -> _L
     fx, fy, moment = of_plate(0, law.torsor)
     result = {(0, 0): fx, (0, 1): fy, (0, 2): moment * MASS * _inverse((0, 2))}
     gx, gy, _ = next((load.torsor for load in law.loads if isinstance(load, Weight)), (ZERO, ZERO, ZERO))
-    checked = [of_plate(0, law.checked_quantities)]
+    quantities = [of_plate(0, law.checked_quantities)]
     for body in range(1, count):
         result |= {(body, 0): gx, (body, 1): gy, (body, 2): ZERO}
         load = further[body - 1] if further else None
         if load is not None:
             for c, force in enumerate(of_plate(body, load.forces)):
                 result[body, c] = result[body, c] + force * _inverse((body, c))
-            checked.append(of_plate(body, load.checked_quantities))
-    arguments, forces = zip(*((some[:-LOAD_FORCES], some[-LOAD_FORCES:]) for some in checked), strict=True)
+            quantities.append(of_plate(body, load.checked_quantities))
+    arguments, forces = zip(*((some[:-LOAD_FORCES], some[-LOAD_FORCES:]) for some in quantities), strict=True)
     return _Loads(result, sum(arguments, ()), sum(forces, ()))
 
 
@@ -156,7 +156,7 @@ def _forces(forms: tuple[ContactForm, ...], terms: list[ContactTerms], free: dic
         if sticks and form.shares is None:
             rows, columns = [*rows, term.slip_row], [*columns, term.slip_row]
             right.append(-apply_row(term.slip_row, free.__getitem__) - term.slip_bias)
-    still = held(tuple((form.sides, 0) for form in forms if form.rotation is Rotation.HELD))
+    still = rigid_pairs(tuple((form.sides, 0) for form in forms if form.rotation is Rotation.HELD))
     for sides in still:
         turning: Row = {(b, 2): s * radius(sides[0]) for b, s in zip(sides, (ONE, -ONE), strict=False)}
         rows, columns = [*rows, turning], [*columns, turning]
