@@ -89,7 +89,7 @@ def _scales(case: Case, phases: list[PhaseInstants]) -> _Scales:
                     largest[body] = most
         for b, load in enumerate(loads):
             if load is not None:  # at the start of each phase
-                place, turn, velocity, spin = phase.plates[b][0]
+                place, turn, velocity, spin = phase.plates[0][b]
                 state = place.real, place.imag, angle_of(turn), velocity.real, velocity.imag, spin
                 outer = max(outer, load_acceleration(plates[b], load, phase.times[0], state))
         if phase.belt > speed:

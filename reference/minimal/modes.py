@@ -223,13 +223,9 @@ def _form(
 
 def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, float]:
     """The radius of gyration in units of ξ₁ and ξ₂ where the motion starts, and one radian: the unit of a corner."""
-    size = plate.gyration
-    if isinstance(track, Corner) or isinstance(plate.outline, Corner):
-        assert start.xi2 is not None
-        along_track, along_outline = float(track.speed(start.xi1)), float(plate.outline.speed(start.xi2))
-        return size / along_track if along_track else 1.0, size / along_outline if along_outline else 1.0, 1.0
-    initial = start.motion(track, plate.outline)
-    return size / float(track.speed(initial.xi1)), size / float(plate.outline.speed(initial.xi2)), 1.0
+    size, xi2 = plate.gyration, start.motion(track, plate.outline).xi2 if start.xi2 is None else start.xi2
+    along_track, along_outline = float(track.speed(start.xi1)), float(plate.outline.speed(xi2))
+    return size / along_track if along_track else 1.0, size / along_outline if along_outline else 1.0, 1.0
 
 
 @lru_cache(maxsize=1024)

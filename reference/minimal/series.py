@@ -248,9 +248,11 @@ def sqrt(x):
 
 
 def _integral(value: Callable, slope: Callable):
-    """An integral up to a number or a series; its other arguments are numbers."""
+    """An integral up to a number or a series; of the formula's constants, which may have a rounding, the values
+    count."""
 
     def evaluate(x, *rest):
+        rest = tuple(one.c[0] if isinstance(one, Series) else one for one in rest)
         if not isinstance(x, Series):
             return value(x, *rest)
         first = value(x.c[0], *rest)

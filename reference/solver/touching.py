@@ -16,6 +16,7 @@ from cases.couples import Couple, couples
 from cases.nearest_samples import nearest_samples
 from cases.piece_case import PieceCase, _piece_case
 from cases.start_pose import OVERLAPS
+from cases.supports import is_straight
 
 from ..minimal.element_meetings import elements
 from .places import TOUCHES, nearest
@@ -129,7 +130,7 @@ def name_of(pair: PieceCase, used: set[str]) -> str:
     several on a straight line without ends have the numbers of their order in the outline."""
     couple = cast(Couple, pair.whole)
     outline, track = couple.plate.outline, couple.track
-    if couple.whole.others and isinstance(outline, Chain) and track.features is None and track.domain is None:
+    if couple.whole.others and isinstance(outline, Chain) and is_straight(track):
         corners = [element.number for element in outline.elements if isinstance(element.piece, Corner)]
         number = pair.second.number % len(outline.elements)
         if number in corners:
