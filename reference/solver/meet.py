@@ -103,6 +103,9 @@ class CoupleSearch:
             return np.array(couple.relative_pose(segment.states(times)[: 3 * n]))
 
         exclusions = _exclusions([pair for _, pair in in_view])
+        begin = segment.states(segment.times[:1])[:, 0]
+        for k, pair in in_view:
+            exclusions |= _across_joints(pair, begin[3 * n + 2 * k : 3 * n + 2 * k + 2])
         earliest = self._first_of_shapes(segment, poses, edges, exclusions, n)
         if not self.has_others:
             return earliest
@@ -175,6 +178,20 @@ def _exclusions(in_view: Sequence[PieceCase]) -> set[tuple[int, int]]:
                 other = neighbour(pair, of_track, step)
                 if other is not None and _passes(pair, other, of_track):
                     result.add(_in_round(other))
+    return result
+
+
+def _across_joints(pair: PieceCase, points: np.ndarray) -> set[tuple[int, int]]:
+    """The numbers of the pair beyond the joints of both elements, if a contact is at both: it has the same place."""
+    result = set[tuple[int, int]]()
+    steps = [
+        [step for step, end in zip((-1, 1), piece.ends or (), strict=False) if abs(s - end) <= AT_END]
+        for piece, s in zip(pair.pieces, points, strict=True)
+    ]
+    for one in steps[0]:
+        beside = neighbour(pair, True, one)
+        across = [neighbour(beside, False, other) for other in steps[1]] if beside is not None else []
+        result |= {_in_round(other) for other in across if other is not None}
     return result
 
 
