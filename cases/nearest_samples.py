@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from math import cos, hypot, sin
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from .curves import Curve
 TRACK_SAMPLES, OUTLINE_SAMPLES = 2_000, 721
 
 
-class TrackSamples(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class TrackSamples:
     """Parameters (n,) of a track and their points (2, n)."""
 
     parameters: np.ndarray
@@ -24,6 +25,16 @@ class TrackSamples(NamedTuple):
     def nearest(self, point: np.ndarray) -> int:
         """The number of the sample that is nearest to a point."""
         return int(np.argmin(np.hypot(*(point[:, None] - self.points))))
+
+    def nearest_to_all(self, points: np.ndarray) -> np.ndarray:
+        """The same of many points (2, n)."""
+        return np.asarray(self._tree.query(points.T)[1])
+
+    @cached_property
+    def _tree(self):
+        from scipy.spatial import cKDTree  # slow to import, and many motions never come here
+
+        return cKDTree(self.points.T)
 
 
 def track_samples(track: Curve, x: float, y: float, size: float) -> TrackSamples:
@@ -58,7 +69,7 @@ def nearest_samples(track: Curve, outline: Piece, x: float, y: float, theta: flo
     u, v = outline.point(own)
     points = np.array([x + c * u - s * v, y + s * u + c * v])
     samples = track_samples(track, x, y, outline.sizes[0])
-    numbers = [samples.nearest(point) for point in points.T]
+    numbers = samples.nearest_to_all(points)
     near = samples.parameters[numbers]
     gaps = ((points - samples.points[:, numbers]) * track.normal(near)).sum(axis=0)
     padded = np.concatenate([[np.inf], gaps, [np.inf]])
