@@ -16,7 +16,7 @@ from .places import TOUCHES, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, rows_of, size
 from .regimes import SolverPhase, SolverRegime, join, key_of, solver_phase
 from .touching import touching_contacts
-from .watched_plates import CLOSES, Watch, WatchedPlates
+from .watched_plates import CLOSES, Watch, WatchedPlates, is_same_place
 
 # Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the
 # plate's size, the gap at which contacts count as touching.
@@ -65,9 +65,9 @@ class ImpactEnds(WatchedPlates):
         if end is None or not end.time < self.case.duration:
             return
         limit, values = end.time, tuple(end.body)
-        known = [(watch.pair, place(watch.pair, values, watch.points)) for watch in self.watches]
+        places = [(watch.pair, place(watch.pair, values, watch.points)) for watch in self.watches]
         for pair, points in touching_contacts(self.case, np.array(values), MAY_LAND):
-            if not any(pair == one and self._is_same_place(pair, (at.xi1, at.xi2), points) for one, at in known):
+            if not any(pair == one and is_same_place(pair, (at.xi1, at.xi2), points) for one, at in places):
                 self._watch(pair, points)
         of_series = [watch for watch in self.watches if watch.name in end.contacts]
         near = [watch for watch in self.watches if watch.name in end.contacts or watch.name in self.touching]

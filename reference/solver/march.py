@@ -327,7 +327,11 @@ class PlatesSimulation(ModeChanges):
             other = self._watch(beyond, self._start_of(beyond, whole, of_track, step))
             self._settle(stuck, closing={other.name})
             return None
-        watch.pair, watch.points = following, self._start_of(following, whole, of_track, step)
+        points = self._start_of(following, whole, of_track, step)
+        for one in [one for one in self.watches if one is not watch and one.is_at(following, points)]:
+            self.watches.remove(one)  # it had opened there
+            self.touching.discard(one.name)
+        watch.pair, watch.points = following, points
         self._settle(stuck)
         return None
 

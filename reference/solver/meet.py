@@ -30,6 +30,7 @@ from .regimes import AT_END, pair_of, regime_of
 from .shapes import Poses, Straight, first_closings, guess, shapes
 from .system import COLUMNS
 from .touching import bends, inside, pairs_that_touch
+from .watched_plates import APART
 
 # A corner that comes to a line with a flat side of its own: a few of the coarsest tolerance's errors of an angle, rad.
 # Nothing else than the corner meets the line first, as lines do not meet lines.
@@ -38,6 +39,9 @@ AT_FLAT = 0.1
 FASTER = 2.0
 # Samples of a step at which far plates are looked at.
 LOOKS = 4
+# A contact at the end of an element has no gap in the pair beside either: its search begins as soon as this part of
+# a step later.
+LATER = 0.0, 1e-9, 1e-6, 1e-3
 
 
 class CoupleMeeting(NamedTuple):
@@ -103,9 +107,10 @@ class CoupleSearch:
             return np.array(couple.relative_pose(segment.states(times)[: 3 * n]))
 
         exclusions = _exclusions([pair for _, pair in in_view])
-        begin = segment.states(segment.times[:1])[:, 0]
-        for k, pair in in_view:
-            exclusions |= _across_joints(pair, begin[3 * n + 2 * k : 3 * n + 2 * k + 2])
+        state = segment.states(segment.times[:1])[:, 0]
+        begin = np.array([state[3 * n + 2 * k : 3 * n + 2 * k + 2] for k, _ in in_view])
+        for (_, pair), points in zip(in_view, begin, strict=True):
+            exclusions |= _across_joints(pair, points)
         earliest = self._first_of_shapes(segment, poses, edges, exclusions, n)
         if not self.has_others:
             return earliest
@@ -117,12 +122,26 @@ class CoupleSearch:
         def around(first: Element, second: Element, ends: np.ndarray) -> list[Cores]:
             return _around(segment, in_view, first, second, ends)
 
-        first_box = self.boxes.first(poses, edges, exclusions | self.quick_numbers, around)
-        if first_box is None:
-            return earliest
-        pair = _piece_case(couple, first_box.first.number, first_box.second.number)
-        near = first_box.xi1 - pair.first.shift, first_box.xi2 - pair.second.shift
-        return _locate(segment, n, pair, first_box.time, near)
+        for later in LATER:
+            some = np.append(edges[0] + later * (edges[1] - edges[0]), edges[1:])
+            first_box = self.boxes.first(poses, some, exclusions | self.quick_numbers, around)
+            if first_box is None:
+                return earliest
+            pair = _piece_case(couple, first_box.first.number, first_box.second.number)
+            near = first_box.xi1 - pair.first.shift, first_box.xi2 - pair.second.shift
+            meeting = _locate(segment, n, pair, first_box.time, near)
+            if meeting.time > some[1] or not self._is_in_view(meeting, [one for _, one in in_view], begin):
+                break
+        return meeting
+
+    def _is_in_view(self, meeting: CoupleMeeting, pairs: Sequence[PieceCase], points: np.ndarray) -> bool:
+        """Whether a meeting is at the place of a contact that is watched, in a neighbour of its pair; `points`: their
+        parameters (pairs, 2) where the segment begins."""
+        place, reach = meeting.pair.pieces[0].point(meeting.xi1), self.couple.plate.reach
+        return any(
+            np.hypot(*(one.pieces[0].point(xi1) - place)) <= APART * reach and _are_neighbours(one, meeting.pair)
+            for one, (xi1, _) in zip(pairs, points, strict=True)
+        )
 
     def _first_of_shapes(
         self, segment: Segment, poses: Poses, edges: np.ndarray, exclusions: set[tuple[int, int]], n: int
@@ -195,6 +214,12 @@ def _across_joints(pair: PieceCase, points: np.ndarray) -> set[tuple[int, int]]:
     return result
 
 
+def _are_neighbours(one: PieceCase, other: PieceCase) -> bool:
+    """Whether a contact of one pair passes to the other."""
+    beside = (neighbour(one, of_track, step) for of_track in (True, False) for step in (-1, 1))
+    return any(pair is not None and _in_round(pair) == _in_round(other) for pair in beside)
+
+
 def _in_round(pair: PieceCase) -> tuple[int, int]:
     couple = couple_of(pair)
     counts = [len(getattr(curve, "elements", (None,))) for curve in (couple.track, couple.plate.outline)]
@@ -210,12 +235,12 @@ def is_unique(pair: PieceCase) -> bool:
 
 def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:
     """Whether a contact passes to a neighbour without another one before: at a corner that points to the other curve,
-    or where the curves fit each other."""
-    piece = other.pieces[0 if of_track else 1]
-    if isinstance(piece, Corner):
-        return piece.sign < 0 if of_track else piece.sign > 0
+    if that does not bend towards it, or where the curves fit each other."""
     track, outline = other.pieces
-    return bends(outline)[0] > bends(track)[1]
+    piece = track if of_track else outline
+    if not isinstance(piece, Corner):
+        return bends(outline)[0] > bends(track)[1]
+    return piece.sign < 0 and bends(outline)[0] >= 0.0 if of_track else piece.sign > 0 and bends(track)[1] <= 0.0
 
 
 def _around(

@@ -69,6 +69,18 @@ class Watch:
     pass_time: float = -1.0
     at_joint: bool = False
 
+    def is_at(self, pair: PieceCase, points: tuple[float, float]) -> bool:
+        """Whether it is of that pair at that place."""
+        return self.pair == pair and is_same_place(pair, self.points, points)
+
+
+def is_same_place(pair: PieceCase, one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether two places of a pair are one: curves may touch in several."""
+    return any(
+        not isinstance(piece, Corner) and np.hypot(*(piece.point(s) - piece.point(z))) <= APART * pair.plate.reach
+        for piece, s, z in zip(pair.pieces, one, other, strict=True)
+    )
+
 
 class WatchedPlates:
     """The state of all plates at time t (s), the contacts that are watched, and which of them touch.
@@ -92,7 +104,7 @@ class WatchedPlates:
     def _watch(self, pair: PieceCase, points: tuple[float, float]) -> Watch:
         """The watch of a pair at a place; a new one if there is none."""
         for watch in self.watches:
-            if watch.pair == pair and self._is_same_place(pair, watch.points, points):
+            if watch.is_at(pair, points):
                 return watch
         period = pair.pieces[0].period
         if period:  # in the first round, whichever the search came to
@@ -110,14 +122,6 @@ class WatchedPlates:
         if self.names.get(key, "") in used | {""}:
             self.names[key] = name_of(pair, used | set(self.names.values()))
         return self.names[key]
-
-    @staticmethod
-    def _is_same_place(pair: PieceCase, one: tuple[float, float], other: tuple[float, float]) -> bool:
-        """Whether two places of a pair are one: curves may touch in several."""
-        return any(
-            not isinstance(piece, Corner) and np.hypot(*(piece.point(s) - piece.point(z))) <= APART * pair.plate.reach
-            for piece, s, z in zip(pair.pieces, one, other, strict=True)
-        )
 
     def _places(self, some: Iterable[Watch]) -> list[ContactPlace]:
         """The contacts in the present state; their parameters are updated."""
