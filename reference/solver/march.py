@@ -313,19 +313,23 @@ class PlatesSimulation(ModeChanges):
             return ENDS[kind]
         whole = watch.pair.to_whole(*watch.points)
         self.causes[watch.name] = CAUSES["piece"]
+        if is_concave(following):  # it comes to the next piece at the same place
+            beyond = neighbour(following, of_track, step)
+            if beyond is None:
+                return ENDS[kind]
+            other = self._watch(beyond, self._start_of(beyond, whole, of_track, step))
+            if other.name in self.touching:  # a corner inside a corner stays there
+                watch.at_joint = True
+                self._settle(stuck)
+                return None
+            self._settle(stuck, closing={other.name})
+            return None
         if corner_on_corner(following):  # the plate's corner passes the other curve's
             self.fixed = {watch.name: (Mode.FLIGHT,)}
             self._record({one.name: one.mode for one in self.watches if one is not watch})
             self.watches = [one for one in self.watches if one is not watch]
             self.touching.discard(watch.name)
             self._settle(stuck - {watch.name})
-            return None
-        if is_concave(following):  # it comes to the next piece at the same place
-            beyond = neighbour(following, of_track, step)
-            if beyond is None:
-                return ENDS[kind]
-            other = self._watch(beyond, self._start_of(beyond, whole, of_track, step))
-            self._settle(stuck, closing={other.name})
             return None
         points = self._start_of(following, whole, of_track, step)
         for one in [one for one in self.watches if one is not watch and one.is_at(following, points)]:
