@@ -250,9 +250,10 @@ def breakdown(now: Phase, segment: Segment) -> Ending:
         for t in (segment.times[0], segment.times[-1])
     )
     for limit in ("fit", "painleve"):
-        # Steps vanish as a divisor does; a hundredth of its first value shows that it does.
-        if limit in names and last[names.index(limit)] <= 1e-2 * first[names.index(limit)]:
-            return ENDS[limit]
+        for place, name in enumerate(names):
+            # Steps vanish as a divisor does; a hundredth of its first value shows that it does.
+            if name.partition(":")[0] == limit and last[place] <= 1e-2 * first[place]:
+                return ENDS[limit]
     return singular_ending(segment.times[-1])
 
 

@@ -27,10 +27,10 @@ from ..endings import (
     no_numbers,
     phase_limit_ending,
     search_limit_ending,
-    singular_ending,
     undecidable,
     work_limit_ending,
 )
+from ..minimal.contact_end import breakdown
 from ..minimal.curve_pieces import TooMuch
 from ..minimal.decision import Undecidable
 from ..minimal.hybrid import MOST_PHASES
@@ -261,7 +261,7 @@ class PlatesSimulation(ModeChanges):
         if guard == OUT_OF_STEPS:
             return work_limit_ending(self.t, segment.steps)
         if guard == BREAKDOWN:
-            return singular_ending(self.t)
+            return breakdown(segment.phase, segment)
         kind, _, number = guard.partition(":")
         if kind in PIECE_ENDS:
             return self._pass_on(self.watches[int(number)], kind, stuck)

@@ -24,7 +24,7 @@ from ..minimal.element_meetings import ElementSearch, fine
 from ..minimal.integrators.segment import Segment
 from ..minimal.modes import Phase
 from ..minimal.second_contacts import BEYOND, PLACES, _zero
-from .places import couple_of, nearest
+from .places import couple_of, in_round, nearest
 from .plate_numbers import bodies
 from .regimes import AT_END, pair_of, regime_of
 from .shapes import Poses, Straight, first_closings, guess, shapes
@@ -89,7 +89,7 @@ class CoupleSearch:
         every = pairs_that_touch(couple)
         self.quick = [(pair, some) for pair in every if (some := shapes(pair)) is not None]
         self.has_others = len(self.quick) < len(every)
-        self.quick_numbers = {_in_round(pair) for pair, _ in self.quick}
+        self.quick_numbers = {in_round(pair) for pair, _ in self.quick}
 
     @cached_property
     def boxes(self) -> ElementSearch:
@@ -149,7 +149,7 @@ class CoupleSearch:
         earliest: CoupleMeeting | None = None
         times = fine(poses, edges)
         for pair, some in self.quick:
-            if _in_round(pair) in exclusions:
+            if in_round(pair) in exclusions:
                 continue
             for time in first_closings(some, poses, times, self.couple.plate.reach):
                 if earliest is not None and time >= earliest.time:
@@ -191,12 +191,12 @@ def _exclusions(in_view: Sequence[PieceCase]) -> set[tuple[int, int]]:
     result = set[tuple[int, int]]()
     for pair in in_view:
         if is_unique(pair) or shapes(pair) is not None:
-            result.add(_in_round(pair))
+            result.add(in_round(pair))
         for of_track in (True, False):
             for step in (-1, 1):
                 other = neighbour(pair, of_track, step)
                 if other is not None and _passes(pair, other, of_track):
-                    result.add(_in_round(other))
+                    result.add(in_round(other))
     return result
 
 
@@ -210,20 +210,14 @@ def _across_joints(pair: PieceCase, points: np.ndarray) -> set[tuple[int, int]]:
     for one in steps[0]:
         beside = neighbour(pair, True, one)
         across = [neighbour(beside, False, other) for other in steps[1]] if beside is not None else []
-        result |= {_in_round(other) for other in across if other is not None}
+        result |= {in_round(other) for other in across if other is not None}
     return result
 
 
 def _are_neighbours(one: PieceCase, other: PieceCase) -> bool:
     """Whether a contact of one pair passes to the other."""
     beside = (neighbour(one, of_track, step) for of_track in (True, False) for step in (-1, 1))
-    return any(pair is not None and _in_round(pair) == _in_round(other) for pair in beside)
-
-
-def _in_round(pair: PieceCase) -> tuple[int, int]:
-    couple = couple_of(pair)
-    counts = [len(getattr(curve, "elements", (None,))) for curve in (couple.track, couple.plate.outline)]
-    return pair.first.number % counts[0], pair.second.number % counts[1]
+    return any(pair is not None and in_round(pair) == in_round(other) for pair in beside)
 
 
 def is_unique(pair: PieceCase) -> bool:
@@ -251,7 +245,7 @@ def _around(
     times = (ends[0][:, None] + (ends[1] - ends[0])[:, None] * PLACES).ravel()
     half, size = 3 * len(bodies(segment.phase.case).reaches), (len(ends[0]), len(PLACES))
     for k, pair in in_view:
-        if _in_round(pair) != (first.number, second.number) or isinstance(pair.first.piece, Corner):
+        if in_round(pair) != (first.number, second.number) or isinstance(pair.first.piece, Corner):
             continue
         states = segment.states(times)
         places = states[half + 2 * k : half + 2 * k + 2].reshape(2, *size)

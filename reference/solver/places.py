@@ -41,6 +41,13 @@ def couple_of(pair: PieceCase) -> Couple:
     return cast(Couple, pair.whole)
 
 
+def in_round(pair: PieceCase) -> tuple[int, int]:
+    """The numbers of the elements of a pair, within one round of closed curves."""
+    couple = couple_of(pair)
+    counts = [len(getattr(curve, "elements", (None,))) for curve in (couple.track, couple.plate.outline)]
+    return pair.first.number % counts[0], pair.second.number % counts[1]
+
+
 def sides_of(pair: PieceCase) -> Sides:
     """The numbers of the plates of a pair of elements."""
     couple = couple_of(pair)

@@ -29,7 +29,7 @@ from ..scales import STILL, speed_scale
 from .contact_law import Sides
 from .hops import NestedSeries, Strike
 from .impact import NoImpact
-from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, project, without_velocity
+from .places import TOUCHES, ContactPlace, couple_of, groups, in_round, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, rows_of, size, speed
 from .regimes import LOST
 from .strike import strike
@@ -70,8 +70,9 @@ class Watch:
     at_joint: bool = False
 
     def is_at(self, pair: PieceCase, points: tuple[float, float]) -> bool:
-        """Whether it is of that pair at that place."""
-        return self.pair == pair and is_same_place(pair, self.points, points)
+        """Whether it is of that pair at that place, in any round of closed curves."""
+        is_same = couple_of(self.pair) == couple_of(pair) and in_round(self.pair) == in_round(pair)
+        return is_same and is_same_place(pair, self.points, points)
 
 
 def is_same_place(pair: PieceCase, one: tuple[float, float], other: tuple[float, float]) -> bool:
