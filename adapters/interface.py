@@ -149,9 +149,10 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     # These import SymPy, which a command's help does not need.
     from cases import Drive
     from cases.free_plates import why_not_closed_forms
+    from cases.limits import Scope, limit
     from cases.own_effects import own_effects
     from cases.piece_case import has_pieces
-    from cases.supports import has_belt, has_rolling_resistance, has_slip_law, is_general
+    from cases.supports import has_belt, has_rolling_resistance, has_slip_law
 
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
@@ -171,7 +172,7 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route does not support {missing} with several plates."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."
-    if case.supports and not case.others and is_general(case):
+    if case.supports and not case.others and limit(case, Scope.CERTIFICATE):
         return (
             f"The {route} route does not support this pair of outline and support: their contacts have no closed form."
         )

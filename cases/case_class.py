@@ -14,14 +14,15 @@ import numpy as np
 from . import effects
 from .curves import Curve
 from .effects import E, Effect, Gravity
-from .errors import BadValue, DoesNotFit, instance, parameter, positive, real
+from .errors import BadValue, instance, parameter, positive, real
 from .free_plates import FreePlate, check_others, check_places
+from .limits import check_limits
 from .pair_effects import Pair, check_pairs
 from .plate import Plate
 from .size_limits import check_arm, check_belt, check_load, check_sizes
 from .start import Start
 from .start_pose import StartPose, as_start, from_flat_side
-from .supports import Support, check_start, check_supports, has_rolling_resistance
+from .supports import Support, check_start, check_supports
 
 if TYPE_CHECKING:
     from .pictures.layout import DrawnScene
@@ -83,6 +84,7 @@ class Case:
             check_supports(self)
             check_others(self)
             check_pairs(self)
+            check_limits(self)
             _check_rotation(self)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             for other in self.others:
@@ -201,16 +203,9 @@ def _check_start_at_supports(case: Case) -> None:
 
 
 def _check_rotation(case: Case) -> None:
-    """Raise BadValue or DoesNotFit for a plate of infinite inertia with a rotation, or a resistance to it."""
-    if case.plate.turns:
-        return
-    if case.start.omega != 0.0:
+    """Raise BadValue for a plate of infinite inertia with a rotation."""
+    if not case.plate.turns and case.start.omega != 0.0:
         raise BadValue(f"a plate of infinite inertia does not turn; give omega=0 in Start, not {case.start.omega:g}")
-    if has_rolling_resistance(case):
-        raise DoesNotFit("a plate of infinite inertia does not turn; leave RollingResistance out")
-    drive = case.effect(effects.Drive)
-    if drive is not None and drive.is_turning:
-        raise DoesNotFit("a plate of infinite inertia on a track that turns is not supported; leave angle of Drive out")
 
 
 def _check_name(name: object) -> str:

@@ -9,17 +9,17 @@ from .chain import Chain
 from .contact_pairs import pairs, pairs_in_pose
 from .curves import Curve
 from .effects import Flight
+from .limits import Scope, as_sentence, limit
 from .outline_features import features
 from .piece_case import has_pieces
 from .start_pose import TOUCHES
-from .supports import exclusion, is_general, is_hill, why_not_by_features
+from .supports import is_hill
 
 
 def limitation(case: Case) -> str:
-    """Why a motion of this case with several contacts cannot be computed, in a sentence; "" if it can."""
-    if reason := exclusion(case):
-        return f"{reason[0].upper()}{reason[1:]}."
-    return why_not_by_features(case.track, case.plate.outline) if has_pieces(case) and not case.supports else ""
+    """Why a motion of this case with several contacts is not computed by both formulations, in a sentence; "" if it
+    is."""
+    return as_sentence(limit(case, Scope.SEVERAL_CONTACTS) or limit(case, Scope.CERTIFICATE))
 
 
 def has_features(case: Case) -> bool:
@@ -31,8 +31,7 @@ def is_general_case(case: Case) -> bool:
     """Whether a motion is computed in poses of any number of plates, with pairs of elements of their curves."""
     if case.others:
         return True
-    fixed_with_corners = has_pieces(case) and not case.plate.turns
-    return fixed_with_corners or (bool(case.supports) and is_general(case))
+    return has_pieces(case) and not case.plate.turns
 
 
 def touches_by_features(case: Case) -> bool:

@@ -17,22 +17,9 @@ from . import effects as all_effects
 from .backwards import backwards
 from .contact_names import FIRST
 from .curves import Curve
-from .effects import (
-    CoulombFriction,
-    Drive,
-    E,
-    Effect,
-    Flight,
-    Gravity,
-    Impact,
-    Load,
-    PerfectlyRough,
-    RollingResistance,
-    Unilateral,
-)
+from .effects import Drive, E, Effect, Load
 from .errors import BadValue, DoesNotFit, NotSupported
 from .line_or_circle import Line, as_line
-from .moving_surface import Belt
 from .plate import Plate
 from .polygon_features import (
     Region,
@@ -52,8 +39,6 @@ from .supports import TRACK, cover, effects_at, enters, is_straight, overlaps
 MOST = 8
 # Pose and velocities of a plate, in the order of rows.
 POSE = ("x", "y", "theta", "vx", "vy", "omega")
-# Effects of a case with several plates.
-POSSIBLE = (Gravity, CoulombFriction, PerfectlyRough, Unilateral, Flight, Impact, Load, Belt, Drive, RollingResistance)
 
 
 @dataclass(frozen=True)
@@ -228,25 +213,11 @@ def check_others(case: Any) -> None:
         taken.add(other.name)
     if not case.others:
         return
-    if len(case.others) >= MOST:
-        raise BadValue(f"a case has at most {MOST} plates; leave some of the others out")
     for other in case.others:
         if not other.plate.turns and other.start.omega != 0.0:
             raise BadValue(
                 f"a plate of infinite inertia does not turn; give omega=0 in the StartPose of {other.name!r}"
             )
-    _check_effects(case)
-
-
-def _check_effects(case: Any) -> None:
-    """Raise BadValue for effects that several plates do not have, or need."""
-    for effect in case.effects:
-        if not isinstance(effect, POSSIBLE):
-            kind = type(effect).__name__
-            raise BadValue(f"{kind} with several plates is not supported; leave {kind} out")
-    for needed, text in ((Unilateral, "Unilateral()"), (Flight, "Flight()")):
-        if case.effect(needed) is None:
-            raise BadValue(f"several plates may part and meet; add {text} to the effects")
 
 
 def check_places(case: Any) -> None:

@@ -23,9 +23,8 @@ from .errors import BadValue, DoesNotFit, items
 from .line_or_circle import as_line
 from .moving_surface import Belt
 from .nearest_samples import nearest_samples
-from .outline_features import arc_ranges, features, is_arc, sides
+from .outline_features import features, sides
 from .overlap import first_overlap, span
-from .own_effects import own_effects
 from .pair_effects import RESISTING, check_law, of_pair, own_effects_of, with_own
 from .piece_contact import Chains, find
 from .plate import Plate
@@ -108,69 +107,6 @@ def check_supports(case: Any) -> None:
         names.append(support.name)
         all_effects.check_formula(support.acting(case.effects))
         check_law(case, f"support {support.name!r}", support.effects or ())
-    if not case.supports:
-        return
-    if reason := exclusion(case):
-        raise BadValue(reason)
-
-
-@lru_cache(maxsize=256)
-def why_not_by_features(track: Curve, outline: Curve) -> str:
-    """Why a plate with corners on that track alone cannot have several contacts, in a sentence that says what to give
-    instead; "" if it can: its corners and arcs are all that can touch a straight track without ends."""
-    if isinstance(track, Chain):
-        if any(isinstance(one.piece, Corner) and one.piece.turn < 0.0 for one in track.elements):
-            # Supports are lines without ends: they cannot be the sides of an edge.
-            return "A plate on a track with an edge has one contact; give a line as track if it stays on one part."
-        return "A plate on a track with corners has one contact; give a line as track and its other parts as supports."
-    if is_hill(track) and sides(outline):
-        return ""
-    if not is_straight(track) and not is_hollow(track):
-        return (
-            "A plate with corners has several contacts on a straight track without ends or one that bends to its "
-            "plate's side everywhere, a convex polygon also on a closed one that bends away from it; give such a track."
-        )
-    if not isinstance(outline, Chain) or not outline.is_closed or not features(outline):
-        return "The outline is not closed, or has no corner or arc that bulges; give one that is and has."
-    if not all(isinstance(piece, Corner) or is_arc(piece) for piece in features(outline)):
-        return "A round piece of the outline is no arc of a circle; give one whose pieces are edges and arcs."
-    if not is_straight(track) and any(limits is not None for limits in arc_ranges(outline)):
-        return "An arc of the outline ends at a corner, or bends beyond its hull; on a curved track give corners only."
-    return ""
-
-
-def exclusion(case: Any) -> str:
-    """What of a case excludes several contacts, and what to give instead, as a sentence without its capital and period;
-    "" if nothing does."""
-    if own := own_effects(case.effects):
-        return f"{type(own[0]).__name__} with several contacts is not supported; leave it out"
-    if case.effect(all_effects.Unilateral) is None:
-        return "a bilateral guide with several contacts is not supported; add Unilateral to the effects"
-    return ""
-
-
-@lru_cache(maxsize=256)
-def is_general(case: Any) -> bool:
-    """Whether a case with supports has shapes that only pairs of elements in any pose have, and no pairs of a support
-    and a feature with nearest points that can be watched all the time."""
-    curves = (case.track, *(support.curve for support in case.supports))
-    if (
-        any(isinstance(curve, Chain) for curve in curves)
-        or not case.plate.turns
-        and isinstance(case.plate.outline, Chain)
-    ):
-        return True
-    if any(curve.parts is not None for curve in (*curves, case.plate.outline) if not isinstance(curve, Chain)):
-        return True
-    law = case.effect(Impact)
-    if law is not None and law.law == "newton" and has_belt(case):
-        return True
-    try:
-        if isinstance(case.plate.outline, Chain):
-            _check_features(case)
-    except BadValue:
-        return True
-    return False
 
 
 def has_belt(case: Any) -> bool:
@@ -192,33 +128,6 @@ def _all_effects(case: Any) -> tuple[Effect, ...]:
     """The effects of a case, of its supports and of its pairs."""
     parts = (*case.supports, *case.pairs)
     return (*case.effects, *(effect for part in parts for effect in part.effects or ()))
-
-
-def _check_features(case: Any) -> None:
-    """Raise BadValue unless a plate with pieces has straight or hollow supports, and corners and circular arcs that
-    bulge."""
-    curves = ((case.track, TRACK), *((support.curve, support.name) for support in case.supports))
-    curved = [name for curve, name in curves if not is_straight(curve)]
-    for curve, name in curves:
-        if is_hill(curve) and not sides(case.plate.outline):
-            raise BadValue(f"only a convex polygon touches the closed hill {name!r}; give one or a smooth outline")
-        if not is_straight(curve) and not is_hollow(curve) and not is_hill(curve):
-            raise BadValue(
-                f"a plate with corners or pieces touches straight lines without ends, curves that bend to its side "
-                f"everywhere, and closed hills, and {name!r} is none; give such a curve or a smooth outline"
-            )
-    if not features(case.plate.outline):
-        raise BadValue("the outline has no corner or arc that bulges; give one that has")
-    for piece in features(case.plate.outline):
-        if isinstance(piece, Curve) and not is_arc(piece):
-            raise BadValue(
-                "a round piece of the outline is no arc of a circle; give one whose pieces are edges and arcs"
-            )
-    if curved and any(limits is not None for limits in arc_ranges(case.plate.outline)):
-        raise BadValue(
-            f"an arc of the outline ends at a corner, or bends beyond its hull, and {curved[0]!r} is curved; give "
-            "straight supports, or an outline without such arcs"
-        )
 
 
 def is_straight(curve: Curve) -> bool:

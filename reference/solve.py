@@ -18,10 +18,10 @@ from cases.contact import belt_speed, pose
 from cases.contact_limits import is_general_case, touches_by_features
 from cases.errors import between, unknown_name
 from cases.free_plates import names_of, start_poses
+from cases.limits import Scope, as_sentence, limit
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.piece_case import PieceCase, has_pieces, passages_between
 from cases.sampled_contacts import SampledPlates
-from cases.supports import exclusion
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, solver
@@ -198,8 +198,7 @@ def solve_supports(case: Case, rtol: float, integrate: Callable[..., Segment]):
 def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate, original: Case | None = None):
     """The motion without samples: (segments, transitions, (status, sentence)); from a second contact on in poses, or
     cut there if effects of the case exclude it, or those of the `original` whose relative case it is."""
-    reason = exclusion(original or case)
-    unsupported = f"{reason[0].upper()}{reason[1:]}." if reason else ""
+    unsupported = as_sentence(limit(original or case, Scope.SEVERAL_CONTACTS))
     if integrate is augmented_integrator.integrate:
         unsupported = "The method 'augmented' has one contact; leave method out to go on."
     if regime is None and not unsupported and _touches_twice(case):

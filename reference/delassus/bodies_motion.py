@@ -9,9 +9,10 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, Curve, Drive, Impact, Mode, NotSupported, Plate, Start, Transition
+from cases import Case, Curve, Impact, Mode, NotSupported, Plate, Start, Transition
 from cases.free_plates import PlateContact, parameter, plate_contacts, plates_of, start_poses
 from cases.library import hill
+from cases.limits import Scope, limit
 from cases.polygon_features import size_of_plate
 
 from .bodies import FIXED, ContactOfBodies, _frame
@@ -299,8 +300,8 @@ class BodiesSimulation(Simulation):
 
 def bodies_motion(case: Case, rtol: float = 1e-13, times: Sequence[float] | np.ndarray = ()) -> PlatesMotion:
     """The motion of several plates from their start. Raises NotSupported for what these equations do not have."""
-    if any(other.load for other in case.others) or case.effect(Drive) is not None:
-        raise NotSupported("the second formulation has no load on a further plate, and no driven track under several")
+    if reason := limit(case, Scope.CERTIFICATE):
+        raise NotSupported(reason)
     motion = BodiesSimulation(case, rtol)
     with np.errstate(all="ignore"):
         status = motion.simulate()

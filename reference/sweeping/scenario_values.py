@@ -24,7 +24,6 @@ from cases import (
     Chain,
     CoulombFriction,
     Curve,
-    Drive,
     Gravity,
     Load,
     NotSupported,
@@ -32,8 +31,8 @@ from cases import (
 )
 from cases.contact import start_motion
 from cases.expressions import constants
+from cases.limits import Scope, limit
 from cases.overlap import first_overlap, span
-from cases.own_effects import own_effects
 from cases.piece_case import has_pieces
 from cases.start_overlap import deepest_overlap
 
@@ -116,18 +115,8 @@ def scenes(
 def structure(case: Case) -> Structure:
     """The structure of a case: what it must share with other scenarios to be simulated with them; raises NotSupported
     for friction that depends on the slip velocity, for driven tracks, for supports and for several plates."""
-    for what, parts in (("supports", case.supports), ("several plates (others)", case.others)):
-        if parts:
-            raise NotSupported(f"a sweep does not support {what}; simulate such cases one by one")
-    if own := own_effects(case.effects):
-        raise NotSupported(f"a sweep does not support {type(own[0]).__name__}; simulate such cases one by one")
-    friction = case.effect(CoulombFriction)
-    if friction and friction.by_speed:
-        raise NotSupported(
-            "a sweep does not support a mu that depends on the slip velocity; simulate such cases one by one"
-        )
-    if case.effect(Drive) is not None:
-        raise NotSupported("a sweep does not support a driven track; simulate such cases one by one")
+    if reason := limit(case, Scope.SWEEP):
+        raise NotSupported(reason)
     track, outline = case.track, case.plate.outline
     ends = tuple((c.domain is None, c.period is None) for c in (track, outline))
     kinds = tuple(type(effect) for effect in case.effects)
