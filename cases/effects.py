@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from math import cos, inf, pi, sin
 from typing import Any, TypeVar, get_args
 
@@ -17,7 +16,7 @@ import sympy as sp
 from . import expressions, features, slip_laws
 from .derivation import derived, in_one_thread
 from .effect_formulas import features_in_time, formula_in, values_of
-from .errors import BadValue, DoesNotFit, finite, not_negative, positive
+from .errors import BadValue, finite, not_negative, positive
 from .moving_surface import Belt, Drive
 from .own_effects import ContactEffect
 
@@ -252,20 +251,6 @@ Effect = SuiteEffect | ContactEffect
 
 _KINDS: tuple[type, ...] = get_args(SuiteEffect)
 
-# The effects of which another effect needs at least one, and why.
-_NEEDS: dict[type, tuple[tuple[type, ...], str]] = {
-    RollingResistance: ((CoulombFriction, PerfectlyRough), "nothing makes a plate without friction roll"),
-    Belt: ((CoulombFriction, PerfectlyRough), "a belt acts on the plate by friction only"),
-    Flight: ((Unilateral,), "the plate cannot leave a bilateral guide"),
-    Impact: ((Flight,), "a plate that does not fly does not land"),
-}
-# Pairs that contradict each other, and why.
-_CONTRADICT: tuple[tuple[type, type, str], ...] = (
-    (CoulombFriction, PerfectlyRough, "friction is either bounded or not"),
-    (Belt, RollingResistance, "resistance to rolling on a surface that runs along a curve has no established law"),
-)
-
-
 E = TypeVar("E")
 
 
@@ -278,7 +263,7 @@ def one(effects: Iterable[Effect], kind: type[E]) -> E | None:
 
 
 def check_formula(effects) -> tuple[Effect, ...]:
-    """The effects as a tuple; raises BadValue or DoesNotFit with one sentence if they make no sense together."""
+    """The effects as a tuple; raises BadValue with one sentence for what is none, or twice."""
     try:
         effects = tuple(effects)
     except TypeError:
@@ -299,20 +284,7 @@ def check_formula(effects) -> tuple[Effect, ...]:
     statuses = [end.status for e in effects if isinstance(e, ContactEffect) for end in e.ends()]
     if same := next((status for status in statuses if statuses.count(status) > 1), None):
         raise BadValue(f"two conditions end the motion with the status {same!r}; give each a status of its own")
-    _check_kinds(kinds)
-    return effects
-
-
-@lru_cache(maxsize=256)
-def _check_kinds(kinds: tuple[type, ...]) -> None:
-    """Raise BadValue or DoesNotFit for kinds of effects that make no sense together (exceptions are not cached)."""
     twice = next((kind for kind in kinds if kinds.count(kind) > 1), None)
     if twice:
         raise BadValue(f"the case asks for {twice.__name__} more than once; give one of each effect")
-    for kind, (partners, why) in _NEEDS.items():
-        if kind in kinds and not set(partners) & set(kinds):
-            names = " or ".join(f"{n.__name__}" for n in partners)
-            raise DoesNotFit(f"{kind.__name__} needs {names} as well ({why}); add it or remove {kind.__name__}")
-    for one, other, why in _CONTRADICT:
-        if one in kinds and other in kinds:
-            raise DoesNotFit(f"{one.__name__} and {other.__name__} contradict each other ({why}); leave one out")
+    return effects

@@ -1,22 +1,23 @@
 """What the reference does not compute, or computes without a certificate: one table, each row with its reason.
 
 `limit` decides by the table; the checks of a case, `reference.simulate`, sweeps, certificates and `cases check` read
-it. `python -m cases.limits > docs/limits.md` writes the page of limits, and a test compares them.
+it. `limits_page` writes docs/limits.md from it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from enum import StrEnum
 from typing import Any, NamedTuple
 
 from .chain import Chain
 from .corner import Corner
-from .effects import Drive, Flight, Impact, Unilateral
+from .effects import Belt, CoulombFriction, Drive, Flight, Impact, PerfectlyRough, RollingResistance, Unilateral
 from .errors import BadValue, DoesNotFit
 from .free_plates import MOST, why_not_closed_forms
 from .outline_features import arc_ranges, features, is_arc, sides
 from .own_effects import own_effects
+from .pair_effects import of_pair
 from .supports import has_belt, has_rolling_resistance, has_slip_law, is_hill, is_hollow, is_straight
 
 
@@ -105,11 +106,61 @@ def _has_arcs_on_curves(case: Any) -> bool:
 
 
 _PARTS = "only the solver in poses follows contacts from part to part of a curve"
-_SWEEP = "a sweep does not support {}; simulate such cases one by one"
-_ARRAYS = "the rules of decisions on arrays are for one contact with constant coefficients"
+
+
+def _kinds_at_contacts(case: Any) -> Iterator[set[type]]:
+    """The kinds of effects at the contacts with the track, with each support, and of each pair."""
+    yield {type(effect) for effect in case.effects}
+    for support in case.supports:
+        yield {type(effect) for effect in support.acting(case.effects)}
+    for pair in case.pairs:
+        yield {type(effect) for effect in of_pair(case, pair.name, case.effects)}
+
+
+def _needs(kind: type, partners: tuple[type, ...], why: str) -> Limit:
+    """The limit of an effect that needs another one."""
+    names = " or ".join(partner.__name__ for partner in partners)
+    return Limit(
+        Scope.ANY,
+        f"{kind.__name__} without {names}",
+        lambda case: any(kind in kinds and kinds.isdisjoint(partners) for kinds in _kinds_at_contacts(case)),
+        f"{kind.__name__} needs {names} as well ({why}); add it or remove {kind.__name__}",
+        Reason.MECHANICS,
+        why,
+    )
+
+
+def _excludes(one: type, other: type, why: str) -> Limit:
+    """The limit of two effects that contradict each other."""
+    return Limit(
+        Scope.ANY,
+        f"{one.__name__} with {other.__name__}",
+        lambda case: any(kinds.issuperset((one, other)) for kinds in _kinds_at_contacts(case)),
+        f"{one.__name__} and {other.__name__} contradict each other ({why}); leave one out",
+        Reason.MECHANICS,
+        why,
+    )
+
+
+def _of_sweep(feature: str, applies: Callable[[Any], object], what: str) -> Limit:
+    """The limit of many motions at once."""
+    sentence = f"a sweep does not support {what}; simulate such cases one by one"
+    why = "the rules of decisions on arrays are for one contact with constant coefficients"
+    return Limit(Scope.SWEEP, feature, applies, sentence, Reason.NOT_BUILT, why)
+
 
 # The first row of a scope that applies is the one that is reported.
 LIMITS = (
+    _needs(RollingResistance, (CoulombFriction, PerfectlyRough), "nothing makes a plate without friction roll"),
+    _needs(Belt, (CoulombFriction, PerfectlyRough), "a belt acts on the plate by friction only"),
+    _needs(Flight, (Unilateral,), "the plate cannot leave a bilateral guide"),
+    _needs(Impact, (Flight,), "a plate that does not fly does not land"),
+    _excludes(CoulombFriction, PerfectlyRough, "friction is either bounded or not"),
+    _excludes(
+        Belt,
+        RollingResistance,
+        "resistance to rolling on a surface that runs along a curve has no established law",
+    ),
     Limit(
         Scope.ANY,
         "a plate of infinite inertia with RollingResistance",
@@ -166,32 +217,11 @@ LIMITS = (
         Reason.MECHANICS,
         "plates that are not guided part and meet",
     ),
-    Limit(Scope.SWEEP, "supports", lambda case: case.supports, _SWEEP.format("supports"), Reason.NOT_BUILT, _ARRAYS),
-    Limit(
-        Scope.SWEEP,
-        "several plates",
-        lambda case: case.others,
-        _SWEEP.format("several plates (others)"),
-        Reason.NOT_BUILT,
-        _ARRAYS,
-    ),
-    Limit(Scope.SWEEP, "an effect of a package", _own, _SWEEP, Reason.NOT_BUILT, _ARRAYS),
-    Limit(
-        Scope.SWEEP,
-        "a mu that depends on the slip speed",
-        has_slip_law,
-        _SWEEP.format("a mu that depends on the slip velocity"),
-        Reason.NOT_BUILT,
-        _ARRAYS,
-    ),
-    Limit(
-        Scope.SWEEP,
-        "Drive",
-        lambda case: case.effect(Drive) is not None,
-        _SWEEP.format("a driven track"),
-        Reason.NOT_BUILT,
-        _ARRAYS,
-    ),
+    _of_sweep("supports", lambda case: case.supports, "supports"),
+    _of_sweep("several plates", lambda case: case.others, "several plates (others)"),
+    _of_sweep("an effect of a package", _own, "{}"),
+    _of_sweep("a mu that depends on the slip speed", has_slip_law, "a mu that depends on the slip velocity"),
+    _of_sweep("Drive", lambda case: case.effect(Drive) is not None, "a driven track"),
     Limit(
         Scope.CERTIFICATE,
         "several plates with a Drive, or a Load of a further plate",
@@ -204,7 +234,7 @@ LIMITS = (
         Scope.CERTIFICATE,
         "several plates that are no discs and one convex polygon on straight lines",
         lambda case: case.others and why_not_closed_forms(case),
-        "several plates are certified as discs and at most one convex polygon on straight lines, and {}",
+        "{}; give discs and at most one convex polygon on straight lines",
         Reason.NOT_BUILT,
         "the second formulation has contacts with closed forms only",
     ),
@@ -212,7 +242,7 @@ LIMITS = (
         Scope.CERTIFICATE,
         "a track or support with edges",
         lambda case: _is_by_curves(case) and any(_has_edge(curve) for curve in _curves(case)),
-        "a plate on a track with an edge has one contact; give a line as track if it stays on one part",
+        "a curve has an edge; give a line as track if the plate stays on one part",
         Reason.NOT_BUILT,
         _PARTS,
     ),
@@ -220,7 +250,7 @@ LIMITS = (
         Scope.CERTIFICATE,
         "a track or support with corners",
         lambda case: _is_by_curves(case) and any(isinstance(curve, Chain) for curve in _curves(case)),
-        "a plate on a track with corners has one contact; give a line as track and its other parts as supports",
+        "a curve has corners; give a line as track and its other parts as supports",
         Reason.NOT_BUILT,
         _PARTS,
     ),
@@ -228,7 +258,7 @@ LIMITS = (
         Scope.CERTIFICATE,
         "supports, and a curve through points or in pieces",
         lambda case: bool(case.supports) and not case.others and _in_parts(case),
-        "a curve in parts has one contact; give curves by formulas",
+        "a curve has parts; give curves by formulas",
         Reason.NOT_BUILT,
         _PARTS,
     ),
@@ -236,7 +266,7 @@ LIMITS = (
         Scope.CERTIFICATE,
         "supports, and a plate with corners that does not turn",
         lambda case: bool(case.supports) and _is_by_features(case) and not case.plate.turns,
-        "a plate of infinite inertia with corners has one contact; give a smooth outline",
+        "a plate with corners does not turn; give a smooth outline",
         Reason.NOT_BUILT,
         "a side of such a plate lies flat in every pose",
     ),
@@ -244,16 +274,16 @@ LIMITS = (
         Scope.CERTIFICATE,
         'supports, a Belt, and Impact(law="newton")',
         lambda case: bool(case.supports) and not case.others and _is_newton(case) and has_belt(case),
-        "Newton's law of impact at belts has one contact; give law='poisson'",
+        "Newton's law of impact acts at a belt; give law='poisson'",
         Reason.NOT_BUILT,
         "the second formulation compares energies without what a belt gives",
     ),
     Limit(
         Scope.CERTIFICATE,
-        "a plate with corners on a curve that bends away from it, but for a convex polygon on a closed hill",
+        "corners on a curve that bends away, but for convex polygons on closed hills",
         _bends_away,
-        "a plate with corners has several contacts on a straight track without ends or one that bends to its plate's "
-        "side everywhere, a convex polygon also on a closed one that bends away from it; give such a track",
+        "a plate with corners is on a curve that bends away from it; give a straight one without ends, one that bends "
+        "to its side everywhere, or a convex polygon on a closed hill",
         Reason.NOT_BUILT,
         "elsewhere the nearest points of a pair are not unique, and the second formulation watches one pair each",
     ),
@@ -316,7 +346,7 @@ def as_sentence(reason: str) -> str:
 
 def check_limits(case: Any) -> None:
     """Raise BadValue or DoesNotFit, with a sentence, for a case that no solver of the reference computes."""
-    scopes = [Scope.SEVERAL_CONTACTS] * bool(case.supports) + [Scope.SEVERAL_PLATES] * bool(case.others) + [Scope.ANY]
-    for scope in scopes:
+    several = {Scope.SEVERAL_CONTACTS: case.supports, Scope.SEVERAL_PLATES: case.others}
+    for scope in (Scope.ANY, *(scope for scope, parts in several.items() if parts)):
         if reason := limit(case, scope):
             raise (DoesNotFit if scope is Scope.ANY else BadValue)(reason)

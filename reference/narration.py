@@ -5,6 +5,7 @@ from __future__ import annotations
 from cases import BadValue, Case, CaseError, Gravity, Mode, Trajectory, Unilateral
 from cases.contact import start_motion
 from cases.errors import describe
+from cases.limits import Scope, limit
 
 from .solve import simulate
 
@@ -17,11 +18,18 @@ def check(case: Case) -> str:
     """Run the case by the best method and describe the motion; raises CaseError with one sentence if it cannot run."""
     try:
         motion = simulate(case)
-        return f"{motion.in_words()}{wrong_side(case, motion)}"
+        return f"{motion.in_words()}{wrong_side(case, motion)}{_without_certificate(case, motion)}"
     except CaseError:
         raise
     except Exception as problem:  # any error of the user's curves and loads
         raise BadValue(f"the motion fails: {describe(problem)}") from problem
+
+
+def _without_certificate(case: Case, motion: Trajectory) -> str:
+    """A note if the motion is one that the second formulation does not compute; "" if it is."""
+    has_several = bool(case.others) or len(motion.contact_names) > 1
+    reason = limit(case, Scope.CERTIFICATE) if has_several else ""
+    return f". Note: the motion is checked by its laws only, without a certificate: {reason}" if reason else ""
 
 
 def wrong_side(case: Case, motion: Trajectory) -> str:
