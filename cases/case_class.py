@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import astuple, dataclass, field, fields
 from functools import cached_property
 from math import sin
 from types import MappingProxyType
@@ -88,7 +88,7 @@ class Case:
             _check_rotation(self)
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             for other in self.others:
-                check_load(other.plate, other.load, other.start)
+                check_load(other.plate, other.load, astuple(other.start))
             for support in self.supports:
                 check_belt(effects.one(support.effects or (), effects.Belt))
                 check_arm(

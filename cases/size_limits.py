@@ -6,19 +6,15 @@ from the origin in sizes of the plate.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from math import hypot, isfinite
-from typing import TYPE_CHECKING
 
 from .curves import Curve
 from .effects import Belt, CoulombFriction, Drive, Effect, Gravity, Load, RollingResistance, one
 from .errors import BadValue
-from .geometry import MotionPoint
 from .plate import Plate
 from .start import Start
-
-if TYPE_CHECKING:
-    from .start_pose import StartPose
 
 # On a curve the normal force of a slip grows with a power of the coefficient. At 1e4 both integrators agree on the
 # motion on a circle, at 1e5 they do not. Rubber on dry concrete has about 1.
@@ -34,11 +30,11 @@ FURTHEST = 1e8
 TINY, ENORMOUS = 1e-60, 1e60
 
 
-def check_load(plate: Plate, load: Load | None, start: MotionPoint | StartPose) -> None:
-    """Raise BadValue for a load that is not finite or too large at the start."""
+def check_load(plate: Plate, load: Load | None, state: Sequence[float]) -> None:
+    """Raise BadValue for a load that is not finite or too large at the start: x, y, θ, vx, vy, ω."""
     if load is None:
         return
-    values = [float(v) for v in load.at(0.0, start.x, start.y, start.theta, start.vx, start.vy, start.omega)]
+    values = [float(v) for v in load.at(0.0, *state)]
     if not all(isfinite(value) for value in values):
         raise BadValue("the Load has no finite value where the motion begins; give one that is finite at t = 0")
     if max(map(abs, values)) > ENORMOUS * plate.mass:
@@ -61,7 +57,7 @@ def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: 
             f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
         )
     check_arm(track, plate, resistance, start)
-    check_load(plate, one(effects, Load), start.motion(track, plate.outline))
+    check_load(plate, one(effects, Load), start.motion(track, plate.outline)[:6])
     check_drive(one(effects, Drive))
     check_belt(one(effects, Belt))
     numbers = {"g of Gravity": gravity.g if gravity else 0.0, "duration of the case": duration}
