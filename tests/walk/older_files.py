@@ -83,6 +83,12 @@ def _by_commands(source: Path, desk: Path) -> None:
     (desk / "one").rmdir()
 
 
+def page_names() -> set[str]:
+    """The names of the pages in the archive."""
+    with zipfile.ZipFile(ARCHIVE) as archive:
+        return {Path(name).name for name in archive.namelist() if name.endswith(".md")}
+
+
 def unpack(desk: Path) -> None:
     """Put the files of the archive into a folder."""
     with zipfile.ZipFile(ARCHIVE) as archive:
