@@ -37,7 +37,8 @@ class ImpactEnds(WatchedPlates):
 
     def _low_hops(self, phase: SolverPhase) -> set[str]:
         """The contacts that an impact has just opened, whose hops rise no higher than positions' rounding: the other
-        contacts' forces may drive plates together that their loads do not.
+        contacts' forces may drive plates together that their loads do not. A contact that touched in the decision has
+        been opened by its forces, and stays open.
 
         Where impacts follow each other ever faster without a fixed ratio, all of their contacts that open no faster:
         which of them open is a question of forces then."""
@@ -48,7 +49,7 @@ class ImpactEnds(WatchedPlates):
         acceleration, velocity, low = np.array(rates[len(rates) - self.half :]), self.velocity, set[str]()
         slow = ACCUMULATES * self.speed
         recent = self.hops.recent(self.t) if self.hops.strikes[-1].closing < slow else frozenset[str]()
-        opened = [watch for watch in self.watches if watch.mode is Mode.FLIGHT]
+        opened = [watch for watch in self.watches if watch.mode is Mode.FLIGHT and watch.name not in self.touching]
         for watch, at in zip(opened, self._places(opened), strict=True):
             lift, pull = float(at.lift_row @ velocity), -float(at.lift_row @ acceleration + at.lift_bias)
             if at.gap > TOUCHES * size(self.case, self.state):

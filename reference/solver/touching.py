@@ -84,12 +84,17 @@ def touching_contacts(
                     continue
                 if not -deepest <= at.gap <= least or not inside(pair, at.xi1, at.xi2):
                     continue
-                # Next to a joint of two elements both have the same point and direction.
-                track = cast(Piece, pair.pieces[0])
-                where = np.array([*(track.point(at.xi1) / couple.plate.reach), *track.tangent(at.xi1)])
+                where = place_on_track(pair, at.xi1)
                 if all(np.abs(where - one).max() > SAME_PLACE for one in places):
                     places.append(where)
                     yield pair, (at.xi1, at.xi2)
+
+
+def place_on_track(pair: PieceCase, xi1: float) -> np.ndarray:
+    """The point of a contact in units of the plate's reach, and its direction, (4,): next to a joint of two elements
+    both have the same."""
+    track = cast(Piece, pair.pieces[0])
+    return np.array([*(track.point(xi1) / pair.plate.reach), *track.tangent(xi1)])
 
 
 def inside(pair: PieceCase, xi1: float, xi2: float, turn: float = AT_END) -> bool:

@@ -33,7 +33,7 @@ from .places import TOUCHES, ContactPlace, couple_of, groups, in_round, place, p
 from .plate_numbers import bodies, load_at, rows_of, size, speed
 from .regimes import LOST
 from .strike import strike
-from .touching import name_of
+from .touching import SAME_PLACE, name_of, place_on_track
 
 # A contact closes if it does so faster than this part of the largest speed so far; slower is rounding.
 CLOSES = 1e-10
@@ -103,9 +103,15 @@ class WatchedPlates:
         return np.array(self.state[self.half :])
 
     def _watch(self, pair: PieceCase, points: tuple[float, float]) -> Watch:
-        """The watch of a pair at a place; a new one if there is none."""
+        """The watch of a pair at a place; a new one if there is none. At a joint of two elements both have one contact,
+        that of the element which has just closed."""
         for watch in self.watches:
             if watch.is_at(pair, points):
+                return watch
+        for watch in self.watches:
+            if watch.pair.whole == pair.whole and self._is_at_joint(watch, pair, points):
+                if watch.mode is Mode.FLIGHT:
+                    watch.pair, watch.points = pair, points
                 return watch
         period = pair.pieces[0].period
         if period:  # in the first round, whichever the search came to
@@ -123,6 +129,12 @@ class WatchedPlates:
         if self.names.get(key, "") in used | {""}:
             self.names[key] = name_of(pair, used | set(self.names.values()))
         return self.names[key]
+
+    @staticmethod
+    def _is_at_joint(watch: Watch, pair: PieceCase, points: tuple[float, float]) -> bool:
+        """Whether a contact is where its element joins that of another pair, at that pair's place."""
+        off = place_on_track(watch.pair, watch.points[0]) - place_on_track(pair, points[0])
+        return bool(np.abs(off).max() <= SAME_PLACE)
 
     def _places(self, some: Iterable[Watch]) -> list[ContactPlace]:
         """The contacts in the present state; their parameters are updated."""
