@@ -42,13 +42,15 @@ class ImpactEnds(WatchedPlates):
 
         Where impacts follow each other ever faster without a fixed ratio, all of their contacts that open no faster:
         which of them open is a question of forces then."""
-        if not self.hops.strikes or self.hops.strikes[-1].time != self.t:
+        if self.impact_time != self.t:
             return set()
         y = join(self.state, [watch.points for watch in self.watches])
         rates = phase.system.rates_of_numbers(self.t, y, phase.parameters)
         acceleration, velocity, low = np.array(rates[len(rates) - self.half :]), self.velocity, set[str]()
         slow = ACCUMULATES * self.speed
-        recent = self.hops.recent(self.t) if self.hops.strikes[-1].closing < slow else frozenset[str]()
+        recent = self.hops.recent(self.t)
+        if recent and self.hops.strikes[-1].closing >= slow:
+            recent = frozenset()
         opened = [watch for watch in self.watches if watch.mode is Mode.FLIGHT and watch.name not in self.touching]
         for watch, at in zip(opened, self._places(opened), strict=True):
             lift, pull = float(at.lift_row @ velocity), -float(at.lift_row @ acceleration + at.lift_bias)

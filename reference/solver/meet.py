@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from cases.piece_case import PieceCase, _piece_case, neighbour
 
 from ..minimal.boxes import Cores
 from ..minimal.contact_cores import cores
-from ..minimal.element_meetings import ElementSearch, fine
+from ..minimal.element_meetings import ElementSearch, elements, fine
 from ..minimal.integrators.segment import Segment
 from ..minimal.modes import Phase
 from ..minimal.second_contacts import BEYOND, PLACES, _zero
@@ -37,6 +38,8 @@ from .watched_plates import APART
 AT_FLAT = 0.1
 # Plates move between two samples by at most this many times what their speeds there say.
 FASTER = 2.0
+# Points of an element that say where it is.
+ON_ELEMENT = 17
 # Samples of a step at which far plates are looked at.
 LOOKS = 4
 # A contact at the end of an element has no gap in the pair beside either: its search begins as soon as this part of
@@ -143,13 +146,40 @@ class CoupleSearch:
             for one, (xi1, _) in zip(pairs, points, strict=True)
         )
 
+    def _near_elements(self, places: np.ndarray) -> np.ndarray:
+        """Which elements of the boundary the plate may reach on its way, given by poses (3, n) between which it moves
+        by a part of its size."""
+        steps = np.hypot(*np.diff(places[:2], axis=1)).max(initial=0.0)
+        x, y, radius = self._circles
+        away = np.hypot(x[:, None] - places[0], y[:, None] - places[1]).min(axis=1)
+        return np.asarray(~(away > radius + self.couple.plate.reach + FASTER * steps))
+
+    @cached_property
+    def _circles(self) -> np.ndarray:
+        """Circles (x, y, r) around the elements of the boundary, (3, elements); of infinite radius without ends."""
+        rows = list[tuple[float, float, float]]()
+        for element in elements(self.couple.track):
+            piece = element.piece
+            if isinstance(piece, Corner):
+                rows.append((piece.x, piece.y, 0.0))
+                continue
+            if piece.ends is None and not piece.period:
+                rows.append((0.0, 0.0, inf))
+                continue
+            points = piece.point(np.linspace(*piece.span, ON_ELEMENT))
+            x, y = points.mean(axis=1)
+            between = np.hypot(*np.diff(points, axis=1)).max()
+            rows.append((float(x), float(y), float(np.hypot(points[0] - x, points[1] - y).max() + between)))
+        return np.array(rows).T
+
     def _first_of_shapes(
         self, segment: Segment, poses: Poses, edges: np.ndarray, exclusions: set[tuple[int, int]], n: int
     ) -> CoupleMeeting | None:
         earliest: CoupleMeeting | None = None
         times = fine(poses, edges)
+        near_elements = self._near_elements(poses(times))
         for pair, some in self.quick:
-            if in_round(pair) in exclusions:
+            if in_round(pair) in exclusions or not near_elements[pair.first.number]:
                 continue
             for time in first_closings(some, poses, times, self.couple.plate.reach):
                 if earliest is not None and time >= earliest.time:

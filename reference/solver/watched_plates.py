@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import prod
+from math import inf, prod
 
 import numpy as np
 
@@ -87,13 +87,14 @@ class WatchedPlates:
     """The state of all plates at time t (s), the contacts that are watched, and which of them touch.
 
     `still`: plates that do not turn against each other, as rolling resistance has ended their rotation; `speed`: the
-    largest so far, m/s.
+    largest so far, m/s; `impact_time`: of the last impact, s.
     """
 
     def __init__(self, case: Case, t: float, state: tuple[float, ...]):
         self.case, self.t, self.state, self.half = case, t, state, len(state) // 2
         self.watches, self.touching, self.still = list[Watch](), set[str](), list[Sides]()
         self.hops, self.causes, self.names = NestedSeries(), dict[str, str](), dict[tuple[int, int], str]()
+        self.impact_time = -inf
         reaches = bodies(case).reaches
         self.speed = speed_scale(float(np.abs(load_at(case, 0.0, state)).max()), min(reaches))
 
@@ -253,6 +254,7 @@ class WatchedPlates:
                 strikes.append((names, closers, max(-lifts[k] for k in part_closing)))
         self.touching = staying
         if strikes:
+            self.impact_time = self.t
             every = frozenset(name for names, _, _ in strikes for name in names)
             closers_all = frozenset(name for _, closing_names, _ in strikes for name in closing_names)
             self.hops.strike(Strike(self.t, self.state, max(fastest for *_, fastest in strikes), every, closers_all))
