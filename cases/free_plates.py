@@ -33,7 +33,7 @@ from .polygon_features import (
     size_of_plate,
 )
 from .start_pose import OVERLAPS, StartPose
-from .supports import TRACK, cover, effects_at, enters, is_straight, overlaps
+from .supports import TRACK, check_side, cover, effects_at, enters, is_straight, overlaps
 
 # Modes are enumerated: four for each contact of plates that touch each other.
 MOST = 8
@@ -223,6 +223,9 @@ def check_others(case: Any) -> None:
 def check_places(case: Any) -> None:
     """Raise DoesNotFit if plates overlap each other or a support where the motion begins."""
     names, plates, poses = names_of(case), plates_of(case), start_poses(case)
+    for name, (x, y, *_) in zip(names, poses.tolist(), strict=True):
+        for support in case.supports:
+            check_side(support, f"{name!r}", x, y)
     if not why_not_closed_forms(case):
         for contact in plate_contacts(case):
             gap = gap_of(contact, poses)

@@ -34,6 +34,8 @@ from .start_overlap import deepest_overlap
 CONVEX = 1e-6
 # A plate overlaps a support where it begins if it lies deeper in it than this part of its size: far above rounding.
 DEPTH = 1e-9
+# A plate is behind a curve if the normal of the sample next to it points away from it by at least this (a cosine).
+BEHIND = 0.1
 # Newton's steps to the place of a line that is next to a plate; a line that is run through evenly takes one.
 FOOT_STEPS = 8
 # Samples at which the bend of a support is looked at.
@@ -154,8 +156,22 @@ def is_hill(curve: Curve) -> bool:
 def check_start(case: Any, x: float, y: float, theta: float) -> None:
     """Raise DoesNotFit if the plate overlaps a support where the motion begins."""
     for support in case.supports:
+        check_side(support, "the plate", x, y)
         if overlaps(support.curve, case.plate, x, y, theta):
             raise DoesNotFit(f"the plate overlaps support {support.name!r} where it begins; give another start")
+
+
+def check_side(support: Support, who: str, x: float, y: float) -> None:
+    """Raise DoesNotFit for a plate whose centre lies on the right of a support, where it would go through."""
+    curve = support.curve
+    near = nearest_samples(curve, CENTRE, x, y, 0.0)[0][0]
+    is_end = curve.ends is not None and near in curve.ends
+    away = np.array([x, y]) - curve.point(near)
+    if not is_end and float(away @ curve.normal(near)) < -BEHIND * float(np.hypot(*away)):
+        raise DoesNotFit(
+            f"{who} lies behind support {support.name!r} where it begins, on its right; give another start, or turn "
+            "its curve round"
+        )
 
 
 def overlaps(curve: Curve, plate: Plate, x: float, y: float, theta: float) -> bool:

@@ -6,7 +6,7 @@ contact is the only one. Plates that are far apart are excluded by the circles a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from math import inf
 from typing import NamedTuple
@@ -45,6 +45,7 @@ LOOKS = 4
 # A contact at the end of an element has no gap in the pair beside either: its search begins as soon as this part of
 # a step later.
 LATER = 0.0, 1e-9, 1e-6, 1e-3
+SOON = 2.0 * LATER[-1]
 
 
 class CoupleMeeting(NamedTuple):
@@ -109,12 +110,15 @@ class CoupleSearch:
         def poses(times: np.ndarray) -> np.ndarray:
             return np.array(couple.relative_pose(segment.states(times)[: 3 * n]))
 
-        exclusions = _exclusions([pair for _, pair in in_view])
-        state = segment.states(segment.times[:1])[:, 0]
+        state, pairs = segment.states(segment.times[:1])[:, 0], [pair for _, pair in in_view]
         begin = np.array([state[3 * n + 2 * k : 3 * n + 2 * k + 2] for k, _ in in_view])
-        for (_, pair), points in zip(in_view, begin, strict=True):
-            exclusions |= _across_joints(pair, points)
-        earliest = self._first_of_shapes(segment, poses, edges, exclusions, n)
+        exclusions = _exclusions(pairs).union(*(_across_joints(*one) for one in zip(pairs, begin, strict=True)))
+
+        def is_new(meeting: CoupleMeeting) -> bool:
+            soon = meeting.time <= edges[0] + SOON * (edges[1] - edges[0])
+            return not (soon and self._is_in_view(meeting, pairs, begin))
+
+        earliest = self._first_of_shapes(segment, poses, edges, exclusions, n, is_new)
         if not self.has_others:
             return earliest
         if earliest is not None:
@@ -133,9 +137,9 @@ class CoupleSearch:
             pair = _piece_case(couple, first_box.first.number, first_box.second.number)
             near = first_box.xi1 - pair.first.shift, first_box.xi2 - pair.second.shift
             meeting = _locate(segment, n, pair, first_box.time, near)
-            if meeting.time > some[1] or not self._is_in_view(meeting, [one for _, one in in_view], begin):
-                break
-        return meeting
+            if is_new(meeting):
+                return meeting
+        return earliest
 
     def _is_in_view(self, meeting: CoupleMeeting, pairs: Sequence[PieceCase], points: np.ndarray) -> bool:
         """Whether a meeting is at the place of a contact that is watched, in a neighbour of its pair; `points`: their
@@ -173,8 +177,9 @@ class CoupleSearch:
         return np.array(rows).T
 
     def _first_of_shapes(
-        self, segment: Segment, poses: Poses, edges: np.ndarray, exclusions: set[tuple[int, int]], n: int
-    ) -> CoupleMeeting | None:
+        self, segment: Segment, poses: Poses, edges: np.ndarray, exclusions: set[tuple[int, int]], n: int,
+        is_new: Callable[[CoupleMeeting], bool],
+    ) -> CoupleMeeting | None:  # fmt: skip
         earliest: CoupleMeeting | None = None
         times = fine(poses, edges)
         near_elements = self._near_elements(poses(times))
@@ -188,8 +193,10 @@ class CoupleSearch:
                 near = guess(pair, some, x, y, theta)
                 if not inside(pair, *near, turn=AT_FLAT if isinstance(some.still, Straight) else AT_END):
                     continue
-                earliest = _locate(segment, n, pair, time, near)
-                break
+                meeting = _locate(segment, n, pair, time, near)
+                if is_new(meeting):
+                    earliest = meeting
+                    break
         return earliest
 
 

@@ -84,6 +84,7 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
         (lambda: _with((Gravity(G),), supports=(Support(line(0.5), "a"),)), "add Unilateral"),
         (lambda: _with(supports=(Support(line(0.5), "a", (Impact(0.1, "newton"),)),)), "with the same law"),
         (lambda: _with(supports=(Support(line(0.5), "a"),)), "overlaps support 'a'"),
+        (lambda: _with(supports=(Support(Curve(lambda s: (s, s**2 + 3.0), (-2, 2)), "bowl"),)), "lies behind support"),
     ],
 )
 def test_what_supports_cannot_be_is_said_in_one_line(make, message):
