@@ -13,6 +13,7 @@ from cases import (
     BadValue,
     Case,
     ContactEffect,
+    Curve,
     DoesNotFit,
     Gravity,
     Impact,
