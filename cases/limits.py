@@ -14,7 +14,7 @@ from .chain import Chain
 from .corner import Corner
 from .effects import Belt, CoulombFriction, Drive, Flight, Impact, PerfectlyRough, RollingResistance, Unilateral
 from .errors import BadValue, DoesNotFit
-from .free_plates import MOST, why_not_closed_forms
+from .free_plates import MOST, loads_of, why_not_closed_forms
 from .outline_features import arc_ranges, features, is_arc, sides
 from .own_effects import own_effects
 from .pair_effects import of_pair
@@ -59,6 +59,17 @@ def _curves(case: Any) -> tuple[Any, ...]:
 
 def _own(case: Any) -> str:
     return next((type(effect).__name__ for effect in own_effects(case.effects)), "")
+
+
+def _more_than_weight(case: Any) -> str:
+    """What of a case with several plates is more than weight and friction."""
+    parts = {
+        "Drive": case.effect(Drive) is not None,
+        "Load": any(loads_of(case)),
+        "Belt": has_belt(case),
+        "RollingResistance": has_rolling_resistance(case),
+    }
+    return next((name for name, is_there in parts.items() if is_there), "")
 
 
 def _missing(case: Any) -> str:
@@ -179,14 +190,6 @@ LIMITS = (
     ),
     Limit(
         Scope.SEVERAL_CONTACTS,
-        "an effect of a package",
-        _own,
-        "{} with several contacts is not supported; leave it out",
-        Reason.NOT_BUILT,
-        "such an effect is a force at one contact",
-    ),
-    Limit(
-        Scope.SEVERAL_CONTACTS,
         "no Unilateral (a guide that pulls, too)",
         lambda case: case.effect(Unilateral) is None,
         "a bilateral guide with several contacts is not supported; add Unilateral to the effects",
@@ -203,14 +206,6 @@ LIMITS = (
     ),
     Limit(
         Scope.SEVERAL_PLATES,
-        "an effect of a package",
-        _own,
-        "{0} with several plates is not supported; leave {0} out",
-        Reason.NOT_BUILT,
-        "such an effect is a force at one contact",
-    ),
-    Limit(
-        Scope.SEVERAL_PLATES,
         "no Unilateral or Flight",
         _missing,
         "several plates may part and meet; add {} to the effects",
@@ -224,11 +219,19 @@ LIMITS = (
     _of_sweep("Drive", lambda case: case.effect(Drive) is not None, "a driven track"),
     Limit(
         Scope.CERTIFICATE,
-        "several plates with a Drive, or a Load of a further plate",
-        lambda case: case.others and (case.effect(Drive) is not None or any(other.load for other in case.others)),
-        "several plates have a Drive or a Load of their own; leave both out",
+        "several plates with a Drive, Load, Belt or RollingResistance",
+        lambda case: case.others and _more_than_weight(case),
+        "several plates have a {}; leave it out",
         Reason.NOT_BUILT,
-        "the second formulation has the loads of the first plate only",
+        "the second formulation has weight and friction only",
+    ),
+    Limit(
+        Scope.CERTIFICATE,
+        "an effect of a package",
+        _own,
+        "{} acts at several contacts; leave it out",
+        Reason.NOT_BUILT,
+        "the second formulation has such effects at one contact",
     ),
     Limit(
         Scope.CERTIFICATE,

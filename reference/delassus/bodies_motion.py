@@ -87,7 +87,9 @@ class BodiesDynamics(PlateDynamics):
         super().__init__(case)
         plates, each = plates_of(case), list[PlateDynamics]()
         for plate in plates:
-            each.append(PlateDynamics(replace(case, plate=plate, start=_anywhere(case.track), others=(), supports=())))
+            each.append(
+                PlateDynamics(replace(case, plate=plate, start=_anywhere(case.track), others=(), supports=(), pairs=()))
+            )
         self.inverse = np.concatenate([one.inverse for one in each])
         self.weight = np.concatenate([one.weight for one in each])
         self.units = np.array([value for plate in plates for value in (1.0, 1.0, size_of_plate(plate))])
@@ -202,7 +204,7 @@ class BodiesSimulation(Simulation):
             assert track is not None
             pair = replace(
                 case, track=track, plate=plates[contact.body], effects=contact.effects, start=_anywhere(track),
-                supports=(), others=(),
+                supports=(), others=(), pairs=(),
             )  # fmt: skip
             watched = WatchedContact(contact.name, PairOfBodies(contact, pair, base), (0.0, 0.0), Mode.FLIGHT)  # type: ignore[arg-type]
             self.contacts.append(watched)
