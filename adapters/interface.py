@@ -170,6 +170,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route supports discs and one convex polygon on straight lines: {reason}."
     if case.others and (missing := _not_with_plates(case)):
         return f"The {route} route does not support {missing} with several plates."
+    if case.supports and own_effects(case.effects):
+        return f"The {route} route does not support an effect of a package with several fixed curves (supports)."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."
     if case.supports and not case.others and limit(case, Scope.CERTIFICATE):
@@ -214,6 +216,7 @@ def refusal_of_several_contacts(adapter: Any, case: Case, route: str) -> str:
     """Why a route does not report the contacts of a plate that touches its track in several places, in one sentence, or
     "": by `SEVERAL_CONTACTS`, then by the adapter's own `refuses_several_contacts`."""
     from cases import Drive
+    from cases.own_effects import own_effects
     from cases.supports import has_rolling_resistance
 
     if route not in getattr(adapter, "SEVERAL_CONTACTS", ()):
@@ -222,6 +225,8 @@ def refusal_of_several_contacts(adapter: Any, case: Case, route: str) -> str:
         return f"The plate touches its driven track in several places, which the {route} route does not support."
     if has_rolling_resistance(case):
         return f"The {route} route does not report several contacts with rolling resistance."
+    if own_effects(case.effects):
+        return f"The {route} route does not report several contacts with an effect of a package of its own."
     refuses = getattr(adapter, "refuses_several_contacts", None)
     return (refuses(case, route) or "") if refuses else ""
 

@@ -111,7 +111,7 @@ def sums(samples: MotionSamples) -> Sums:
         couple = _couple(samples, contact, here)
         force = (contact.friction + 1j * contact.normal) * contact.tangent
         for effect in own_effects(law.effects):
-            along, across, more = _own(effect)(samples.times[here], contact.slip, samples.plates[0].spin[here])
+            along, across, more = _own(effect)(samples.times[here], contact.slip, _relative_spin(samples, law, here))
             force = force + (along + 1j * np.asarray(across)) * contact.tangent
             couple = couple + more
         for body, sign in ((law.body, 1.0), (law.base, -1.0)):
@@ -125,14 +125,18 @@ def sums(samples: MotionSamples) -> Sums:
 
 def _couple(samples: MotionSamples, contact: ContactInstants, here) -> np.ndarray | float:
     """The couple of rolling resistance, N m; NaN where it prevents the rotation, also of a plate that slips."""
-    arm, spin = contact.law.arm, samples.plates[contact.law.body].spin
+    arm, spin = contact.law.arm, _relative_spin(samples, contact.law, slice(None))
     if not arm:
         return 0.0
-    if contact.law.base is not None:
-        spin = spin - samples.plates[contact.law.base].spin
     couple = -np.sign(spin[here][:, 2:3]) * arm * np.abs(contact.normal)
     couple[(np.abs(spin[here]) <= CREEP * np.abs(spin).max()).all(axis=1)] = np.nan
     return couple
+
+
+def _relative_spin(samples: MotionSamples, law: ContactLaw, here) -> np.ndarray:
+    """The spin of a plate against what it touches, rad/s."""
+    spin = samples.plates[law.body].spin[here]
+    return spin if law.base is None else spin - samples.plates[law.base].spin[here]
 
 
 def motion_defects(samples: MotionSamples, total: Sums, reach: list[float], speed: float) -> Iterator[Defects]:

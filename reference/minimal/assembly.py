@@ -205,7 +205,7 @@ def _force(f: Frame, law: Laws, pose: dict[Node, Node], load: dict[Node, Node]) 
 def _at_contact(force: Torsor, h: Frame, law: Laws, slip: Node, omega: Node) -> Torsor:
     """The applied torsor with the forces of the user's own effects, which act at the contact."""
     for own in law.own:
-        along, across, couple = own.force(slip, omega)
+        along, across, couple = (part / MASS for part in own.force(slip, omega))
         moment = force.moment + h.ht * across - h.hn * along + couple
         force = Torsor(force.t + along, force.n + across, moment)
     return force

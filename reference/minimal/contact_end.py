@@ -78,7 +78,7 @@ def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: f
     if guard in ENDS:
         return Step((segment,), t, ending=ENDS[guard])
     if guard.startswith(OWN_END):
-        return Step((segment,), t, ending=_own_ending(case, guard))
+        return Step((segment,), t, ending=own_ending(case, guard))
     if guard == OUT_OF_STEPS:
         return Step((segment,), t, ending=work_limit_ending(t, segment.steps))
     if guard == BREAKDOWN:
@@ -99,7 +99,7 @@ def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: f
     return Step((segment,), t, (y[0], y[1]), guard, y, following)
 
 
-def _own_ending(case: Case, guard: str) -> Ending:
+def own_ending(case: Case, guard: str) -> Ending:
     """The ending by a condition of an effect of the user's own."""
     ends = [end for effect in own_effects(case.effects) for end in effect.ends()]
     return next((end.status, end.reason) for end in ends if guard == f"{OWN_END}{end.status}")

@@ -308,8 +308,8 @@ class OwnForce:
     statuses: tuple[str, ...]
 
     def force(self, slip: Node, omega: Node) -> tuple[Node, Node, Node]:
-        """Force along the tangent and the normal, and couple, per mass."""
-        along, across, couple = (value / MASS for value in self._nodes(slip, omega)[:OWN_COMPONENTS])
+        """Force along the tangent and the normal, and couple (N, N m)."""
+        along, across, couple = self._nodes(slip, omega)[:OWN_COMPONENTS]
         return along, across, couple
 
     def ends(self, slip: Node, omega: Node) -> Conditions:

@@ -1,18 +1,19 @@
 """Accelerations of one group of contacts in given modes, by numbers, and the balance of forces that are not unique."""
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, Load, Mode
+from cases import Belt, Case, Mode
 from cases.effects import MOTION
 from cases.free_plates import loads_of
+from cases.own_effects import CONTACT as AT_CONTACT
+from cases.own_effects import own_effects
 
 from ..minimal.decision import AT_BOUND, Undecidable
-from ..minimal.effects import SLIP_SIGN
+from ..minimal.effects import OWN_COMPONENTS, SLIP_SIGN
 from ..scales import STILL, slip_error
 from . import forces
 from .contact_law import STICKING, Sides, Turns, rigid_pairs, turning_row
@@ -64,13 +65,29 @@ class GroupAccelerations(NamedTuple):
     another: np.ndarray | None = None
 
 
+def own_load(
+    case: Case, t: float, velocity: np.ndarray, contacts: Sequence[ContactPlace], modes: Sequence[Mode]
+) -> np.ndarray:
+    """The accelerations (3n,) by effects of the user's own at closed contacts."""
+    result = np.zeros(len(velocity))
+    for at, mode in zip(contacts, modes, strict=True):
+        own = own_effects(at.pair.effects) if mode is not Mode.FLIGHT else ()
+        slip, turning = 0.0 if mode in STICKING else at.slip(velocity, t), at.turning_row
+        spin = 0.0 if mode is Mode.REST else float(turning @ velocity)
+        for effect in own:
+            along, across, couple = effect.at(t, slip, spin)[:3]
+            result += along * at.slip_row + across * at.lift_row + couple * turning
+    return result * bodies(case).inverse
+
+
 def answer_by_numbers(
     now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], shares: Mapping[int, int],
     turns: Turns,
 ) -> GroupAccelerations | None:  # fmt: skip
     """The accelerations in these modes; None if neither forces nor accelerations are unique. `shares`: as of
     `shares_of`."""
-    some, load, velocity = bodies(now.case), load_at(now.case, now.time, now.state), now.velocity
+    some, velocity = bodies(now.case), now.velocity
+    load = load_at(now.case, now.time, now.state) + own_load(now.case, now.time, velocity, contacts, modes)
     rows, columns, biases, senses = list[np.ndarray](), list[np.ndarray](), list[float](), dict(turns)
     for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
         if mode is Mode.FLIGHT:
@@ -129,7 +146,8 @@ def _by_guides(
 ) -> GroupAccelerations | None:
     """The same where the rows depend on each other: some of them determine the motion, and forces that are not unique
     have to give it. None where the acceleration is not unique, or where the rows contradict each other."""
-    some, load, velocity = bodies(now.case), load_at(now.case, now.time, now.state), now.velocity
+    some, velocity = bodies(now.case), now.velocity
+    load = load_at(now.case, now.time, now.state) + own_load(now.case, now.time, velocity, contacts, modes)
     closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
     each = [(k, False) for k in closed] + [(k, True) for k in closed if modes[k] in STICKING]
     rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
@@ -212,7 +230,7 @@ def balance_of(
     modes: Sequence[Mode], turns: Turns,
 ) -> Balance:  # fmt: skip
     """What the forces of contacts in those modes balance whose plates have an acceleration (3n,)."""
-    load, units = load_and_units(case, t, state, plates_in(closed))
+    load, units = load_and_units(case, t, state, plates_in(closed), closed, modes)
     velocity, limits = np.asarray(state[len(state) // 2 :], dtype=float), list[forces.Limit]()
     for at, mode in zip(closed, modes, strict=True):
         slips = forces.Slipping(-SLIP_SIGN[mode] * at.mu_of(velocity, t)) if mode in SLIP_SIGN else 0.0
@@ -235,7 +253,8 @@ def rest_margin(case: Case, t: float, state: Sequence[float], contacts: Sequence
     moves = np.asarray(state[half:], dtype=float)[rows_of(plates)].any()
     if moves or any(at.pair.effect(Belt) is not None for at in contacts):
         return -inf
-    load, units = load_and_units(case, t, state, plates)
+    still = [Mode.REST if at.stick > 0.0 else Mode.SLIDE for at in contacts]
+    load, units = load_and_units(case, t, state, plates, contacts, still)
     if not np.isfinite(load).all():
         raise Undecidable
     couples = [at.resisting_arm for at in contacts]
@@ -244,21 +263,22 @@ def rest_margin(case: Case, t: float, state: Sequence[float], contacts: Sequence
 
 def is_steady(case: Case, plates: frozenset[int]) -> bool:
     """Whether the loads on some plates at rest stay the same."""
-    loads = loads_of(case)
-    return not any(_depends_on_time(load) for b in plates if (load := loads[b]) is not None)
-
-
-@lru_cache(maxsize=256)
-def _depends_on_time(load: Load) -> bool:
-    return any(part.has(MOTION[0]) for part in load.expression)
+    loads, own = loads_of(case), own_effects(case.effects)
+    formulas = [part for b in plates if (load := loads[b]) is not None for part in load.expression]
+    formulas += [part for effect in own for part in effect.formulas[:OWN_COMPONENTS]]
+    return not any(part.has(MOTION[0], AT_CONTACT[0]) for part in formulas)
 
 
 def load_and_units(
-    case: Case, t: float, state: Sequence[float], plates: frozenset[int]
-) -> tuple[np.ndarray, np.ndarray]:
-    """The load (3n,) on some plates (N, N, N m), and the units of the equations of their equilibrium: 0 for those of
-    other plates, and for the moment of a plate that cannot turn."""
+    case: Case, t: float, state: Sequence[float], plates: frozenset[int], contacts: Sequence[ContactPlace] = (),
+    modes: Sequence[Mode] = (),
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """The load (3n,) on some plates (N, N, N m), with forces of the user's own at contacts in these modes, and the
+    units of the equations of their equilibrium: 0 for those of other plates, and for the moment of a plate that cannot
+    turn."""
     some, own = bodies(case), np.zeros(len(state) // 2, dtype=bool)
     own[rows_of(plates)] = True
     own &= some.inverse > 0.0
-    return load_at(case, t, state) * np.where(own, some.masses, 0.0), own / some.lengths
+    velocity = np.asarray(state[len(state) // 2 :], dtype=float)
+    load = load_at(case, t, state) + own_load(case, t, velocity, contacts, modes)
+    return load * np.where(own, some.masses, 0.0), own / some.lengths

@@ -219,7 +219,8 @@ def _all_ranges(case: Case, regime: SolverRegime, state: bytes, t: float) -> dic
     result = dict[str, tuple[np.ndarray, np.ndarray]]()
     for group in groups(now):
         at = [now[i] for i in group]
-        load, units = load_and_units(case, t, poses, plates_in(at))
+        still = [regime.modes[some[i]] for i in group]
+        load, units = load_and_units(case, t, poses, plates_in(at), at, still)
         limits = forces.ranges(at, load, units, [one.stick for one in at], [one.resisting_arm for one in at])
         for i, place_in_group in enumerate(group):
             pair = limits.normal[i], limits.friction[i]

@@ -30,9 +30,10 @@ from ..endings import (
     undecidable,
     work_limit_ending,
 )
-from ..minimal.contact_end import breakdown
+from ..minimal.contact_end import breakdown, own_ending
 from ..minimal.curve_pieces import TooMuch
 from ..minimal.decision import Undecidable
+from ..minimal.effects import OWN_END
 from ..minimal.hybrid import MOST_PHASES
 from ..minimal.integrators.segment import OUT_OF_STEPS, Event, Segment
 from ..minimal.phase_end import LOCATION_ERROR, MOST_STEPS, PIECE_ENDS, ROUGH
@@ -267,6 +268,8 @@ class PlatesSimulation(ModeChanges):
             return self._pass_on(self.watches[int(number)], kind, stuck)
         if kind in ENDS:
             return ENDS[kind]
+        if kind.startswith(OWN_END):
+            return own_ending(self.case, kind)
         if kind in OF_ROTATION:
             sides = sides_of(self.watches[int(number)].pair)
             together = {watch.name for watch in self._closed() if sides_of(watch.pair) == sides}

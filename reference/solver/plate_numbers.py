@@ -13,6 +13,7 @@ import numpy as np
 
 from cases import Case, Gravity
 from cases.free_plates import loads_of, plates_of
+from cases.own_effects import own_effects
 
 
 class Bodies(NamedTuple):
@@ -58,12 +59,17 @@ def _forces(case: Case, t: float, state: Sequence[float] | np.ndarray) -> Iterat
 
 
 def load_scale(case: Case, t: float, state: Sequence[float] | np.ndarray) -> float:
-    """The size of accelerations (m/s²): weight and load, each alone, as they may cancel, and what turns velocities."""
+    """The size of accelerations (m/s²): weight, loads and forces of the user's own, each alone, as they may cancel, and
+    what turns velocities."""
     gravity, half, some = case.effect(Gravity), len(state) // 2, bodies(case)
     applied = sum(
         (abs(fx) + abs(fy) + abs(moment) / some.reaches[b]) * float(some.inverse[3 * b])
         for b, (fx, fy, moment) in _forces(case, t, state)
     )
+    for effect in own_effects(case.effects):
+        along, across, couple = effect.at(t, 0.0, 0.0)[:3]
+        own = abs(along) + abs(across) + abs(couple) / min(some.reaches)
+        applied += own * float(some.inverse.reshape(-1, 3)[:, 0].max()) if np.isfinite(own) else 0.0
     speeds = np.abs(np.asarray(state[half:], dtype=float) * some.lengths)
     return (gravity.g if gravity else 0.0) + applied + float(speeds.max()) ** 2 / min(some.reaches)
 

@@ -118,6 +118,27 @@ def _loads(law: Laws, count: int, further: tuple[AppliedLoad | None, ...]) -> _L
     return _Loads(result, sum(arguments, ()), sum(forces, ()))
 
 
+def _slip_and_spin(form: ContactForm, term: ContactTerms) -> tuple[Node, Node]:
+    """Slip velocity and relative spin of a contact, zero where its mode has none."""
+    signs = dict(zip(form.sides, (ONE, -ONE), strict=False))
+    spin = apply_row({(b, 2): s for b, s in signs.items()}, lambda one: variables_of("velocity", one[0])[2])
+    return (
+        ZERO if form.kind is ContactRows.STICK else term.slip,
+        ZERO if form.rotation is Rotation.HELD else spin,
+    )
+
+
+def _add_own_force(
+    free: dict[tuple[int, int], Node], form: ContactForm, term: ContactTerms, force: tuple[Node, Node, Node]
+) -> None:
+    """Add what a force of the user's own at a contact (N, N, N m) gives both plates."""
+    along, across, couple = force
+    for place, entry in term.slip_row.items():
+        free[place] = free[place] + _inverse(place) * (entry * along + term.lift_row[place] * across)
+    for body, sign in zip(form.sides, (ONE, -ONE), strict=False):
+        free[body, 2] = free[body, 2] + _inverse((body, 2)) * sign * couple
+
+
 class _Solution(NamedTuple):
     """Normal and friction force of each contact, the accelerations, Painlevé's determinant, which no friction makes
     vanish if it is None, and the couples that hold plates which do not turn against each other, over the radius of
@@ -220,7 +241,11 @@ def _equations(
     anchors: frozenset[int], further: tuple[AppliedLoad | None, ...],
 ) -> Equations:  # fmt: skip
     terms, loads = [contact_terms(form, k) for k, form in enumerate(forms)], _loads(law, count, further)
-    free = loads.acceleration
+    free, motions = loads.acceleration, [_slip_and_spin(form, term) for form, term in zip(forms, terms, strict=True)]
+    for form, term, motion in zip(forms, terms, motions, strict=True):
+        if form.kind not in NO_ROWS:
+            for effect in law.own:
+                _add_own_force(free, form, term, effect.force(*motion))
     forces, acceleration, painleve, couples = _forces(forms, terms, free)
     acceleration |= {(b, c): ZERO for b in anchors for c in range(3)}  # exactly, so that no motion of roundings begins
     conditions, slip_rates, limits = dict[str, Node](), dict[str, Node](), dict[str, Node]()
@@ -228,6 +253,9 @@ def _equations(
     outputs = list[Node]()
     for k, (term, form) in enumerate(zip(terms, forms, strict=True)):
         normal, friction = forces[k]
+        if form.kind not in NO_ROWS:
+            ends = [effect.ends(*motions[k]) for effect in law.own]
+            limits |= {f"{name}:{k}": end for some in ends for name, end in some.items()}
         outputs += [normal, friction, term.slip, term.gap]
         if form.kind is ContactRows.AWAY:  # of plates at rest
             continue

@@ -1,5 +1,6 @@
 """Features with each other: exact motions of scenes in which two of them meet, and laws where no motion is known."""
 
+from dataclasses import dataclass
 from math import cos, pi, sin, sqrt
 
 import numpy as np
@@ -10,10 +11,13 @@ from cases import (
     Case,
     CaseError,
     Chain,
+    ContactEffect,
+    ContactForce,
     CoulombFriction,
     Curve,
     DoesNotFit,
     Drive,
+    EndCondition,
     Flight,
     FreePlate,
     Gravity,
@@ -228,6 +232,70 @@ def test_plates_without_an_impact_run_until_they_meet():
 def test_pairs_that_a_case_does_not_have_are_rejected(pairs, words):
     with pytest.raises(CaseError, match=words):
         Case(line(), BOX, INELASTIC, StartPose(0.0, 0.05), 1.0, pairs=pairs)
+
+
+@dataclass(frozen=True)
+class Grease(ContactEffect):
+    """A force against the slip, `drag` times as large (N s/m), at each contact."""
+
+    drag: float
+
+    def force(self) -> ContactForce:
+        return ContactForce(along=f"-{self.drag!r}*slip")
+
+
+@dataclass(frozen=True)
+class Magnet(ContactEffect):
+    """A force towards the track (N), and an end where the slip exceeds a speed (m/s)."""
+
+    pull: float
+    fastest: float = 10.0
+
+    def force(self) -> ContactForce:
+        return ContactForce(across=-self.pull)
+
+    def ends(self) -> tuple[EndCondition, ...]:
+        return (EndCondition("too_fast", f"{self.fastest**2!r} - slip**2", "It flew off."),)
+
+
+@METHOD
+def test_an_effect_of_a_package_acts_at_each_contact(method):
+    """At both corners of a box: v = exp(−2 d t/m)."""
+    drag, mass = 1.5, 2.0
+    case = Case(
+        line(), Plate.rectangle(0.4, 0.01, mass), (*INELASTIC, Grease(drag)), StartPose(0.0, 0.005, vx=1.0), 1.0
+    )
+    motion = reference.simulate(case, method=method)
+    assert motion(1.0).vx == pytest.approx(np.exp(-2.0 * drag / mass), abs=1e-10)
+    assert not reference.check(case, motion)
+
+
+@METHOD
+@pytest.mark.parametrize("off", [-1e-6, 1e-6])
+def test_magnets_hold_a_box_on_an_incline(off, method):
+    """Both corners pull: m g sin a = μ (m g cos a + 2 F)."""
+    slope, mu, mass = 0.5, 0.3, 2.0
+    least = 0.5 * mass * G * (sin(slope) / mu - cos(slope))
+    place = StartPose(0.05 * sin(slope), 0.05 * cos(slope), -slope)
+    effects = (*INELASTIC, CoulombFriction(mu), Magnet(least + off))
+    case = Case(line(slope), Plate.rectangle(0.4, 0.1, mass), effects, place, 1.0)
+    motion = reference.simulate(case, method=method)
+    assert motion.status == "completed" and not reference.check(case, motion)
+    assert motion.vx[-1] == pytest.approx(0.0 if off > 0.0 else -2.0 * mu * off / mass * cos(slope), abs=1e-11)
+
+
+@METHOD
+def test_a_magnet_between_two_plates_pulls_both(method):
+    """A disc that slides on a plank at rest rolls after v/(3 μ (g + F/m)), and the condition of its effect ends it."""
+    ball = FreePlate(disc(0.1, 1.0), StartPose(0.0, 0.2, vx=1.0), "disc")
+    for fastest, status in ((10.0, "completed"), (0.5, "too_fast")):
+        effects = (*INELASTIC, CoulombFriction(0.3), Magnet(2.0, fastest))
+        case = Case(line(), Plate.rectangle(4.0, 0.1, 3.0), effects, StartPose(0.0, 0.05), 0.5, others=(ball,))
+        motion = reference.simulate(case, method=method)
+        assert motion.status == status
+        if status == "completed":
+            assert motion.transitions[0].time == pytest.approx(1.0 / (0.9 * (G + 2.0)), abs=1e-12)
+            assert not reference.check(case, motion)
 
 
 # --- laws -------------------------------------------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 """Poses at supports, their pairs, and what is rejected in one sentence."""
 
-from dataclasses import dataclass
 from math import cos, pi, sin
 
 import pytest
@@ -12,7 +11,6 @@ from adapters import lookup
 from cases import (
     BadValue,
     Case,
-    ContactEffect,
     Curve,
     DoesNotFit,
     Gravity,
@@ -24,7 +22,6 @@ from cases import (
     disc,
 )  # fmt: skip
 from cases.contact import start_motion
-from cases.contact_limits import limitation
 from cases.contact_pairs import pairs
 from cases.library import ellipse, line
 from tests.scenes.supports import INELASTIC, G
@@ -63,11 +60,6 @@ def test_pairs_are_the_supports_and_the_corners_in_order():
     assert sorted(gaps) == pytest.approx([2.0, 2.0, 3.98, 3.98, 4.0, 4.0, 4.0, 4.0], abs=1e-14)
 
 
-@dataclass(frozen=True)
-class Pull(ContactEffect):
-    """An effect of a package."""
-
-
 DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
 
 
@@ -81,7 +73,6 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
         (lambda: _with(supports=line()), "give a tuple such as"),
         (lambda: _with(supports=(line(),)), 'give Support(curve, "name")'),
         (lambda: _with(supports=(Support(line(0.5), "a"), Support(line(0.4), "a"))), "give each its own"),
-        (lambda: _with((*INELASTIC, Pull()), supports=(Support(line(0.5), "a"),)), "leave it out"),
         (lambda: _with((Gravity(G),), supports=(Support(line(0.5), "a"),)), "add Unilateral"),
         (lambda: _with(supports=(Support(line(0.5), "a", (Impact(0.1, "newton"),)),)), "with the same law"),
         (lambda: _with(supports=(Support(line(0.5), "a"),)), "overlaps support 'a'"),
@@ -96,14 +87,6 @@ def test_what_supports_cannot_be_is_said_in_one_line(make, message):
 
 def _with(effects=INELASTIC, plate=DISC, track=None, supports=()) -> Case:
     return Case(track or line(), plate, effects, StartPose(0.0, 0.5), 1.0, supports=supports)
-
-
-def test_one_rule_excludes_effects_with_supports_and_at_second_contacts():
-    extra = (*INELASTIC, Pull())
-    with pytest.raises(BadValue) as problem:
-        _with(extra, ROD, supports=(Support(line(0.5), "a"),))
-    sentence = limitation(_with(extra, ROD))
-    assert sentence.lower() == f"{problem.value}.".lower()
 
 
 def test_the_method_augmented_is_rejected():
