@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -70,13 +71,23 @@ def windows(poses: Poses, edges: np.ndarray, size: float, degree: int = DEGREE) 
     error = np.max((tail + ROUNDINGS * EPS * scale) * np.array([1.0, 1.0, size]), axis=1)
     places = places[:, :, : _count_terms(places)]
     per_second = 2.0 / (end - start)[:, None, None]
-    rates = chebyshev.chebder(places, axis=2) * per_second
-    changes = np.abs(chebyshev.chebder(rates, axis=2) * per_second).sum(axis=2)
+    rates = derivative(places) * per_second
+    changes = np.abs(derivative(rates) * per_second).sum(axis=2)
     most = np.abs(rates).sum(axis=2)
     return Windows(
         start, end, places, rates, np.hypot(most[:, 0], most[:, 1]), most[:, 2],
         np.hypot(changes[:, 0], changes[:, 1]), changes[:, 2], error,
     )  # fmt: skip
+
+
+def derivative(coefficients: np.ndarray) -> np.ndarray:
+    """Chebyshev coefficients of the derivatives of polynomials, along the last axis."""
+    return coefficients @ _derivatives(coefficients.shape[-1])
+
+
+@lru_cache(maxsize=64)
+def _derivatives(count: int) -> np.ndarray:
+    return chebyshev.chebder(np.eye(count), axis=1)
 
 
 def _fit(poses: Poses, start: np.ndarray, end: np.ndarray, degree: int) -> np.ndarray:

@@ -70,6 +70,7 @@ class Meetings:
         if len(edges) < 2:
             return None
         keys, n = regime_of(segment.phase).pairs, len(bodies(self.case).reaches)
+        places = _remember(lambda times: segment.states(times)[: 3 * n])
         for search in self.searches:
             couple = search.couple
             if couple_rests(couple, segment) or _is_far(couple, segment, edges):
@@ -78,7 +79,7 @@ class Meetings:
             some = edges if earliest is None else np.append(edges[edges < earliest.time], earliest.time)
             if len(some) < 2:
                 continue
-            meeting = search.first(segment, some, in_view, n)
+            meeting = search.first(segment, places, some, in_view, n)
             if meeting is not None and (earliest is None or meeting.time < earliest.time):
                 earliest = meeting
         return earliest
@@ -101,15 +102,12 @@ class CoupleSearch:
         return ElementSearch(self.couple)
 
     def first(
-        self, segment: Segment, edges: np.ndarray, in_view: Sequence[tuple[int, PieceCase]], n: int
+        self, segment: Segment, places: Poses, edges: np.ndarray, in_view: Sequence[tuple[int, PieceCase]], n: int
     ) -> CoupleMeeting | None:
-        """The first meeting in a segment between these times; `in_view`: pairs with their places in the regime, `n`:
-        how many plates there are."""
+        """The first meeting in a segment between these times; `places`: poses of all `n` plates at times; `in_view`:
+        pairs with their places in the regime."""
         couple = self.couple
-
-        def poses(times: np.ndarray) -> np.ndarray:
-            return np.array(couple.relative_pose(segment.states(times)[: 3 * n]))
-
+        poses = _remember(lambda times: np.array(couple.relative_pose(places(times))))
         state, pairs = segment.states(segment.times[:1])[:, 0], [pair for _, pair in in_view]
         begin = np.array([state[3 * n + 2 * k : 3 * n + 2 * k + 2] for k, _ in in_view])
         exclusions = _exclusions(pairs).union(*(_across_joints(*one) for one in zip(pairs, begin, strict=True)))
@@ -198,6 +196,19 @@ class CoupleSearch:
                     earliest = meeting
                     break
         return earliest
+
+
+def _remember(poses: Poses) -> Poses:
+    """The same function, which evaluates each times once: all pairs of elements ask for the same."""
+    values = dict[bytes, np.ndarray]()
+
+    def evaluate(times: np.ndarray) -> np.ndarray:
+        key = times.tobytes()
+        if key not in values:
+            values[key] = poses(times)
+        return values[key]
+
+    return evaluate
 
 
 def couple_rests(couple: Couple, segment: Segment) -> bool:

@@ -19,7 +19,7 @@ from cases.corner import Corner, Piece
 from cases.line_or_circle import as_circle, as_line
 from cases.piece_case import PieceCase
 
-from ..minimal.windows import Windows, windows
+from ..minimal.windows import Windows, derivative, windows
 from .places import TOUCHES
 
 # A root of a gap's polynomial that is imaginary by this is a double one's rounding, where a gap only touches zero.
@@ -155,17 +155,20 @@ def first_closings(some: Shapes, poses: Poses, edges: np.ndarray, size: float) -
     motion = windows(some.path(poses), edges, size)
     rows, far = _gap_rows(some, motion), size + float(np.abs(motion.places[0, :2, 0]).sum())
     times = list[float]()
-    for k, row in enumerate(rows):
-        start, end = float(motion.start[k]), float(motion.end[k])
-        if row[0] - np.abs(row[1:]).sum() > motion.error[k]:
-            continue
-        rate = chebyshev.chebder(row)
+    rates = derivative(rows)
+    first, last = rows @ (-1.0) ** np.arange(rows.shape[1]), rows.sum(axis=1)
+    sizes = np.abs(rates[:, 1:]).sum(axis=1)
+    crosses = rows[:, 0] - np.abs(rows[:, 1:]).sum(axis=1) <= motion.error
+    # A gap that grows, or shrinks from one side of zero to the same side, does not close.
+    crosses &= (rates[:, 0] - sizes <= 0.0) & ((rates[:, 0] + sizes >= 0.0) | (first * last <= 0.0))
+    for k in np.flatnonzero(crosses).tolist():
+        row, rate, start, end = rows[k], rates[k], float(motion.start[k]), float(motion.end[k])
         roots = chebyshev.chebroots(row[: _length(row)])
         real = np.sort(roots.real[np.abs(roots.imag) <= IMAGINARY])
         real = np.clip(real[np.abs(real) <= 1.0 + 1e-9], -1.0, 1.0)
         times += [0.5 * (start + end) + 0.5 * (end - start) * z for z in real if chebyshev.chebval(z, rate) < 0.0]
-        if k == 0 and -TOUCHES * far <= chebyshev.chebval(-1.0, row) <= 0.0 and chebyshev.chebval(-1.0, rate) < 0.0:
-            times.append(start)
+    if -TOUCHES * far <= first[0] <= 0.0 and chebyshev.chebval(-1.0, rates[0]) < 0.0:
+        times.append(float(motion.start[0]))
     return sorted(times)
 
 
