@@ -28,8 +28,9 @@ from .shapes import guess, shapes
 BEND_SAMPLES = 257
 # Points of an element that say where it is, and those of an outline's at which a corner's distance is looked at.
 FEW, MANY = 17, 257
-# Two contacts are one if their place, in units of the plate's reach, and direction differ by less than this.
-SAME_PLACE = 1e-7
+# Two contacts are one if their place, in units of the plate's reach, and direction differ by less than this: curves
+# whose curvatures differ by a thousandth of 1/reach are apart by less than a pose's rounding there.
+SAME_PLACE = 1e-5
 
 
 @lru_cache(maxsize=256)

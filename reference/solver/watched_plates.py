@@ -44,8 +44,9 @@ MOST_IMPACTS, NO_GAP = 200, 64 * EPS
 SOME_ROUNDINGS = 8
 # Modes and impulses are enumerated, four for each contact with friction: so many combinations take some seconds.
 MOST_COMBINATIONS = 4**7
-# Two contacts are different ones if their points on both curves are farther apart than this part of the plate's size.
-APART = 1e-6
+# Two contacts are different ones if their points on both curves are farther apart than this part of the plate's size:
+# curves whose curvatures differ by a thousandth of 1/size are apart by less than a pose's rounding there.
+APART = 1e-5
 
 
 class MotionEnds(Exception):
