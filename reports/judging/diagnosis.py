@@ -87,6 +87,7 @@ def pose_mistake(case: Case, columns: Columns, truth: Trajectory) -> str:
     whole = truth(np.linspace(truth.t[0], truth.t[-1], len(columns["t"])))
     # Angles are converted to lengths by the whole motion's ratio of both.
     size = float(np.hypot(np.ptp(whole.x), np.ptp(whole.y))) / max(float(np.ptp(whole.theta)), STILL)
+    size = max(size, STILL * case.plate.reach)  # of a plate that turns on the spot the ratio is that of roundings
     own = _off(table, truth, size)
     if own <= LEAST_MISTAKE * np.hypot(np.hypot(np.ptp(whole.x), np.ptp(whole.y)), size * np.ptp(whole.theta)):
         return ""

@@ -262,6 +262,19 @@ def test_sound_motion_of_an_engine_is_accused_of_nothing(engine):
     assert diagnosis.mistakes(case, columns, MOTION) == []
 
 
+def test_roundings_of_a_plate_that_turns_on_the_spot_are_no_mistake(monkeypatch):
+    """It has no path, so its places give its angles no unit of length. An angle in degrees is one."""
+    effects = (cases.Gravity(9.81, -np.pi / 2), cases.Unilateral())
+    case = cases.Case(cases.library.line(), cases.disc(0.1, 1.0), effects, cases.StartPose(0.0, 0.1, omega=2.0), 1.0)
+    true = reference.simulate(case)
+    state = true(times := np.linspace(0.0, 1.0, 501))
+    columns = {"t": times, "x": state.x + 1e-16, "y": state.y, "theta": state.theta}
+    mistake = diagnosis.pose_mistake(case, columns | {"theta": np.degrees(state.theta)}, true)
+    assert "theta seems to be in degrees" in mistake
+    monkeypatch.setattr(diagnosis, "_fits", None)  # nothing is searched
+    assert not diagnosis.pose_mistake(case, columns, true)
+
+
 def test_mirrored_angle_is_noticed(tmp_path, capsys):
     frame = table(FULL[:4])
     status, text, _ = judged(tmp_path, capsys, frame.assign(theta=-frame.theta))
