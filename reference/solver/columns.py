@@ -19,8 +19,14 @@ from . import forces
 from .accelerations import balance_of, is_steady, load_and_units
 from .contact_law import STICKING
 from .places import ContactPlace, couple_of, groups, place, plates_in
-from .regimes import SolverPhase, SolverRegime, pair_of, regime_of, split
+from .regimes import SolverPhase, SolverRegime, pair_of, regime_of, solver_phase, split
 from .system import COLUMNS
+
+# Forces that are not unique are computed once for each instant, of all contacts: a comparison with a motion of some
+# thousand samples asks for them ten times. An entry takes 1 kB.
+MOST_INSTANTS = 2**14
+# Least and greatest normal and friction force (N), (2,) each, by the contact's name.
+ForcesByContact = dict[str, tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass
@@ -120,7 +126,10 @@ def contact_columns(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarr
         return ContactColumns(nothing, nothing, values[0], values[1], xi1, xi2, limits[0], limits[1])
     normal, friction, slip, _ = _outputs(case, now, times, y, k)
     if regime.guides and _is_guided(case, regime, k):
-        limits_of = [_guided_ranges(case, now, t, state, k) for t, state in zip(times.tolist(), y.T, strict=True)]
+        states = [state.tobytes() for state in y.T]
+        limits_of = [
+            _guided_ranges(case, regime, state, t)[name] for state, t in zip(states, times.tolist(), strict=True)
+        ]
         limits = [np.array([each[i] for each in limits_of]).T for i in (0, 1)]
         values = [forces.values(limit.T, _weight(case, times, y)) for limit in limits]
         slip = 0.0 * slip if regime.modes[k] in STICKING else slip
@@ -186,19 +195,22 @@ def _is_guided(case: Case, regime: SolverRegime, k: int) -> bool:
     return k in _by_guides(case, regime)
 
 
-def _guided_ranges(case: Case, now: SolverPhase, t: float, y: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest normal and friction force (N), (2,) each, of a contact whose forces are not unique."""
-    regime = regime_of(now)
-    some, (state, _) = _by_guides(case, regime), split(case, y)
-    at, rates = (
-        _places(case, regime, y, some),
-        np.array(now.system.rates_of_numbers(t, tuple(y.tolist()), now.parameters)),
-    )
-    balance = balance_of(
-        case, t, state, rates[len(rates) - len(state) // 2 :], at, [regime.modes[i] for i in some], regime.turns
-    )
-    limits = forces.ranges(at, *balance)
-    return limits.normal[some.index(k)], limits.friction[some.index(k)]
+@lru_cache(maxsize=MOST_INSTANTS)
+def _guided_ranges(case: Case, regime: SolverRegime, state: bytes, t: float) -> ForcesByContact:
+    """Least and greatest normal and friction force (N), (2,) each, of contacts whose forces are not unique while their
+    plates move. `state` as of `_all_ranges`."""
+    y, now, some = np.frombuffer(state), solver_phase(case, regime), _by_guides(case, regime)
+    (own, _), at = split(case, y), _places(case, regime, y, some)
+    rates = np.array(now.system.rates_of_numbers(t, tuple(y.tolist()), now.parameters))
+    acceleration = rates[len(rates) - len(own) // 2 :]
+    balance = balance_of(case, t, own, acceleration, at, [regime.modes[i] for i in some], regime.turns)
+    return _by_name([regime.names[k] for k in some], forces.ranges(at, *balance))
+
+
+def _by_name(names: Sequence[str], limits: forces.ForceRanges) -> ForcesByContact:
+    for each in (*limits.normal, *limits.friction):
+        each.flags.writeable = False  # shared by all callers
+    return dict(zip(names, zip(limits.normal, limits.friction, strict=True), strict=True))
 
 
 def _places(case: Case, regime: SolverRegime, y: np.ndarray, some: Sequence[int]) -> list[ContactPlace]:
@@ -206,8 +218,8 @@ def _places(case: Case, regime: SolverRegime, y: np.ndarray, some: Sequence[int]
     return [place(pair_of(case, regime.pairs[k]), state, points[k]) for k in some]
 
 
-@lru_cache(maxsize=1024)
-def _all_ranges(case: Case, regime: SolverRegime, state: bytes, t: float) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+@lru_cache(maxsize=MOST_INSTANTS)
+def _all_ranges(case: Case, regime: SolverRegime, state: bytes, t: float) -> ForcesByContact:
     """Least and greatest normal and friction force (N), (2,) each, of all contacts of plates at rest. `state`: the
     variables' bytes, because keys that are equal may differ in the sign of a zero."""
     y = np.frombuffer(state)
@@ -216,17 +228,13 @@ def _all_ranges(case: Case, regime: SolverRegime, state: bytes, t: float) -> dic
         if mode is not Mode.FLIGHT and set(sides(case, regime, k)) <= regime.resting
     ]  # fmt: skip
     now, (poses, _) = _places(case, regime, y, some), split(case, y)
-    result = dict[str, tuple[np.ndarray, np.ndarray]]()
+    result: ForcesByContact = {}
     for group in groups(now):
         at = [now[i] for i in group]
         still = [regime.modes[some[i]] for i in group]
         load, units = load_and_units(case, t, poses, plates_in(at), at, still)
         limits = forces.ranges(at, load, units, [one.stick for one in at], [one.resisting_arm for one in at])
-        for i, place_in_group in enumerate(group):
-            pair = limits.normal[i], limits.friction[i]
-            for each in pair:
-                each.flags.writeable = False  # shared by all callers
-            result[regime.names[some[place_in_group]]] = pair
+        result |= _by_name([regime.names[some[i]] for i in group], limits)
     return result
 
 

@@ -6,6 +6,7 @@ from math import atan, cos, pi, sin, sqrt
 import numpy as np
 import pytest
 
+import cases
 import reference
 from cases import (
     BadValue,
@@ -32,6 +33,7 @@ from cases.contact_pairs import contact_case
 from cases.library import line
 from cases.mechanics import energy
 from reference.certification.witnesses import _by_second
+from reference.solver import columns
 from tests.scenes.motions import work_done
 from tests.scenes.supports import agree, compare_with_matrix, events, random_case, simulated, slow
 
@@ -335,3 +337,16 @@ def test_further_plates_run_on_belts():
 def test_the_speed_of_a_belt_has_a_value_at_the_start():
     with pytest.raises(BadValue, match="speed of Belt or its rate has no value"):
         replace(disc_at_wall(1.0), supports=(Support(line(pi / 2), "wall", (CoulombFriction(0.2), Belt("1/t"))),))
+
+
+def test_forces_that_are_not_unique_are_computed_once_for_each_instant(monkeypatch):
+    """Of all contacts, however often they are asked for: a comparison asks ten times, and they are slow."""
+    motion, calls, ranges = reference.simulate(cases.load("disc_in_v_of_belts")), [], columns.forces.ranges
+    assert motion.t[-1] == 1.5  # its own samples are computed here
+    monkeypatch.setattr(columns.forces, "ranges", lambda *how: calls.append(how) or ranges(*how))
+    columns._guided_ranges.cache_clear()
+    times = np.linspace(0.3, 0.7, 5)
+    for name in 2 * motion.contact_names:
+        assert np.isfinite(motion.contact_columns(name, times).normal_range).all()
+    motion(times)
+    assert len(calls) == len(times)

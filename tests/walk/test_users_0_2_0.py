@@ -122,13 +122,7 @@ def test_a_command_reads_a_file(row, own_files):
     check_step(STEPS[row], Environment.existing(Path(sys.prefix)), own_files)
 
 
-# Its forces are not unique, and their ranges are computed at each instant: 47 s of CPU. Other scenes take up to 3 s.
-LONG = "disc_in_v_of_belts"
-
-
-@pytest.mark.parametrize(
-    "label", [pytest.param(label, marks=pytest.mark.slow) if label == LONG else label for label in EXPORTS]
-)
+@pytest.mark.parametrize("label", EXPORTS)
 def test_an_exported_motion_is_still_true(label, archive):
     """Its samples may leave the grade undecided; they never make it wrong."""
     (run,) = compare(cases.load(label), before=archive / "exported" / label / "motion.csv").runs
