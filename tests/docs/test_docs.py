@@ -110,11 +110,15 @@ def test_the_page_on_reports_lists_every_value_of_reached_and_names_columns_and_
 
 @pytest.mark.slow  # code of the other pages runs in the quick tests
 def test_the_gallery_runs_and_shows_itself(desk):
-    """Cell by cell, and what each ends with shows itself as a notebook asks for it."""
-    cells = json.loads((ROOT / "docs" / "gallery.ipynb").read_text(encoding="utf-8"))["cells"]
+    shown = cells_shown(ROOT / "docs" / "gallery.ipynb")
+    assert {"Case", "Trajectory", "Picture", "Animation", "Comparison", "DataFrame"} <= set(shown)
+
+
+def cells_shown(notebook: Path) -> list[str]:
+    """The types of what the cells of a notebook end with: each is run, and shows itself as a notebook asks for it."""
     names: dict = {"__name__": "gallery"}
     shown = []
-    for cell in cells:
+    for cell in json.loads(notebook.read_text(encoding="utf-8"))["cells"]:
         if cell["cell_type"] == "code":
             *before, last = "".join(cell["source"]).split("\n")
             exec("\n".join(before), names)
@@ -123,7 +127,7 @@ def test_the_gallery_runs_and_shows_itself(desk):
             shown += [type(thing).__name__]
             assert any(text and len(text) > 100 for text in rich), type(thing)
             assert len(repr(thing)) < 1000
-    assert {"Case", "Trajectory", "Picture", "Animation", "Comparison", "DataFrame"} <= set(shown)
+    return shown
 
 
 def test_the_gallery_has_the_outputs_of_all_cells_and_is_small():

@@ -19,6 +19,7 @@ ARCHIVE = Path(__file__).with_name("users_0_2_0.zip")
 COPIES = {
     "README.md": "",
     "docs/*.md": "",
+    "docs/gallery.ipynb": "",
     "starter/*": "",
     "examples/magnetic_wheel/*": "",
     "tests/walk/newcomers/*": "newcomers",
@@ -48,12 +49,20 @@ def main(clone: str) -> None:
                 copy = desk / place / (path.name if place else path.relative_to(source))
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 copy.write_bytes(path.read_bytes())
+        _strip(desk / "docs" / "gallery.ipynb")
         _by_commands(source, desk)
         with zipfile.ZipFile(ARCHIVE, "w", zipfile.ZIP_LZMA) as archive:
             for path in sorted(path for path in desk.rglob("*") if path.is_file()):
                 entry = zipfile.ZipInfo(path.relative_to(desk).as_posix(), DATE)
                 entry.compress_type = zipfile.ZIP_LZMA
                 archive.writestr(entry, path.read_bytes())
+
+
+def _strip(notebook: Path) -> None:
+    """Remove the outputs of a notebook's cells: only its code is run again."""
+    content = json.loads(notebook.read_text(encoding="utf-8"))
+    content["cells"] = [cell | {"outputs": []} for cell in content["cells"] if cell["cell_type"] == "code"]
+    notebook.write_text(json.dumps(content), encoding="utf-8")
 
 
 def _by_commands(source: Path, desk: Path) -> None:

@@ -16,7 +16,7 @@ import cases
 from reports import export
 from reports.comparison import compare
 
-from ..docs.test_docs import codes, desk  # noqa: F401 - a fixture
+from ..docs.test_docs import cells_shown, codes, desk  # noqa: F401 - a fixture
 from . import replay
 from .installed import Environment
 from .older_files import EXPORTS, POINTS, SUBMISSION, page_names, unpack
@@ -105,6 +105,11 @@ def test_code_of_a_page_runs_from_top_to_bottom(page, archive, desk):  # noqa: F
     names: dict = {"__name__": "page"}
     for number, code in enumerate(codes(path, "python"), start=1):
         exec(compile(code, f"{path.name} of 0.2.0, block {number}", "exec"), names)
+
+
+@pytest.mark.slow
+def test_the_gallery_runs_and_shows_itself(archive, desk):  # noqa: F811
+    assert len(cells_shown(archive / "docs" / "gallery.ipynb")) > 25
 
 
 def test_every_page_with_code_is_run(archive):
