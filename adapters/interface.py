@@ -174,7 +174,7 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         return f"The {route} route does not support an effect of a package with several fixed curves (supports)."
     if case.supports and route not in getattr(adapter, "SUPPORTS", ()):
         return f"The {route} route does not support several fixed curves (supports)."
-    if case.supports and not case.others and limit(case, Scope.CERTIFICATE):
+    if case.supports and not case.others and (limit(case, Scope.SHAPES) or _is_newton_on_belt(case)):
         return (
             f"The {route} route does not support this pair of outline and support: their contacts have no closed form."
         )
@@ -191,6 +191,15 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     if is_driven and (has_pieces(case) or case.supports) and route not in getattr(adapter, "DRIVEN_CONTACTS", ()):
         return f"The {route} route does not support a driven track together with corners or supports."
     return adapter.refuses(case, route)
+
+
+def _is_newton_on_belt(case: Case) -> bool:
+    """Whether Newton's law of impact acts at a surface that runs."""
+    from cases import Impact
+    from cases.supports import has_belt
+
+    law = case.effect(Impact)
+    return law is not None and law.law == "newton" and has_belt(case)
 
 
 def _not_with_plates(case: Case) -> str:

@@ -9,7 +9,7 @@ from .chain import Chain
 from .contact_pairs import pairs, pairs_in_pose
 from .curves import Curve
 from .effects import Flight
-from .limits import Scope, as_sentence, limit
+from .limits import Scope, as_sentence, limit, without_certificate
 from .outline_features import features
 from .piece_case import has_pieces
 from .start_pose import TOUCHES
@@ -19,7 +19,7 @@ from .supports import is_hill
 def limitation(case: Case) -> str:
     """Why a motion of this case with several contacts is not computed by both formulations, in a sentence; "" if it
     is."""
-    return as_sentence(limit(case, Scope.SEVERAL_CONTACTS) or limit(case, Scope.CERTIFICATE))
+    return as_sentence(limit(case, Scope.SEVERAL_CONTACTS) or without_certificate(case))
 
 
 def has_features(case: Case) -> bool:
@@ -43,7 +43,9 @@ def touches_by_features(case: Case) -> bool:
 @lru_cache(maxsize=256)
 def _corners_touch(case: Case) -> bool:
     """The same for a plate with corners on a track alone."""
-    if limitation(case) or is_hill(case.track):  # a convex plate touches a hill in one place
+    if (
+        limit(case, Scope.SEVERAL_CONTACTS) or limit(case, Scope.SHAPES) or is_hill(case.track)
+    ):  # a convex plate touches a hill in one place
         return False
     if case.effect(Flight) is not None and not any(isinstance(piece, Curve) for piece in features(case.plate.outline)):
         return True

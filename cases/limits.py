@@ -28,7 +28,8 @@ class Scope(StrEnum):
     SEVERAL_CONTACTS = "a plate with several contacts"
     SEVERAL_PLATES = "several plates"
     SWEEP = "a sweep"
-    CERTIFICATE = "a certificate of several contacts"
+    EFFECTS = "a certificate of several contacts: effects"
+    SHAPES = "a certificate of several contacts: shapes"
 
 
 class Reason(StrEnum):
@@ -53,23 +54,26 @@ class Limit(NamedTuple):
     why: str
 
 
+def _uncertified_with_plates(case: Any) -> str:
+    if not case.others:
+        return ""
+    parts = {
+        "a Load": any(loads_of(case)),
+        "a Drive": case.effect(Drive) is not None,
+        "a Belt": has_belt(case),
+        "RollingResistance": has_rolling_resistance(case),
+        "pairs": bool(case.pairs),
+        "no Impact": case.effect(Impact) is None,
+    }
+    return next((name for name, is_there in parts.items() if is_there), "")
+
+
 def _curves(case: Any) -> tuple[Any, ...]:
     return (case.track, *(support.curve for support in case.supports))
 
 
 def _own(case: Any) -> str:
     return next((type(effect).__name__ for effect in own_effects(case.effects)), "")
-
-
-def _more_than_weight(case: Any) -> str:
-    """What of a case with several plates is more than weight and friction."""
-    parts = {
-        "Drive": case.effect(Drive) is not None,
-        "Load": any(loads_of(case)),
-        "Belt": has_belt(case),
-        "RollingResistance": has_rolling_resistance(case),
-    }
-    return next((name for name, is_there in parts.items() if is_there), "")
 
 
 def _missing(case: Any) -> str:
@@ -218,15 +222,15 @@ LIMITS = (
     _of_sweep("a mu that depends on the slip speed", has_slip_law, "a mu that depends on the slip velocity"),
     _of_sweep("Drive", lambda case: case.effect(Drive) is not None, "a driven track"),
     Limit(
-        Scope.CERTIFICATE,
-        "several plates with a Drive, Load, Belt or RollingResistance",
-        lambda case: case.others and _more_than_weight(case),
-        "several plates have a {}; leave it out",
+        Scope.EFFECTS,
+        "several plates with a Load, Drive, Belt, RollingResistance or pairs, or without Impact",
+        _uncertified_with_plates,
+        "several plates have {}; give a case without",
         Reason.NOT_BUILT,
-        "the second formulation has weight and friction only",
+        "the second formulation of several plates has gravity, friction and impacts",
     ),
     Limit(
-        Scope.CERTIFICATE,
+        Scope.EFFECTS,
         "an effect of a package",
         _own,
         "{} acts at several contacts; leave it out",
@@ -234,7 +238,15 @@ LIMITS = (
         "the second formulation has such effects at one contact",
     ),
     Limit(
-        Scope.CERTIFICATE,
+        Scope.EFFECTS,
+        "RollingResistance of a plate with corners",
+        lambda case: _has_corners(case) and has_rolling_resistance(case),
+        "a plate with corners has RollingResistance; give a smooth outline or leave RollingResistance out",
+        Reason.NOT_BUILT,
+        "the second formulation has the couple of smooth outlines",
+    ),
+    Limit(
+        Scope.SHAPES,
         "several plates that are no discs and one convex polygon on straight lines",
         lambda case: case.others and why_not_closed_forms(case),
         "{}; give discs and at most one convex polygon on straight lines",
@@ -242,7 +254,7 @@ LIMITS = (
         "the second formulation has contacts with closed forms only",
     ),
     Limit(
-        Scope.CERTIFICATE,
+        Scope.SHAPES,
         "a track or support with edges",
         lambda case: _is_by_curves(case) and any(_has_edge(curve) for curve in _curves(case)),
         "a curve has an edge; give a line as track if the plate stays on one part",
@@ -250,7 +262,7 @@ LIMITS = (
         _PARTS,
     ),
     Limit(
-        Scope.CERTIFICATE,
+        Scope.SHAPES,
         "a track or support with corners",
         lambda case: _is_by_curves(case) and any(isinstance(curve, Chain) for curve in _curves(case)),
         "a curve has corners; give a line as track and its other parts as supports",
@@ -258,7 +270,7 @@ LIMITS = (
         _PARTS,
     ),
     Limit(
-        Scope.CERTIFICATE,
+        Scope.SHAPES,
         "supports, and a curve through points or in pieces",
         lambda case: bool(case.supports) and not case.others and _in_parts(case),
         "a curve has parts; give curves by formulas",
@@ -266,7 +278,7 @@ LIMITS = (
         _PARTS,
     ),
     Limit(
-        Scope.CERTIFICATE,
+        Scope.SHAPES,
         "supports, and a plate with corners that does not turn",
         lambda case: bool(case.supports) and _is_by_features(case) and not case.plate.turns,
         "a plate with corners does not turn; give a smooth outline",
@@ -274,15 +286,7 @@ LIMITS = (
         "a side of such a plate lies flat in every pose",
     ),
     Limit(
-        Scope.CERTIFICATE,
-        'supports, a Belt, and Impact(law="newton")',
-        lambda case: bool(case.supports) and not case.others and _is_newton(case) and has_belt(case),
-        "Newton's law of impact acts at a belt; give law='poisson'",
-        Reason.NOT_BUILT,
-        "the second formulation compares energies without what a belt gives",
-    ),
-    Limit(
-        Scope.CERTIFICATE,
+        Scope.SHAPES,
         "corners on a curve that bends away, but for convex polygons on closed hills",
         _bends_away,
         "a plate with corners is on a curve that bends away from it; give a straight one without ends, one that bends "
@@ -291,7 +295,7 @@ LIMITS = (
         "elsewhere the nearest points of a pair are not unique, and the second formulation watches one pair each",
     ),
     Limit(
-        Scope.CERTIFICATE,
+        Scope.SHAPES,
         "an open outline, or one without a corner or arc that bulges",
         _has_no_features,
         "the outline is not closed, or has no corner or arc that bulges; give one that is and has",
@@ -299,7 +303,7 @@ LIMITS = (
         "the second formulation watches corners and arcs that bulge",
     ),
     Limit(
-        Scope.CERTIFICATE,
+        Scope.SHAPES,
         "an outline with a round piece that is no arc of a circle",
         _has_other_pieces,
         "a round piece of the outline is no arc of a circle; give one whose pieces are edges and arcs",
@@ -307,7 +311,7 @@ LIMITS = (
         "the second formulation watches corners and arcs that bulge",
     ),
     Limit(
-        Scope.CERTIFICATE,
+        Scope.SHAPES,
         "an outline with an arc that ends at a corner, on a curved track",
         _has_arcs_on_curves,
         "an arc of the outline ends at a corner, or bends beyond its hull; on a curved track give corners only",
@@ -328,11 +332,6 @@ def _in_parts(case: Any) -> bool:
     return any(curve.parts is not None for curve in curves if not isinstance(curve, Chain))
 
 
-def _is_newton(case: Any) -> bool:
-    law = case.effect(Impact)
-    return law is not None and law.law == "newton"
-
-
 def limit(case: Any, scope: Scope) -> str:
     """The first limit of a scope that a case has, in a sentence without its capital and period that says what to give
     instead; "" if it has none."""
@@ -340,6 +339,11 @@ def limit(case: Any, scope: Scope) -> str:
         if row.scope is scope and (what := row.applies(case)):
             return row.sentence.format(what)
     return ""
+
+
+def without_certificate(case: Any) -> str:
+    """Why the second formulation does not compute a case with several contacts, as of `limit`; "" if it does."""
+    return limit(case, Scope.EFFECTS) or limit(case, Scope.SHAPES)
 
 
 def as_sentence(reason: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cases import BadValue, Case, CaseError, Gravity, Mode, Trajectory, Unilateral
 from cases.contact import start_motion
 from cases.errors import describe
-from cases.limits import Scope, limit
+from cases.limits import without_certificate
 
 from .solve import simulate
 
@@ -28,7 +28,7 @@ def check(case: Case) -> str:
 def _without_certificate(case: Case, motion: Trajectory) -> str:
     """A note if the motion is one that the second formulation does not compute; "" if it is."""
     has_several = bool(case.others) or len(motion.contact_names) > 1
-    reason = limit(case, Scope.CERTIFICATE) if has_several else ""
+    reason = without_certificate(case) if has_several else ""
     return f". Note: the motion is checked by its laws only, without a certificate: {reason}" if reason else ""
 
 

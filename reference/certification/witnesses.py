@@ -18,6 +18,7 @@ from cases import Case, Flight, Mode, NotSupported, Trajectory, Transition
 from cases.contact import start_motion
 from cases.contact_limits import limitation, touches_by_features
 from cases.free_plates import names_of
+from cases.limits import Scope, limit
 from cases.moving_frame import in_fixed_frame, relative_case
 from cases.trajectory import CONTACT
 
@@ -203,7 +204,10 @@ def _by_delassus(case: Case, name: str, rtol: float, first) -> Witness:
 
 
 def _supports_witness(case: Case, name: str, rtol: float) -> Witness:
-    """The second formulation of a case whose contacts are pairs of a support and a feature."""
+    """The second formulation of a case whose contacts are pairs of a support and a feature. Raises NotSupported for
+    effects that it does not have."""
+    if reason := limit(case, Scope.EFFECTS):
+        raise NotSupported(reason)
     from .. import contact_frame, delassus
 
     answer = delassus.from_start(case, rtol)

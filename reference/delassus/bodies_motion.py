@@ -12,7 +12,7 @@ import numpy as np
 from cases import Case, Curve, Impact, Mode, NotSupported, Plate, Start, Transition
 from cases.free_plates import PlateContact, parameter, plate_contacts, plates_of, start_poses
 from cases.library import hill
-from cases.limits import Scope, limit
+from cases.limits import without_certificate
 from cases.polygon_features import size_of_plate
 
 from .bodies import FIXED, ContactOfBodies, _frame
@@ -302,7 +302,7 @@ class BodiesSimulation(Simulation):
 
 def bodies_motion(case: Case, rtol: float = 1e-13, times: Sequence[float] | np.ndarray = ()) -> PlatesMotion:
     """The motion of several plates from their start. Raises NotSupported for what these equations do not have."""
-    if reason := limit(case, Scope.CERTIFICATE):
+    if reason := without_certificate(case):
         raise NotSupported(reason)
     motion = BodiesSimulation(case, rtol)
     with np.errstate(all="ignore"):
