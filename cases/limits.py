@@ -6,6 +6,7 @@ it. `limits_page` writes docs/limits.md from it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from enum import StrEnum
 from typing import Any, NamedTuple
@@ -52,6 +53,11 @@ class Limit(NamedTuple):
     sentence: str
     reason: Reason
     why: str
+
+    def matches(self, sentence: str) -> bool:
+        """Whether a sentence is that of this limit, of any case."""
+        parts = re.split(r"\{0?\}", self.sentence)
+        return re.fullmatch("[^;]+".join(map(re.escape, parts)), sentence) is not None
 
 
 def _uncertified_with_plates(case: Any) -> str:

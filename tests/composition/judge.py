@@ -19,6 +19,7 @@ import numpy as np
 
 import reference
 from cases import Case, CaseError, Trajectory
+from cases.limits import LIMITS
 
 from .build import scene
 from .draw import Spec, draw
@@ -33,7 +34,8 @@ class OutOfTime(Exception):
 
 
 def answer(spec: Spec, seconds: float, rtol: float = 1e-10) -> dict[str, Any]:
-    """The outcome of a scene: rejected, out of time, a Python error, or a motion with status, transitions and poses."""
+    """The outcome of a scene: rejected (with its row of the table of limits, or else for its start), out of time, a
+    Python error, or a motion with status, transitions and poses."""
     began = time.process_time()
     signal.signal(signal.SIGVTALRM, _stop)
     signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
@@ -44,7 +46,9 @@ def answer(spec: Spec, seconds: float, rtol: float = 1e-10) -> dict[str, Any]:
         motion = reference.simulate(case, rtol=rtol, method=method)
         outcome = {"outcome": "motion", **describe(case, motion)}
     except CaseError as problem:
+        row = next((row for row in LIMITS if row.matches(str(problem))), None)
         outcome = {"outcome": "rejected", "kind": type(problem).__name__, "sentence": str(problem)}
+        outcome |= {"limit": row.feature, "reason": row.reason.value} if row else {}
     except OutOfTime:
         outcome = {"outcome": "out of time"}
     except Exception as problem:  # a fault of the build is an outcome

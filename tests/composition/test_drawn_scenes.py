@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from itertools import combinations
 
@@ -35,3 +36,6 @@ def test_every_scene_has_an_answer():
     outcomes = [answer(draw(seed), SECONDS) for seed in range(40)]
     assert [one for one in outcomes if one["outcome"] in ("error", "out of time")] == []
     assert sum(one["outcome"] == "motion" for one in outcomes) >= 8
+    # What is rejected is in the table of limits, or begins where it cannot.
+    others = [one["sentence"] for one in outcomes if one["outcome"] == "rejected" and "limit" not in one]
+    assert [text for text in others if not re.search("Start|give (another|a smaller) (start|plate)", text)] == []
