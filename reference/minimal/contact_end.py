@@ -64,12 +64,13 @@ def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: f
     now, guard, t = segment.phase, segment.event.guard, segment.event.time
     if guard is None:
         return Step((segment,), t)
-    if guard == "normal_force" or guard in BEGINS and _force_vanished(case, segment, begin):
+    if guard == "normal_force" or guard in BEGINS:
         across = over_touch(segment, guard, error, case.duration)
-        guard = "normal_force"
         if across:
             t, y = across.event.time, full_state(case, now, t, across.event.state)
             return Step((segment, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
+        if guard in BEGINS and _force_vanished(case, segment, begin):
+            guard = "normal_force"
     y = full_state(case, now, t, segment.event.state)
     if (knot := passed(case, segment, y)) is not None:
         return _beyond_knot(case, segment, *knot)
