@@ -18,7 +18,7 @@ from ..scales import STILL, slip_error
 from . import forces
 from .contact_law import STICKING, Sides, Turns, rigid_pairs, turning_row
 from .places import ContactPlace, plates_in
-from .plate_numbers import Bodies, bodies, load_at, rows_of, speed
+from .plate_numbers import Bodies, bodies, load_at, load_scale, rows_of, speed
 from .regimes import Guides
 from .rest import BALANCE
 
@@ -111,9 +111,10 @@ def answer_by_numbers(
             return _by_guides(now, contacts, modes, turns)
         values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
         acceleration = load + some.inverse * (np.array(columns).T @ values)
-    weight = float((np.abs(load) * some.masses).max())
-    force = VIOLATED * max(weight, float(np.abs(values).max(initial=0.0)))
-    rate = VIOLATED * max(float(np.abs(load).max()), float(np.abs(acceleration * some.lengths).max()))
+    largest = load_scale(now.case, now.time, now.state)  # weight and load, which may cancel
+    heaviest = float((some.masses / some.lengths**2).max())
+    force = VIOLATED * max(largest * heaviest, float(np.abs(values).max(initial=0.0)))
+    rate = VIOLATED * max(largest, float(np.abs(acceleration * some.lengths).max()))
     forces_left, possible, opens = iter(values.tolist()), True, True
     frictions, bounds, couples = dict[int, float](), dict[int, float](), dict[Sides, float]()
     for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
@@ -173,7 +174,8 @@ def _by_guides(
         return None
     values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
     acceleration = load + some.inverse * (np.array(columns).T @ values)
-    rate = SAME * max(float(np.abs(load).max()), float(np.abs(acceleration * some.lengths).max()))
+    largest = load_scale(now.case, now.time, now.state)
+    rate = SAME * max(largest, float(np.abs(acceleration * some.lengths).max()))
     if any(abs(float(row @ acceleration) + bias) > rate for row, _, bias in others):
         return None
     away = [at for k, at in enumerate(contacts) if k not in closed]

@@ -21,7 +21,7 @@ from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
 from .accelerations import SAME, DecisionInstant, answer_by_numbers, rest_margin
 from .contact_law import STICKING, Sides, Turns, slip_modes, turning_row
 from .places import ContactPlace, plates_in, sharing
-from .plate_numbers import bodies, load_at, load_scale, rows_of
+from .plate_numbers import bodies, load_scale, rows_of
 from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
 from .rest import BALANCE
 
@@ -221,12 +221,12 @@ def _senses(now: DecisionInstant, sides: Sides) -> tuple[int, ...]:
 
 def _clusters(now: DecisionInstant, motions: Sequence[_Motion]) -> list[list[_Motion]]:
     """Modes with the same accelerations together."""
-    lengths, load, clusters = bodies(now.case).lengths, load_at(now.case, now.time, now.state), list[list[_Motion]]()
+    lengths, clusters = bodies(now.case).lengths, list[list[_Motion]]()
+    least = load_scale(now.case, now.time, now.state)
     for motion in motions:
         for some in clusters:
-            accelerations = (load, motion.acceleration, some[0].acceleration)
-            largest = max(float(np.abs(one * lengths).max()) for one in accelerations)
-            if np.abs((motion.acceleration - some[0].acceleration) * lengths).max() <= SAME * largest:
+            largest = max(float(np.abs(one.acceleration * lengths).max()) for one in (motion, some[0]))
+            if np.abs((motion.acceleration - some[0].acceleration) * lengths).max() <= SAME * max(least, largest):
                 some.append(motion)
                 break
         else:
