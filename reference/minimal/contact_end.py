@@ -65,7 +65,7 @@ def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: f
     if guard is None:
         return Step((segment,), t)
     if guard == "normal_force" or guard in BEGINS:
-        across = over_touch(segment, guard, error, case.duration)
+        across = over_touch(phase(now.case, now.regime, now.parts), segment, guard, error, case.duration)
         if across:
             t, y = across.event.time, full_state(case, now, t, across.event.state)
             return Step((segment, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)

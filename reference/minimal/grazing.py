@@ -1,4 +1,5 @@
-"""Grazing: a normal force that vanishes and grows again at once, within the motion's accuracy, is no lift-off.
+"""Grazing: a normal force that vanishes and grows again at once, within the motion's accuracy, is no lift-off, and a
+friction force that reaches its cone so begins no slip.
 
 A frictionless disc that returns to the height of its release has N = 0 and v = 0 there at the same time; whether the
 computed N dips below zero depends on the error of the integration.
@@ -11,22 +12,23 @@ from math import sqrt
 import numpy as np
 
 from .integrators.segment import Event, Segment
-from .modes import Phase, phase
+from .modes import Phase
 from .series import Series
 
 # Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.
 ORDER = 8
 
 
-def over_touch(segment: Segment, guard: str, error: float, end: float) -> Segment | None:
-    """Continue the motion across a dip of the normal force that ended the segment; None if the contact really ends.
+def over_touch(now: Phase, segment: Segment, guard: str, error: float, end: float) -> Segment | None:
+    """Continue the motion across a dip of a force that ended the segment; None if the mode really ends.
 
-    `guard` is the force itself, or the bound of a static friction or couple that vanishes with it. A dip is ignored if
-    it is no deeper than the relative `error` of the guard's greatest value in the segment. The motion across has zero
-    length if the guard only reaches zero, and does not go beyond the time `end`.
+    `guard` is the normal force, or the distance of a static friction or couple from its bound. A dip is ignored if it
+    is no deeper than the relative `error` of the guard's greatest value in the segment. The motion across has zero
+    length if the guard only reaches zero, and does not go beyond the time `end`. `now`: the segment's phase, whose
+    system has series, whatever equations integrated the segment.
     """
-    now, t, y = segment.phase, segment.event.time, segment.event.state
-    motion, force = _expand(now, guard, t, y)
+    t, y = segment.event.time, segment.event.state
+    motion, force = _series_of(now, guard, t, y, ORDER)
     value, slope, bend = force[:3]
     if not bend > 0.0:
         return None
@@ -49,14 +51,8 @@ def over_touch(segment: Segment, guard: str, error: float, end: float) -> Segmen
     return Segment.of(now, np.array([t, t + lasts]), states, Event(None, t + lasts, tuple(last.tolist())), 1)
 
 
-def _expand(now: Phase, guard: str, t: float, y) -> tuple[np.ndarray, list[float]]:
-    """The coefficients in time of the state, shape (variables, ORDER + 1), and of the guard."""
-    now = phase(now.case, now.regime, now.parts)  # whose system has series, whatever equations integrated the segment
-    return _series_of(now, guard, t, y, ORDER)
-
-
 def _series_of(now: Phase, guard: str, t: float, y, order: int) -> tuple[np.ndarray, list[float]]:
-    """The same of a phase whose system has series, up to an order."""
+    """The coefficients in time of the state, shape (variables, order + 1), and of the guard."""
     state, conditions = now.system.expand(t, y, [0.0] * len(y), now.parameters, order)
     force = conditions[list(now.system.conditions).index(guard)]
     terms = force.c if isinstance(force, Series) else [force]

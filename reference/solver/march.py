@@ -34,6 +34,7 @@ from ..minimal.contact_end import breakdown, own_ending
 from ..minimal.curve_pieces import TooMuch
 from ..minimal.decision import Undecidable
 from ..minimal.effects import OWN_END
+from ..minimal.grazing import over_touch
 from ..minimal.hybrid import MOST_PHASES
 from ..minimal.integrators.segment import OUT_OF_STEPS, Event, Segment
 from ..minimal.phase_end import LOCATION_ERROR, MOST_STEPS, PIECE_ENDS, ROUGH
@@ -55,6 +56,8 @@ from .watched_plates import MotionEnds, Watch
 MEETS = 1e-11
 # Guards of a rotation of plates against each other, which belong to all their contacts.
 OF_ROTATION = ("turn", "couple_forward", "couple_backward")
+# Guards of forces at their bounds.
+OF_FORCES = ("normal", "cone_forward", "cone_backward")
 # A motion with a plate in flight is integrated over this many of its time scales at once.
 FLIES = 4.0
 # This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
@@ -278,6 +281,9 @@ class PlatesSimulation(ModeChanges):
             self._settle(stuck, self._closing())
             return None
         watch = self.watches[int(number)]
+        if kind in OF_FORCES and self._is_touch(segment, guard):
+            self._settle(stuck)
+            return None
         if kind == "lost":
             self.watches.remove(watch)
             self._settle(stuck)
@@ -293,6 +299,15 @@ class PlatesSimulation(ModeChanges):
             self.fixed = {watch.name: (Mode.FLIGHT,)}
         self._settle(stuck, closing)
         return None
+
+    def _is_touch(self, segment: Segment, guard: str) -> bool:
+        """Whether a force that ends a segment at its bound only touches that: the motion goes on beyond."""
+        error = max(self.rtol, LOCATION_ERROR)
+        across = over_touch(segment.phase, segment, guard, error, self.case.duration)
+        if across is None or self.meetings.first(across) is not None:
+            return False
+        self._advance(across)
+        return True
 
     def _pass_on(self, watch: Watch, kind: str, stuck: set[str]) -> Ending | None:
         """The contact has reached an end of an element: it passes to the next one, or ends."""
