@@ -148,7 +148,8 @@ class ImpactEnds(WatchedPlates):
             tuple(watch.name for watch in self.watches),
         )
         phase = solver_phase(self.case, SolverRegime(keys, modes, own, every))
-        points = [watch.points for watch in self.watches]
-        first, last = join(self.state, points), join(state, points)
+        first = join(self.state, [watch.points for watch in self.watches])
+        at_end = [place(watch.pair, state, watch.points) for watch in self.watches]
+        last = join(state, [(at.xi1, at.xi2) for at in at_end])  # plates that do not bounce may be fast
         states = StraightStates(self.t, limit, first, last)
         return Segment.of(phase, np.array([self.t, limit]), states, Event(None, limit, last), 0)
