@@ -130,11 +130,23 @@ def answer_by_numbers(
             bounds[holder] = bounds.get(holder, 0.0) + at.stick * max(normal, 0.0) + force * (1.0 + min(at.stick, 1e3))
             if holder == i:
                 frictions[i] = next(forces_left)
+    possible = possible and _slips_follow(now, contacts, modes, acceleration, rate)
     for sides in holding:
         length = some.lengths[3 * sides[0] + 2]
         possible &= abs(next(forces_left)) * length <= couples[sides] + force * length
     possible &= all(not abs(friction) > bounds[i] for i, friction in frictions.items())
     return GroupAccelerations(acceleration, bool(possible), opens)
+
+
+def _slips_follow(
+    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], acceleration: np.ndarray, rate: float
+) -> bool:
+    """Whether slips that have vanished begin in the directions of their modes, or change by at most `rate` (m/s²)."""
+    return all(
+        SLIP_SIGN[mode] * at.slip_rate(acceleration, now.time) >= -rate
+        for at, mode in zip(contacts, modes, strict=True)
+        if mode in SLIP_SIGN and abs(at.slip(now.velocity, now.time)) <= now.still
+    )
 
 
 def _still_row(sides: Sides, some: Bodies) -> np.ndarray:
@@ -178,6 +190,8 @@ def _by_guides(
     rate = SAME * max(largest, float(np.abs(acceleration * some.lengths).max()))
     if any(abs(float(row @ acceleration) + bias) > rate for row, _, bias in others):
         return None
+    if not _slips_follow(now, contacts, modes, acceleration, VIOLATED / SAME * rate):
+        return GroupAccelerations(acceleration, False, False)
     away = [at for k, at in enumerate(contacts) if k not in closed]
     lifts = [float(at.lift_row @ acceleration) + at.lift_bias for at in away]
     some_contacts, some_modes = [contacts[k] for k in closed], [modes[k] for k in closed]

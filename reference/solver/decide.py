@@ -20,6 +20,7 @@ from cases.corner import Corner
 from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
 from .accelerations import SAME, DecisionInstant, answer_by_numbers, rest_margin
 from .contact_law import STICKING, Sides, Turns, slip_modes, turning_row
+from .exclusion import possible_modes
 from .places import ContactPlace, plates_in, sharing
 from .plate_numbers import bodies, load_scale, rows_of
 from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
@@ -93,7 +94,7 @@ def _consistent(
         stuck = [Mode.REST if (at.sides, 0) in turns else at.without_slip for at in contacts]
         still = tuple(mode if at.stick > 0.0 else Mode.SLIDE for at, mode in zip(contacts, stuck, strict=True))
         motions.append(_Motion(still, True, np.zeros(len(own)), turns))
-    for modes, turns in _combinations(now, contacts, fixed):
+    for modes, turns in possible_modes(now, contacts, list(_combinations(now, contacts, fixed))):
         shares = shares_of(contacts, modes)
         answer = answer_by_numbers(now, contacts, modes, shares, turns)
         if answer is None:

@@ -82,6 +82,10 @@ class ContactPlace(NamedTuple):
         """The slip velocity (m/s) relative to the surface of the base."""
         return float(self.slip_row @ velocity) - belt_speed(self.pair, t)
 
+    def slip_rate(self, acceleration: np.ndarray, t: float) -> float:
+        """The rate of the slip velocity (m/s²) with accelerations (3n,) of all plates."""
+        return float(self.slip_row @ acceleration) + self.slip_bias - self.belt_rate(t)
+
     def mu_of(self, velocity: np.ndarray, t: float) -> float:
         """The coefficient of friction at the slip that these velocities have."""
         return float(kinetic(self.pair, self.slip(velocity, t)))

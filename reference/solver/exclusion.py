@@ -1,0 +1,113 @@
+"""Modes that numbers exclude, of many combinations at once.
+
+The accelerations of all combinations are one stack of linear systems: contacts that open, and friction that is not
+free, have rows of the identity. Systems that are nearly singular are left to `accelerations.answer_by_numbers`, as are
+conditions that are violated by little: what is excluded here is excluded there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cases import Mode
+from cases.own_effects import own_effects
+
+from ..minimal.effects import SLIP_SIGN
+from .accelerations import DEPENDENT, VIOLATED, DecisionInstant
+from .contact_law import STICKING, Turns
+from .places import ContactPlace, sharing
+from .plate_numbers import bodies, load_at, load_scale
+
+# Conditions are violated by this many times what `answer_by_numbers` asks, and systems this many times as far from
+# singular: the roundings of either solution are far less.
+CLEARLY = 2.0
+# As many systems are solved together: a few megabytes.
+TOGETHER = 2048
+
+
+def possible_modes(
+    now: DecisionInstant, contacts: Sequence[ContactPlace], combinations: Sequence[tuple[tuple[Mode, ...], Turns]]
+) -> list[tuple[tuple[Mode, ...], Turns]]:
+    """The combinations of modes, with the senses of resisted rotations, that these numbers do not exclude. Resisted
+    rotations, and forces of the user's own, which depend on the modes, are not looked at."""
+    plain = [k for k, (_, turns) in enumerate(combinations) if not turns]
+    if len(plain) < 2 or own_effects(now.case.effects):
+        return list(combinations)
+    stack, excluded = _Stack(now, contacts), set[int]()
+    for first in range(0, len(plain), TOGETHER):
+        some = plain[first : first + TOGETHER]
+        excluded |= {some[k] for k in np.flatnonzero(stack.excluded([combinations[k][0] for k in some]))}
+    return [one for k, one in enumerate(combinations) if k not in excluded]
+
+
+class _Stack:
+    """The numbers that all combinations of one group's modes share: rows of all lift and slip velocities, (2n, 3N)."""
+
+    def __init__(self, now: DecisionInstant, contacts: Sequence[ContactPlace]):
+        some, velocity = bodies(now.case), now.velocity
+        self.now, self.some, self.count = now, some, len(contacts)
+        self.load = load_at(now.case, now.time, now.state)
+        self.rows = np.array([at.lift_row for at in contacts] + [at.slip_row for at in contacts])
+        slips = [at.slip_bias - at.belt_rate(now.time) for at in contacts]
+        self.biases = np.array([at.lift_bias for at in contacts] + slips)
+        self.delassus = self.rows * some.inverse @ self.rows.T
+        self.sizes = np.sqrt(np.diag(self.delassus))
+        self.mu = np.array([at.mu_of(velocity, now.time) for at in contacts])
+        self.stick = np.array([at.stick for at in contacts])
+        same = sharing(contacts)
+        self.first = [same.get(k, k) for k in range(self.count)]
+        self.begins = np.array([abs(at.slip(velocity, now.time)) <= now.still for at in contacts])
+
+    def excluded(self, modes: Sequence[tuple[Mode, ...]]) -> np.ndarray:
+        """Whether each combination is excluded, (combinations,)."""
+        n, some = self.count, self.some
+        closed = np.array([[mode is not Mode.FLIGHT for mode in one] for one in modes])
+        sticking = np.array([[mode in STICKING for mode in one] for one in modes])
+        signs = np.array([[SLIP_SIGN.get(mode, 0.0) for mode in one] for one in modes])
+        holders = sticking & ~np.array([self._before(sticking, k) for k in range(n)]).T
+        # Without bound on friction there is no slip.
+        ratios = np.where(signs, -signs * np.where(np.isfinite(self.mu), self.mu, 0.0), 0.0)
+        used = np.hstack([closed, holders])
+        matrix = np.repeat(self.delassus[None], len(modes), axis=0)
+        matrix[:, :, :n] += ratios[:, None, :] * self.delassus[:, n:]
+        matrix /= np.outer(self.sizes, self.sizes)
+        matrix = np.where(used[:, :, None] & used[:, None, :], matrix, np.eye(2 * n))
+        regular = np.linalg.svd(matrix, compute_uv=False)[:, -1] > CLEARLY * DEPENDENT
+        right = np.where(used, -(self.rows @ self.load + self.biases) / self.sizes, 0.0)[regular]
+        forces = np.linalg.solve(matrix[regular], right[..., None])[..., 0] / self.sizes
+        values, normal = np.where(used[regular], forces, 0.0), np.where(closed[regular], forces[:, :n], 0.0)
+        every = values.copy()
+        every[:, n:] += ratios[regular] * normal
+        acceleration = self.load + some.inverse * (every @ self.rows)
+        result = np.zeros(len(modes), dtype=bool)
+        result[regular] = self._violated(
+            closed[regular], sticking[regular], holders[regular], signs[regular], values, normal, acceleration
+        )
+        return result
+
+    def _before(self, sticking: np.ndarray, k: int) -> np.ndarray:
+        """Whether an earlier contact that sticks has the friction force of contact k."""
+        return sticking[:, [j for j in range(k) if self.first[j] == self.first[k]]].any(axis=1)
+
+    def _violated(
+        self, closed: np.ndarray, sticking: np.ndarray, holders: np.ndarray, signs: np.ndarray,
+        values: np.ndarray, normal: np.ndarray, acceleration: np.ndarray,
+    ) -> np.ndarray:  # fmt: skip
+        """Whether a force, a lift or a slip that begins violates its condition, as of `answer_by_numbers`."""
+        n, now, part = self.count, self.now, CLEARLY * VIOLATED
+        largest, heaviest = load_scale(now.case, now.time, now.state), (self.some.masses / self.some.lengths**2).max()
+        force = part * np.maximum(largest * heaviest, np.abs(values).max(axis=1))
+        rate = part * np.maximum(largest, np.abs(acceleration * self.some.lengths).max(axis=1))
+        lift = acceleration @ self.rows[:n].T + self.biases[:n]
+        violated = (~closed & (lift < -rate[:, None])).any(axis=1) | (closed & (normal < -force[:, None])).any(axis=1)
+        slip_rates = acceleration @ self.rows[n:].T + self.biases[n:]
+        violated |= (self.begins & (signs * slip_rates < -rate[:, None])).any(axis=1)
+        with np.errstate(invalid="ignore"):
+            bounds = np.where(sticking, self.stick * np.maximum(normal, 0.0), 0.0)
+            bounds += np.where(sticking, force[:, None] * (1.0 + np.minimum(self.stick, 1e3)), 0.0)
+        for k in range(n):
+            whole = bounds[:, [j for j in range(n) if self.first[j] == self.first[k]]].sum(axis=1)
+            violated |= holders[:, k] & (np.abs(values[:, n + k]) > whole)
+        return np.asarray(violated)

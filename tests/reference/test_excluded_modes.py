@@ -1,0 +1,31 @@
+"""Combinations of modes that numbers exclude together are those that they exclude one by one."""
+
+import pytest
+
+import reference
+from reference.solver import decide
+from reference.solver.accelerations import answer_by_numbers
+from reference.solver.decide import shares_of
+from reference.solver.exclusion import possible_modes
+from tests.scenes.walled_plates import random_walled_plates
+
+# Blocks and discs in piles between walls, with two to seven contacts in a group.
+PILES = (2474928891, 2474928864 + 131, 2474928864 + 163)
+
+
+@pytest.mark.parametrize("seed", PILES)
+def test_excluded_combinations_have_no_answer_by_numbers(seed, monkeypatch):
+    counts = [0, 0]
+
+    def compare(now, contacts, combinations):
+        possible = possible_modes(now, contacts, combinations)
+        for modes, turn in set(combinations) - set(possible):
+            answer = answer_by_numbers(now, contacts, modes, shares_of(contacts, modes), turn)
+            assert answer is not None and not answer.is_possible
+        counts[0], counts[1] = counts[0] + len(combinations), counts[1] + len(possible)
+        return possible
+
+    monkeypatch.setattr(decide, "possible_modes", compare)
+    motion = reference.simulate(random_walled_plates(seed, duration=0.4), method="dop853")
+    assert motion.status == "completed"
+    assert counts[1] < 0.6 * counts[0]
