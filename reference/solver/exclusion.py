@@ -1,4 +1,4 @@
-"""Modes that numbers exclude, of many combinations at once.
+"""Modes, of accelerations and of impacts, that numbers exclude, of many combinations at once.
 
 The accelerations of all combinations are one stack of linear systems: contacts that open, and friction that is not
 free, have rows of the identity. Systems that are nearly singular are left to `accelerations.answer_by_numbers`, as are
@@ -8,6 +8,7 @@ conditions that are violated by little: what is excluded here is excluded there.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +24,8 @@ from .plate_numbers import bodies, load_at, load_scale
 # Conditions are violated by this many times what `answer_by_numbers` asks, and systems this many times as far from
 # singular: the roundings of either solution are far less.
 CLEARLY = 2.0
+# Impulses are compared with roundings of 1e-10: systems this far from singular have fewer.
+REGULAR = 1e-4
 # As many systems are solved together: a few megabytes.
 TOGETHER = 2048
 
@@ -42,6 +45,62 @@ def possible_modes(
     return [one for k, one in enumerate(combinations) if k not in excluded]
 
 
+def _solve(
+    delassus: np.ndarray, ratios: np.ndarray, used: np.ndarray, goals: np.ndarray, least: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which systems are regular: no singular value, with rows and columns of size one, is below `least`; and of these
+    the unknown forces and all forces, with the friction of contacts that slip, (systems, 2n) each.
+
+    `ratios`: friction per normal force of contacts that slip, (systems, n); `used`: the rows that hold, (systems, 2n).
+    """
+    n, sizes = ratios.shape[1], np.sqrt(np.diag(delassus))
+    matrix = np.repeat(delassus[None], len(used), axis=0)
+    matrix[:, :, :n] += ratios[:, None, :] * delassus[:, n:]
+    matrix /= np.outer(sizes, sizes)
+    matrix = np.where(used[:, :, None] & used[:, None, :], matrix, np.eye(2 * n))
+    regular = np.linalg.svd(matrix, compute_uv=False)[:, -1] > least
+    right = np.where(used, goals / sizes, 0.0)[regular]
+    values = np.where(used[regular], np.linalg.solve(matrix[regular], right[..., None])[..., 0] / sizes, 0.0)
+    every = values.copy()
+    every[:, n:] += ratios[regular] * values[:, :n]
+    return regular, values, every
+
+
+class ImpactModes(NamedTuple):
+    """Combinations of modes of an impact, (combinations, n) each: which contacts have impulses, which of these end the
+    slip, and the senses of slip of the others."""
+
+    closed: np.ndarray
+    sticking: np.ndarray
+    signs: np.ndarray
+
+
+def excluded_impacts(
+    modes: ImpactModes, inverse: np.ndarray, rows: np.ndarray, before: np.ndarray, restitution: np.ndarray,
+    mu: np.ndarray, small: float,
+) -> np.ndarray:  # fmt: skip
+    """Whether impulses or velocities after an impact violate its law clearly, (combinations,).
+
+    `rows`: of lift and slip velocities, (2n, 3N); `before`: these velocities, (2n,), m/s; `small`: their rounding.
+    """
+    closed, sticking, signs = modes
+    n, finite = len(mu), np.where(np.isfinite(mu), mu, 0.0)
+    goals = -before * np.append(1.0 + restitution, np.ones(n))
+    used, result = np.hstack([closed, sticking]), np.zeros(len(closed), dtype=bool)
+    for first in range(0, len(closed), TOGETHER):
+        some = slice(first, first + TOGETHER)
+        ratios = -signs[some] * finite
+        regular, values, every = _solve(rows * inverse @ rows.T, ratios, used[some], goals, REGULAR)
+        after = before + every @ (rows * inverse @ rows.T)
+        normal, friction, limit = values[:, :n], values[:, n:], CLEARLY * small
+        shut, slips = closed[some][regular], signs[some][regular]
+        violated = (~shut & (after[:, :n] + restitution * before[:n] < -limit)) | (shut & (normal < -limit))
+        violated |= slips * after[:, n:] < -limit
+        violated |= np.isfinite(mu) & (np.abs(friction) > finite * normal + limit)
+        result[some][regular] = violated.any(axis=1)
+    return result
+
+
 class _Stack:
     """The numbers that all combinations of one group's modes share: rows of all lift and slip velocities, (2n, 3N)."""
 
@@ -53,7 +112,6 @@ class _Stack:
         slips = [at.slip_bias - at.belt_rate(now.time) for at in contacts]
         self.biases = np.array([at.lift_bias for at in contacts] + slips)
         self.delassus = self.rows * some.inverse @ self.rows.T
-        self.sizes = np.sqrt(np.diag(self.delassus))
         self.mu = np.array([at.mu_of(velocity, now.time) for at in contacts])
         self.stick = np.array([at.stick for at in contacts])
         same = sharing(contacts)
@@ -70,26 +128,18 @@ class _Stack:
         # Without bound on friction there is no slip.
         ratios = np.where(signs, -signs * np.where(np.isfinite(self.mu), self.mu, 0.0), 0.0)
         used = np.hstack([closed, holders])
-        matrix = np.repeat(self.delassus[None], len(modes), axis=0)
-        matrix[:, :, :n] += ratios[:, None, :] * self.delassus[:, n:]
-        matrix /= np.outer(self.sizes, self.sizes)
-        matrix = np.where(used[:, :, None] & used[:, None, :], matrix, np.eye(2 * n))
-        regular = np.linalg.svd(matrix, compute_uv=False)[:, -1] > CLEARLY * DEPENDENT
-        right = np.where(used, -(self.rows @ self.load + self.biases) / self.sizes, 0.0)[regular]
-        forces = np.linalg.solve(matrix[regular], right[..., None])[..., 0] / self.sizes
-        values, normal = np.where(used[regular], forces, 0.0), np.where(closed[regular], forces[:, :n], 0.0)
-        every = values.copy()
-        every[:, n:] += ratios[regular] * normal
+        goals = -(self.rows @ self.load + self.biases)
+        regular, values, every = _solve(self.delassus, ratios, used, goals, CLEARLY * DEPENDENT)
         acceleration = self.load + some.inverse * (every @ self.rows)
         result = np.zeros(len(modes), dtype=bool)
         result[regular] = self._violated(
-            closed[regular], sticking[regular], holders[regular], signs[regular], values, normal, acceleration
+            closed[regular], sticking[regular], holders[regular], signs[regular], values, values[:, :n], acceleration
         )
         return result
 
     def _before(self, sticking: np.ndarray, k: int) -> np.ndarray:
         """Whether an earlier contact that sticks has the friction force of contact k."""
-        return sticking[:, [j for j in range(k) if self.first[j] == self.first[k]]].any(axis=1)
+        return np.asarray(sticking[:, [j for j in range(k) if self.first[j] == self.first[k]]].any(axis=1))
 
     def _violated(
         self, closed: np.ndarray, sticking: np.ndarray, holders: np.ndarray, signs: np.ndarray,
@@ -110,4 +160,4 @@ class _Stack:
         for k in range(n):
             whole = bounds[:, [j for j in range(n) if self.first[j] == self.first[k]]].sum(axis=1)
             violated |= holders[:, k] & (np.abs(values[:, n + k]) > whole)
-        return np.asarray(violated)
+        return violated

@@ -19,6 +19,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from .contact_law import Sides, Turns, rigid_pairs, turning_row
+from .exclusion import ImpactModes, excluded_impacts
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10
@@ -126,9 +127,13 @@ def _collide(
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
     resisting = list(dict.fromkeys(at.sides for at, arm in zip(places_hit, law.arms, strict=True) if arm))
     senses, alike = product((0, 1, -1), repeat=len(resisting)), _with_one_slip(inertia, places_hit, law)
-    for modes, some in product(product(*options), senses):
-        if any(modes[i] != modes[j] and OPEN not in (modes[i], modes[j]) for i, j in alike):
-            continue
+    combinations_of = [
+        modes for modes in product(*options)
+        if all(modes[i] == modes[j] or OPEN in (modes[i], modes[j]) for i, j in alike)
+    ]  # fmt: skip
+    if not resisting and not law.least.any():
+        combinations_of = _possible(combinations_of, inertia, before, places_hit, law, speed)
+    for modes, some in product(combinations_of, senses):
         for one in _in_modes(
             modes, before, places_hit,
             law._replace(turns=tuple(zip(resisting, some, strict=True)), gyration=inertia.lengths[2]),
@@ -140,6 +145,24 @@ def _collide(
         count = "no" if not solutions else f"{len(solutions)} different"
         raise NoImpact(f"{count} velocities after the impact agree with its law")
     return solutions[0]
+
+
+def _possible(
+    modes: list[tuple[str, ...]], inertia: Inertia, before: np.ndarray, places_hit: Sequence[TouchedContact],
+    law: _ImpactLaw, speed: float,
+) -> list[tuple[str, ...]]:  # fmt: skip
+    """The combinations that their impulses and velocities do not exclude."""
+    closed, sticking = (
+        np.array([[test(mode) for mode in one] for one in modes]) for test in (OPEN.__ne__, STICK.__eq__)
+    )
+    signs = np.array([[SIGN.get(mode, 0.0) for mode in one] for one in modes]) * (np.array(law.mu) > 0.0)
+    rows = np.array([at.lift_row for at in places_hit] + [at.slip_row for at in places_hit])
+    velocities = rows @ before - np.append(np.zeros(len(places_hit)), law.belts)
+    some = ImpactModes(closed, sticking, signs)
+    excluded = excluded_impacts(
+        some, inertia.inverse, rows, velocities, law.restitution, np.array(law.mu), ROUNDING * speed
+    )
+    return [one for one, is_excluded in zip(modes, excluded, strict=True) if not is_excluded]
 
 
 def _with_one_slip(inertia: Inertia, places_hit: Sequence[TouchedContact], law: _ImpactLaw) -> list[tuple[int, int]]:

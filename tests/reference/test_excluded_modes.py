@@ -1,12 +1,13 @@
 """Combinations of modes that numbers exclude together are those that they exclude one by one."""
 
+import numpy as np
 import pytest
 
 import reference
-from reference.solver import decide
+from reference.solver import decide, impact
 from reference.solver.accelerations import answer_by_numbers
 from reference.solver.decide import shares_of
-from reference.solver.exclusion import possible_modes
+from reference.solver.exclusion import excluded_impacts, possible_modes
 from tests.scenes.walled_plates import random_walled_plates
 
 # Blocks and discs in piles between walls, with two to seven contacts in a group.
@@ -29,3 +30,28 @@ def test_excluded_combinations_have_no_answer_by_numbers(seed, monkeypatch):
     motion = reference.simulate(random_walled_plates(seed, duration=0.4), method="dop853")
     assert motion.status == "completed"
     assert counts[1] < 0.6 * counts[0]
+
+
+@pytest.mark.parametrize("seed", PILES)
+def test_excluded_impacts_break_the_law_of_impact(seed, monkeypatch):
+    """The velocities after each impact are those of all combinations, tried one by one."""
+    alone, counts = impact._collide, [0, 0]
+
+    def count(*arguments):
+        excluded = excluded_impacts(*arguments)
+        counts[0], counts[1] = counts[0] + len(excluded), counts[1] + int((~excluded).sum())
+        return excluded
+
+    def compare(*arguments):
+        outcome, impulses = alone(*arguments)
+        with monkeypatch.context() as inside:
+            inside.setattr(impact, "excluded_impacts", lambda modes, *_: np.zeros(len(modes.closed), dtype=bool))
+            other, _ = alone(*arguments)
+        assert (outcome.velocity == other.velocity).all() and (outcome.lift == other.lift).all()
+        return outcome, impulses
+
+    monkeypatch.setattr(impact, "excluded_impacts", count)
+    monkeypatch.setattr(impact, "_collide", compare)
+    motion = reference.simulate(random_walled_plates(seed, duration=0.4), method="dop853")
+    assert motion.status == "completed"
+    assert 0 < counts[1] < 0.6 * counts[0]
