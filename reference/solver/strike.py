@@ -9,6 +9,7 @@ import numpy as np
 from cases import Case, Impact
 
 from ..minimal.impact import ContactVelocity, collide, law_of
+from ..scales import power_of_two
 from .impact import ImpactVelocities, Inertia, impact_of_all
 from .places import ContactPlace, couple_of
 from .plate_numbers import bodies
@@ -23,7 +24,9 @@ def strike(case: Case, t: float, velocity: np.ndarray, part: Sequence[ContactPla
         return _at_one_contact(t, velocity, part[0])
     belts, arms = (np.array(each) for each in zip(*((at.belt(t), at.resisting_arm) for at in part), strict=True))
     mu = [at.mu_of(velocity, t) for at in part]
-    return impact_of_all(law.law, Inertia(some.inverse, some.lengths), velocity, list(part), mu, speed, belts, arms)
+    # Impulses in units of the lightest plate's mass are velocities, and have their rounding.
+    inverse = some.inverse / power_of_two(float(some.inverse.reshape(-1, 3)[:, 0].max()))
+    return impact_of_all(law.law, Inertia(inverse, some.lengths), velocity, list(part), mu, speed, belts, arms)
 
 
 def _at_one_contact(t: float, velocity: np.ndarray, at: ContactPlace) -> ImpactVelocities:

@@ -222,6 +222,24 @@ def test_random_plates_go_on_where_they_ended_early(seed):
     assert motion.status == "completed" and not reference.check(case, motion)
 
 
+def _of_mass(case: Case, unit: float) -> Case:
+    """The same scene with all masses multiplied."""
+    plates = [case.plate, *(other.plate for other in case.others)]
+    first, *others = (replace(plate, mass=unit * plate.mass, inertia=unit * plate.inertia) for plate in plates)
+    every = tuple(replace(other, plate=plate) for other, plate in zip(case.others, others, strict=True))
+    return replace(case, plate=first, others=every)
+
+
+@pytest.mark.parametrize("seed, unit", [(2474928891, 2.0**-30), (14, 2.0**-30), (3, 2.0**-30)])
+def test_impacts_of_several_plates_do_not_depend_on_the_unit_of_mass(seed, unit):
+    """In units of 1e9 kg impacts were `not_unique`, as impulses were compared with velocities. Powers of two add no
+    rounding: the times are equal to the last bit."""
+    case = random_walled_plates(seed, duration=0.4)
+    one, other = (reference.simulate(c, method="dop853") for c in (case, _of_mass(case, unit)))
+    assert one.status == other.status == "completed"
+    assert one.transitions == other.transitions
+
+
 # In the state where they are stopped discs overlap by the error of the motion, 4e-13 m and 6e-11 m.
 OVERLAPS = [(2474928931, 1e-12), (2474928881, 1e-10)]
 STOPPED = [*((seed, 1e-12) for seed in range(5)), *OVERLAPS]
