@@ -251,12 +251,13 @@ def _equations(
     conditions, slip_rates, limits = dict[str, Node](), dict[str, Node](), dict[str, Node]()
     equalities = dict[str, Node]()
     outputs = list[Node]()
+    per_mass = [[force * _inverse((form.body, 0)) for force in pair] for form, pair in zip(forms, forces, strict=True)]
     for k, (term, form) in enumerate(zip(terms, forms, strict=True)):
-        normal, friction = forces[k]
+        outputs += [*forces[k], term.slip, term.gap]
+        normal, friction = per_mass[k]  # conditions have the units of accelerations, whatever that of mass
         if form.kind not in NO_ROWS:
             ends = [effect.ends(*motions[k]) for effect in law.own]
             limits |= {f"{name}:{k}": end for some in ends for name, end in some.items()}
-        outputs += [normal, friction, term.slip, term.gap]
         if form.kind is ContactRows.AWAY:  # of plates at rest
             continue
         limits |= _ends(form.ends, k)
@@ -270,7 +271,7 @@ def _equations(
         if form.guides is not None:  # its force is not unique
             equalities |= _contradictions(term, form, k, acceleration)
         elif form.kind is ContactRows.STICK and form.rubs and form.shares is None:
-            others = [forces[j][0] for j, one in enumerate(forms) if one.shares == k]
+            others = [per_mass[j][0] for j, one in enumerate(forms) if one.shares == k]
             bound = symbol(f"stick_{k}") * sum(others, normal)
             conditions |= {f"normal:{k}": normal} if others else {}
             conditions[f"cone_forward:{k}"], conditions[f"cone_backward:{k}"] = bound + friction, bound - friction
@@ -285,7 +286,7 @@ def _equations(
         own = [i for i, one in enumerate(forms) if one.rotation is not Rotation.FREE and one.sides == form.sides]
         if not own or own[0] != k or (is_guided and form.rotation is Rotation.HELD):
             continue
-        bound = sum((symbol(f"arm_{i}") * forces[i][0] for i in own), ZERO)
+        bound = sum((symbol(f"arm_{i}") * per_mass[i][0] for i in own), ZERO)
         turns, turn_rates = _resistance(form, k, acceleration, bound, couples)
         conditions, slip_rates = conditions | turns, slip_rates | turn_rates
     if painleve is not None and painleve.symbols:
@@ -333,7 +334,7 @@ def _resistance(
         tau = symbol(f"tau_{k}")
         return {f"turn:{k}": tau * spin * length}, {f"turn:{k}": tau * turning * length}
     # Forward is the direction in which the plate begins to turn when the couple reaches its bound.
-    couple = couples[form.sides]
+    couple = couples[form.sides] * _inverse((form.body, 0))
     return {f"couple_forward:{k}": bound / length + couple, f"couple_backward:{k}": bound / length - couple}, {}
 
 
