@@ -28,7 +28,7 @@ from ..minimal.second_contacts import BEYOND, PLACES, _zero
 from .places import couple_of, in_round, nearest
 from .plate_numbers import bodies
 from .regimes import AT_END, pair_of, regime_of
-from .shapes import Poses, Straight, first_closings, guess, shapes
+from .shapes import Poses, Shapes, Straight, first_closings, guess, shapes
 from .system import COLUMNS
 from .touching import bends, inside, pairs_that_touch
 from .watched_plates import APART
@@ -40,6 +40,8 @@ AT_FLAT = 0.1
 FASTER = 2.0
 # Points of an element that say where it is.
 ON_ELEMENT = 17
+# Couples with more pairs of lines and circles than this are looked at before gaps are polynomials.
+FEW = 8
 # Samples of a step at which far plates are looked at.
 LOOKS = 4
 # A contact at the end of an element has no gap in the pair beside either: its search begins as soon as this part of
@@ -180,9 +182,12 @@ class CoupleSearch:
     ) -> CoupleMeeting | None:  # fmt: skip
         earliest: CoupleMeeting | None = None
         times = fine(poses, edges)
-        near_elements = self._near_elements(poses(times))
+        looks, near_elements = _looks(times), self._near_elements(poses(times))
+        is_apart = self._apart(segment, looks, poses(looks)) if len(self.quick) > FEW else None
         for pair, some in self.quick:
             if in_round(pair) in exclusions or not near_elements[pair.first.number]:
+                continue
+            if is_apart is not None and is_apart(some):
                 continue
             for time in first_closings(some, poses, times, self.couple.plate.reach):
                 if earliest is not None and time >= earliest.time:
@@ -196,6 +201,32 @@ class CoupleSearch:
                     earliest = meeting
                     break
         return earliest
+
+    def _apart(self, segment: Segment, looks: np.ndarray, at_looks: np.ndarray) -> Callable[[Shapes], bool]:
+        """Whether the gap of a corner or arc of the plate stays open, as it is larger at all looks than the way of its
+        centre between two of them."""
+        couple, states = self.couple, segment.states(looks)
+        half, wait = 3 * len(bodies(couple.whole).reaches), FASTER * float(np.diff(looks).max())
+        speed, turning = np.zeros(len(looks)), np.zeros(len(looks))
+        for body in (couple.body, *(() if couple.base is None else (couple.base,))):
+            vx, vy, omega = states[len(states) - half + 3 * body :][:3]
+            lever = np.hypot(*(states[3 * couple.body :][:2] - states[3 * body :][:2]))
+            speed, turning = speed + np.hypot(vx, vy) + np.abs(omega) * lever, turning + np.abs(omega)
+
+        def is_apart(some: Shapes) -> bool:
+            if not some.from_base:
+                return False
+            x, y, _ = some.path(lambda _: at_looks)(looks)
+            moves = speed.max() + turning.max() * float(np.hypot(some.moving.x, some.moving.y))
+            return bool(some.gap(x, y).min() > wait * moves)
+
+        return is_apart
+
+
+def _looks(edges: np.ndarray) -> np.ndarray:
+    """Instants at which steps are looked at."""
+    parts = np.linspace(0.0, 1.0, LOOKS, endpoint=False)
+    return np.append((edges[:-1, None] + np.diff(edges)[:, None] * parts).ravel(), edges[-1])
 
 
 def _remember(poses: Poses) -> Poses:
@@ -221,8 +252,7 @@ def _is_far(couple: Couple, segment: Segment, edges: np.ndarray) -> bool:
     """Whether the circles around both plates are apart during a segment."""
     if couple.base is None:
         return False
-    parts = np.linspace(0.0, 1.0, LOOKS, endpoint=False)
-    times = np.append((edges[:-1, None] + np.diff(edges)[:, None] * parts).ravel(), edges[-1])
+    times = _looks(edges)
     states, half = segment.states(times), 3 * len(bodies(couple.whole).reaches)
     own, other = 3 * couple.body, 3 * couple.base
     away = np.hypot(*(states[own : own + 2] - states[other : other + 2]))
