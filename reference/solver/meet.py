@@ -43,7 +43,7 @@ ON_ELEMENT = 17
 # Couples with more pairs of lines and circles than this are looked at before gaps are polynomials.
 FEW = 8
 # Samples of a step at which far plates are looked at.
-LOOKS = 4
+LOOKS = 16
 # A contact at the end of an element has no gap in the pair beside either: its search begins as soon as this part of
 # a step later.
 LATER = 0.0, 1e-9, 1e-6, 1e-3
