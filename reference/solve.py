@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
-from cases.contact import belt_speed, pose, start_motion
+from cases.contact import belt_speed, pose
 from cases.contact_limits import is_general_case, touches_by_features
 from cases.errors import between, unknown_name
 from cases.free_plates import names_of, start_poses
@@ -26,7 +26,8 @@ from cases.trajectory import CONTACT
 
 from . import augmented_integrator, solver
 from .endings import BREAKDOWN, FLAT, LIFT_OFF, undecidable
-from .minimal.decision import AT_BOUND, Undecidable, decide
+from .minimal.contact_end import force_rounding
+from .minimal.decision import Undecidable, decide
 from .minimal.hybrid import simulate_phases
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
@@ -44,7 +45,6 @@ from .minimal.modes import (
 )
 from .minimal.phase_end import LOCATION_ERROR
 from .minimal.second_contacts import until_second_contact
-from .scales import acceleration_scale
 from .solution_check import ending_by_laws
 
 
@@ -257,15 +257,11 @@ def first_regime(case: Case, y) -> Regime | None:
     if not case.start.in_contact:
         return FLIGHT
     epsilon, here = float(np.finfo(float).eps), start_pieces(case)
-    first = start_motion(case)
-    # A force that is a difference of weight, load and inertia is known to their roundings: its own size may vanish.
-    body = first.x, first.y, first.theta, first.vx, first.vy, first.omega
-    weak = AT_BOUND * acceleration_scale(case, 0.0, body)
     # Eight roundings lie between the start's values and the speeds of the state. A motion so slow that it ends at once
     # leaves no regime; speeds below an event's own error then count as zero, as after events.
     for error in (8 * epsilon, LOCATION_ERROR):
         moves = senses(here, 0.0, y, case.start.slip, case.start.omega, error)
-        regime = decide(here, 0.0, y, epsilon, able(here, *moves), weak)
+        regime = decide(here, 0.0, y, epsilon, able(here, *moves), force_rounding(case))
         if regime:
             return regime
     return None

@@ -38,11 +38,11 @@ def possible_modes(
     plain = [k for k, (_, turns) in enumerate(combinations) if not turns]
     if len(plain) < 2 or own_effects(now.case.effects):
         return list(combinations)
-    stack, excluded = _Stack(now, contacts), set[int]()
+    stack, without = _Stack(now, contacts), set[int]()
     for first in range(0, len(plain), TOGETHER):
         some = plain[first : first + TOGETHER]
-        excluded |= {some[k] for k in np.flatnonzero(stack.excluded([combinations[k][0] for k in some]))}
-    return [one for k, one in enumerate(combinations) if k not in excluded]
+        without |= {some[k] for k in np.flatnonzero(stack.exclusions([combinations[k][0] for k in some]))}
+    return [one for k, one in enumerate(combinations) if k not in without]
 
 
 def _solve(
@@ -75,7 +75,7 @@ class ImpactModes(NamedTuple):
     signs: np.ndarray
 
 
-def excluded_impacts(
+def impact_exclusions(
     modes: ImpactModes, inverse: np.ndarray, rows: np.ndarray, before: np.ndarray, restitution: np.ndarray,
     mu: np.ndarray, small: float,
 ) -> np.ndarray:  # fmt: skip
@@ -94,10 +94,10 @@ def excluded_impacts(
         after = before + every @ (rows * inverse @ rows.T)
         normal, friction, limit = values[:, :n], values[:, n:], CLEARLY * small
         shut, slips = closed[some][regular], signs[some][regular]
-        violated = (~shut & (after[:, :n] + restitution * before[:n] < -limit)) | (shut & (normal < -limit))
-        violated |= slips * after[:, n:] < -limit
-        violated |= np.isfinite(mu) & (np.abs(friction) > finite * normal + limit)
-        result[some][regular] = violated.any(axis=1)
+        violations = (~shut & (after[:, :n] + restitution * before[:n] < -limit)) | (shut & (normal < -limit))
+        violations |= slips * after[:, n:] < -limit
+        violations |= np.isfinite(mu) & (np.abs(friction) > finite * normal + limit)
+        result[some][regular] = violations.any(axis=1)
     return result
 
 
@@ -118,7 +118,7 @@ class _Stack:
         self.first = [same.get(k, k) for k in range(self.count)]
         self.begins = np.array([abs(at.slip(velocity, now.time)) <= now.still for at in contacts])
 
-    def excluded(self, modes: Sequence[tuple[Mode, ...]]) -> np.ndarray:
+    def exclusions(self, modes: Sequence[tuple[Mode, ...]]) -> np.ndarray:
         """Whether each combination is excluded, (combinations,)."""
         n, some = self.count, self.some
         closed = np.array([[mode is not Mode.FLIGHT for mode in one] for one in modes])
@@ -132,7 +132,7 @@ class _Stack:
         regular, values, every = _solve(self.delassus, ratios, used, goals, CLEARLY * DEPENDENT)
         acceleration = self.load + some.inverse * (every @ self.rows)
         result = np.zeros(len(modes), dtype=bool)
-        result[regular] = self._violated(
+        result[regular] = self._violations(
             closed[regular], sticking[regular], holders[regular], signs[regular], values, values[:, :n], acceleration
         )
         return result
@@ -141,7 +141,7 @@ class _Stack:
         """Whether an earlier contact that sticks has the friction force of contact k."""
         return np.asarray(sticking[:, [j for j in range(k) if self.first[j] == self.first[k]]].any(axis=1))
 
-    def _violated(
+    def _violations(
         self, closed: np.ndarray, sticking: np.ndarray, holders: np.ndarray, signs: np.ndarray,
         values: np.ndarray, normal: np.ndarray, acceleration: np.ndarray,
     ) -> np.ndarray:  # fmt: skip
@@ -151,13 +151,13 @@ class _Stack:
         force = part * np.maximum(largest * heaviest, np.abs(values).max(axis=1))
         rate = part * np.maximum(largest, np.abs(acceleration * self.some.lengths).max(axis=1))
         lift = acceleration @ self.rows[:n].T + self.biases[:n]
-        violated = (~closed & (lift < -rate[:, None])).any(axis=1) | (closed & (normal < -force[:, None])).any(axis=1)
+        violations = (~closed & (lift < -rate[:, None])).any(axis=1) | (closed & (normal < -force[:, None])).any(axis=1)
         slip_rates = acceleration @ self.rows[n:].T + self.biases[n:]
-        violated |= (self.begins & (signs * slip_rates < -rate[:, None])).any(axis=1)
+        violations |= (self.begins & (signs * slip_rates < -rate[:, None])).any(axis=1)
         with np.errstate(invalid="ignore"):
             bounds = np.where(sticking, self.stick * np.maximum(normal, 0.0), 0.0)
             bounds += np.where(sticking, force[:, None] * (1.0 + np.minimum(self.stick, 1e3)), 0.0)
         for k in range(n):
             whole = bounds[:, [j for j in range(n) if self.first[j] == self.first[k]]].sum(axis=1)
-            violated |= holders[:, k] & (np.abs(values[:, n + k]) > whole)
-        return violated
+            violations |= holders[:, k] & (np.abs(values[:, n + k]) > whole)
+        return violations

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .exclusion import ImpactModes, excluded_impacts
+from .exclusion import ImpactModes, impact_exclusions
 from .impact_modes import (
     BACKWARD,
     FORWARD,
@@ -113,10 +113,10 @@ def _possible(
     rows = np.array([at.lift_row for at in places_hit] + [at.slip_row for at in places_hit])
     velocities = rows @ before - np.append(np.zeros(len(places_hit)), law.belts)
     some = ImpactModes(closed, sticking, signs)
-    excluded = excluded_impacts(
+    without = impact_exclusions(
         some, inertia.inverse, rows, velocities, law.restitution, np.array(law.mu), ROUNDING * speed
     )
-    return [one for one, is_excluded in zip(modes, excluded, strict=True) if not is_excluded]
+    return [one for one, is_out in zip(modes, without, strict=True) if not is_out]
 
 
 def _with_one_slip(inertia: Inertia, places_hit: Sequence[TouchedContact], law: ImpactLaw) -> list[tuple[int, int]]:
