@@ -1,4 +1,4 @@
-"""One combination of modes of an impact: its impulses, and whether they and the velocities after it agree with the law."""
+"""One combination of modes of an impact: its impulses, and whether they and the velocities after it obey the law."""
 
 from __future__ import annotations
 
