@@ -15,6 +15,9 @@ from .integrators.segment import Event, Segment
 from .modes import Phase
 from .series import Series
 
+# The greatest value of a guard in a segment is at most this many times what its series at the end says: most dips are too
+# deep by far, and the segment's steps are not made for them.
+LARGER = 100.0
 # Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.
 ORDER = 8
 
@@ -32,7 +35,9 @@ def over_touch(now: Phase, segment: Segment, guard: str, error: float, end: floa
     value, slope, bend = force[:3]
     if not bend > 0.0:
         return None
-    depth = slope * slope / (4.0 * bend) - value
+    depth, lasted = slope * slope / (4.0 * bend) - value, t - segment.start
+    if depth > error * LARGER * (abs(value) + abs(slope) * lasted + bend * lasted * lasted):
+        return None
     index = list(now.system.guards).index(guard)
     along = now.system.guards_of_arrays(segment.times, segment.states(segment.times), now.parameters)[index]
     if depth > error * np.max(np.abs(along)):
