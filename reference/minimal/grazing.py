@@ -15,8 +15,8 @@ from .integrators.segment import Event, Segment
 from .modes import Phase
 from .series import Series
 
-# The greatest value of a guard in a segment is at most this many times what its series at the end says: most dips are too
-# deep by far, and the segment's steps are not made for them.
+# The greatest value of a guard in a segment is at most this many times what its series at the end says: most dips are
+# too deep by far, and the segment's steps are not made for them.
 LARGER = 100.0
 # Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.
 ORDER = 8
