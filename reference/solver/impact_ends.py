@@ -13,7 +13,7 @@ from ..minimal.bouncing import StraightStates
 from ..minimal.integrators.segment import Event, Segment
 from .hops import SeriesEnd
 from .places import TOUCHES, place, plates_in, project, without_velocity
-from .plate_numbers import bodies, load_at, rows_of, size
+from .plate_numbers import bodies, load_at, load_scale, rows_of, size
 from .regimes import SolverPhase, SolverRegime, join, key_of, solver_phase
 from .touching import touching_contacts
 from .watched_plates import CLOSES, Watch, WatchedPlates, is_same_place
@@ -110,13 +110,24 @@ class ImpactEnds(WatchedPlates):
         far = size(self.case, self.state)
         end = self.hops.limit(self.t, SMALL_HOP * far)
         if end is None and self.hops.is_small and CAUSES["rest"] in self.causes.values():
-            end = self.hops.lowest(frozenset(self.touching))
+            end = self._lowest(frozenset(self.touching))
         if end is None and self._is_low(LOW_HOP * far):
             places_now = zip(self.watches, self._places(self.watches), strict=True)
             touching = frozenset(watch.name for watch, at in places_now if at.gap <= LOW_HOP * far)
-            error = 2.0 * self.hops.strikes[-1].closing
-            return self.hops.lowest(touching) or SeriesEnd(self.t, list(self.state), touching, error)
+            return self._lowest(touching) or self._now(touching)
         return end
+
+    def _lowest(self, touching: frozenset[str]) -> SeriesEnd | None:
+        """The end of low hops on the line through the last two; at once, if plates that do not bounce would leave that
+        line by more than what counts as touching."""
+        end, far = self.hops.lowest(touching), size(self.case, self.state)
+        if end is None:
+            return None
+        bend = load_scale(self.case, self.t, self.state) * (end.time - self.t) ** 2
+        return end if bend <= LOW_HOP * far else self._now(touching)
+
+    def _now(self, touching: frozenset[str]) -> SeriesEnd:
+        return SeriesEnd(self.t, list(self.state), touching, 2.0 * self.hops.strikes[-1].closing)
 
     def _is_low(self, height: float) -> bool:
         """Whether a small impact ends hops of at most that height, m, at all contacts of the last impacts."""
