@@ -42,8 +42,8 @@ CLOSES = 1e-10
 MOST_IMPACTS, NO_GAP = 200, 64 * EPS
 # Velocities that follow from those of belts have a few roundings.
 SOME_ROUNDINGS = 8
-# Modes and impulses are enumerated, four for each contact with friction: so many combinations take some seconds.
-MOST_COMBINATIONS = 4**7
+# Modes and impulses are enumerated, four for each contact with friction: so many combinations take some ten seconds.
+MOST_COMBINATIONS = 4**8
 # Two contacts are different ones if their points on both curves are farther apart than this part of the plate's size:
 # curves whose curvatures differ by a thousandth of 1/size are apart by less than a pose's rounding there.
 APART = 1e-5
