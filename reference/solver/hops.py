@@ -31,8 +31,6 @@ LONGEST = 1000
 # An end is accepted if the last impact changes it by less than this part of the time that remains. Impacts on two
 # corners alternately need not have speeds in a fixed ratio, and then have no such end.
 AGREES = 1e-2
-# And by less than this part of the largest velocity: what a velocity is off by is energy of the plate that has it.
-SETTLES = 1e-9
 # Impacts that are each slower than this part of the one before are rounding after three: their end is accepted if the
 # line through the first two predicted it to AGREES of the time that remained then.
 FAST, FEW = 1e-2, 3
@@ -129,20 +127,13 @@ class ImpactSeries:
         """The end of those impacts of a series, if it is accepted."""
         speeds, times = [one.closing for one in some], [one.time for one in some]
         (time, _), (before, _) = extrapolate(speeds, times), extrapolate(speeds[:-1], times[:-1])
-        remaining, columns = time - t, list(zip(*(one.body for one in some), strict=True))
+        remaining = time - t
         waits = time - times[-2] if are_few else remaining
         if not 0.0 <= remaining * speeds[-1] <= size or abs(time - before) > max(AGREES * waits, np.spacing(t)):
             return None
-        body, last = (
-            np.array([extrapolate(speeds[:n], column[:n])[0] for column in columns])
-            for n in (len(some), len(some) - 1)
-        )
-        # Plates that do not bounce move on, and may be fast.
-        half, off = len(body) // 2, np.abs(body - last)
-        if not are_few and off[half:].max() > SETTLES * np.abs(some[-1].body[half:]).max():
-            return None
+        body = [extrapolate(speeds, column)[0] for column in zip(*(one.body for one in some), strict=True)]
         doubt = min(abs(time - before), AGREES * remaining)  # what the last impact has changed
-        return SeriesEnd(time, body.tolist(), contacts, STILL * speeds[-1], doubt=doubt)
+        return SeriesEnd(time, body, contacts, STILL * speeds[-1], doubt=doubt)
 
     def lowest(self, touching: frozenset[str]) -> SeriesEnd | None:
         """The end of small impacts whose hops count as touching: on the line through the last two that repeat, as their
