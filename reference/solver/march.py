@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Belt, Case, DoesNotFit, Mode, Transition
-from cases.contact import belt_speed, start_motion
+from cases.contact import belt_speed, clearance, start_motion
 from cases.contact_limits import has_features
 from cases.couples import couples
 from cases.free_plates import plates_of, start_poses
@@ -58,6 +58,9 @@ MEETS = 1e-11
 OF_ROTATION = ("turn", "couple_forward", "couple_backward")
 # Guards of forces at their bounds.
 OF_FORCES = ("normal", "cone_forward", "cone_backward")
+# A contact does not pass to an element on which the clearance of its curvatures is below this part of 1/reach: its
+# nearest points would not be next to it.
+FITS = 1e-6
 # A motion with a plate in flight is integrated over this many of its time scales at once.
 FLIES = 4.0
 # This many phases of zero length in a row: values near a bound count as being at it; then the motion ends.
@@ -350,6 +353,8 @@ class PlatesSimulation(ModeChanges):
             self._settle(stuck - {watch.name})
             return None
         points = self._start_of(following, whole, of_track, step)
+        if not clearance(following, *points) > FITS / following.plate.reach:
+            return ENDS["fit"]
         for one in [one for one in self.watches if one is not watch and one.is_at(following, points)]:
             self.watches.remove(one)  # it had opened there
             self.touching.discard(one.name)
