@@ -60,10 +60,15 @@ def walk(page: Page, environment: Environment, desk: Path, pages: Sequence[Path]
     for step in page.steps:
         if isinstance(step, Left):
             continue
-        if step.needs and not shutil.which(step.needs):
+        if step.needs and not works(step.needs, environment, desk):
             print(f"left out, for there is no {step.needs}: {step.command}")
             continue
         check_step(step, environment, desk)
+
+
+def works(program: str, environment: Environment, desk: Path) -> bool:
+    """Whether a program is installed and starts: the launcher of a compiler may be there without the compiler."""
+    return bool(shutil.which(program)) and environment.run(f"{program} --version", desk).returncode == 0
 
 
 def check_step(step: Step, environment: Environment, desk: Path) -> None:
