@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -25,30 +26,38 @@ class Circle(NamedTuple):
     left: bool
 
 
-# Seventeen samples decide: a curve that agrees with a line or a circle there in position and direction, to the
-# rounding of its own sizes, is one for any solver's purpose.
+# A curve that agrees with a line or a circle in position and direction at so many places, and at those that show its
+# finest features, to the rounding of its own sizes, is one.
 _SAMPLES, _ROUNDING = 17, 1e-12
+
+
+def _places(curve: Curve) -> Iterator[np.ndarray]:
+    yield np.linspace(*curve.span, _SAMPLES)
+    if curve.features is not None:
+        yield curve.features.nodes(*curve.span)
 
 
 def as_line(curve: Curve) -> Line | None:
     """The curve as a line, or None if it is none."""
     if isinstance(curve, Chain):
         return None
-    s = np.linspace(*curve.span, _SAMPLES)
-    tangents = curve.tangent(s)
-    if np.abs(tangents - tangents[:, :1]).max() > _ROUNDING:
-        return None
-    return Line(curve.point(float(s[0])), tangents[:, 0])
+    for s in _places(curve):
+        tangents = curve.tangent(s)
+        if np.abs(tangents - tangents[:, :1]).max() > _ROUNDING:
+            return None
+    return Line(curve.point(curve.span[0]), curve.tangent(curve.span[0]))
 
 
 def as_circle(curve: Curve) -> Circle | None:
     """The curve as a circle (or an arc of one), or None if it is none."""
     if isinstance(curve, Chain):
         return None
-    s = np.linspace(*curve.span, _SAMPLES)
+    for s in _places(curve):
+        bend = curve.curvature(s)
+        if bend[0] == 0.0 or np.ptp(bend) > _ROUNDING * abs(bend[0]):
+            return None
+    s = next(_places(curve))
     bend = curve.curvature(s)
-    if bend[0] == 0.0 or np.ptp(bend) > _ROUNDING * abs(bend[0]):
-        return None
     centres = curve.point(s) + curve.normal(s) / bend
     if np.ptp(centres, axis=1).max() > _ROUNDING * np.abs(1 / bend[0]) * 10:
         return None

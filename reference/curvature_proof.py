@@ -52,7 +52,7 @@ def fits(track: Curve, outline: Curve, low: float, high: float) -> bool:
 def room(track: Curve, outline: Curve, low: float, high: float) -> Room:
     """The room on a stretch of the track; a gap of 0 means that nothing is proven."""
     places = _places(track, low, high)
-    bend, bends = _range(track, places), _range(outline, _places(outline, *outline.span))
+    bend, bends = _range(track, places), curvatures(outline)
     flat = BEND_PRECISION * bends[1]  # the computed curvature of a flat side may be slightly negative
     convex = bends[0] > max(bend[1], 0.0) or (bends[0] >= -flat and bend[1] < -flat)
     if not outline.period or not convex:
@@ -63,6 +63,11 @@ def room(track: Curve, outline: Curve, low: float, high: float) -> Room:
     if not np.ptp(angles) < pi and not (closed and abs(angles[-1] - angles[0]) < 2.1 * pi):
         return Room(0.0, bend, bends)
     return Room(1.0 / bend[1] - 1.0 / bends[0] if bend[1] > 0.0 else inf, bend, bends)
+
+
+def curvatures(curve: Curve) -> tuple[float, float]:
+    """Bounds on the curvature of all of a curve, 1/m, however fine its features are."""
+    return _range(curve, _places(curve, *curve.span))
 
 
 def _places(curve: Curve, low: float, high: float) -> np.ndarray:

@@ -45,7 +45,6 @@ CORNERS_MEET = (
     "landing",
     "A corner of the plate meets a corner of its track: the direction of the impact is not defined there.",
 )
-
 # --- track_end, outline_end, no_fit: curves end, or no longer fit; paradox where no force is consistent ------------
 
 # Guards whose zero ends the motion.
@@ -70,7 +69,6 @@ NO_SLIP = (
 # --- second_contact: more contacts than the case's effects allow --------------------------------------------------
 
 CONCAVE = ("second_contact", "The contact reached a corner inside which the plate touches its track in a second place.")
-FLAT_LANDING = ("second_contact", "The plate lands on a flat side: it touches its track in two places at once.")
 FLAT = ("second_contact", "The contact reached a piece along which the plate lies on its track: it touches twice.")
 
 
@@ -79,10 +77,10 @@ def second_place(t: float, xi1: float) -> Ending:
     return FLAT[0], f"The plate meets its track in a second place, xi1 = {xi1:.9g}, at t = {t:.9g} s."
 
 
-def no_impact_law(t: float, who: str, which: str, xi1: float, several: bool) -> Ending:
-    """The ending where a contact of several closes and the case has no impacts: the plate, and the curve that it meets;
-    `several`: whether there are several plates."""
-    return LANDING_END[0] if several else FLAT[0], (
+def no_impact_law(t: float, who: str, which: str, xi1: float, lands: bool) -> Ending:
+    """The ending where a contact closes and the case has no impacts: the plate, and the curve that it meets; `lands`:
+    whether there are several plates, or the only one flew."""
+    return LANDING_END[0] if lands else FLAT[0], (
         f"{who} meets {which}, xi1 = {xi1:.9g}, at t = {t:.9g} s, and the case names no Impact; add Flight() and "
         "Impact(0.0) to go on."
     )
@@ -172,11 +170,6 @@ def search_limit_ending(t: float) -> Ending:
         f"The search for landings reached the limit of a run at t = {t:.9g} s; end it there, or use slower "
         "speeds and spins, or coarser curves."
     )
-
-
-def second_search_ending(t: float) -> Ending:
-    """The ending if the search for second contacts reaches its limit on work."""
-    return WORK_LIMIT, f"The search for second contacts reached its limit at {t:.9g} s."
 
 
 def combination_limit_ending(t: float, names: Sequence[str], count: int, most: int) -> Ending:

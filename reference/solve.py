@@ -6,6 +6,7 @@ import logging
 import pickle
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from math import isfinite
@@ -15,7 +16,7 @@ import numpy as np
 
 from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
 from cases.contact import belt_speed, pose
-from cases.contact_limits import is_general_case, touches_by_features
+from cases.contact_limits import touches_by_features
 from cases.errors import between, unknown_name
 from cases.free_plates import names_of, start_poses
 from cases.limits import Scope, as_sentence, limit
@@ -25,27 +26,22 @@ from cases.sampled_contacts import SampledPlates
 from cases.trajectory import CONTACT
 
 from . import augmented_integrator, solver
-from .endings import BREAKDOWN, FLAT, LIFT_OFF, undecidable
-from .minimal.contact_end import force_rounding
-from .minimal.decision import Undecidable, decide
-from .minimal.hybrid import simulate_phases
+from .endings import BREAKDOWN, LIFT_OFF, undecidable
+from .minimal.decision import Undecidable
 from .minimal.integrators import taylor
 from .minimal.integrators.segment import Segment, blocks
 from .minimal.modes import (
     FLIGHT,
     Phase,
     Regime,
-    able,
     candidates,
     phase_at,
-    senses,
     start_pieces,
     start_state,
     state_in,
 )
-from .minimal.phase_end import LOCATION_ERROR
-from .minimal.second_contacts import until_second_contact
 from .solution_check import ending_by_laws
+from .solver import first_regime
 
 
 def _prepare_dop853(phase: Phase, rtol: float) -> None:
@@ -170,18 +166,12 @@ def initial_value_problem(case: Case, rtol: float, method: str) -> InitialValueP
     relative, (_, integrate) = relative_case(case), INTEGRATORS[method]
     if method == "augmented" and relative is not case:
         integrate = partial(augmented_integrator.integrate, original=case)
-
-    def by_laws(regime: Regime | None, solve: Callable[[], Any]) -> InitialValueProblem:
-        return InitialValueProblem(case, relative, regime, partial(_with_check, relative, rtol, solve))
-
-    if is_general_case(relative) or touches_by_features(relative):
-        return by_laws(None, partial(solve_supports, relative, rtol, integrate))
-    start = start_state(relative)
-    try:
-        regime = first_regime(relative, start)
-    except Undecidable:
-        return InitialValueProblem(case, relative, None, lambda: ([], [], undecidable(0.0)))
-    return by_laws(regime, partial(solve_motion, relative, regime, start, rtol, integrate, case))
+    regime = None
+    if solver.begins_alone(relative):
+        with suppress(Undecidable):  # the motion ends with that
+            regime = first_regime(relative, start_state(relative))
+    solve = partial(solve_motion, relative, rtol, integrate, regime, case)
+    return InitialValueProblem(case, relative, regime, partial(_with_check, relative, rtol, solve))
 
 
 def _with_check(case: Case, rtol: float, solve: Callable[[], Any]):
@@ -190,49 +180,19 @@ def _with_check(case: Case, rtol: float, solve: Callable[[], Any]):
     return segments, transitions, ending_by_laws(case, solution, rtol) if _finite(segments) else ending
 
 
-def solve_supports(case: Case, rtol: float, integrate: Callable[..., Segment]):
-    """The motion without samples, as of `solve_motion`, of several plates or of a plate with several contacts from its
-    start on."""
-    return solver.simulate(case, rtol, integrate)
-
-
-def solve_motion(case: Case, regime: Regime | None, start, rtol: float, integrate, original: Case | None = None):
-    """The motion without samples: (segments, transitions, (status, sentence)); from a second contact on in poses, or
-    cut there if effects of the case exclude it, or those of the `original` whose relative case it is."""
-    unsupported = as_sentence(limit(original or case, Scope.SEVERAL_CONTACTS))
-    if integrate is augmented_integrator.integrate:
-        unsupported = "The method 'augmented' has one contact; leave method out to go on."
-    if regime is None and not unsupported and _touches_twice(case):
-        return solver.simulate(case, rtol, integrate)
-    solution, meeting = until_second_contact(case, simulate_phases(case, regime, start, rtol, integrate))
-    segments, transitions, (status, reason) = solution
-    if meeting is None and not _ended_at_second(case, status):
-        return solution
-    if unsupported:
-        return segments, transitions, (status, f"{reason} {unsupported}")
-    if _touches_twice(case) or not segments:
-        return solver.simulate(case, rtol, integrate)
-    time = meeting.time if meeting is not None else segments[-1].event.time
-    last = segments[-1]
-    state = _observe(case, last.phase, np.array([time]), last.states(np.array([time])))
-    x, y, theta, vx, vy, omega, *_, xi1, _ = (float(column[0]) for column in np.broadcast_arrays(*state))
-    other = (meeting.xi1, meeting.xi2) if meeting is not None else None
-    before = solver.Before(time, (x, y, theta, vx, vy, omega), last.phase.regime.mode, xi1, other)
-    more, changes, ending = solver.simulate(case, rtol, integrate, before)
-    transitions = [replace(event, contact=CONTACT) for event in transitions]
-    return [*segments, *more], [*transitions, *changes], ending
-
-
-def _touches_twice(case: Case) -> bool:
-    """Whether the plate touches its track in several places where the motion begins."""
-    if not case.start.in_contact:
-        return False
-    return len(list(solver.touching_contacts(case, np.array(solver.start_of(case))))) > 1
-
-
-def _ended_at_second(case: Case, status: str) -> bool:
-    """Whether a motion of curves with corners ended where a flat side or a second place met the track."""
-    return has_pieces(case) and status == FLAT[0]
+def solve_motion(
+    case: Case,
+    rtol: float,
+    integrate: Callable[..., Segment],
+    regime: Regime | None = None,
+    original: Case | None = None,
+):
+    """The motion without samples: (segments, transitions, (status, sentence)). `regime`: that of the first contact, if
+    it is known; `original`: the case whose relative case it is."""
+    no_poses = as_sentence(limit(original or case, Scope.SEVERAL_CONTACTS))
+    if getattr(integrate, "func", integrate) is augmented_integrator.integrate:
+        no_poses = "The method 'augmented' has one contact; leave method out to go on."
+    return solver.simulate(case, rtol, integrate, regime, no_poses)
 
 
 def as_trajectory(
@@ -242,6 +202,12 @@ def as_trajectory(
     steps, evaluations = sum([s.steps for s in segments]), sum([s.evaluations for s in segments])
     cost = Cost(cost.cpu_s, cost.wall_s, cost.setup_s, steps, evaluations)
     status, reason = ending if _finite(segments) else undecidable(segments[-1].start)
+    if (
+        any(t.contact for t in transitions)
+        and solver.begins_alone(case)
+        and solver.AllContacts(case, segments, transitions, _observe).names == (CONTACT,)
+    ):
+        transitions = [replace(change, contact="") for change in transitions]  # the only one has no name
     warning = augmented_integrator.warning(segments)
     return _trajectory(case, segments, transitions, status, f"{reason} {warning}" if warning else reason, cost)
 
@@ -249,22 +215,6 @@ def as_trajectory(
 def _finite(segments: list[Segment]) -> bool:
     """Whether every phase ended in finite numbers."""
     return all(isfinite(segment.event.time) and all(map(isfinite, segment.event.state)) for segment in segments)
-
-
-def first_regime(case: Case, y) -> Regime | None:
-    """The regime at time zero: the start specifies the signs of slip and spin; a zero is decided as at any instant.
-    None if no contact is consistent."""
-    if not case.start.in_contact:
-        return FLIGHT
-    epsilon, here = float(np.finfo(float).eps), start_pieces(case)
-    # Eight roundings lie between the start's values and the speeds of the state. A motion so slow that it ends at once
-    # leaves no regime; speeds below an event's own error then count as zero, as after events.
-    for error in (8 * epsilon, LOCATION_ERROR):
-        moves = senses(here, 0.0, y, case.start.slip, case.start.omega, error)
-        regime = decide(here, 0.0, y, epsilon, able(here, *moves), force_rounding(case))
-        if regime:
-            return regime
-    return None
 
 
 @lru_cache(maxsize=1)

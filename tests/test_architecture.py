@@ -130,7 +130,7 @@ PARTS = {
     "minimal": {"scales", "time_limit", "curvature_proof", "endings"},
     "contact_frame": {"time_limit"},
     "augmented_integrator": {"minimal", "paper"},
-    "solver": {"minimal", "scales", "time_limit", "endings"},
+    "solver": {"minimal", "scales", "time_limit", "endings", "curvature_proof"},
     "delassus": {"contact_frame", "scales", "time_limit"},
     "solve": {"minimal", "augmented_integrator", "solver", "solution_check", "endings"},
     "narration": {"solve"},

@@ -23,7 +23,6 @@ from cases.moving_frame import in_fixed_frame, relative_case
 from cases.trajectory import CONTACT
 
 from .. import solve
-from ..minimal import hybrid
 from ..minimal.integrators import taylor
 from ..minimal.modes import FLIGHT, Phase, candidates, phase_at, start_pieces, start_state
 from ..time_limit import OutOfTime, cpu_limit
@@ -273,7 +272,7 @@ def _just_before(end: float) -> float:
 def components(case: Case) -> int:
     """The largest number of state components in any phase of the case."""
     if case.others or touches_by_features(case):
-        segments, *_ = solve.solve_supports(relative_case(case), 1e-10, solve.INTEGRATORS["dop853"][1])
+        segments, *_ = solve.solve_motion(relative_case(case), 1e-10, solve.INTEGRATORS["dop853"][1])
         return max(len(segment.event.state) for segment in segments)
     case = relative_case(case)
     regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
@@ -291,16 +290,7 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
         return integrate(now, t, _shift(now, y, component, roundings), end, tolerance)
 
     relative = relative_case(case)
-    if case.others or touches_by_features(case):
-        motion = solve.as_trajectory(relative, *solve.solve_supports(relative, rtol, integrate_perturbation))
-        motion = motion if relative is case else in_fixed_frame(case, motion)
-        return _witness(f"component {component} moved by {roundings:g} roundings", motion)
-    start = start_state(relative)
-    regime = solve.first_regime(relative, start)
-    # The search for second contacts takes longer than most motions.
-    run = solve.solve_motion if _has_several_contacts(case) else hybrid.simulate_phases
-    segments, transitions, ending = run(relative, regime, start, rtol, integrate_perturbation)
-    motion = solve.as_trajectory(relative, segments, transitions, ending)
+    motion = solve.as_trajectory(relative, *solve.solve_motion(relative, rtol, integrate_perturbation, None, case))
     motion = motion if relative is case else in_fixed_frame(case, motion)
     return _witness(f"component {component} moved by {roundings:g} roundings", motion)
 

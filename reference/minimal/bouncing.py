@@ -19,7 +19,6 @@ import numpy as np
 
 from cases import Case
 from cases.contact import pose
-from cases.piece_case import PieceCase, has_pieces, pieces_at
 
 from .impact import ContactVelocity
 from .integrators.segment import Event, Segment
@@ -82,8 +81,6 @@ class Bounces:
     def rebound(self, landing: Landing, after: ContactVelocity, pull: float) -> None:
         """Record the velocities after the last impact, with lift > 0, and the acceleration of the plate towards its
         track by gravity and load, m/s² (away from it if not positive)."""
-        if self.last and _pieces(self.case, landing) != _pieces(self.case, self.last.landing):
-            self.no_rebound()  # impacts on several corners in turn have no common limit
         closing = -landing.touch.lift
         ratio = after.lift / closing if closing > 0.0 else inf
         natural = self._natural(landing, after, pull)
@@ -162,11 +159,6 @@ class Bounces:
         )
         times, states = np.array([landing.time, limit.time]), StraightStates(landing.time, limit.time, first, last)
         return Segment.of(flight, times, states, Event(None, limit.time, last), 0)
-
-
-def _pieces(case: Case, landing: Landing) -> PieceCase | None:
-    """The pieces of a landing, of curves that have any."""
-    return pieces_at(case, landing.xi1, landing.xi2) if has_pieces(case) else None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -9,13 +9,10 @@ import numpy as np
 
 from cases import Case, Impact
 from cases.contact import pose
-from cases.piece_case import PieceCase, corners_meet, has_pieces, lies_flat, pieces_at
 
 from ..endings import (
     COMPLETION,
-    CORNERS_MEET,
     ENERGY,
-    FLAT_LANDING,
     LANDING_END,
     search_limit_ending,
     work_limit_ending,
@@ -96,28 +93,12 @@ def after_flight(case: Case, segments: list[Segment], landing: Landing | None, b
         return Step(
             tuple(segments), last.event.time, ending=breakdown(last.phase, last) if last.event.guard else COMPLETION
         )
-    here, place = _on_pieces(case, (landing.xi1, landing.xi2))
-    step = _after_landing(here, tuple(segments), landing, place, bounces)
-    return step if step.pieces or not isinstance(here, PieceCase) else step._replace(pieces=here)
+    return _after_landing(case, tuple(segments), landing, bounces)
 
 
-def _on_pieces(case: Case, place: tuple[float, float]) -> tuple[Case, tuple[float, float]]:
-    """The case on the pieces at a place of its whole curves, and the place in their parameters."""
-    if not has_pieces(case):
-        return case, place
-    here = pieces_at(case, *place)
-    return here, (place[0] - here.first.shift, place[1] - here.second.shift)
-
-
-def _after_landing(
-    case: Case, path: tuple[Segment, ...], landing: Landing, place: tuple[float, float], bounces: Bounces
-) -> Step:
-    """The step after a landing at a place, on the pieces there."""
-    if isinstance(case, PieceCase):
-        if corners_meet(case, *place):
-            return Step(path, landing.time, place, "landing", ending=CORNERS_MEET)
-        if lies_flat(case, *place):
-            return Step(path, landing.time, place, "landing", ending=FLAT_LANDING)
+def _after_landing(case: Case, path: tuple[Segment, ...], landing: Landing, bounces: Bounces) -> Step:
+    """The step after a landing."""
+    place = landing.xi1, landing.xi2
     if case.effect(Impact) is None:
         return Step(path, landing.time, place, "landing", ending=LANDING_END)
     law, since = law_of(case, landing.arm_t, landing.arm_n, landing.touch.slip), path[0].start
@@ -141,13 +122,8 @@ def _after_landing(
     # Listed impacts are simulated one by one.
     limit = None if is_listed and not is_unresolved else bounces.limit(is_unresolved)
     if limit and landing.time < limit.time < case.duration:
-        with_rest = (*path, bounces.settling(path[-1].phase, limit))
-        whole = case.whole if isinstance(case, PieceCase) else case
-        there, at = _on_pieces(whole, (limit.xi1, limit.xi2))
-        if isinstance(there, PieceCase) and lies_flat(there, *at):
-            return Step(with_rest, limit.time, at, "rest", ending=FLAT_LANDING, pieces=there)
-        step = contact_step(there, with_rest, limit.time, at, limit.theta, limit.touch, "rest", False)
-        return step._replace(pieces=there) if isinstance(there, PieceCase) else step
+        with_rest, at = (*path, bounces.settling(path[-1].phase, limit)), (limit.xi1, limit.xi2)
+        return contact_step(case, with_rest, limit.time, at, limit.theta, limit.touch, "rest", False)
     if is_unresolved:
         return contact_step(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), "rest", is_listed)
     aloft = in_flight(case, landing.time, y, after.slip, after.omega, after.lift)

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Chain, Curve, DoesNotFit
+from cases import Case, Curve, DoesNotFit
 from cases.contact import Contact, find
-from cases.piece_case import has_pieces
 
 from .curve_pieces import TooMuch
 from .impact import ContactVelocity
@@ -72,8 +71,6 @@ class Looks:
 
 def _same_way(case: Case, contact: Contact, theta: float) -> bool:
     """Whether the tangents of a pair point in the same direction, not in opposite ones."""
-    if has_pieces(case):
-        return True  # a pair of pieces is found by its direction
     _, _, tx, ty, *_ = case.track.jet(contact.xi1)
     _, _, u, v, *_ = case.plate.outline.jet(contact.xi2)
     c, s = cos(theta), sin(theta)
@@ -104,12 +101,9 @@ def state(segment: Segment, t: float) -> list[float]:
 def touch(case: Case, now: list[float], contact: Contact) -> tuple[ContactVelocity, float, float]:
     """Velocity of the plate's point of a pair along tangent and normal of the track's, the spin, and the arm."""
     x, y, _, vx, vy, omega = now
-    if isinstance(case.track, Chain):  # at a corner the tangent is the parameter's, and there is no speed
-        (X, Y), (tx, ty) = case.track.point(contact.xi1).tolist(), case.track.tangent(contact.xi1).tolist()
-    else:
-        X, Y, Xp, Yp = case.track.jet(contact.xi1)[:4]
-        along = hypot(Xp, Yp)
-        tx, ty = Xp / along, Yp / along
+    X, Y, Xp, Yp = case.track.jet(contact.xi1)[:4]
+    along = hypot(Xp, Yp)
+    tx, ty = Xp / along, Yp / along
     # The outline's point lies off the track's by the gap along the normal.
     rx, ry = X - contact.gap * ty - x, Y + contact.gap * tx - y
     px, py = vx - omega * ry, vy + omega * rx

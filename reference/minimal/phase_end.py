@@ -26,6 +26,10 @@ LOCATION_ERROR = 1e-12
 # location's error.
 ROUGH = 1e-9
 
+# After this many phases of zero length in a row (a slip that begins, ends and begins again), values within ROUGH of a
+# bound count as being at it.
+IDLE = 4
+
 # Guards at the ends of a piece: whether it is the track's, and which way the contact leaves it.
 PIECE_ENDS = {
     "track_start": (True, -1),

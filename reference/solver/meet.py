@@ -24,7 +24,7 @@ from ..minimal.contact_cores import cores
 from ..minimal.element_meetings import ElementSearch, elements, fine
 from ..minimal.integrators.segment import Segment
 from ..minimal.modes import Phase
-from ..minimal.second_contacts import BEYOND, PLACES, _zero
+from ..minimal.windows import EPS
 from .places import couple_of, in_round, nearest
 from .plate_numbers import bodies
 from .regimes import AT_END, pair_of, regime_of
@@ -48,6 +48,12 @@ LOOKS = 16
 # a step later.
 LATER = 0.0, 1e-9, 1e-6, 1e-3
 SOON = 2.0 * LATER[-1]
+# Places in a window at which a contact is sampled, and how far it may go beyond them, as a part of their range.
+PLACES, BEYOND = np.linspace(0.0, 1.0, 5), 0.1
+# Windows in which a contact is not proven to be the only one in its surroundings are halved at most this many times.
+HALVINGS = 16
+# The interval around a meeting in which a zero of the gap is searched is widened by four, at most this many times.
+MOST_WIDENINGS = 20
 
 
 class CoupleMeeting(NamedTuple):
@@ -59,6 +65,38 @@ class CoupleMeeting(NamedTuple):
     xi2: float
 
 
+class SegmentView(NamedTuple):
+    """A segment as the search sees it: times (s) of its steps, times (n,) ↦ poses of all plates (3 plates, n); the
+    pairs of elements with a contact that is watched, of each its number and times ↦ the parameters (2, n) and the gap
+    (n,), m; and the plates at rest."""
+
+    times: np.ndarray
+    poses: Poses
+    pairs: tuple[PieceCase, ...]
+    points: Callable[[int, np.ndarray], np.ndarray]
+    gap: Callable[[int, np.ndarray], np.ndarray]
+    resting: frozenset[int]
+
+    @property
+    def start(self) -> float:
+        """The start of the segment, s."""
+        return float(self.times[0])
+
+
+def view_of(segment: Segment) -> SegmentView:
+    """The same of a segment in poses."""
+    phase, states = segment.phase, _remember(segment.states)
+    regime, half = regime_of(phase), 3 * len(bodies(phase.case).reaches)
+    return SegmentView(
+        segment.times,
+        lambda times: states(times)[:half],
+        tuple(pair_of(phase.case, key) for key in regime.pairs),
+        lambda k, times: states(times)[half + 2 * k : half + 2 * k + 2],
+        lambda k, times: gap_of(phase, k, times, states(times)),
+        regime.resting,
+    )
+
+
 class Meetings:
     """The search for meetings in one motion; counts its work."""
 
@@ -66,22 +104,20 @@ class Meetings:
         self.case = case
         self.searches = [CoupleSearch(couple) for couple in couples(case)]
 
-    def first(self, segment: Segment) -> CoupleMeeting | None:
+    def first(self, view: SegmentView) -> CoupleMeeting | None:
         """The first meeting in a segment; None if there is none. Raises TooMuch at the limit on work."""
-        edges, earliest = np.unique(segment.times), None
+        edges, earliest = np.unique(view.times), None
         if len(edges) < 2:
             return None
-        keys, n = regime_of(segment.phase).pairs, len(bodies(self.case).reaches)
-        places = _remember(lambda times: segment.states(times)[: 3 * n])
+        poses = _remember(view.poses)
         for search in self.searches:
             couple = search.couple
-            if couple_rests(couple, segment) or _is_far(couple, segment, edges):
+            if couple_rests(couple, view.resting) or _is_far(couple, poses, edges):
                 continue
-            in_view = [(k, pair_of(self.case, key)) for k, key in enumerate(keys) if key.couple == couple.number]
             some = edges if earliest is None else np.append(edges[edges < earliest.time], earliest.time)
             if len(some) < 2:
                 continue
-            meeting = search.first(segment, places, some, in_view, n)
+            meeting = search.first(view, poses, some)
             if meeting is not None and (earliest is None or meeting.time < earliest.time):
                 earliest = meeting
         return earliest
@@ -103,22 +139,19 @@ class CoupleSearch:
         """The search by boxes."""
         return ElementSearch(self.couple)
 
-    def first(
-        self, segment: Segment, places: Poses, edges: np.ndarray, in_view: Sequence[tuple[int, PieceCase]], n: int
-    ) -> CoupleMeeting | None:
-        """The first meeting in a segment between these times; `places`: poses of all `n` plates at times; `in_view`:
-        pairs with their places in the regime."""
+    def first(self, view: SegmentView, places: Poses, edges: np.ndarray) -> CoupleMeeting | None:
+        """The first meeting in a segment between these times; `places`: poses of all plates at times."""
         couple = self.couple
         poses = _remember(lambda times: np.array(couple.relative_pose(places(times))))
-        state, pairs = segment.states(segment.times[:1])[:, 0], [pair for _, pair in in_view]
-        begin = np.array([state[3 * n + 2 * k : 3 * n + 2 * k + 2] for k, _ in in_view])
+        in_view = [(k, pair) for k, pair in enumerate(view.pairs) if couple_of(pair).number == couple.number]
+        pairs, begin = [pair for _, pair in in_view], [view.points(k, view.times[:1])[:, 0] for k, _ in in_view]
         exclusions = _exclusions(pairs).union(*(_across_joints(*one) for one in zip(pairs, begin, strict=True)))
 
         def is_new(meeting: CoupleMeeting) -> bool:
             soon = meeting.time <= edges[0] + SOON * (edges[1] - edges[0])
             return not (soon and self._is_in_view(meeting, pairs, begin))
 
-        earliest = self._first_of_shapes(segment, poses, edges, exclusions, n, is_new)
+        earliest = self._first_of_shapes(poses, edges, exclusions, is_new)
         if not self.has_others:
             return earliest
         if earliest is not None:
@@ -126,8 +159,11 @@ class CoupleSearch:
         if len(edges) < 2:
             return earliest
 
+        smooth = [(k, p) for k, p in in_view if not isinstance(p.first.piece, Corner) and in_round(p) not in exclusions]
+        edges = _provable(view, smooth, edges) if smooth else edges
+
         def around(first: Element, second: Element, ends: np.ndarray) -> list[Cores]:
-            return _around(segment, in_view, first, second, ends)
+            return _around(view, in_view, first, second, ends)
 
         for later in LATER:
             some = np.append(edges[0] + later * (edges[1] - edges[0]), edges[1:])
@@ -136,14 +172,14 @@ class CoupleSearch:
                 return earliest
             pair = _piece_case(couple, first_box.first.number, first_box.second.number)
             near = first_box.xi1 - pair.first.shift, first_box.xi2 - pair.second.shift
-            meeting = _locate(segment, n, pair, first_box.time, near)
+            meeting = _locate(poses, view.start, pair, first_box.time, near)
             if is_new(meeting):
                 return meeting
         return earliest
 
-    def _is_in_view(self, meeting: CoupleMeeting, pairs: Sequence[PieceCase], points: np.ndarray) -> bool:
+    def _is_in_view(self, meeting: CoupleMeeting, pairs: Sequence[PieceCase], points: Sequence[np.ndarray]) -> bool:
         """Whether a meeting is at the place of a contact that is watched, in a neighbour of its pair; `points`: their
-        parameters (pairs, 2) where the segment begins."""
+        parameters, (2,) each, where the segment begins."""
         place, reach = meeting.pair.pieces[0].point(meeting.xi1), self.couple.plate.reach
         return any(
             np.hypot(*(one.pieces[0].point(xi1) - place)) <= APART * reach and _are_neighbours(one, meeting.pair)
@@ -177,13 +213,13 @@ class CoupleSearch:
         return np.array(rows).T
 
     def _first_of_shapes(
-        self, segment: Segment, poses: Poses, edges: np.ndarray, exclusions: set[tuple[int, int]], n: int,
+        self, poses: Poses, edges: np.ndarray, exclusions: set[tuple[int, int]],
         is_new: Callable[[CoupleMeeting], bool],
     ) -> CoupleMeeting | None:  # fmt: skip
         earliest: CoupleMeeting | None = None
         times = fine(poses, edges)
         looks, near_elements = _looks(times), self._near_elements(poses(times))
-        is_apart = self._apart(segment, looks, poses(looks)) if len(self.quick) > FEW else None
+        is_apart = _apart(looks, poses(looks)) if len(self.quick) > FEW else None
         for pair, some in self.quick:
             if in_round(pair) in exclusions or not near_elements[pair.first.number]:
                 continue
@@ -196,31 +232,25 @@ class CoupleSearch:
                 near = guess(pair, some, x, y, theta)
                 if not inside(pair, *near, turn=AT_FLAT if isinstance(some.still, Straight) else AT_END):
                     continue
-                meeting = _locate(segment, n, pair, time, near)
+                meeting = _locate(poses, float(edges[0]), pair, time, near)
                 if is_new(meeting):
                     earliest = meeting
                     break
         return earliest
 
-    def _apart(self, segment: Segment, looks: np.ndarray, at_looks: np.ndarray) -> Callable[[Shapes], bool]:
-        """Whether the gap of a corner or arc of the plate stays open, as it is larger at all looks than the way of its
-        centre between two of them."""
-        couple, states = self.couple, segment.states(looks)
-        half, wait = 3 * len(bodies(couple.whole).reaches), FASTER * float(np.diff(looks).max())
-        speed, turning = np.zeros(len(looks)), np.zeros(len(looks))
-        for body in (couple.body, *(() if couple.base is None else (couple.base,))):
-            vx, vy, omega = states[len(states) - half + 3 * body :][:3]
-            lever = np.hypot(*(states[3 * couple.body :][:2] - states[3 * body :][:2]))
-            speed, turning = speed + np.hypot(vx, vy) + np.abs(omega) * lever, turning + np.abs(omega)
 
-        def is_apart(some: Shapes) -> bool:
-            if not some.from_base:
-                return False
-            x, y, _ = some.path(lambda _: at_looks)(looks)
-            moves = speed.max() + turning.max() * float(np.hypot(some.moving.x, some.moving.y))
-            return bool(some.gap(x, y).min() > wait * moves)
+def _apart(looks: np.ndarray, at_looks: np.ndarray) -> Callable[[Shapes], bool]:
+    """Whether the gap of a corner or arc of the plate stays open, as it is larger at all looks than the way of its
+    centre between two of them; `at_looks`: the plate's poses there."""
 
-        return is_apart
+    def is_apart(some: Shapes) -> bool:
+        if not some.from_base:
+            return False
+        x, y, _ = some.path(lambda _: at_looks)(looks)
+        way = float(np.hypot(np.diff(x), np.diff(y)).max(initial=0.0))
+        return bool(some.gap(x, y).min() > FASTER * way)
+
+    return is_apart
 
 
 def _looks(edges: np.ndarray) -> np.ndarray:
@@ -242,25 +272,19 @@ def _remember(poses: Poses) -> Poses:
     return evaluate
 
 
-def couple_rests(couple: Couple, segment: Segment) -> bool:
-    """Whether neither side of a couple moves in a segment."""
-    resting = regime_of(segment.phase).resting
+def couple_rests(couple: Couple, resting: frozenset[int]) -> bool:
+    """Whether neither side of a couple moves, given the plates at rest."""
     return couple.body in resting and (couple.base is None or couple.base in resting)
 
 
-def _is_far(couple: Couple, segment: Segment, edges: np.ndarray) -> bool:
-    """Whether the circles around both plates are apart during a segment."""
+def _is_far(couple: Couple, poses: Poses, edges: np.ndarray) -> bool:
+    """Whether the circles around both plates are apart between these times."""
     if couple.base is None:
         return False
-    times = _looks(edges)
-    states, half = segment.states(times), 3 * len(bodies(couple.whole).reaches)
-    own, other = 3 * couple.body, 3 * couple.base
-    away = np.hypot(*(states[own : own + 2] - states[other : other + 2]))
-    first = len(states) - half
-    speeds = np.hypot(*(states[first + own : first + own + 2] - states[first + other : first + other + 2]))
-    reaches = bodies(couple.whole).reaches
-    moves = FASTER * float(speeds.max()) * float(np.diff(times).max())
-    return bool(away.min() > reaches[couple.body] + reaches[couple.base] + moves)
+    places, own, other = poses(_looks(edges)), 3 * couple.body, 3 * couple.base
+    apart = places[own : own + 2] - places[other : other + 2]
+    reaches, way = bodies(couple.whole).reaches, np.hypot(*np.diff(apart, axis=1)).max()
+    return bool(np.hypot(*apart).min() > reaches[couple.body] + reaches[couple.base] + FASTER * way)
 
 
 def _exclusions(in_view: Sequence[PieceCase]) -> set[tuple[int, int]]:
@@ -316,24 +340,38 @@ def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:
 
 
 def _around(
-    segment: Segment, in_view: Sequence[tuple[int, PieceCase]], first: Element, second: Element, ends: np.ndarray
+    view: SegmentView, in_view: Sequence[tuple[int, PieceCase]], first: Element, second: Element, ends: np.ndarray
 ) -> list[Cores]:
     """The surroundings of each watched contact of two elements in windows of time (2, m)."""
-    result = list[Cores]()
-    times = (ends[0][:, None] + (ends[1] - ends[0])[:, None] * PLACES).ravel()
-    half, size = 3 * len(bodies(segment.phase.case).reaches), (len(ends[0]), len(PLACES))
-    for k, pair in in_view:
-        if in_round(pair) != (first.number, second.number) or isinstance(pair.first.piece, Corner):
-            continue
-        states = segment.states(times)
-        places = states[half + 2 * k : half + 2 * k + 2].reshape(2, *size)
-        low, high = places.min(axis=2), places.max(axis=2)
-        more = BEYOND * (high - low)
-        xi1, xi2 = zip(low - more, high + more, strict=True)
-        gap = gap_of(segment.phase, k, times, states).reshape(size)
-        around, _ = cores(pair, np.array(xi1), np.array(xi2), np.maximum(gap.max(axis=1), 0.0))
-        result.append(around)
-    return result
+    return [
+        _cores(view, k, pair, ends)[0]
+        for k, pair in in_view
+        if in_round(pair) == (first.number, second.number) and not isinstance(pair.first.piece, Corner)
+    ]
+
+
+def _cores(view: SegmentView, k: int, pair: PieceCase, ends: np.ndarray) -> tuple[Cores, np.ndarray]:
+    """The surroundings of a watched contact in windows of time (2, m), and which of them shorter windows may still
+    prove (m,)."""
+    times, size = (ends[0][:, None] + (ends[1] - ends[0])[:, None] * PLACES).ravel(), (len(ends[0]), len(PLACES))
+    places = view.points(k, times).reshape(2, *size)
+    low, high = places.min(axis=2), places.max(axis=2)
+    more = BEYOND * (high - low)
+    xi1, xi2 = zip(low - more, high + more, strict=True)
+    gap = view.gap(k, times).reshape(size)
+    return cores(pair, np.array(xi1), np.array(xi2), np.maximum(gap.max(axis=1), 0.0))
+
+
+def _provable(view: SegmentView, some: Sequence[tuple[int, PieceCase]], edges: np.ndarray) -> np.ndarray:
+    """The times, and times between them, such that each contact is proven to be the only one in its surroundings: a
+    feature of its curve that it passes in a window would count as the contact."""
+    for _ in range(HALVINGS):
+        unproven = edges[1:] - edges[:-1] > 64 * EPS * np.abs(edges[1:])
+        unproven &= np.any([_cores(view, k, pair, np.array([edges[:-1], edges[1:]]))[1] for k, pair in some], axis=0)
+        if not unproven.any():
+            break
+        edges = np.union1d(edges, 0.5 * (edges[:-1] + edges[1:])[unproven])
+    return edges
 
 
 def gap_of(phase: Phase, k: int, times: np.ndarray, states: np.ndarray) -> np.ndarray:
@@ -343,20 +381,29 @@ def gap_of(phase: Phase, k: int, times: np.ndarray, states: np.ndarray) -> np.nd
     return np.broadcast_to(np.asarray(columns[first + COLUMNS.index("gap")], dtype=float), times.shape)
 
 
-def _locate(segment: Segment, n: int, pair: PieceCase, when: float, near: tuple[float, float]) -> CoupleMeeting:
-    """The zero of the gap at a meeting, to rounding, with the elements' own parameters."""
+def _locate(poses: Poses, start: float, pair: PieceCase, when: float, near: tuple[float, float]) -> CoupleMeeting:
+    """The zero of the gap at a meeting, to rounding, with the elements' own parameters; `poses`: of the plate in the
+    frame of the base."""
     from scipy.optimize import brentq  # slow to import, and many motions never come here
 
-    couple = couple_of(pair)
-
     def at_time(t: float):
-        state = segment.states(np.array([t]))[: 3 * n, 0]
-        x, y, theta = (float(v) for v in couple.relative_pose(state))
+        x, y, theta = poses(np.array([t]))[:, 0].tolist()
         return nearest(pair, x, y, theta, near)
 
     try:
         time = _zero(lambda t: at_time(t).gap, when, brentq)
     except (ValueError, DoesNotFit):
         time = when  # it touches without closing: two flat sides, or a start
-    at = at_time(max(time, segment.start))
-    return CoupleMeeting(max(time, segment.start), pair, at.xi1, at.xi2)
+    time = max(time, start)
+    at = at_time(time)
+    return CoupleMeeting(time, pair, at.xi1, at.xi2)
+
+
+def _zero(gap: Callable[[float], float], near: float, root: Callable[..., float]) -> float:
+    """A zero at which a gap closes. Raises ValueError if there is none near."""
+    wide = max(4.0 * EPS * abs(near), 1e-300)
+    for _ in range(MOST_WIDENINGS):
+        if gap(near - wide) > 0.0 >= gap(near + wide):
+            return float(root(gap, near - wide, near + wide, xtol=1e-15, rtol=8.9e-16))
+        wide *= 4.0
+    raise ValueError("the gap does not close")

@@ -17,9 +17,10 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Belt, Case, Curve, DoesNotFit, Mode, geometry
-from cases.contact import belt_speed
+from cases.contact import belt_speed, start_motion
 from cases.corner import Corner, Piece
 from cases.couples import Couple
+from cases.free_plates import start_poses
 from cases.piece_case import PieceCase
 from cases.piece_contact import _foot
 
@@ -305,3 +306,10 @@ def without_velocity(
         if not goals.any() and rank == np.count_nonzero(some.inverse[own]):
             velocity[own] = 0.0
     return (*map(float, state[:half]), *velocity.tolist())
+
+
+def start_of(case: Case) -> tuple[float, ...]:
+    """The state of all plates where a motion begins."""
+    poses, first = start_poses(case), start_motion(case)
+    poses[0] = first.x, first.y, first.theta, first.vx, first.vy, first.omega  # on a belt
+    return (*poses[:, :3].ravel().tolist(), *poses[:, 3:].ravel().tolist())

@@ -18,14 +18,13 @@ from cases.piece_case import PieceCase, _piece_case
 from cases.start_pose import OVERLAPS
 from cases.supports import is_straight
 
+from ..curvature_proof import curvatures
 from ..minimal.element_meetings import elements
 from .places import TOUCHES, nearest
 from .plate_numbers import size
 from .regimes import AT_END
 from .shapes import guess, shapes
 
-# Samples at which the bend of an element is looked at.
-BEND_SAMPLES = 257
 # Points of an element that say where it is, and those of an outline's at which a corner's distance is looked at.
 FEW, MANY = 17, 257
 # Two contacts are one if their place, in units of the plate's reach, and direction differ by less than this: curves
@@ -50,8 +49,7 @@ def bends(piece: Piece) -> tuple[float, float]:
     with its sign."""
     if isinstance(piece, Corner):
         return piece.sign * inf, piece.sign * inf
-    values = np.asarray(piece.curvature(np.linspace(*piece.span, BEND_SAMPLES)))
-    return float(values.min()), float(values.max())
+    return curvatures(piece)
 
 
 def _may_touch(track: Piece, outline: Piece) -> bool:

@@ -270,7 +270,8 @@ class WatchedPlates:
             else "its track" if self.case.others else "its track in a second place"
         )  # fmt: skip
         xi1 = float(couple.whole_xi1(at.pair.to_whole(at.xi1, at.xi2)[0]))
-        return no_impact_law(self.t, who, which, xi1, bool(self.case.others))
+        flew = all(watch.mode is Mode.FLIGHT for watch in self.watches)
+        return no_impact_law(self.t, who, which, xi1, flew or bool(self.case.others))
 
     def _strike(
         self, part: Sequence[ContactPlace], names: Sequence[str], closing: set[str]

@@ -2,8 +2,8 @@
 
 A wave shares Python's overhead: parameters, starts of phases, decisions and places are arrays. Each scenario needs one
 call of the compiled integrator per phase, without a record of its steps. A scenario that needs special treatment in a
-phase (an undecided start, a touch, a singularity) goes through that phase alone, by `minimal.hybrid`. A scenario that
-flies or may meet its track in a second place is simulated alone from the beginning.
+phase (an undecided start, a touch, a singularity) goes through that phase alone, as in `solver.contact_chart`. A
+scenario that flies or may meet its track in a second place is simulated alone from the beginning.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from cases import CoulombFriction, Flight, Mode, RollingResistance, Unilateral
 
 from .. import endings
-from ..minimal import contact_end, hybrid, phase_end
+from ..minimal import contact_end, phase_end
 from ..minimal.assembly import contact_system
 from ..minimal.decision import Undecidable
 from ..minimal.effects import laws
@@ -243,7 +243,7 @@ class _Wave:
     # --- what follows -------------------------------------------------------------------------------------------------
 
     def _after(self, number: int, guard: str, indices: np.ndarray, t: np.ndarray, y: np.ndarray) -> None:
-        """Decide what follows a guard's zero, as `hybrid` does; special cases are passed to `hybrid` one by one."""
+        """Decide what follows a guard's zero, as `contact_chart` does; special cases are passed to it one by one."""
         regime = self.regimes[number]
         if guard in endings.ENDS:
             self._end(indices, t, y, endings.ENDS[guard])
@@ -358,7 +358,7 @@ class _Wave:
         self.idle[indices] = np.where(t == self.t[indices], self.idle[indices] + 1, 0)
         self.phases[indices] += 1
         self.now[indices], self.t[indices], self.y[:, indices] = after, t, y
-        stuck = (self.idle[indices] > hybrid.IDLE) | (self.phases[indices] > phase_end.MANY)
+        stuck = (self.idle[indices] > phase_end.IDLE) | (self.phases[indices] > phase_end.MANY)
         self.now[indices[stuck]] = _ALONE
 
     def _end(self, indices: np.ndarray, t, y: np.ndarray, ending: tuple[str, str]) -> None:

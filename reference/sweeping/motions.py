@@ -12,12 +12,11 @@ from cases.contact import belt_speed, start_motion
 from cases.mechanics import energy
 from cases.piece_case import PieceCase
 
-from ..endings import BROKEN_LAW, CAUSES, undecidable
+from ..endings import BROKEN_LAW, CAUSES
 from ..minimal.contact_end import slip_and_spin
-from ..minimal.decision import Undecidable
-from ..minimal.modes import FLIGHT, Phase, full_state, start_state
+from ..minimal.modes import FLIGHT, Phase, full_state
 from ..solution_check import ending_by_laws
-from ..solve import INTEGRATORS, METHODS, at_once, first_regime, solve_motion
+from ..solve import INTEGRATORS, METHODS, at_once, solve_motion
 from .scenario_values import ScenarioGroup
 
 # One of so many scenarios is checked by the laws, and every one that does not end by its duration, by leaving its track
@@ -110,11 +109,7 @@ def check_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motions:
 
 def _solution(case: Case, rtol: float):
     """The motion of one case without samples: segments, transitions and ending."""
-    start = start_state(case)
-    try:
-        return solve_motion(case, first_regime(case, start), start, rtol, INTEGRATORS[METHODS[0]][1])
-    except Undecidable:
-        return [], [], undecidable(0.0)
+    return solve_motion(case, rtol, INTEGRATORS[METHODS[0]][1])
 
 
 def _simulate(case: Case, rtol: float, motions: Motions, i: int, is_sample: bool) -> list[Transition]:

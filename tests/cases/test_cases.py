@@ -197,6 +197,7 @@ def test_shapes_are_recognised_wherever_they_lie():
     assert (circle.radius, *circle.centre, circle.left) == pytest.approx((3.0, 2.0, 1.0, True))
     assert as_circle(ellipse(1.0, 1.0 + 1e-9)) is None
     assert as_line(ellipse(1.0, 0.9)) is None
+    assert as_line(Curve(("s", "1e-6*exp(-((s-0.3)/1e-4)**2)"), (-1, 1))) is None  # a bump between seventeen samples
 
 
 def test_curves_of_one_structure_share_it_whatever_their_sizes():

@@ -38,7 +38,7 @@ from cases import (
 from cases.library import circle, ellipse, line
 from reference import contact_frame, endings
 from reference.contact_frame import flight_guards
-from reference.minimal import hybrid
+from reference.solver import march
 from reference.sweeping.scenario_values import structure
 from reports.judging.friction_factor import losses
 from reports.judging.residuals import broken_laws, examine
@@ -235,7 +235,7 @@ def test_bounces_are_those_of_the_weight_alone(across, e):
 def test_the_end_of_a_motion_that_can_neither_stay_nor_fly_is_decided_once(monkeypatch, method):
     """A flight of zero length that came down at once was repeated, a thousand times and for up to half a minute."""
     case = on_line(Lift(30.0), Flight(), Impact(0.0), gap=0.1)
-    monkeypatch.setattr(hybrid, "MOST_PHASES", 1)
+    monkeypatch.setattr(march, "MOST_PHASES", 1)
     assert reference.simulate(case, method=method).reason == endings.LIFTED[1]
     flights, fly = [], flight_guards.fly
     monkeypatch.setattr(flight_guards, "fly", lambda course, now: flights.append(course.t) or fly(course, now))

@@ -19,8 +19,8 @@ from reference.certification import certificate as certification
 from reference.certification import rebuild, truth_file, witnesses
 from reference.certification.certificate import Certificate, NotCertified, certify
 from reference.contact_frame import steps
-from reference.minimal import hybrid
 from reference.minimal.integrators import taylor
+from reference.solver import march
 from tests.authorities.many_digits import STATES, TIMES, computed
 
 GROUND = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
@@ -41,7 +41,7 @@ def test_bars_hold_where_all_witnesses_share_a_rounding():
 
 
 def test_a_motion_that_no_way_gets_through_certifies_nothing_and_is_not_tried_by_others(monkeypatch):
-    monkeypatch.setattr(hybrid, "MOST_PHASES", 1)
+    monkeypatch.setattr(march, "MOST_PHASES", 1)
     monkeypatch.setattr(witnesses, "_by_second", None)
     with pytest.raises(NotCertified, match=r"no witness reaches the end of the motion: .* at 0\.\d+ s$"):
         certify(BOWLED)

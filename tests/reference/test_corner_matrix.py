@@ -24,10 +24,9 @@ from cases import (
 from cases.corner import Corner
 from cases.piece_case import PieceCase
 from reference.contact_frame.equations import ContactPhase, ContactScene
-from reference.minimal.hybrid import simulate_phases
-from reference.minimal.modes import full_state, start_state
+from reference.minimal.modes import full_state
 from reference.paper.corners import solve_at_corner
-from reference.solve import INTEGRATORS, first_regime
+from reference.solve import INTEGRATORS, solve_motion
 
 # All three are a few dozen operations on numbers of one size.
 ROUNDING = 1e-11
@@ -54,8 +53,7 @@ def on(track, plate, *effects, **start):
     ],
 )  # fmt: skip
 def test_three_forms_agree_at_every_instant_on_a_corner(case):
-    segments, *_ = simulate_phases(case, first_regime(case, start_state(case)), start_state(case), 1e-12,
-                                   INTEGRATORS["dop853"][1])  # fmt: skip
+    segments, *_ = solve_motion(case, 1e-12, INTEGRATORS["dop853"][1])
     checked = 0
     for segment in segments:
         pieces, now = segment.phase.case, segment.phase

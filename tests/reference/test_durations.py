@@ -28,8 +28,9 @@ from cases import (
     disc,
 )
 from cases.library import circle, ellipse, line
-from reference.minimal import gap, hybrid, phase_end
+from reference.minimal import gap, phase_end
 from reference.minimal.bouncing import LISTING_PART, extrapolate
+from reference.solver import contact_chart, march
 
 G = 9.81
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -264,7 +265,7 @@ def test_a_little_more_speed_than_that_is_a_departure(method, slip):
 @pytest.mark.sampled(2)
 @METHODS
 def test_many_phases_are_no_accumulation(monkeypatch, method):
-    monkeypatch.setattr(hybrid, "MOST_PHASES", 50)
+    monkeypatch.setattr(march, "MOST_PHASES", 50)
     case = replace(cases.load("disc_in_circle", mu=0.2), duration=200.0)
     motion = reference.simulate(case, method=method)
     assert motion.status == "unfinished" and f"{motion.t[-1]:.9g}" in motion.reason
@@ -285,9 +286,9 @@ def test_a_flight_too_fast_to_look_for_its_landing_says_how_far_it_was_followed(
 
 def test_phases_accumulate_by_the_motions_own_time(monkeypatch):
     # One of the phases is fast, and tells for all.
-    monkeypatch.setattr(hybrid, "frequency", lambda now, t, y: 10.0 if y == (500,) else 0.0)
+    monkeypatch.setattr(contact_chart, "frequency", lambda now, t, y: 10.0 if y == (500,) else 0.0)
     many = phase_end.MANY + 2
-    slow, fast = hybrid._Progress(), hybrid._Progress()
+    slow, fast = contact_chart._Progress(), contact_chart._Progress()
     assert not any(slow.none(None, 1e-9 * n, (n,)) for n in range(many))
     assert any(fast.none(None, 1e-15 * n, (n,)) for n in range(many))
 

@@ -18,7 +18,7 @@ from cases.library import line
 from reference import contact_frame, solve
 from reference.certification.truth_file import stored_or_new
 from reference.minimal.integrators import dop853
-from reference.minimal.modes import candidates, phase, start_state
+from reference.minimal.modes import candidates, phase
 
 pytestmark = pytest.mark.taylor
 
@@ -317,8 +317,7 @@ def by_hand(case: Case, rtol: float, longest: float):
             patch.setattr(dop853, "DOP853", partial(DOP853, max_step=longest))
             return dop853.integrate(now._replace(features=()), t, y, end, rtol)
 
-    start = start_state(case)
-    return solve.as_trajectory(case, *solve.solve_motion(case, solve.first_regime(case, start), start, rtol, integrate))
+    return solve.as_trajectory(case, *solve.solve_motion(case, rtol, integrate))
 
 
 def check_random(seed: int) -> None:

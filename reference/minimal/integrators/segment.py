@@ -112,6 +112,17 @@ class Segment:
         return replace(self, event=self.event._replace(guard=guard))
 
 
+class Segments(list[Segment]):
+    """The segments of a motion so far, and the number of their steps."""
+
+    steps = 0
+
+    def add(self, segment: Segment) -> None:
+        """Add the next one."""
+        self.append(segment)
+        self.steps += segment.steps
+
+
 def blocks(starts: np.ndarray, times: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """For pieces of time that begin at `starts`: the number of each piece with `times` in it, and their indices.
 

@@ -166,16 +166,14 @@ def simulate_new_case(case: cases.Case, method: str) -> int:
 
 def decision_program(case: cases.Case, method: str) -> Callable[[], int]:
     """All phases, decisions and the search for second contacts; returns the number of transitions."""
-    start = start_state(case)
-    regime = solve.first_regime(case, start)
+    regime = solve.first_regime(case, start_state(case))
     _, integrate = solve.INTEGRATORS[method]
-    return lambda: len(solve.solve_motion(case, regime, start, RTOL, integrate)[1])
+    return lambda: len(solve.solve_motion(case, RTOL, integrate, regime)[1])
 
 
 def integration(case: cases.Case, method: str) -> Callable[[], int]:
     """Only the integration of the same phases, each from its start; returns their number."""
-    start = start_state(case)
     _, integrate = solve.INTEGRATORS[method]
-    segments, _, _ = solve.solve_motion(case, solve.first_regime(case, start), start, RTOL, integrate)
+    segments, _, _ = solve.solve_motion(case, RTOL, integrate)
     phase_starts = [(s.phase, s.start, s.states(np.array([s.start]))[:, 0].tolist()) for s in segments]
     return lambda: len([integrate(now, t, y, case.duration, RTOL) for now, t, y in phase_starts])

@@ -1,0 +1,248 @@
+"""The quick chart: one plate with at most one contact, in the contact's own coordinates, or in flight over its track.
+
+A second contact is excluded by curvatures, or searched along each phase (`meet`). Where it closes, or where a contact
+on a curve with corners opens or reaches an inner corner or a flat side, the motion departs to poses (`pose_chart`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Mode, Transition
+from cases.contact import pose, start_motion
+from cases.couples import couples
+from cases.overlap import span
+from cases.piece_case import PieceCase, _piece_case, lies_flat
+from cases.piece_contact import excludes_second
+
+from ..curvature_proof import fits
+from ..endings import ACCUMULATION, CAUSES, FLAT, OFF, Ending, second_place
+from ..minimal.bouncing import Bounces
+from ..minimal.contact_end import after_contact, force_rounding, leave, slip_and_spin
+from ..minimal.decision import decide
+from ..minimal.flight_end import after_flight, closes, simulate_flight, start_flight
+from ..minimal.integrators.segment import Segment, Segments
+from ..minimal.landing import Landings
+from ..minimal.modes import (
+    FLIGHT,
+    Phase,
+    Regime,
+    able,
+    candidates,
+    full_state,
+    in_flight,
+    phase_at,
+    senses,
+    start_pieces,
+    start_state,
+    state_in,
+)
+from ..minimal.phase_end import IDLE, LOCATION_ERROR, MANY, ROUGH, Step
+from ..minimal.windows import EPS
+from ..scales import frequency
+from .meet import CoupleMeeting, Meetings, SegmentView
+from .places import start_of
+from .touching import touching_contacts
+
+# Changes of regime accumulate if MANY of them follow each other within this part of the motion's time scale.
+NO_TIME = 1e-9
+# Meetings nearer to a phase's end than this part of it are the end's: both are events, located to 1e-12.
+END = 1e-11
+
+
+class Departure(NamedTuple):
+    """Where a motion goes on in poses: time (s), the plate's state, the mode of its contact, the pair of elements and
+    their own parameters; whether the contact opens; the second contact that closes; and how the motion ends if it
+    cannot go on."""
+
+    time: float
+    state: tuple[float, ...]
+    mode: Mode
+    pair: PieceCase
+    points: tuple[float, float]
+    opens: bool
+    meeting: CoupleMeeting | None
+    ending: Ending
+
+
+class ContactChart:
+    """The motion of one plate with at most one contact at time `t` (s).
+
+    `case`: on the elements of its curves where the contact is; `regime`, `y`: its regime and full state; `place`: the
+    last contact's (ξ₁, ξ₂) on the whole curves.
+    """
+
+    def __init__(
+        self, case: Case, rtol: float, integrate: Callable[..., Segment], regime: Regime | None, segments: Segments
+    ):
+        start = start_motion(case)
+        self.whole, self.case, self.rtol, self.integrate = case, start_pieces(case), rtol, integrate
+        self.t, self.y, self.segments = 0.0, start_state(case), segments
+        self.regime = first_regime(case, self.y) if regime is None else regime
+        self.place = start.xi1, start.xi2
+        self.transitions = list[Transition]()
+        self.bounces, self.progress, self.idle = Bounces(case), _Progress(), 0
+        self.landings: Landings | None = None
+        self.search: Meetings | None = None
+
+    def excludes_second(self, xi1: Sequence[float]) -> bool:
+        """Whether curvatures exclude a second contact while ξ₁ has these values."""
+        track, outline = self.whole.track, self.whole.plate.outline
+        if isinstance(self.case, PieceCase):
+            return excludes_second(track, outline)
+        return fits(track, outline, *span(track, np.array([self.whole.start.xi1, *xi1]), self.whole.plate.reach))
+
+    def touches_once(self) -> bool:
+        """Whether the motion begins with one contact, or in flight."""
+        if self.regime == FLIGHT:
+            return True
+        if isinstance(self.case, PieceCase) and (self.regime is None or lies_flat(self.case, self.y[0], self.y[1])):
+            return False
+        return self.excludes_second(()) or len(list(touching_contacts(self.whole, np.array(start_of(self.whole))))) < 2
+
+    def phase(self) -> Ending | Departure | None:
+        """Simulate one phase and what follows it. Raises Undecidable, DoesNotFit."""
+        if self.regime is None:
+            step = leave(self.case, (), self.t, self.y, "")
+            self.y, self.regime = step.state, step.regime
+            return step.ending if step.regime is None else None
+        now = phase_at(self.case, self.regime, self.y)
+        self.y = state_in(now, self.y)
+        if self.progress.none(now, self.t, self.y):
+            return ACCUMULATION
+        if self.regime == FLIGHT:
+            step = self._flight(now)
+        else:
+            segment = self.integrate(now, self.t, self.y, self.whole.duration, self.rtol)
+            step = after_contact(self.case, segment, self.y, max(self.rtol, LOCATION_ERROR))
+            departure = self._second_contact(step)
+            if departure is not None:
+                return departure
+        self.idle = self.idle + 1 if step.time == self.t else 0
+        if self.idle > IDLE and step.regime not in (None, FLIGHT):
+            step = self._decide_roughly(step)
+        return self._go_on(step)
+
+    def _flight(self, now: Phase) -> Step:
+        self.landings = self.landings or Landings(self.whole)
+        fly = simulate_flight if self.segments or not closes(self.whole) else start_flight
+        path = fly(self.whole, now, self.t, self.y, self.place, self.rtol, self.integrate, self.landings)
+        return after_flight(self.whole, *path, self.bounces)
+
+    def _decide_roughly(self, step: Step) -> Step:
+        """The step with another regime after phases of zero length: what began is too small to distinguish from
+        rounding. Values within `ROUGH` of their bound count as being at it, and their rates decide."""
+        assert self.regime is not None
+        others = [r for r in candidates(self.case) if r != self.regime._replace(slack=())]
+        following = decide(self.case, step.time, step.state, ROUGH, others)
+        return step._replace(regime=following or step.regime)
+
+    def _go_on(self, step: Step) -> Ending | Departure | None:
+        """Record a step's segments and change of mode, and take its state."""
+        regime, case = self.regime, self.case
+        assert regime is not None
+        is_at_second = step.ending[0] == FLAT[0] and step.regime is None
+        opens = isinstance(case, PieceCase) and step.regime == FLIGHT
+        for segment in step.segments:
+            self.segments.add(segment)
+        if is_at_second or opens:
+            return self._departure(self.segments[-1], None, opens, step.ending)
+        following = step.regime.mode if step.regime else Mode.FLIGHT if step.ending in OFF else regime.mode
+        self.t, self.case = step.time, step.pieces or case
+        self.place = self.case.to_whole(*step.place) if isinstance(self.case, PieceCase) else step.place
+        if following is not regime.mode or (step.regime == FLIGHT == regime and step.is_listed):
+            xi1, xi2 = self.place
+            self.transitions.append(Transition(self.t, regime.mode, following, xi1, xi2, CAUSES[step.cause]))
+        if step.regime is None:
+            return step.ending
+        self.y, self.regime = step.state, step.regime
+        return None
+
+    # --- to poses -----------------------------------------------------------------------------------------------------
+
+    def _second_contact(self, step: Step) -> Departure | None:
+        """The departure at the first second contact in a step's segments, which are recorded up to there."""
+        for i, segment in enumerate(step.segments):
+            if self._is_alone_in(segment):
+                continue
+            self.search = self.search or Meetings(self.whole)
+            case, last = self.case, segment.event.time
+            meeting = self.search.first(contact_view(case, self.pair, segment))
+            if meeting is None or (isinstance(case, PieceCase) and meeting.time >= last * (1.0 - END)):
+                continue  # at the end of an element the contact meets the next one
+            for earlier in step.segments[:i]:
+                self.segments.add(earlier)
+            cut = segment.cut(meeting.time, None)
+            self.segments.add(cut)
+            xi1 = meeting.pair.to_whole(meeting.xi1, meeting.xi2)[0]
+            return self._departure(cut, meeting, False, second_place(meeting.time, xi1))
+        return None
+
+    def _is_alone_in(self, segment: Segment) -> bool:
+        """Whether curvatures exclude a second contact in a segment."""
+        track = self.whole.track
+        is_open = not isinstance(self.case, PieceCase) and track.domain is None and not track.period
+        return self.excludes_second(segment.states(segment.times)[0].tolist() if is_open else ())
+
+    @property
+    def pair(self) -> PieceCase:
+        """The pair of elements of the contact, of the case's only couple."""
+        case, couple = self.case, couples(self.whole)[0]
+        numbers = (case.first.number, case.second.number) if isinstance(case, PieceCase) else (0, 0)
+        return _piece_case(couple, *numbers)
+
+    def _departure(self, last: Segment, meeting: CoupleMeeting | None, opens: bool, ending: Ending) -> Departure:
+        """The departure at the end of the last segment."""
+        case, now, t = self.case, last.phase, last.event.time
+        y = full_state(case, now, t, last.event.state)
+        body = in_flight(case, t, y, *slip_and_spin(case, t, y), 0.0)
+        return Departure(t, body, now.regime.mode, self.pair, (y[0], y[1]), opens, meeting, ending)
+
+
+def contact_view(case: Case, pair: PieceCase, segment: Segment) -> SegmentView:
+    """A segment of contact as the search for meetings sees it."""
+
+    def poses(times: np.ndarray) -> np.ndarray:
+        x, y, theta = pose(case, *segment.states(times)[:2])
+        return np.array([x, y, theta])
+
+    def points(k: int, times: np.ndarray) -> np.ndarray:
+        return segment.states(times)[:2]
+
+    return SegmentView(segment.times, poses, (pair,), points, lambda k, times: np.zeros(len(times)), frozenset())
+
+
+def first_regime(case: Case, y: Sequence[float]) -> Regime | None:
+    """The regime at time zero of a state of contact or flight: the start specifies the signs of slip and spin; a zero
+    is decided as at any instant. None if no contact is consistent. Raises Undecidable."""
+    if not case.start.in_contact:
+        return FLIGHT
+    here = start_pieces(case)
+    # Eight roundings lie between the start's values and the speeds of the state. A motion so slow that it ends at once
+    # leaves no regime; speeds below an event's own error then count as zero, as after events.
+    for error in (8 * EPS, LOCATION_ERROR):
+        moves = senses(here, 0.0, y, case.start.slip, case.start.omega, error)
+        regime = decide(here, 0.0, y, EPS, able(here, *moves), force_rounding(case))
+        if regime:
+            return regime
+    return None
+
+
+class _Progress:
+    """Detects phases without progress, measured by the motion's time scale."""
+
+    def __init__(self) -> None:
+        self.since = 0.0
+        self.phases: list[tuple[Phase, float, Sequence[float]]] = []
+
+    def none(self, now: Phase, t: float, y: Sequence[float]) -> bool:
+        """Record a phase that begins at t; returns whether the last MANY took no time by the fastest of their rates."""
+        self.phases.append((now, t, y))
+        if len(self.phases) <= MANY:
+            return False
+        took = any((t - self.since) * frequency(*entry) > NO_TIME for entry in self.phases)
+        self.since, self.phases = t, []
+        return not took

@@ -1,0 +1,355 @@
+"""The general chart: plates with any contacts, in poses; one phase, and the event or impact at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from math import inf
+
+import numpy as np
+
+from cases import Belt, Case, Mode, Transition
+from cases.contact import belt_speed, clearance, start_motion
+from cases.contact_limits import has_features
+from cases.couples import couples
+from cases.free_plates import plates_of
+from cases.piece_case import LEVEL, PieceCase, corner_on_corner, corners_meet, is_concave, neighbour
+
+from ..endings import (
+    BREAKDOWN,
+    CAUSES,
+    COMPLETION,
+    CORNERS_MEET,
+    ENDS,
+    Ending,
+    events_without_time,
+    work_limit_ending,
+)
+from ..minimal.contact_end import breakdown, own_ending
+from ..minimal.effects import OWN_END
+from ..minimal.element_meetings import points_at
+from ..minimal.grazing import over_touch
+from ..minimal.integrators.segment import OUT_OF_STEPS, Event, Segment, Segments
+from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH
+from ..scales import frequency, looks_between
+from .accelerations import guided_margin, is_steady, rest_margin
+from .contact_chart import Departure
+from .contact_law import STICKING, rigid_pairs
+from .meet import CoupleMeeting, Meetings, view_of
+from .mode_changes import ModeChanges
+from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, sides_of, start_of
+from .plate_numbers import size, speed
+from .regimes import SolverPhase, SolverRegime, join, solver_phase, split
+from .rest import first_loss, first_loss_in, looks_at_load
+from .touching import pairs_that_touch, touching_contacts
+from .watched_plates import MotionEnds, Watch
+
+# A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
+# turn of 1e-11 (`cases.piece_case.LEVEL`).
+MEETS = 1e-11
+# Guards of a rotation of plates against each other, which belong to all their contacts.
+OF_ROTATION = ("turn", "couple_forward", "couple_backward")
+# Guards of forces at their bounds.
+OF_FORCES = ("normal", "cone_forward", "cone_backward")
+# A contact does not pass to an element on which the clearance of its curvatures is below this part of 1/reach: its
+# nearest points would not be next to it.
+FITS = 1e-6
+# A motion with a plate in flight is integrated over this many of its time scales at once.
+FLIES = 4.0
+# This many phases of zero length in a row end a motion.
+STUCK = 50
+
+
+class PoseChart(ModeChanges):
+    """The motion of one or several plates from the start of a case, or from where it departed from its only contact's
+    coordinates."""
+
+    def __init__(
+        self, case: Case, rtol: float, integrate: Callable[..., Segment], segments: Segments,
+        before: Departure | None = None,
+    ):  # fmt: skip
+        t, state = (before.time, before.state) if before is not None else (0.0, start_of(case))
+        super().__init__(case, t, state, before is None)
+        self.rtol, self.integrate, self.segments = rtol, integrate, segments
+        self.idle, self.meetings = 0, Meetings(case)
+        self.enter: Callable[[], None] | None = partial(self._enter, before)
+
+    def phase(self) -> Ending | None:
+        """Simulate one phase and what follows it. Raises MotionEnds, TooMuch, Undecidable, DoesNotFit, LinAlgError."""
+        if self.enter is not None:
+            enter, self.enter = self.enter, None
+            enter()
+        return self._phase(self._decide())
+
+    def _decision_error(self) -> float:
+        """The part of a bound within which values are at it."""
+        return LOCATION_ERROR if self.idle <= IDLE else ROUGH
+
+    def _count(self, segment: Segment) -> None:
+        """Add a segment to the motion. Raises MotionEnds where too many in a row took no time."""
+        self.segments.add(segment)
+        self._count_idle(segment.event.time == self.t)
+
+    def _count_idle(self, is_idle: bool) -> None:
+        self.idle = self.idle + 1 if is_idle else 0
+        if self.idle > STUCK:
+            raise MotionEnds(events_without_time(self.t, STUCK, "changes of mode"))
+
+    @property
+    def transitions(self) -> list[Transition]:
+        """All transitions so far."""
+        return self.hops.all
+
+    def _enter(self, before: Departure | None) -> None:
+        """Watch all contacts of the first pose; that of a departure keeps the first name, its mode and its velocities.
+        A plate that begins on two places of a smooth track has that name at its start's contact."""
+        own: Watch | None = None
+        if before is not None:
+            own = self._watch(before.pair, before.points)
+            own.mode = before.mode
+        elif not self.case.others and not has_features(self.case) and self.case.start.in_contact:
+            first = start_motion(self.case)
+            self._watch(pairs_that_touch(couples(self.case)[0])[0], (first.xi1, first.xi2))
+        for pair, points in touching_contacts(self.case, np.array(self.state), TOUCHES if before is None else MEETS):
+            self._watch(pair, points)
+        if before is not None and before.meeting is not None:
+            self._watch(before.meeting.pair, (before.meeting.xi1, before.meeting.xi2))
+        self.touching = {watch.name for watch in self.watches}
+        stuck = {own.name} if own is not None and own.mode in STICKING else set[str]()
+        self._settle(stuck, closing=self.touching - ({own.name} if own is not None else set()))
+        if own is not None and before is not None and before.opens and own.name in self.touching:
+            self.causes[own.name], self.fixed = CAUSES["normal_force"], {own.name: (Mode.FLIGHT,)}
+
+    def _phase(self, regime: SolverRegime) -> Ending | None:
+        """Integrate one phase and apply its event; returns an ending, or None."""
+        phase = solver_phase(self.case, regime)
+        low = self._low_hops(phase)
+        if low:
+            self.touching = {w.name for w in self.watches if w.mode is not Mode.FLIGHT} | low
+            self.causes = dict.fromkeys(low, CAUSES["rest"])
+            self._settle({w.name for w in self.watches if w.mode in STICKING})
+            self._count_idle(True)
+            return None
+        y = join(self.state, [watch.points for watch in self.watches])
+        limit, holders = self._limit_of_rest(regime)
+        segment = self.integrate(phase, self.t, y, min(self._until(phase, y, regime), limit), self.rtol)
+        loss = self._loss_of_guides(segment, regime)
+        if loss is not None:
+            segment = _cut(segment, loss)
+            limit, holders = (
+                loss,
+                {name for name, used in zip(regime.names, regime.guides, strict=True) if used is not None},
+            )
+        meeting = self.meetings.first(view_of(segment))
+        if meeting is not None and meeting.time <= segment.event.time:
+            segment = _cut(segment, meeting.time)
+        else:
+            meeting = None
+        self._advance(segment)
+        self.touching = {watch.name for watch in self.watches if watch.mode is not Mode.FLIGHT}
+        self.still = rigid_pairs(regime.turns)
+        stuck = {watch.name for watch in self.watches if watch.mode in STICKING}
+        if meeting is not None:
+            if self._corners_meet(segment, meeting):
+                return CORNERS_MEET
+            for pair, points in touching_contacts(self.case, np.array(self.state)):
+                self._watch(pair, points)  # others that close at the same instant, too, in the order of their elements
+            watch = self._watch(meeting.pair, (meeting.xi1, meeting.xi2))
+            self._settle(stuck, closing={watch.name})
+            return None
+        if segment.event.guard is None and self.t == limit:
+            self.released, self.causes = holders, dict.fromkeys(holders, "the forces at rest reached their limit")
+            self._settle(stuck, self._closing())
+            return None
+        return self._event(segment, stuck)
+
+    def _corners_meet(self, flight: Segment, meeting: CoupleMeeting) -> bool:
+        """Whether a corner meets a corner from which it has not just departed, and the plate touches nothing else."""
+        pair, least = meeting.pair, MEETS * size(self.case, self.state)
+        if couple_of(pair).base is not None or not corners_meet(pair, meeting.xi1, meeting.xi2):
+            return False
+        place, state = pair.pieces[0].point(meeting.xi1), np.array(self.state)
+        first = flight.states(np.array([flight.start]))[: self.half, 0]
+        before = points_at(first[3 * couple_of(pair).body :][:3, None], *pair.pieces[1].point(meeting.xi2))[:2, 0]
+        points = [one.pieces[0].point(xi1) for one, (xi1, _) in touching_contacts(self.case, state)]
+        away = [float(np.hypot(*(point - place))) for point in (before, *points)]
+        return away[0] > least and max(away[1:], default=0.0) <= LEVEL
+
+    def _limit_of_rest(self, regime: SolverRegime) -> tuple[float, set[str]]:
+        """When a load that depends on time can no longer be balanced by the contacts of plates at rest (s, infinite if
+        they can to the end), and these contacts."""
+        if is_steady(self.case, regime.resting):
+            return inf, set()
+        resting = [watch for watch in self._closed() if set(sides_of(watch.pair)) <= regime.resting]
+        now = self._places(resting)
+        for group in groups(now):
+            some = [now[k] for k in group]
+            if is_steady(self.case, plates_in(some)):
+                continue
+            last = first_loss(partial(self._rest_margin, some), looks_at_load(self.case, self.t))
+            if last is not None:
+                return last, {resting[k].name for k in group}
+        return inf, set()
+
+    def _rest_margin(self, some: Sequence[ContactPlace], t: float) -> float:
+        return rest_margin(self.case, t, self.state, some)
+
+    def _loss_of_guides(self, segment: Segment, regime: SolverRegime) -> float | None:
+        """When forces that are not unique reach their limit in a segment, s; None if they do not."""
+        some = [k for k, used in enumerate(regime.guides) if used is not None and regime.modes[k] is not Mode.FLIGHT]
+        if not some:
+            return None
+        phase, half = segment.phase, self.half
+        pairs, modes = [self.watches[k].pair for k in some], [regime.modes[k] for k in some]
+
+        def margin(t: float) -> float:
+            y = segment.states(np.array([t]))[:, 0]
+            state, points = split(self.case, y)
+            rates = np.array(phase.system.rates_of_numbers(t, tuple(y.tolist()), phase.parameters))
+            now = [place(pair, state, points[k]) for pair, k in zip(pairs, some, strict=True)]
+            return guided_margin(self.case, t, state, rates[len(rates) - half :], now, modes, regime.turns)
+
+        return first_loss_in(segment, margin)
+
+    def _until(self, phase: SolverPhase, y: tuple[float, ...], regime: SolverRegime) -> float:
+        """The end of a phase's integration: not far ahead where a plate flies, as it may land."""
+        end, holders = self.case.duration, set[int](regime.resting)
+        for watch in self.watches:
+            if watch.mode is not Mode.FLIGHT:
+                holders |= set(place(watch.pair, self.state, watch.points).sides)
+        if len(holders) == len(plates_of(self.case)):
+            return end
+        often = frequency(phase, self.t, y)
+        return min(end, max(self.t + FLIES / often if often else end, self.t + 1e3 * float(np.spacing(self.t))))
+
+    def _advance(self, segment: Segment) -> None:
+        self._count(segment)
+        self.t = segment.event.time
+        self.state, points = split(self.case, segment.event.state)
+        for watch, pair in zip(self.watches, points, strict=True):
+            watch.points = pair
+        # A belt may stop, or turn back, at both ends of a step.
+        belts = [watch.pair for watch in self.watches if watch.pair.effect(Belt) is not None]
+        times = [self.t, *looks_between(segment.times).tolist()] if belts else []
+        speeds = [abs(float(belt_speed(pair, t))) for pair in belts for t in times]
+        self.speed = max(self.speed, speed(self.case, self.state), *speeds)
+
+    def _event(self, segment: Segment, stuck: set[str]) -> Ending | None:
+        guard = segment.event.guard
+        if guard is None:
+            if self.t >= self.case.duration:
+                return COMPLETION
+            self._settle(stuck)
+            return None
+        if guard == OUT_OF_STEPS:
+            return work_limit_ending(self.t, segment.steps)
+        if guard == BREAKDOWN:
+            return breakdown(segment.phase, segment)
+        kind, _, number = guard.partition(":")
+        if kind in PIECE_ENDS:
+            return self._pass_on(self.watches[int(number)], kind, stuck)
+        if kind in ENDS:
+            return ENDS[kind]
+        if kind.startswith(OWN_END):
+            return own_ending(self.case, kind)
+        if kind in OF_ROTATION:
+            sides = sides_of(self.watches[int(number)].pair)
+            together = {watch.name for watch in self._closed() if sides_of(watch.pair) == sides}
+            self.causes |= dict.fromkeys(together, CAUSES[kind])
+            self.still = [*self.still, sides]
+            self._settle(stuck, self._closing())
+            return None
+        watch = self.watches[int(number)]
+        if kind in OF_FORCES and self._is_touch(segment, guard):
+            self._settle(stuck)
+            return None
+        if kind == "lost":
+            self.watches.remove(watch)
+            self._settle(stuck)
+            return None
+        if kind == "gap":
+            self._settle(stuck, closing={watch.name})
+            return None
+        closing = self._closing()  # an impact at the same instant
+        self.causes[watch.name] = CAUSES["normal_force" if kind == "normal" else kind]
+        if kind == "slip":
+            stuck.add(watch.name)
+        if kind == "normal" and not closing:
+            self.fixed = {watch.name: (Mode.FLIGHT,)}
+        self._settle(stuck, closing)
+        return None
+
+    def _is_touch(self, segment: Segment, guard: str) -> bool:
+        """Whether a force that ends a segment at its bound only touches that: the motion goes on beyond."""
+        error = max(self.rtol, LOCATION_ERROR)
+        across = over_touch(segment.phase, segment, guard, error, self.case.duration)
+        if across is None or self.meetings.first(view_of(across)) is not None:
+            return False
+        self._advance(across)
+        return True
+
+    def _pass_on(self, watch: Watch, kind: str, stuck: set[str]) -> Ending | None:
+        """The contact has reached an end of an element: it passes to the next one, or ends."""
+        of_track, step = PIECE_ENDS[kind]
+        piece, s = watch.pair.pieces[0 if of_track else 1], watch.points[0 if of_track else 1]
+        if piece.parts is not None and (piece.ends is None or piece.ends[0] < s < piece.ends[1]):
+            self.causes[watch.name] = CAUSES[kind]  # a knot
+            self._settle(stuck)
+            return None
+        if watch.pass_time == self.t and not watch.at_joint:  # it came from there at this instant
+            watch.at_joint = True
+            self._settle(stuck)
+            return None
+        watch.pass_time, watch.at_joint = self.t, False
+        following = neighbour(watch.pair, of_track, step)
+        if watch.mode is Mode.FLIGHT:
+            self.watches.remove(watch)
+            self._settle(stuck)
+            return None
+        if following is None:
+            return ENDS[kind]
+        whole = watch.pair.to_whole(*watch.points)
+        self.causes[watch.name] = CAUSES["piece"]
+        if is_concave(following):  # it comes to the next piece at the same place
+            beyond = neighbour(following, of_track, step)
+            if beyond is None:
+                return ENDS[kind]
+            other = self._watch(beyond, self._start_of(beyond, whole, of_track, step))
+            if other.name in self.touching:  # a corner inside a corner stays there
+                watch.at_joint = True
+                self._settle(stuck)
+                return None
+            self._settle(stuck, closing={other.name})
+            return None
+        if corner_on_corner(following):  # the plate's corner passes the other curve's
+            self.fixed = {watch.name: (Mode.FLIGHT,)}
+            self._record({one.name: one.mode for one in self.watches if one is not watch})
+            self.watches = [one for one in self.watches if one is not watch]
+            self.touching.discard(watch.name)
+            self._settle(stuck - {watch.name})
+            return None
+        points = self._start_of(following, whole, of_track, step)
+        if not clearance(following, *points) > FITS / following.plate.reach:
+            return ENDS["fit"]
+        for one in [one for one in self.watches if one is not watch and one.is_at(following, points)]:
+            self.watches.remove(one)  # it had opened there
+            self.touching.discard(one.name)
+        watch.pair, watch.points = following, points
+        self._settle(stuck)
+        return None
+
+    @staticmethod
+    def _start_of(pair: PieceCase, whole: tuple[float, float], of_track: bool, step: int) -> tuple[float, float]:
+        """Parameters of a contact that has just come to an element."""
+        points = [whole[0] - pair.first.shift, whole[1] - pair.second.shift]
+        span = pair.pieces[0 if of_track else 1].span
+        points[0 if of_track else 1] = span[0 if step > 0 else 1]
+        return points[0], points[1]
+
+
+def _cut(segment: Segment, time: float) -> Segment:
+    """A segment that ends at a time (s)."""
+    cut, state = segment.until(time, segment.evaluations), segment.states(np.array([time]))[:, 0]
+    return Segment.of(
+        segment.phase, cut.times, segment.states, Event(None, time, tuple(state.tolist())), segment.evaluations
+    )
