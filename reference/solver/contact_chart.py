@@ -43,8 +43,9 @@ from ..minimal.modes import (
 from ..minimal.phase_end import IDLE, LOCATION_ERROR, MANY, ROUGH, Step
 from ..minimal.windows import EPS
 from ..scales import frequency
-from .meet import CoupleMeeting, Meetings, SegmentView
+from .meet import CoupleMeeting, Meetings
 from .places import start_of
+from .segment_view import SegmentView
 from .touching import touching_contacts
 
 # Changes of regime accumulate if MANY of them follow each other within this part of the motion's time scale.

@@ -20,16 +20,13 @@ from cases.couples import Couple, couples
 from cases.piece_case import PieceCase, _piece_case, neighbour
 
 from ..minimal.boxes import Cores
-from ..minimal.contact_cores import cores
 from ..minimal.element_meetings import ElementSearch, elements, fine
-from ..minimal.integrators.segment import Segment
-from ..minimal.modes import Phase
 from ..minimal.windows import EPS
 from .places import couple_of, in_round, nearest
 from .plate_numbers import bodies
-from .regimes import AT_END, pair_of, regime_of
+from .regimes import AT_END
+from .segment_view import SegmentView, remember
 from .shapes import Poses, Shapes, Straight, first_closings, guess, shapes
-from .system import COLUMNS
 from .touching import bends, inside, pairs_that_touch
 from .watched_plates import APART
 
@@ -48,10 +45,6 @@ LOOKS = 16
 # a step later.
 LATER = 0.0, 1e-9, 1e-6, 1e-3
 SOON = 2.0 * LATER[-1]
-# Places in a window at which a contact is sampled, and how far it may go beyond them, as a part of their range.
-PLACES, BEYOND = np.linspace(0.0, 1.0, 5), 0.1
-# Windows in which a contact is not proven to be the only one in its surroundings are halved at most this many times.
-HALVINGS = 16
 # The interval around a meeting in which a zero of the gap is searched is widened by four, at most this many times.
 MOST_WIDENINGS = 20
 
@@ -63,38 +56,6 @@ class CoupleMeeting(NamedTuple):
     pair: PieceCase
     xi1: float
     xi2: float
-
-
-class SegmentView(NamedTuple):
-    """A segment as the search sees it: times (s) of its steps, times (n,) ↦ poses of all plates (3 plates, n); the
-    pairs of elements with a contact that is watched, of each its number and times ↦ the parameters (2, n) and the gap
-    (n,), m; and the plates at rest."""
-
-    times: np.ndarray
-    poses: Poses
-    pairs: tuple[PieceCase, ...]
-    points: Callable[[int, np.ndarray], np.ndarray]
-    gap: Callable[[int, np.ndarray], np.ndarray]
-    resting: frozenset[int]
-
-    @property
-    def start(self) -> float:
-        """The start of the segment, s."""
-        return float(self.times[0])
-
-
-def view_of(segment: Segment) -> SegmentView:
-    """The same of a segment in poses."""
-    phase, states = segment.phase, _remember(segment.states)
-    regime, half = regime_of(phase), 3 * len(bodies(phase.case).reaches)
-    return SegmentView(
-        segment.times,
-        lambda times: states(times)[:half],
-        tuple(pair_of(phase.case, key) for key in regime.pairs),
-        lambda k, times: states(times)[half + 2 * k : half + 2 * k + 2],
-        lambda k, times: gap_of(phase, k, times, states(times)),
-        regime.resting,
-    )
 
 
 class Meetings:
@@ -109,7 +70,7 @@ class Meetings:
         edges, earliest = np.unique(view.times), None
         if len(edges) < 2:
             return None
-        poses = _remember(view.poses)
+        poses = remember(view.poses)
         for search in self.searches:
             couple = search.couple
             if couple_rests(couple, view.resting) or _is_far(couple, poses, edges):
@@ -142,7 +103,7 @@ class CoupleSearch:
     def first(self, view: SegmentView, places: Poses, edges: np.ndarray) -> CoupleMeeting | None:
         """The first meeting in a segment between these times; `places`: poses of all plates at times."""
         couple = self.couple
-        poses = _remember(lambda times: np.array(couple.relative_pose(places(times))))
+        poses = remember(lambda times: np.array(couple.relative_pose(places(times))))
         in_view = [(k, pair) for k, pair in enumerate(view.pairs) if couple_of(pair).number == couple.number]
         pairs, begin = [pair for _, pair in in_view], [view.points(k, view.times[:1])[:, 0] for k, _ in in_view]
         exclusions = _exclusions(pairs).union(*(_across_joints(*one) for one in zip(pairs, begin, strict=True)))
@@ -159,11 +120,11 @@ class CoupleSearch:
         if len(edges) < 2:
             return earliest
 
-        smooth = [(k, p) for k, p in in_view if not isinstance(p.first.piece, Corner) and in_round(p) not in exclusions]
-        edges = _provable(view, smooth, edges) if smooth else edges
+        smooth = {k: in_round(pair) for k, pair in in_view if not isinstance(pair.first.piece, Corner)}
+        edges = view.provable([k for k, numbers in smooth.items() if numbers not in exclusions], edges)
 
         def around(first: Element, second: Element, ends: np.ndarray) -> list[Cores]:
-            return _around(view, in_view, first, second, ends)
+            return [view.cores(k, ends)[0] for k, pair in smooth.items() if pair == (first.number, second.number)]
 
         for later in LATER:
             some = np.append(edges[0] + later * (edges[1] - edges[0]), edges[1:])
@@ -259,19 +220,6 @@ def _looks(edges: np.ndarray) -> np.ndarray:
     return np.append((edges[:-1, None] + np.diff(edges)[:, None] * parts).ravel(), edges[-1])
 
 
-def _remember(poses: Poses) -> Poses:
-    """The same function, which evaluates each times once: all pairs of elements ask for the same."""
-    values = dict[bytes, np.ndarray]()
-
-    def evaluate(times: np.ndarray) -> np.ndarray:
-        key = times.tobytes()
-        if key not in values:
-            values[key] = poses(times)
-        return values[key]
-
-    return evaluate
-
-
 def couple_rests(couple: Couple, resting: frozenset[int]) -> bool:
     """Whether neither side of a couple moves, given the plates at rest."""
     return couple.body in resting and (couple.base is None or couple.base in resting)
@@ -337,48 +285,6 @@ def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:
     if not isinstance(piece, Corner):
         return bends(outline)[0] > bends(track)[1]
     return piece.sign < 0 and bends(outline)[0] >= 0.0 if of_track else piece.sign > 0 and bends(track)[1] <= 0.0
-
-
-def _around(
-    view: SegmentView, in_view: Sequence[tuple[int, PieceCase]], first: Element, second: Element, ends: np.ndarray
-) -> list[Cores]:
-    """The surroundings of each watched contact of two elements in windows of time (2, m)."""
-    return [
-        _cores(view, k, pair, ends)[0]
-        for k, pair in in_view
-        if in_round(pair) == (first.number, second.number) and not isinstance(pair.first.piece, Corner)
-    ]
-
-
-def _cores(view: SegmentView, k: int, pair: PieceCase, ends: np.ndarray) -> tuple[Cores, np.ndarray]:
-    """The surroundings of a watched contact in windows of time (2, m), and which of them shorter windows may still
-    prove (m,)."""
-    times, size = (ends[0][:, None] + (ends[1] - ends[0])[:, None] * PLACES).ravel(), (len(ends[0]), len(PLACES))
-    places = view.points(k, times).reshape(2, *size)
-    low, high = places.min(axis=2), places.max(axis=2)
-    more = BEYOND * (high - low)
-    xi1, xi2 = zip(low - more, high + more, strict=True)
-    gap = view.gap(k, times).reshape(size)
-    return cores(pair, np.array(xi1), np.array(xi2), np.maximum(gap.max(axis=1), 0.0))
-
-
-def _provable(view: SegmentView, some: Sequence[tuple[int, PieceCase]], edges: np.ndarray) -> np.ndarray:
-    """The times, and times between them, such that each contact is proven to be the only one in its surroundings: a
-    feature of its curve that it passes in a window would count as the contact."""
-    for _ in range(HALVINGS):
-        unproven = edges[1:] - edges[:-1] > 64 * EPS * np.abs(edges[1:])
-        unproven &= np.any([_cores(view, k, pair, np.array([edges[:-1], edges[1:]]))[1] for k, pair in some], axis=0)
-        if not unproven.any():
-            break
-        edges = np.union1d(edges, 0.5 * (edges[:-1] + edges[1:])[unproven])
-    return edges
-
-
-def gap_of(phase: Phase, k: int, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """The gap of contact k, m, at some instants."""
-    columns = phase.system.outputs_of_arrays(times, states, phase.parameters)
-    first = 2 + 3 * len(bodies(phase.case).reaches) + len(COLUMNS) * k
-    return np.broadcast_to(np.asarray(columns[first + COLUMNS.index("gap")], dtype=float), times.shape)
 
 
 def _locate(poses: Poses, start: float, pair: PieceCase, when: float, near: tuple[float, float]) -> CoupleMeeting:

@@ -35,12 +35,13 @@ from ..scales import frequency, looks_between
 from .accelerations import guided_margin, is_steady, rest_margin
 from .contact_chart import Departure
 from .contact_law import STICKING, rigid_pairs
-from .meet import CoupleMeeting, Meetings, view_of
+from .meet import CoupleMeeting, Meetings
 from .mode_changes import ModeChanges
 from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import size, speed
 from .regimes import SolverPhase, SolverRegime, join, solver_phase, split
 from .rest import first_loss, first_loss_in, looks_at_load
+from .segment_view import view_of
 from .touching import pairs_that_touch, touching_contacts
 from .watched_plates import MotionEnds, Watch
 

@@ -1,0 +1,105 @@
+"""A segment as the search for meetings sees it: poses, and the contacts that are watched with their surroundings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from cases.piece_case import PieceCase
+
+from ..minimal.boxes import Cores
+from ..minimal.contact_cores import cores
+from ..minimal.integrators.segment import Segment
+from ..minimal.modes import Phase
+from ..minimal.windows import EPS
+from .plate_numbers import bodies
+from .regimes import pair_of, regime_of
+from .shapes import Poses
+from .system import COLUMNS
+
+# Places in a window at which a contact is sampled, and how far it may go beyond them, as a part of their range.
+PLACES, BEYOND = np.linspace(0.0, 1.0, 5), 0.1
+# Windows in which a contact is not proven to be the only one in its surroundings are halved at most this many times.
+HALVINGS = 16
+
+
+@dataclass
+class SegmentView:
+    """Times (s) of a segment's steps, times (n,) ↦ poses of all plates (3 plates, n); the pairs of elements with a
+    contact that is watched, of each its number and times ↦ the parameters (2, n) and the gap (n,), m; and the plates at
+    rest."""
+
+    times: np.ndarray
+    poses: Poses
+    pairs: tuple[PieceCase, ...]
+    points: Callable[[int, np.ndarray], np.ndarray]
+    gap: Callable[[int, np.ndarray], np.ndarray]
+    resting: frozenset[int]
+    known: dict[tuple[int, bytes], tuple[Cores, np.ndarray]] = field(default_factory=dict)
+
+    @property
+    def start(self) -> float:
+        """The start of the segment, s."""
+        return float(self.times[0])
+
+    def cores(self, k: int, ends: np.ndarray) -> tuple[Cores, np.ndarray]:
+        """The surroundings of contact k in windows of time (2, m), and which of them shorter windows may still prove
+        (m,)."""
+        key = k, ends.tobytes()
+        if key not in self.known:
+            times, size = (ends[0][:, None] + (ends[1] - ends[0])[:, None] * PLACES).ravel(), (-1, len(PLACES))
+            places = self.points(k, times).reshape(2, *size)
+            low, high = places.min(axis=2), places.max(axis=2)
+            more, gap = BEYOND * (high - low), self.gap(k, times).reshape(size).max(axis=1)
+            xi1, xi2 = zip(low - more, high + more, strict=True)
+            self.known[key] = cores(self.pairs[k], np.array(xi1), np.array(xi2), np.maximum(gap, 0.0))
+        return self.known[key]
+
+    def provable(self, some: Sequence[int], edges: np.ndarray) -> np.ndarray:
+        """The times, and times between them, such that each of some contacts is proven to be the only one in its
+        surroundings: a feature of its curve that it passes in a window would count as the contact."""
+        for _ in range(HALVINGS):
+            unproven = np.zeros(len(edges) - 1, dtype=bool)
+            for k in some:
+                unproven |= self.cores(k, np.array([edges[:-1], edges[1:]]))[1]
+            unproven &= edges[1:] - edges[:-1] > 64 * EPS * np.abs(edges[1:])
+            if not unproven.any():
+                break
+            edges = np.union1d(edges, 0.5 * (edges[:-1] + edges[1:])[unproven])
+        return edges
+
+
+def view_of(segment: Segment) -> SegmentView:
+    """A segment in poses."""
+    phase, states = segment.phase, remember(segment.states)
+    regime, half = regime_of(phase), 3 * len(bodies(phase.case).reaches)
+    return SegmentView(
+        segment.times,
+        lambda times: states(times)[:half],
+        tuple(pair_of(phase.case, key) for key in regime.pairs),
+        lambda k, times: states(times)[half + 2 * k : half + 2 * k + 2],
+        lambda k, times: gap_of(phase, k, times, states(times)),
+        regime.resting,
+    )
+
+
+def gap_of(phase: Phase, k: int, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """The gap of contact k, m, at some instants."""
+    columns = phase.system.outputs_of_arrays(times, states, phase.parameters)
+    first = 2 + 3 * len(bodies(phase.case).reaches) + len(COLUMNS) * k
+    return np.broadcast_to(np.asarray(columns[first + COLUMNS.index("gap")], dtype=float), times.shape)
+
+
+def remember(poses: Poses) -> Poses:
+    """The same function, which evaluates each times once: all pairs of elements ask for the same."""
+    values = dict[bytes, np.ndarray]()
+
+    def evaluate(times: np.ndarray) -> np.ndarray:
+        key = times.tobytes()
+        if key not in values:
+            values[key] = poses(times)
+        return values[key]
+
+    return evaluate
