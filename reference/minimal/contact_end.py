@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, log10
 
 import numpy as np
 
@@ -55,7 +54,7 @@ from .modes import (
     without_slip,
     without_turning,
 )
-from .phase_end import LOCATION_ERROR, PIECE_ENDS, ROUGH, Step
+from .phase_end import LOCATION_ERROR, PIECE_ENDS, ROUGH, Step, error_range
 
 # A part of a segment in which a guard is nearly straight; and a guard that only touches zero, to a tolerance of 1e-6 at
 # most, has a slope below this part of its value at the start over the segment's length: the root of the tolerance.
@@ -166,8 +165,7 @@ def _following(
         others = [other] if other in candidates(case) else []
         # The force vanishes along the step's polynomial; at the state it has what the tolerance leaves. The least error
         # that explains it decides: with a larger one a slow slip would count as none.
-        errors = np.geomspace(LOCATION_ERROR, error, 1 + ceil(log10(error / LOCATION_ERROR)))
-        return next(filter(None, (decide(case, t, y, float(size), others) for size in errors)), None)
+        return next(filter(None, (decide(case, t, y, size, others) for size in error_range(error))), None)
     if guard in BEGINS:
         # Friction or resistance has reached its bound from inside; the motion that begins is against it.
         slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import ceil, log10
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +30,13 @@ ROUGH = 1e-9
 # After this many phases of zero length in a row (a slip that begins, ends and begins again), values within ROUGH of a
 # bound count as being at it.
 IDLE = 4
+
+
+def error_range(error: float) -> list[float]:
+    """Relative errors from an event's to that of the motion, by powers of ten."""
+    count = 1 + ceil(log10(max(error, LOCATION_ERROR) / LOCATION_ERROR))
+    return np.geomspace(LOCATION_ERROR, max(error, LOCATION_ERROR), count).tolist()
+
 
 # Guards at the ends of a piece: whether it is the track's, and which way the contact leaves it.
 PIECE_ENDS = {

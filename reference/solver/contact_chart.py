@@ -191,9 +191,7 @@ class ContactChart:
     @property
     def pair(self) -> PieceCase:
         """The pair of elements of the contact, of the case's only couple."""
-        case, couple = self.case, couples(self.whole)[0]
-        numbers = (case.first.number, case.second.number) if isinstance(case, PieceCase) else (0, 0)
-        return _piece_case(couple, *numbers)
+        return pair_in_couple(self.whole, self.case)
 
     def _departure(self, last: Segment, meeting: CoupleMeeting | None, opens: bool, ending: Ending) -> Departure:
         """The departure at the end of the last segment."""
@@ -201,6 +199,12 @@ class ContactChart:
         y = full_state(case, now, t, last.event.state)
         body = in_flight(case, t, y, *slip_and_spin(case, t, y), 0.0)
         return Departure(t, body, now.regime.mode, self.pair, (y[0], y[1]), opens, meeting, ending)
+
+
+def pair_in_couple(whole: Case, here: Case) -> PieceCase:
+    """The pair of elements on which a case is, of the only couple of the whole one."""
+    numbers = (here.first.number, here.second.number) if isinstance(here, PieceCase) else (0, 0)
+    return _piece_case(couples(whole)[0], *numbers)
 
 
 def contact_view(case: Case, pair: PieceCase, segment: Segment) -> SegmentView:

@@ -121,7 +121,8 @@ class CoupleSearch:
             return earliest
 
         smooth = {k: in_round(pair) for k, pair in in_view if not isinstance(pair.first.piece, Corner)}
-        edges = view.provable([k for k, numbers in smooth.items() if numbers not in exclusions], edges)
+        for k, numbers in smooth.items():
+            edges = view.provable(k, edges) if numbers not in exclusions else edges
 
         def around(first: Element, second: Element, ends: np.ndarray) -> list[Cores]:
             return [view.cores(k, ends)[0] for k, pair in smooth.items() if pair == (first.number, second.number)]

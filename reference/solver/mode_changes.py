@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cases import Case, Flight, Mode, Transition
+from cases import Case, Flight, Mode, PerfectlyRough, Transition
 
-from ..endings import CAUSES, LIFT_OFF, NO_MODE, Ending, forces_not_unique, several_motions
+from ..endings import CAUSES, LIFT_OFF, NO_MODE, NO_SLIP, Ending, forces_not_unique, several_motions
 from ..minimal.series import EPS
 from .accelerations import DecisionInstant
 from .contact_law import STICKING, Turns
@@ -34,14 +34,14 @@ class ModeChanges(ImpactEnds):
         super().__init__(case, t, state)
         self.fixed, self.released, self.begins = dict[str, tuple[Mode, ...]](), set[str](), begins
 
-    def _decision_error(self) -> float:
+    def _decision_errors(self) -> Sequence[float]:
+        """The parts of a bound within which values are at it: the least one that explains a motion decides."""
         raise NotImplementedError
 
     def _decide(self) -> SolverRegime:
         self._end_bouncing()
-        error = self._decision_error()
-        closed = self._closed()
-        now, places = DecisionInstant(self.case, self.t, self.state, self.speed, error), self._places(closed)
+        closed, errors = self._closed(), self._decision_errors()
+        now, places = DecisionInstant(self.case, self.t, self.state, self.speed, errors[0]), self._places(closed)
         modes, resting, slack = dict[str, Mode](), set[int](), list[tuple[str, str, float]]()
         turns: Turns = ()
         guides = dict[str, tuple[bool, bool] | None]()
@@ -50,11 +50,11 @@ class ModeChanges(ImpactEnds):
             self._check_count(some, names)
             fixed = {i: self.fixed[name] for i, name in enumerate(names) if name in self.fixed}
             last_modes = tuple(closed[k].mode for k in group) if self.released & set(names) else None
-            decision = decide(now, some, fixed, last_modes)
-            if fixed:
-                free = decide(now, some, {})
-                if not decision.motions or self._stays_without_force(free, fixed):
-                    decision = free
+            decision = self._decide_group(now, some, fixed, last_modes)
+            for error in errors[1:]:
+                if decision.motions or decision.is_singular:
+                    break
+                decision = self._decide_group(now._replace(error=error), some, fixed, last_modes)
             if decision.modes is None:
                 raise MotionEnds(self._no_modes(names, decision))
             modes |= dict(zip(names, decision.modes, strict=True))
@@ -81,6 +81,16 @@ class ModeChanges(ImpactEnds):
             self._still([at for _, at in remaining])
         self._record(modes)
         return self._regime(resting, slack, turns, guides)
+
+    def _decide_group(
+        self, now: DecisionInstant, some: Sequence[ContactPlace], fixed: dict[int, tuple[Mode, ...]],
+        last_modes: tuple[Mode, ...] | None,
+    ) -> Decision:  # fmt: skip
+        decision = decide(now, some, fixed, last_modes)
+        if not fixed:
+            return decision
+        free = decide(now, some, {})
+        return free if not decision.motions or self._stays_without_force(free, fixed) else decision
 
     @staticmethod
     def _stays_without_force(free: Decision, fixed: dict[int, tuple[Mode, ...]]) -> bool:
@@ -172,4 +182,4 @@ class ModeChanges(ImpactEnds):
             return several_motions(self.t, names, decision.motions)
         if decision.is_singular:
             return forces_not_unique(self.t, names)
-        return NO_MODE
+        return NO_MODE if self.case.effect(PerfectlyRough) is None else NO_SLIP

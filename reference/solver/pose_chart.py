@@ -9,9 +9,8 @@ from math import inf
 import numpy as np
 
 from cases import Belt, Case, Mode, Transition
-from cases.contact import belt_speed, clearance, start_motion
+from cases.contact import belt_speed, clearance
 from cases.contact_limits import has_features
-from cases.couples import couples
 from cases.free_plates import plates_of
 from cases.piece_case import LEVEL, PieceCase, corner_on_corner, corners_meet, is_concave, neighbour
 
@@ -30,10 +29,11 @@ from ..minimal.effects import OWN_END
 from ..minimal.element_meetings import points_at
 from ..minimal.grazing import over_touch
 from ..minimal.integrators.segment import OUT_OF_STEPS, Event, Segment, Segments
-from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH
+from ..minimal.modes import start_pieces, start_state
+from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH, error_range
 from ..scales import frequency, looks_between
 from .accelerations import guided_margin, is_steady, rest_margin
-from .contact_chart import Departure
+from .contact_chart import Departure, pair_in_couple
 from .contact_law import STICKING, rigid_pairs
 from .meet import CoupleMeeting, Meetings
 from .mode_changes import ModeChanges
@@ -42,7 +42,7 @@ from .plate_numbers import size, speed
 from .regimes import SolverPhase, SolverRegime, join, solver_phase, split
 from .rest import first_loss, first_loss_in, looks_at_load
 from .segment_view import view_of
-from .touching import pairs_that_touch, touching_contacts
+from .touching import touching_contacts
 from .watched_plates import MotionEnds, Watch
 
 # A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
@@ -82,9 +82,8 @@ class PoseChart(ModeChanges):
             enter()
         return self._phase(self._decide())
 
-    def _decision_error(self) -> float:
-        """The part of a bound within which values are at it."""
-        return LOCATION_ERROR if self.idle <= IDLE else ROUGH
+    def _decision_errors(self) -> Sequence[float]:
+        return error_range(self.rtol) if self.idle <= IDLE else (ROUGH,)
 
     def _count(self, segment: Segment) -> None:
         """Add a segment to the motion. Raises MotionEnds where too many in a row took no time."""
@@ -109,8 +108,8 @@ class PoseChart(ModeChanges):
             own = self._watch(before.pair, before.points)
             own.mode = before.mode
         elif not self.case.others and not has_features(self.case) and self.case.start.in_contact:
-            first = start_motion(self.case)
-            self._watch(pairs_that_touch(couples(self.case)[0])[0], (first.xi1, first.xi2))
+            xi1, xi2, *_ = start_state(self.case)
+            self._watch(pair_in_couple(self.case, start_pieces(self.case)), (xi1, xi2))
         for pair, points in touching_contacts(self.case, np.array(self.state), TOUCHES if before is None else MEETS):
             self._watch(pair, points)
         if before is not None and before.meeting is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -57,18 +57,26 @@ class SegmentView:
             self.known[key] = cores(self.pairs[k], np.array(xi1), np.array(xi2), np.maximum(gap, 0.0))
         return self.known[key]
 
-    def provable(self, some: Sequence[int], edges: np.ndarray) -> np.ndarray:
-        """The times, and times between them, such that each of some contacts is proven to be the only one in its
-        surroundings: a feature of its curve that it passes in a window would count as the contact."""
+    def provable(self, k: int, edges: np.ndarray) -> np.ndarray:
+        """The times, and times between them, such that contact k is proven to be the only one in its surroundings: a
+        feature of its curve that it passes in a window would count as the contact."""
+        ends = np.array([edges[:-1], edges[1:]])
+        around, unproven = self.cores(k, ends)
         for _ in range(HALVINGS):
-            unproven = np.zeros(len(edges) - 1, dtype=bool)
-            for k in some:
-                unproven |= self.cores(k, np.array([edges[:-1], edges[1:]]))[1]
-            unproven &= edges[1:] - edges[:-1] > 64 * EPS * np.abs(edges[1:])
-            if not unproven.any():
+            halved = unproven & (ends[1] - ends[0] > 64 * EPS * np.abs(ends[1]))
+            if not halved.any():
                 break
-            edges = np.union1d(edges, 0.5 * (edges[:-1] + edges[1:])[unproven])
-        return edges
+            start, end = ends[:, halved]
+            middle = 0.5 * (start + end)
+            parts = np.array([np.append(start, middle), np.append(middle, end)])
+            halves, still = self.cores(k, parts)
+            ends = np.append(ends[:, ~halved], parts, axis=1)
+            around = Cores(*(np.append(old[:, ~halved], new, axis=1) for old, new in zip(around, halves, strict=True)))
+            unproven = np.append(unproven[~halved], still)
+        order = np.argsort(ends[0], kind="stable")
+        ends = ends[:, order]
+        self.known[k, ends.tobytes()] = Cores(*(each[:, order] for each in around)), unproven[order]
+        return np.append(ends[0], ends[1, -1])
 
 
 def view_of(segment: Segment) -> SegmentView:
