@@ -30,7 +30,7 @@ from ..scales import acceleration_scale, approach_scale
 from .decision import AT_BOUND, Undecidable, decide, slack_of
 from .effects import OWN_END
 from .elimination import Elimination
-from .grazing import over_touch
+from .grazing import may_touch, over_touch
 from .impact import ContactVelocity
 from .integrators.segment import OUT_OF_STEPS, Segment
 from .knots import passed
@@ -56,10 +56,6 @@ from .modes import (
 )
 from .phase_end import LOCATION_ERROR, PIECE_ENDS, ROUGH, Step, error_range
 
-# A part of a segment in which a guard is nearly straight; and a guard that only touches zero, to a tolerance of 1e-6 at
-# most, has a slope below this part of its value at the start over the segment's length: the root of the tolerance.
-ALMOST, SLOWLY = 1e-6, 1e-2
-
 
 def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: float) -> Step:
     """The step after a guard's zero, in a motion with the relative `error`; `begin`: the state where the segment
@@ -67,8 +63,9 @@ def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: f
     now, guard, t = segment.phase, segment.event.guard, segment.event.time
     if guard is None:
         return Step((segment,), t)
-    if guard == "normal_force" or guard in BEGINS and _may_touch(segment, guard, begin):
-        across = over_touch(phase(now.case, now.regime, now.parts), segment, guard, error, case.duration)
+    full = phase(now.case, now.regime, now.parts)  # whose system has guards, whatever equations integrated the segment
+    if guard == "normal_force" or guard in BEGINS and may_touch(full, segment, guard, begin):
+        across = over_touch(full, segment, guard, error, case.duration)
         if across:
             t, y = across.event.time, full_state(case, now, t, across.event.state)
             return Step((segment, across), t, (y[0], y[1]), guard, y, now.regime if t < case.duration else None)
@@ -193,22 +190,6 @@ def _force_vanished(case: Case, segment: Segment, begin: Sequence[float]) -> boo
         for t, state in ((segment.start, begin), (event.time, event.state))
     )
     return last <= ROUGH * first and first > 0.0  # one without weight has no normal force from the start
-
-
-def _may_touch(segment: Segment, guard: str, begin: Sequence[float]) -> bool:
-    """Whether a guard reaches zero so slowly, measured by its value at the segment's start and the segment's length,
-    that it may only touch it: series, which decide, take longer than most segments."""
-    now, event = segment.phase, segment.event
-    now = phase(now.case, now.regime, now.parts)  # whose system has guards, whatever equations integrated the segment
-    lasted, index = event.time - segment.start, list(now.system.guards).index(guard)
-    soon = ALMOST * lasted
-    rates = now.system.rates_of_numbers(event.time, event.state, now.parameters)
-    later = [value + soon * rate for value, rate in zip(event.state, rates, strict=True)]
-    first, last, beyond = (
-        now.system.guards_of_numbers(t, y, now.parameters)[index]
-        for t, y in ((segment.start, begin), (event.time, event.state), (event.time + soon, later))
-    )
-    return not abs(beyond - last) > SLOWLY * ALMOST * abs(first)
 
 
 def _unique_force(now: Phase, t: float, y: Sequence[float]) -> bool:

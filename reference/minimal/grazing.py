@@ -7,6 +7,7 @@ computed N dips below zero depends on the error of the integration.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt
 
 import numpy as np
@@ -20,6 +21,25 @@ from .series import Series
 LARGER = 100.0
 # Terms of the motion's series across a dip, which lasts at most about the square root of the tolerance of its own time.
 ORDER = 8
+# A part of a segment in which a guard is nearly straight; and a guard that only touches zero, to a tolerance of 1e-6 at
+# most, has a slope below this part of its value at the start over the segment's length: the root of the tolerance.
+ALMOST, SLOWLY = 1e-6, 1e-2
+
+
+def may_touch(now: Phase, segment: Segment, guard: str, begin: Sequence[float]) -> bool:
+    """Whether a guard reaches zero so slowly, measured by its value at the segment's start, in the state `begin`, and
+    the segment's length, that it may only touch it: series, which decide, take longer than most segments. `now` as of
+    `over_touch`."""
+    event = segment.event
+    lasted, index = event.time - segment.start, list(now.system.guards).index(guard)
+    soon = ALMOST * lasted
+    rates = now.system.rates_of_numbers(event.time, event.state, now.parameters)
+    later = [value + soon * rate for value, rate in zip(event.state, rates, strict=True)]
+    first, last, beyond = (
+        now.system.guards_of_numbers(t, y, now.parameters)[index]
+        for t, y in ((segment.start, begin), (event.time, event.state), (event.time + soon, later))
+    )
+    return not abs(beyond - last) > SLOWLY * ALMOST * abs(first)
 
 
 def over_touch(now: Phase, segment: Segment, guard: str, error: float, end: float) -> Segment | None:
@@ -31,8 +51,7 @@ def over_touch(now: Phase, segment: Segment, guard: str, error: float, end: floa
     system has series, whatever equations integrated the segment.
     """
     t, y = segment.event.time, segment.event.state
-    motion, force = _series_of(now, guard, t, y, ORDER)
-    value, slope, bend = force[:3]
+    value, slope, bend = _series_of(now, guard, t, y, 2)[1]
     if not bend > 0.0:
         return None
     depth, lasted = slope * slope / (4.0 * bend) - value, t - segment.start
@@ -42,6 +61,7 @@ def over_touch(now: Phase, segment: Segment, guard: str, error: float, end: floa
     along = now.system.guards_of_arrays(segment.times, segment.states(segment.times), now.parameters)[index]
     if depth > error * np.max(np.abs(along)):
         return None
+    motion, _ = _series_of(now, guard, t, y, ORDER)
     # To the dip's end and as far again: there the force is well above zero.
     lasts = 2.0 * (sqrt(max(depth, 0.0) / bend) + max(-slope, 0.0) / (2.0 * bend))
     lasts = min(lasts, end - t)

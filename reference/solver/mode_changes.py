@@ -27,12 +27,13 @@ class ModeChanges(ImpactEnds):
     """Plates whose modes are decided, group by group.
 
     `fixed`: the modes that some contacts may have; `released`: those whose forces have reached a limit at rest;
-    `begins`: the modes of a start are no changes.
+    `begins`: the modes of a start are no changes; `may_float`: whether the force that opens a contact may stay at zero.
     """
 
     def __init__(self, case: Case, t: float, state: tuple[float, ...], begins: bool):
         super().__init__(case, t, state)
         self.fixed, self.released, self.begins = dict[str, tuple[Mode, ...]](), set[str](), begins
+        self.may_float = True
 
     def _decision_errors(self) -> Sequence[float]:
         """The parts of a bound within which values are at it: the least one that explains a motion decides."""
@@ -87,7 +88,7 @@ class ModeChanges(ImpactEnds):
         last_modes: tuple[Mode, ...] | None,
     ) -> Decision:  # fmt: skip
         decision = decide(now, some, fixed, last_modes)
-        if not fixed:
+        if not fixed or (decision.motions and not self.may_float):
             return decision
         free = decide(now, some, {})
         return free if not decision.motions or self._stays_without_force(free, fixed) else decision
@@ -116,7 +117,7 @@ class ModeChanges(ImpactEnds):
         came_to_rest = CAUSES["rest"] in self.causes.values()
         bouncing = self._bouncing() if came_to_rest else frozenset[str]()
         self.hops.record(self.t, changes, CAUSES["rest"] if came_to_rest else "", bouncing)
-        self.causes, self.fixed = {}, {}
+        self.causes, self.fixed, self.may_float = {}, {}, True
         if all(watch.mode is Mode.FLIGHT for watch in self.watches) and self.case.effect(Flight) is None:
             raise MotionEnds(LIFT_OFF)
         least = NEAR * size(self.case, self.state)

@@ -27,7 +27,7 @@ from ..endings import (
 from ..minimal.contact_end import breakdown, own_ending
 from ..minimal.effects import OWN_END
 from ..minimal.element_meetings import points_at
-from ..minimal.grazing import over_touch
+from ..minimal.grazing import may_touch, over_touch
 from ..minimal.integrators.segment import OUT_OF_STEPS, Event, Segment, Segments
 from ..minimal.modes import start_pieces, start_state
 from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH, error_range
@@ -260,9 +260,12 @@ class PoseChart(ModeChanges):
             self._settle(stuck, self._closing())
             return None
         watch = self.watches[int(number)]
-        if kind in OF_FORCES and self._is_touch(segment, guard):
-            self._settle(stuck)
-            return None
+        if kind in OF_FORCES:
+            begin = segment.states(np.array([segment.start]))[:, 0].tolist()
+            self.may_float = may_touch(segment.phase, segment, guard, begin)
+            if self.may_float and self._is_touch(segment, guard):
+                self._settle(stuck)
+                return None
         if kind == "lost":
             self.watches.remove(watch)
             self._settle(stuck)
