@@ -13,13 +13,13 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from cases import Belt, Case, CoulombFriction, RollingResistance
+from cases import Case
 from cases.contact import track_place
-from cases.own_effects import own_effects
 
+from .effect_laws import laws
+from .effect_laws.own_forces import OWN_END, own_guard
 from .minimal import modes
 from .minimal.assembly import PAINLEVE_LEAST
-from .minimal.effects import OWN_END
 from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, full_state
 from .minimal.system import System
@@ -81,7 +81,7 @@ class LiteralSystem:
         """Rates of the mode's variables; NaN, which no step accepts, where the matrix is singular."""
         if self.regime == FLIGHT:
             return [*y[3:], *flight_acceleration(self.case, t, y)]
-        if len(y) == self.positions and self.case.effect(Belt) is None:
+        if len(y) == self.positions and not laws(self.case).belt.runs:
             return [0.0] * len(y)  # at rest all rates are zero, whatever the forces
         try:
             equations = self.system_at(t, y)
@@ -215,7 +215,7 @@ def _guard(phase: Phase, name: str, contact: Any) -> Any:
         return xi - domain[0] if end == "start" else domain[1] - xi
     if name.startswith(OWN_END):
         slip = 0.0 if contact.equations.rolls else contact.slip
-        return _own_end(case, name.removeprefix(OWN_END), (contact.time, slip, contact.theta_dot))
+        return own_guard(case, name, contact.time, slip, contact.theta_dot)
     pressing = regime.side * contact.normal_force
     if name == "normal_force":
         return pressing / mass
@@ -229,19 +229,9 @@ def _guard(phase: Phase, name: str, contact: Any) -> Any:
         return contact.uniqueness() - PAINLEVE_LEAST
     sense = 1.0 if end == "forward" else -1.0
     if curve == "cone":
-        friction = case.effect(CoulombFriction)
-        assert friction is not None
-        return (friction.stick * pressing + sense * contact.friction_force) / mass
-    resistance = case.effect(RollingResistance)
-    assert curve == "couple" and resistance is not None
-    return (resistance.arm * pressing + sense * contact.couple) / (mass * size)
-
-
-def _own_end(case: Case, status: str, state: tuple[float, float, float]) -> float:
-    """The value of a condition of an effect of the user's own."""
-    effects = own_effects(case.effects)
-    values = [(end.status, value) for e in effects for end, value in zip(e.ends(), e.at(*state)[3:], strict=True)]
-    return next(value for name, value in values if name == status)
+        return (laws(case).friction.coefficients(case)[1] * pressing + sense * contact.friction_force) / mass
+    assert curve == "couple"
+    return (laws(case).resistance.arm(case) * pressing + sense * contact.couple) / (mass * size)
 
 
 def _bend(p: np.ndarray, s: np.ndarray) -> float:

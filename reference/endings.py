@@ -1,8 +1,8 @@
 """All statuses with which the first formulation ends a motion, each with its causes and their sentences; and the causes
 of its transitions.
 
-The conditions that end a phase are in `minimal.effects` (|T| ≤ µ N of `Coulomb.conditions`) and `minimal.assembly`
-(Painlevé's).
+The conditions that end a phase are in `effect_laws.friction` (|T| ≤ µ N of `Coulomb.stick_conditions`) and
+`minimal.assembly` (Painlevé's).
 """
 
 from __future__ import annotations

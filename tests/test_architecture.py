@@ -127,10 +127,11 @@ PARTS = {
     "paper": set(),
     "curvature_proof": set(),
     "endings": set(),
-    "minimal": {"scales", "time_limit", "curvature_proof", "endings"},
+    "effect_laws": set(),
+    "minimal": {"effect_laws", "scales", "time_limit", "curvature_proof", "endings"},
     "contact_frame": {"time_limit"},
-    "augmented_integrator": {"minimal", "paper"},
-    "solver": {"minimal", "scales", "time_limit", "endings", "curvature_proof"},
+    "augmented_integrator": {"effect_laws", "minimal", "paper"},
+    "solver": {"effect_laws", "minimal", "scales", "time_limit", "endings", "curvature_proof"},
     "delassus": {"contact_frame", "scales", "time_limit"},
     "solve": {"minimal", "augmented_integrator", "solver", "solution_check", "endings"},
     "narration": {"solve"},
@@ -141,6 +142,7 @@ PARTS = {
     "proof_checker": set(),
     "certification": {"solve", "minimal", "contact_frame", "delassus", "proofs", "laws_check", "time_limit", "endings"},
     "sweeping": {
+        "effect_laws",
         "certification",
         "solve",
         "minimal",
@@ -212,7 +214,7 @@ def top_level_names(source: str) -> set[str]:
 # Statuses that are names of guards and causes, too.
 ALSO_NAMES = {"landing", "track_end", "outline_end"}
 # The independent witnesses share no code with the first formulation, and have statuses of their own.
-FIRST_FORMULATION = ("minimal", "solver", "sweeping", "laws_check", "solve.py", "solution_check.py")
+FIRST_FORMULATION = ("effect_laws", "minimal", "solver", "sweeping", "laws_check", "solve.py", "solution_check.py")
 
 
 def test_statuses_are_made_in_one_file():

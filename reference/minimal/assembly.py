@@ -16,7 +16,11 @@ from cases.effects import MOTION
 from cases.expression_graph import ZERO, Node, in_order, sqrt, substitute, symbol
 from cases.pieces import CurvePart
 
-from .effects import MASS, SIGMA, TURN, Laws, laws
+from ..effect_laws import Laws, laws
+from ..effect_laws.applied_forces import MASS
+from ..effect_laws.belt import Surface
+from ..effect_laws.lifted_formulas import Conditions
+from ..effect_laws.scene_laws import THETA
 from .elimination import (
     GYRATION,
     LOAD,
@@ -25,7 +29,6 @@ from .elimination import (
     X1,
     X2,
     Elimination,
-    Surface,
     T,
     Torsor,
     conveyance,
@@ -38,10 +41,9 @@ from .elimination import (
     translating,
 )
 from .frames import CORNER, Frame, frame
-from .system import LOAD_FORCES, CheckLayout, Equations, System
+from .system import LOAD_FORCES, Equations, System, checked_with_friction
 
 _MOTION = tuple(symbol(s.name) for s in MOTION)
-THETA = _MOTION[3]
 
 # The normal force grows like a power of 1/p towards Painlevé's p = 0, and p has the rounding of its terms: below this
 # value forces have no digits left; the place changes by less than that.
@@ -94,7 +96,7 @@ def _in_contact(
 def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:
     f = frame(track, X1, "track_")
     h = frame(outline, X2, "outline_")
-    belt = law.surface
+    belt = law.belt.surface
     runs = belt.speed is not ZERO
     speeds = _speeds(f, h, belt, kind)
     pose = _motion(f, h, belt, kind, speeds)
@@ -110,14 +112,14 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     else:
         motion = rolling(f, h, force, belt, law.resistance.couple)
     motion = Elimination(*substitute(motion, load))
-    motion = law.friction.with_law(motion, law.side) if kind.slips else motion
-    conditions = law.friction.conditions(kind.slips, motion, law.side)
-    conditions |= law.resistance.conditions(kind.holds, motion, law.side)
+    ratio = law.friction.ratio_at(motion.slip, law.side) if kind.slips else law.friction.ratio
+    if ratio is not law.friction.ratio:
+        motion = Elimination(*substitute(motion, {law.friction.ratio: ratio}))
+    conditions, rates_of = _conditions(law, kind, motion)
     if (
         law.unilateral or law.depends_on_side
     ) and "cone_forward" not in conditions:  # inside the cone the force is not negative
         conditions["normal_force"] = law.side * motion.normal
-    velocities = {"slip": SIGMA * motion.slip_dot, "turn": TURN * motion.omega_dot * sqrt(GYRATION)}
     positions = (X1, X2, *([THETA] if law.needs_angle else []))
     variables = (*positions, *_velocities(kind, h))
     rate_of = {X1: speeds[0], X2: speeds[1], THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
@@ -129,22 +131,26 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     for own in law.own:
         limits |= own.ends(slip, pose[_MOTION[6]])
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
-    rates_of = {name: velocities[name] for name in conditions if name in velocities}
-    checked, layout = _checked(law, motion, pose, kind)
+    by_load = tuple(substitute(law.checked_quantities, pose))
+    frictions = [(*law.friction.checked_arguments(motion.slip), MASS * motion.friction)] if kind.slips else []
+    checked, layout = checked_with_friction(frictions, by_load[:-LOAD_FORCES], by_load[-LOAD_FORCES:])
     return Equations(variables, len(positions), rates, motion, conditions, rates_of, guards, checked, layout)
 
 
-def _checked(
-    law: Laws, motion: Elimination, pose: dict[Node, Node], kind: Kind
-) -> tuple[tuple[Node, ...], CheckLayout]:
-    """What is checked along each step: arguments, then forces (the load's, after friction by a formula)."""
-    by_load = tuple(substitute(law.checked_quantities, pose))
-    by_friction, of_order_one = law.friction.checked_arguments(SIGMA * motion.slip) if kind.slips else ((), 0)
-    if not by_friction:
-        return by_load, CheckLayout()
-    forces = by_load[-LOAD_FORCES:] or (ZERO,) * LOAD_FORCES
-    every = (*by_friction, *by_load[:-LOAD_FORCES], MASS * motion.friction, *forces)
-    return every, CheckLayout(of_order_one, 1 + LOAD_FORCES)
+def _conditions(law: Laws, kind: Kind, motion: Elimination) -> tuple[Conditions, Conditions]:
+    """The conditions of friction and resistance, and the rates of those that are velocities."""
+    friction, resistance, size, side = law.friction, law.resistance, sqrt(GYRATION), law.side
+    conditions, rates = dict[str, Node](), dict[str, Node]()
+    if kind.slips:
+        conditions, rates = friction.slip_conditions(motion.slip), friction.slip_conditions(motion.slip_dot)
+    else:
+        conditions = friction.stick_conditions(motion.normal, motion.friction, side)
+    if kind.holds:
+        return conditions | resistance.hold_conditions(
+            resistance.bound(motion.normal, side), motion.couple, size
+        ), rates
+    turns, turn_rates = (resistance.turn_conditions(spin, size) for spin in (motion.omega, motion.omega_dot))
+    return conditions | turns, rates | turn_rates
 
 
 def _velocities(kind: Kind, h: Frame) -> tuple[Node, ...]:
@@ -221,7 +227,7 @@ def _flight_equations(law: Laws) -> Equations:
     _, x, y, theta, vx, vy, omega = _MOTION
     fx, fy, moment = law.torsor
     nothing = Elimination(*(ZERO for _ in Elimination._fields))
-    rates = (vx, vy, omega, fx, fy, ZERO if law.rotation_fixed else moment / GYRATION)
+    rates = (vx, vy, omega, fx, fy, ZERO if law.resistance.is_fixed else moment / GYRATION)
     return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
 
 

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cases import Case, Flight, Impact, PerfectlyRough, Unilateral
+from cases import Case, Flight, Impact
 from cases.contact import belt_speed, clearance, start_motion
-from cases.own_effects import own_effects
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
+from ..effect_laws import laws
+from ..effect_laws.own_forces import OWN_END, own_ending, own_force_values
 from ..endings import (
     BREAKDOWN,
     CONCAVE,
@@ -28,7 +29,6 @@ from ..endings import (
 )
 from ..scales import acceleration_scale, approach_scale
 from .decision import AT_BOUND, Undecidable, decide, slack_of
-from .effects import OWN_END
 from .elimination import Elimination
 from .grazing import may_touch, over_touch
 from .impact import ContactVelocity
@@ -98,12 +98,6 @@ def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: f
     if following is None:
         return leave(case, (segment,), t, y, guard, error)
     return Step((segment,), t, (y[0], y[1]), guard, y, following)
-
-
-def own_ending(case: Case, guard: str) -> Ending:
-    """The ending by a condition of an effect of the user's own."""
-    ends = [end for effect in own_effects(case.effects) for end in effect.ends()]
-    return next((end.status, end.reason) for end in ends if guard == f"{OWN_END}{end.status}")
 
 
 def _beyond_knot(case: Case, segment: Segment, y: Sequence[float], is_smooth: bool) -> Step:
@@ -181,7 +175,7 @@ def _following(
 def _force_vanished(case: Case, segment: Segment, begin: Sequence[float]) -> bool:
     """Whether the normal force of a one-sided contact has vanished since a segment's start. Its bounds on friction and
     couple have vanished with it then, and no motion begins against these."""
-    if case.effect(Unilateral) is None:
+    if not laws(case).unilateral:
         return False
     now, event = segment.phase, segment.event
     now = phase(now.case, now.regime, now.parts)  # whose system has outputs, whatever equations integrated the segment
@@ -265,7 +259,7 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> 
     without T the gap's acceleration is arm_t arm_n T/J. If that is negative, Coulomb friction of any μ begins to slip
     with N ≈ |T|/μ; in the limit of a perfectly rough contact, which excludes slip, there is no solution.
     """
-    if case.effect(Unilateral) is None:
+    if not laws(case).unilateral:
         return NO_MODE
     m = free_quantities(case, t, y)
     if not np.isfinite(m.free_approach):
@@ -279,7 +273,7 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> 
         if not returns or case.effect(Flight) is None:
             return LIFT_OFF
         return LIFTED if case.effect(Impact) else LANDING_END
-    return NO_SLIP if case.effect(PerfectlyRough) else NO_MODE
+    return NO_MODE if laws(case).friction.slip_modes else NO_SLIP
 
 
 def force_rounding(case: Case) -> float:
@@ -308,11 +302,10 @@ def free_quantities(case: Case, t: float, y: Sequence[float]) -> Elimination:
 
 def own_lift(case: Case, t: float, y: Sequence[float]) -> float:
     """The gap's acceleration (m/s²) by effects of the user's own at a full state in contact; they end with it."""
-    own = own_effects(case.effects)
+    own = own_force_values(case, t, *slip_and_spin(case, t, y)) if laws(case).own else ()
     if not own:
         return 0.0
-    slip, omega = slip_and_spin(case, t, y)
-    along, across, couple = (sum(parts) for parts in zip(*(e.at(t, slip, omega)[:3] for e in own), strict=True))
+    along, across, couple = (sum(parts) for parts in zip(*own, strict=True))
     (x, r), (tx, ty) = case.plate.outline.point(y[1]), case.plate.outline.tangent(y[1])
     arm_t, arm_n = float(x * tx + r * ty), float(r * tx - x * ty)
     return across / case.plate.mass + arm_t * (arm_t * across - arm_n * along + couple) / case.plate.inertia

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from cases.expression_graph import ONE, ZERO, Node, substitute, symbol
 
+from ..effect_laws.belt import Surface
 from .frames import Frame
 from .tangent_algebra import operations, shorter
 
@@ -49,13 +50,6 @@ class Elimination(NamedTuple):
     couple: Any  # what resists the rotation, per mass
     inverse_mass: Any  # the coefficient of the normal force in its equation, in units of its first term: Painlevé's
     free_approach: Any  # what the normal force balances: how fast the contact would close without any force in it
-
-
-class Surface(NamedTuple):
-    """The speed of the track's surface along the track, and its rate: both zero but for a belt."""
-
-    speed: Node
-    rate: Node
 
 
 class Torsor(NamedTuple):

@@ -22,8 +22,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Impact, PerfectlyRough, RollingResistance
+from cases import Case
 
+from ..effect_laws.restitution import impact_numbers
 from .decision import Undecidable
 
 # Slip and spin each end, and may begin again in the other direction, once in compression and once in restitution: an
@@ -210,18 +211,4 @@ def _stops(law: Law, now: ContactVelocity) -> ContactVelocity:
 def law_of(case: Case, arm_t: float, arm_n: float, slip: float) -> Law:
     """The law of an impact of the case at a contact with that arm from the centre of mass, which begins at that slip
     velocity (m/s)."""
-    impact, friction, resistance = case.effect(Impact), case.effect(CoulombFriction), case.effect(RollingResistance)
-    assert impact is not None
-    mu, stick = map(float, friction.in_impact(slip)) if friction else (0.0, 0.0)
-    if case.effect(PerfectlyRough):
-        mu = stick = inf
-    return Law(
-        arm_t,
-        arm_n,
-        case.plate.inertia / case.plate.mass,
-        mu,
-        stick,
-        resistance.arm if resistance else 0.0,
-        impact.restitution,
-        impact.law,
-    )
+    return Law(arm_t, arm_n, case.plate.inertia / case.plate.mass, *impact_numbers(case, slip))

@@ -15,11 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Load
+from cases import Case
 from cases.contact import Contact, belt_speed, pose
 from cases.overlap import span
 
 from ..curvature_proof import Room, room
+from ..effect_laws import laws
 from .boxes import Cores, Geometry
 from .contact_cores import cores
 from .gap import Look, Looks, facing, state, touch
@@ -59,7 +60,7 @@ class Landings:
     def __init__(self, case: Case) -> None:
         self.case, self.looks, self.flies_until = case, Looks(case), nan
         self.size = REACH * case.plate.reach
-        self.degree = DEGREE if case.effect(Load) else PARABOLA
+        self.degree = PARABOLA if all(load.is_uniform for load in laws(case).loads) else DEGREE
         self.pair: tuple[float, float] | None = None  # the pair that is followed, between segments
 
     @cached_property

@@ -23,8 +23,9 @@ from cases.geometry import velocity as velocity_on
 from cases.piece_case import PieceCase, has_pieces, neighbour, pieces_at
 from cases.pieces import CurvePart
 
+from ..effect_laws import Laws, laws
+from ..effect_laws.friction import SLIP_SIGN, STICKING
 from .assembly import THETA, Kind, contact_system, flight_system, parameter_values, sizes_of
-from .effects import SLIP_SIGN, Laws, laws
 from .elimination import U1, U2, X1, X2
 from .system import System, slack_name
 
@@ -46,7 +47,7 @@ class Regime(NamedTuple):
     @property
     def kind(self) -> Kind:
         """The kind of equations: which rows they have."""
-        return Kind(self.mode not in (Mode.ROLL, Mode.REST), self.turn == 0)
+        return Kind(self.mode not in STICKING, self.turn == 0)
 
 
 FLIGHT = Regime(Mode.FLIGHT)
@@ -111,8 +112,8 @@ def _able(law: Laws, slip: float, turn: float) -> tuple[Regime, ...]:
     return tuple(
         r
         for r in _regimes(law)
-        if (not slip or SLIP_SIGN.get(r.mode, slip) == slip and r.mode not in (Mode.ROLL, Mode.REST))
-        and (not turn or r.turn is None or r.turn == turn or law.rotation_fixed)
+        if (not slip or SLIP_SIGN.get(r.mode, slip) == slip and r.mode not in STICKING)
+        and (not turn or r.turn is None or r.turn == turn or law.resistance.is_fixed)
     )
 
 
@@ -259,9 +260,7 @@ def without_slip(case: Case, t: float, xi1: float, xi2: float, u1: float) -> flo
     """ξ̇₂ of a plate that does not slip: v = 0 in (12). On a corner of the outline the plate is at rest."""
     if isinstance(case.plate.outline, Corner):
         return 0.0
-    along = u1 * float(case.track.speed(xi1))
-    if case.effect(Belt) is not None:
-        along -= belt_speed(case, t)
+    along = u1 * float(case.track.speed(xi1)) - belt_speed(case, t)
     return along / float(case.plate.outline.speed(xi2))
 
 
@@ -274,9 +273,8 @@ def slip_ended(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:
 
 def conveyance(case: Case, t: float, xi1: float, xi2: float) -> float:
     """ξ̇₁ of a plate that neither slips nor turns: 0 but on a belt."""
-    if case.effect(Belt) is None:
-        return 0.0
-    return float(velocity(case, xi1, xi2, belt_speed(case, t), 0.0).xi1_dot)
+    speed = belt_speed(case, t)
+    return float(velocity(case, xi1, xi2, speed, 0.0).xi1_dot) if speed else 0.0
 
 
 def without_turning(case: Case, y: Sequence[float]) -> tuple[float, ...]:

@@ -5,14 +5,14 @@ All integrators use the same symbolic source: sizes, friction, loads and start a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import NamedTuple
 
 from cases.derivation import derived
 from cases.expression_code import ON_ARRAYS, ON_FLOATS, python_function
-from cases.expression_graph import ARITHMETIC, Node, in_order, node, symbol
+from cases.expression_graph import ARITHMETIC, ZERO, Node, in_order, node, symbol
 
 from . import series
 from .elimination import Elimination, T
@@ -34,6 +34,19 @@ class CheckLayout(NamedTuple):
 
     of_order_one: int = 0
     forces: int = LOAD_FORCES
+
+
+def checked_with_friction(
+    frictions: Iterable[tuple[tuple[Node, ...], int, Node]], arguments: tuple[Node, ...], forces: tuple[Node, ...]
+) -> tuple[tuple[Node, ...], CheckLayout]:
+    """What is checked along each step: arguments of laws of friction and of loads, then friction forces and the loads'.
+    `frictions`: for each slip `checked_arguments` of its law, and its friction force (N)."""
+    some = [one for one in frictions if one[0]]
+    first = [argument for every, of_order_one, _ in some for argument in every[:of_order_one]]
+    others = [argument for every, of_order_one, _ in some for argument in every[of_order_one:]]
+    forces = forces or (ZERO,) * LOAD_FORCES if some else forces
+    checked = (*first, *others, *arguments, *(force for *_, force in some), *forces)
+    return checked, CheckLayout(len(first), len(some) + len(forces))
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,21 +6,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, Mode
+from cases import Case, Mode
 from cases.effects import MOTION
 from cases.free_plates import loads_of
-from cases.own_effects import CONTACT as AT_CONTACT
-from cases.own_effects import own_effects
 
+from ..effect_laws.friction import SLIP_SIGN, STICKING
+from ..effect_laws.own_forces import changes_in_time, own_force_values
 from ..minimal.decision import AT_BOUND, Undecidable
-from ..minimal.effects import OWN_COMPONENTS, SLIP_SIGN
 from ..scales import STILL, slip_error
 from . import forces
-from .contact_law import STICKING, Sides, Turns, rigid_pairs, turning_row
 from .places import ContactPlace, plates_in
 from .plate_numbers import Bodies, bodies, load_at, load_scale, rows_of, speed
 from .regimes import Guides
 from .rest import BALANCE
+from .rotations import Sides, Turns, rigid_pairs, turning_row
 
 # Accelerations that differ by less than this part of the largest are the same motion: series decide with 1e-12.
 SAME = 1e-7
@@ -71,11 +70,11 @@ def own_load(
     """The accelerations (3n,) by effects of the user's own at closed contacts."""
     result = np.zeros(len(velocity))
     for at, mode in zip(contacts, modes, strict=True):
-        own = own_effects(at.pair.effects) if mode is not Mode.FLIGHT else ()
+        if mode is Mode.FLIGHT or not at.law.own:
+            continue
         slip, turning = 0.0 if mode in STICKING else at.slip(velocity, t), at.turning_row
         spin = 0.0 if mode is Mode.REST else float(turning @ velocity)
-        for effect in own:
-            along, across, couple = effect.at(t, slip, spin)[:3]
+        for along, across, couple in own_force_values(at.pair, t, slip, spin):
             result += along * at.slip_row + across * at.lift_row + couple * turning
     return result * bodies(case).inverse
 
@@ -267,7 +266,7 @@ def rest_margin(case: Case, t: float, state: Sequence[float], contacts: Sequence
     move them. Raises Undecidable."""
     plates, half = plates_in(contacts), len(state) // 2
     moves = np.asarray(state[half:], dtype=float)[rows_of(plates)].any()
-    if moves or any(at.pair.effect(Belt) is not None for at in contacts):
+    if moves or any(at.law.belt.runs for at in contacts):
         return -inf
     still = [Mode.REST if at.stick > 0.0 else Mode.SLIDE for at in contacts]
     load, units = load_and_units(case, t, state, plates, contacts, still)
@@ -279,10 +278,9 @@ def rest_margin(case: Case, t: float, state: Sequence[float], contacts: Sequence
 
 def is_steady(case: Case, plates: frozenset[int]) -> bool:
     """Whether the loads on some plates at rest stay the same."""
-    loads, own = loads_of(case), own_effects(case.effects)
+    loads = loads_of(case)
     formulas = [part for b in plates if (load := loads[b]) is not None for part in load.expression]
-    formulas += [part for effect in own for part in effect.formulas[:OWN_COMPONENTS]]
-    return not any(part.has(MOTION[0], AT_CONTACT[0]) for part in formulas)
+    return not any(part.has(MOTION[0]) for part in formulas) and not changes_in_time(case)
 
 
 def load_and_units(

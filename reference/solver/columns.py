@@ -13,11 +13,11 @@ from cases.couples import couples
 from cases.free_plates import names_of
 from cases.trajectory import CONTACT, ContactColumns
 
+from ..effect_laws.friction import STICKING
 from ..minimal.integrators.segment import Segment, blocks
 from ..minimal.modes import Phase
 from . import forces
 from .accelerations import balance_of, is_steady, load_and_units
-from .contact_law import STICKING
 from .places import ContactPlace, couple_of, groups, place, plates_in
 from .regimes import SolverPhase, SolverRegime, pair_of, regime_of, solver_phase, split
 from .system import COLUMNS

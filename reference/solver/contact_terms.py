@@ -12,10 +12,12 @@ from typing import Any, NamedTuple
 
 from cases.expression_graph import ONE, ZERO, Node, call, node, sqrt, symbol
 
-from ..minimal.effects import Coulomb, FixedSurface, Frictionless
+from ..effect_laws.belt import FixedSurface
+from ..effect_laws.friction import Frictionless
+from ..effect_laws.rolling_resistance import NoResistance
 from ..minimal.elimination import GYRATION
 from ..minimal.frames import Frame, frame
-from .contact_law import Sides
+from .rotations import Sides
 
 
 def radius(body: int) -> Node:
@@ -50,11 +52,11 @@ Row = dict[tuple[int, int], Node]
 
 class ContactForm(NamedTuple):
     """What the equations of one contact depend on: the numbers of its plate and of its base (None: fixed), the
-    structures of both elements (a corner's is the sign of its turn), its rows, its law of friction, at which ends of
-    both elements it passes on (`regimes.ends_of`), the surface of its base, and the contact (its place among all) that
-    has the friction force of both where two contacts of the same plates stick on one line: only its sum is unique.
-    `rotation`: how it resists rolling; `guides`: where forces are not unique, which of its rows are used; `along`:
-    an earlier contact of the same straight side.
+    structures of both elements (a corner's is the sign of its turn), its rows, at which ends of both elements it
+    passes on (`regimes.ends_of`), its law of friction, the surface of its base, and the contact (its place among all)
+    that has the friction force of both where two contacts of the same plates stick on one line: only its sum is unique.
+    `resistance`, `rotation`: whether and how it resists rolling; `guides`: where forces are not unique, which of its
+    rows are used; `along`: an earlier contact of the same straight side.
     """
 
     body: int
@@ -62,10 +64,11 @@ class ContactForm(NamedTuple):
     track: Any
     outline: Any
     kind: ContactRows
-    friction: Frictionless
     ends: tuple[str, ...]
+    friction: Frictionless = Frictionless()
     surface: FixedSurface = FixedSurface()
     shares: int | None = None
+    resistance: NoResistance = NoResistance()
     rotation: Rotation = Rotation.FREE
     guides: tuple[bool, bool] | None = None
     along: int | None = None
@@ -74,11 +77,6 @@ class ContactForm(NamedTuple):
     def sides(self) -> Sides:
         """The numbers of the plates that touch."""
         return (self.body,) if self.base is None else (self.body, self.base)
-
-    @property
-    def rubs(self) -> bool:
-        """Whether there is friction with a bound."""
-        return isinstance(self.friction, Coulomb)
 
 
 class ContactTerms(NamedTuple):
@@ -138,7 +136,7 @@ def contact_terms(form: ContactForm, k: int) -> ContactTerms:
         lift_bias, slip_bias = lift_bias + turning * turning * f.hn, slip_bias + turning * turning * f.ht
     rate1 = node(f.sign) * (tangent_rate - turning) if f.sign else along_track / f.P
     rate2 = node(h.sign) * (tangent_rate - spin) if h.sign else along_outline / h.P
-    surface = form.surface.of_contact(k).surface
+    surface = form.surface.surface
     return ContactTerms(
         lift_row, slip_row, slip - surface.speed, gap, lift_bias, slip_bias - surface.rate, (rate1, rate2), clearance
     )

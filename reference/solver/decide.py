@@ -17,14 +17,15 @@ import numpy as np
 from cases import Case, Mode
 from cases.corner import Corner
 
+from ..effect_laws.friction import STICKING
 from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
 from .accelerations import SAME, DecisionInstant, answer_by_numbers, rest_margin
-from .contact_law import STICKING, Sides, Turns, slip_modes, turning_row
 from .exclusion import possible_modes
 from .places import ContactPlace, plates_in, sharing
 from .plate_numbers import bodies, load_scale, rows_of
 from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
 from .rest import BALANCE
+from .rotations import Sides, Turns, turning_row
 
 
 class Decision(NamedTuple):
@@ -182,7 +183,7 @@ def _combinations(
     have one mode where both are closed."""
     options, velocity = list[tuple[Mode, ...]](), now.velocity
     for k, at in enumerate(contacts):
-        slip, slipping = at.slip(velocity, now.time), slip_modes(at.pair)
+        slip, slipping = at.slip(velocity, now.time), at.law.friction.slip_modes
         rolling: tuple[Mode, ...] = (at.without_slip,) if at.stick > 0.0 else ()
         if k in fixed:
             options.append(fixed[k])

@@ -13,13 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Mode
-from cases.own_effects import own_effects
 
-from ..minimal.effects import SLIP_SIGN
+from ..effect_laws import laws
+from ..effect_laws.friction import SLIP_SIGN, STICKING
 from .accelerations import DEPENDENT, VIOLATED, DecisionInstant
-from .contact_law import STICKING, Turns
 from .places import ContactPlace, sharing
 from .plate_numbers import bodies, load_at, load_scale
+from .rotations import Turns
 
 # Conditions are violated by this many times what `answer_by_numbers` asks, and systems this many times as far from
 # singular: the roundings of either solution are far less.
@@ -36,7 +36,7 @@ def possible_modes(
     """The combinations of modes, with the senses of resisted rotations, that these numbers do not exclude. Resisted
     rotations, and forces of the user's own, which depend on the modes, are not looked at."""
     plain = [k for k, (_, turns) in enumerate(combinations) if not turns]
-    if len(plain) < 2 or own_effects(now.case.effects):
+    if len(plain) < 2 or laws(now.case).own:
         return list(combinations)
     stack, without = _Stack(now, contacts), set[int]()
     for first in range(0, len(plain), TOGETHER):

@@ -8,15 +8,16 @@ import numpy as np
 
 from cases import Case, Flight, Mode, PerfectlyRough, Transition
 
+from ..effect_laws.friction import STICKING
 from ..endings import CAUSES, LIFT_OFF, NO_MODE, NO_SLIP, Ending, forces_not_unique, several_motions
 from ..minimal.series import EPS
 from .accelerations import DecisionInstant
-from .contact_law import STICKING, Turns
 from .decide import Decision, decide, flat_of, shares_of
 from .impact_ends import ImpactEnds
 from .places import ContactPlace, anchors_of, groups, plates_in
 from .plate_numbers import size
 from .regimes import SolverRegime, key_of
+from .rotations import Turns
 from .watched_plates import SOME_ROUNDINGS, MotionEnds, Watch
 
 # A contact that has opened is watched as long as its gap is below this part of the plates' size where modes change.

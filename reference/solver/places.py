@@ -16,7 +16,7 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Belt, Case, Curve, DoesNotFit, Mode, geometry
+from cases import Case, Curve, DoesNotFit, Mode, geometry
 from cases.contact import belt_speed, start_motion
 from cases.corner import Corner, Piece
 from cases.couples import Couple
@@ -24,8 +24,10 @@ from cases.free_plates import start_poses
 from cases.piece_case import PieceCase
 from cases.piece_contact import _foot
 
-from .contact_law import Sides, coefficients, kinetic, resisting_arm, restitution, turning_row
+from ..effect_laws import Laws, laws
+from ..effect_laws.restitution import restitution
 from .plate_numbers import bodies, rows_of, size
+from .rotations import Sides, turning_row
 
 # A contact touches if its gap is below this part of the plates' size and place: the rounding of an event's pose.
 TOUCHES = 1e-12
@@ -70,14 +72,18 @@ class ContactPlace(NamedTuple):
     slip_bias: float
     clearance: float
 
+    @property
+    def law(self) -> Laws:
+        """The laws of its couple's effects."""
+        return laws(couple_of(self.pair))
+
     def belt(self, t: float) -> float:
         """The speed of the base's surface, m/s."""
         return float(belt_speed(self.pair, t))
 
     def belt_rate(self, t: float) -> float:
         """The rate of that speed, m/s²."""
-        belt = self.pair.effect(Belt)
-        return float(belt.at(t)[1]) if belt is not None else 0.0
+        return self.law.belt.rate(self.pair, t)
 
     def slip(self, velocity: np.ndarray, t: float) -> float:
         """The slip velocity (m/s) relative to the surface of the base."""
@@ -89,17 +95,17 @@ class ContactPlace(NamedTuple):
 
     def mu_of(self, velocity: np.ndarray, t: float) -> float:
         """The coefficient of friction at the slip that these velocities have."""
-        return float(kinetic(self.pair, self.slip(velocity, t)))
+        return self.law.friction.coefficient_at(self.pair, self.slip(velocity, t))
 
     @property
     def mu(self) -> float:
         """The coefficient of friction of a slip that begins."""
-        return coefficients(self.pair)[0]
+        return self.law.friction.coefficients(self.pair)[0]
 
     @property
     def stick(self) -> float:
         """The coefficient of friction without slip."""
-        return coefficients(self.pair)[1]
+        return self.law.friction.coefficients(self.pair)[1]
 
     @property
     def restitution(self) -> float:
@@ -114,7 +120,7 @@ class ContactPlace(NamedTuple):
     @property
     def resisting_arm(self) -> float:
         """The largest couple of rolling resistance per normal force, m."""
-        return resisting_arm(self.pair)
+        return self.law.resistance.arm(self.pair)
 
     @property
     def without_slip(self) -> Mode:
@@ -233,7 +239,7 @@ def anchors_of(
             rows = [
                 row[own] * np.sqrt(some.inverse[own])
                 for at, row in [*((at, at.lift_row) for at in closed), *((at, at.slip_row) for at in stuck)]
-                if body in at.sides and set(at.sides) <= anchors | {body} and at.pair.effect(Belt) is None
+                if body in at.sides and set(at.sides) <= anchors | {body} and not at.law.belt.runs
             ]
             freedoms = np.count_nonzero(some.inverse[own])
             if (

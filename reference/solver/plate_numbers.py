@@ -7,13 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Gravity
+from cases import Case
 from cases.free_plates import loads_of, plates_of
-from cases.own_effects import own_effects
+
+from ..effect_laws.applied_forces import weight
+from ..effect_laws.own_forces import own_force_values
 
 
 class Bodies(NamedTuple):
@@ -41,8 +44,8 @@ def bodies(case: Case) -> Bodies:
 
 def load_at(case: Case, t: float, state: Sequence[float] | np.ndarray) -> np.ndarray:
     """The accelerations (3n,) that weight and loads give all plates."""
-    gravity, half = case.effect(Gravity), len(state) // 2
-    result = np.tile((*gravity.vector, 0.0) if gravity is not None else (0.0, 0.0, 0.0), half // 3)
+    half = len(state) // 2
+    result = np.tile((*weight(case), 0.0), half // 3)
     for b, force in _forces(case, t, state):
         own = slice(3 * b, 3 * b + 3)
         result[own] += np.array(force) * bodies(case).inverse[own]
@@ -61,17 +64,16 @@ def _forces(case: Case, t: float, state: Sequence[float] | np.ndarray) -> Iterat
 def load_scale(case: Case, t: float, state: Sequence[float] | np.ndarray) -> float:
     """The size of accelerations (m/s²): weight, loads and forces of the user's own, each alone, as they may cancel, and
     what turns velocities."""
-    gravity, half, some = case.effect(Gravity), len(state) // 2, bodies(case)
+    half, some = len(state) // 2, bodies(case)
     applied = sum(
         (abs(fx) + abs(fy) + abs(moment) / some.reaches[b]) * float(some.inverse[3 * b])
         for b, (fx, fy, moment) in _forces(case, t, state)
     )
-    for effect in own_effects(case.effects):
-        along, across, couple = effect.at(t, 0.0, 0.0)[:3]
+    for along, across, couple in own_force_values(case, t, 0.0, 0.0):
         own = abs(along) + abs(across) + abs(couple) / min(some.reaches)
         applied += own * float(some.inverse.reshape(-1, 3)[:, 0].max()) if np.isfinite(own) else 0.0
     speeds = np.abs(np.asarray(state[half:], dtype=float) * some.lengths)
-    return (gravity.g if gravity else 0.0) + applied + float(speeds.max()) ** 2 / min(some.reaches)
+    return hypot(*weight(case)) + applied + float(speeds.max()) ** 2 / min(some.reaches)
 
 
 def size(case: Case, state: Sequence[float] | np.ndarray) -> float:

@@ -14,6 +14,8 @@ from cases.contact_limits import has_features
 from cases.free_plates import plates_of
 from cases.piece_case import LEVEL, PieceCase, corner_on_corner, corners_meet, is_concave, neighbour
 
+from ..effect_laws.friction import STICKING
+from ..effect_laws.own_forces import OWN_END, own_ending
 from ..endings import (
     BREAKDOWN,
     CAUSES,
@@ -24,8 +26,7 @@ from ..endings import (
     events_without_time,
     work_limit_ending,
 )
-from ..minimal.contact_end import breakdown, own_ending
-from ..minimal.effects import OWN_END
+from ..minimal.contact_end import breakdown
 from ..minimal.element_meetings import points_at
 from ..minimal.grazing import may_touch, over_touch
 from ..minimal.integrators.segment import OUT_OF_STEPS, Event, Segment, Segments
@@ -34,13 +35,13 @@ from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH, error_r
 from ..scales import frequency, looks_between
 from .accelerations import guided_margin, is_steady, rest_margin
 from .contact_chart import Departure, pair_in_couple
-from .contact_law import STICKING, rigid_pairs
 from .meet import CoupleMeeting, Meetings
 from .mode_changes import ModeChanges
 from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import size, speed
 from .regimes import SolverPhase, SolverRegime, join, solver_phase, split
 from .rest import first_loss, first_loss_in, looks_at_load
+from .rotations import rigid_pairs
 from .segment_view import view_of
 from .touching import touching_contacts
 from .watched_plates import MotionEnds, Watch

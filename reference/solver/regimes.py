@@ -8,23 +8,26 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Curve, Mode
+from cases import Case, Curve, Mode
 from cases.corner import Corner, Piece
 from cases.couples import couples
 from cases.free_plates import loads_of, plates_of
 from cases.piece_case import PieceCase, _piece_case, neighbour
 from cases.pieces import CurvePart
 
+from ..effect_laws import laws
+from ..effect_laws.applied_forces import applied_load
+from ..effect_laws.friction import STICKING
+from ..effect_laws.rolling_resistance import NoResistance
 from ..minimal.assembly import parameter_values
-from ..minimal.effects import SLIP_SIGN, CoulombBySpeed, FixedSurface, Frictionless, applied_load, laws
 from ..minimal.frames import CORNER
 from ..minimal.modes import Phase, Regime, _features
 from ..minimal.phase_end import PIECE_ENDS
 from ..minimal.system import slack_name
-from .contact_law import STICKING, Turns, coefficients, resisting_arm
 from .contact_terms import NO_ROWS, ContactForm, ContactRows, Rotation
 from .places import couple_of, sides_of
 from .plate_numbers import bodies
+from .rotations import Turns
 from .system import solver_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of the outline's curvature: its
@@ -150,29 +153,23 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
         track, outline = (
             piece.part(number) for piece, number in zip(cast(tuple[Piece, Piece], pair.pieces), numbers, strict=True)
         )
-        law, is_open = laws(pair), kind in NO_ROWS
-        form = ContactForm(
-            couple.body, couple.base, _structure(track), _structure(outline), kind,
-            Frictionless() if is_open else law.friction, ends_of(pair),
-            FixedSurface() if is_open else law.belt, shares[k],
-            Rotation.FREE if is_open or not resisting_arm(pair) else _rotation(senses.get(sides_of(pair))),
-            regime.guides[k] if regime.guides and not is_open else None,
-            regime.along[k] if regime.along and not is_open else None,
-        )  # fmt: skip
+        form = ContactForm(couple.body, couple.base, _structure(track), _structure(outline), kind, ends_of(pair))
+        law, sense = laws(couple), senses.get(sides_of(pair))
+        if kind not in NO_ROWS:
+            resistance = law.resistance if law.resistance.has_bound and sense is not None else NoResistance()
+            rotation = _rotation(sense) if resistance.has_bound else Rotation.FREE
+            form = form._replace(
+                friction=law.friction.of_contact(k), surface=law.belt.of_contact(k), shares=shares[k],
+                resistance=resistance.of_contact(k), rotation=rotation,
+                guides=regime.guides[k] if regime.guides else None, along=regime.along[k] if regime.along else None,
+            )  # fmt: skip
         forms.append(form)
-        sign, (mu, stick) = SLIP_SIGN.get(mode, 0.0), coefficients(pair)
-        values |= {f"k_{k}": -sign * mu if sign else 0.0, f"sigma_{k}": sign, f"stick_{k}": stick}
-        values |= form.surface.of_contact(k).values(pair)
-        friction, coulomb = form.friction.of_contact(k), pair.effect(CoulombFriction)
-        if isinstance(friction, CoulombBySpeed) and coulomb is not None:
-            values |= friction.sizes_of(coulomb)
+        values |= form.friction.values(pair, mode) | form.resistance.values(pair, sense) | form.surface.values(pair)
         values |= _sizes(track, f"track_{k}_") | _sizes(outline, f"outline_{k}_")
         if regime.at_joint and regime.at_joint[k]:
             for bound, sign in (("low", -1.0), ("high", 1.0)):
                 for name in (f"track_{k}_{bound}", f"outline_{k}_{bound}"):
                     values[name] = values.get(name, 0.0) + sign * AT_END
-        sense = float(senses.get(sides_of(pair), 0))
-        values |= {f"arm_{k}": resisting_arm(pair), f"rho_{k}": -sense * resisting_arm(pair), f"tau_{k}": sense}
         values[f"lost_{k}"] = regime.lost[k] if regime.lost else 0.0
     for b, plate in enumerate(plates):
         values |= {f"w_{b}": 1.0 / plate.mass, f"v_{b}": 1.0 / plate.inertia}

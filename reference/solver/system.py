@@ -16,10 +16,11 @@ from typing import Any, NamedTuple
 from cases.derivation import in_one_thread
 from cases.expression_graph import ONE, ZERO, Node, node, substitute, symbol
 
+from ..effect_laws import Laws
+from ..effect_laws.applied_forces import MASS, AppliedLoad
+from ..effect_laws.lifted_formulas import Conditions
 from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
-from ..minimal.effects import MASS, AppliedLoad, CoulombBySpeed, Laws, Weight
-from ..minimal.system import LOAD_FORCES, CheckLayout, Equations, System
-from .contact_law import Sides, rigid_pairs
+from ..minimal.system import LOAD_FORCES, Equations, System, checked_with_friction
 from .contact_terms import (
     NO_ROWS,
     ContactForm,
@@ -32,6 +33,7 @@ from .contact_terms import (
     radius,
     variables_of,
 )
+from .rotations import Sides, rigid_pairs
 
 # Columns of the outputs for each contact.
 COLUMNS = ("normal", "friction", "slip", "gap")
@@ -105,7 +107,7 @@ def _loads(law: Laws, count: int, further: tuple[AppliedLoad | None, ...]) -> _L
 
     fx, fy, moment = of_plate(0, law.torsor)
     result = {(0, 0): fx, (0, 1): fy, (0, 2): moment * MASS * _inverse((0, 2))}
-    gx, gy, _ = next((load.torsor for load in law.loads if isinstance(load, Weight)), (ZERO, ZERO, ZERO))
+    gx, gy, _ = law.torsor_of_all
     quantities = [of_plate(0, law.checked_quantities)]
     for body in range(1, count):
         result |= {(body, 0): gx, (body, 1): gy, (body, 2): ZERO}
@@ -152,8 +154,11 @@ class _Solution(NamedTuple):
 
 def _forces(forms: tuple[ContactForm, ...], terms: list[ContactTerms], free: dict[tuple[int, int], Node]) -> _Solution:
     rows, columns, right = list[Row](), list[Row](), list[Node]()
-    ratios = [_ratio(form, k, term.slip) for k, (form, term) in enumerate(zip(forms, terms, strict=True))]
-    for k, (term, form, ratio) in enumerate(zip(terms, forms, ratios, strict=True)):
+    ratios = [
+        form.friction.ratio_at(term.slip) if form.kind is ContactRows.SLIP else ZERO
+        for form, term in zip(forms, terms, strict=True)
+    ]
+    for term, form, ratio in zip(terms, forms, ratios, strict=True):
         if form.kind in NO_ROWS:
             continue
         sticks = form.kind is ContactRows.STICK
@@ -162,7 +167,7 @@ def _forces(forms: tuple[ContactForm, ...], terms: list[ContactTerms], free: dic
         }  # fmt: skip
         if form.rotation is Rotation.RESISTED:
             for body, sign in zip(form.sides, (ONE, -ONE), strict=False):
-                column[body, 2] = column[body, 2] + sign * symbol(f"rho_{k}")
+                column[body, 2] = column[body, 2] + sign * form.resistance.couple
         if form.guides is not None:
             for row, force, bias, is_used in zip(
                 (term.lift_row, term.slip_row), (column, term.slip_row), (term.lift_bias, term.slip_bias), form.guides,
@@ -199,7 +204,7 @@ def _forces(forms: tuple[ContactForm, ...], terms: list[ContactTerms], free: dic
         alone = form.kind is ContactRows.STICK and form.shares is None
         forces.append((normal, next(values) if alone else ZERO if form.shares is not None else ratio * normal))
     painleve = None
-    if rows and any(form.rubs and form.kind is ContactRows.SLIP for form in forms):
+    if rows and any(form.friction.has_bound and form.kind is ContactRows.SLIP for form in forms):
         scale = ONE  # the determinant of rows that do not couple, without friction
         for row in rows:
             scale = scale * _product(row, row)
@@ -223,17 +228,6 @@ def _turning_of_side(
     lever = other.lift_row[form.body, 2] - one.lift_row[form.body, 2]
     own = ZERO if form.base is None else acceleration[form.base, 2]
     return own + (one.lift_bias - other.lift_bias) / lever
-
-
-def _ratio(form: ContactForm, k: int, slip: Node) -> Node:
-    """The friction force per normal force of a contact that slips."""
-    if form.kind is not ContactRows.SLIP or not form.rubs:
-        return ZERO
-    friction = form.friction.of_contact(k)
-    if not isinstance(friction, CoulombBySpeed):
-        return symbol(f"k_{k}")
-    sigma = symbol(f"sigma_{k}")
-    return -sigma * friction.coefficient(sigma * slip)
 
 
 def _equations(
@@ -270,25 +264,24 @@ def _equations(
             limits[f"fit:{k}"] = term.clearance
         if form.guides is not None:  # its force is not unique
             equalities |= _contradictions(term, form, k, acceleration)
-        elif form.kind is ContactRows.STICK and form.rubs and form.shares is None:
+        elif form.kind is ContactRows.STICK and form.friction.has_bound and form.shares is None:
             others = [per_mass[j][0] for j, one in enumerate(forms) if one.shares == k]
-            bound = symbol(f"stick_{k}") * sum(others, normal)
             conditions |= {f"normal:{k}": normal} if others else {}
-            conditions[f"cone_forward:{k}"], conditions[f"cone_backward:{k}"] = bound + friction, bound - friction
+            conditions |= _at(k, form.friction.stick_conditions(sum(others, normal), friction))
         else:
             conditions[f"normal:{k}"] = normal
-        if form.kind is ContactRows.SLIP and form.rubs:
-            sigma = symbol(f"sigma_{k}")
-            conditions[f"slip:{k}"] = sigma * term.slip
-            slip_rates[f"slip:{k}"] = sigma * (apply_row(term.slip_row, acceleration.__getitem__) + term.slip_bias)
+        if form.kind is ContactRows.SLIP:
+            slip_rate = apply_row(term.slip_row, acceleration.__getitem__) + term.slip_bias
+            conditions |= _at(k, form.friction.slip_conditions(term.slip))
+            slip_rates |= _at(k, form.friction.slip_conditions(slip_rate))
     is_guided = any(form.guides is not None for form in forms)
     for k, form in enumerate(forms):
         own = [i for i, one in enumerate(forms) if one.rotation is not Rotation.FREE and one.sides == form.sides]
         if not own or own[0] != k or (is_guided and form.rotation is Rotation.HELD):
             continue
-        bound = sum((symbol(f"arm_{i}") * per_mass[i][0] for i in own), ZERO)
-        turns, turn_rates = _resistance(form, k, acceleration, bound, couples)
-        conditions, slip_rates = conditions | turns, slip_rates | turn_rates
+        bound = sum((forms[i].resistance.bound(per_mass[i][0]) for i in own), ZERO)
+        turns, turn_rates = _resistance(form, acceleration, bound, couples)
+        conditions, slip_rates = conditions | _at(k, turns), slip_rates | _at(k, turn_rates)
     if painleve is not None and painleve.symbols:
         limits["painleve"] = painleve - node(PAINLEVE_LEAST**2)
     places = [symbol(f"xi{i}_{k}") for k in range(len(forms)) for i in (1, 2)]
@@ -303,7 +296,11 @@ def _equations(
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & {*variables, _MOTION[0]}}
     applied = [acceleration[b, c] if b not in resting else ZERO for b in range(count) for c in range(3)]
     record = _outputs(count, len(forms))(free[0, 0], free[0, 1], *applied, *outputs)
-    checked, layout = _checked(forms, terms, forces, loads)
+    frictions = [
+        (*form.friction.checked_arguments(term.slip), force)
+        for form, term, (_, force) in zip(forms, terms, forces, strict=True) if form.kind is ContactRows.SLIP
+    ]  # fmt: skip
+    checked, layout = checked_with_friction(frictions, loads.arguments, loads.forces)
     return Equations(
         variables, len(positions), tuple(rates), record, conditions | equalities, slip_rates, guards, checked, layout
     )  # fmt: skip
@@ -322,41 +319,23 @@ def _contradictions(
     return result
 
 
+def _at(k: int, conditions: Conditions) -> Conditions:
+    """Conditions of contact k, by their names among those of all contacts."""
+    return {f"{name}:{k}": condition for name, condition in conditions.items()}
+
+
 def _resistance(
-    form: ContactForm, k: int, acceleration: dict[tuple[int, int], Node], bound: Node, couples: dict[Sides, Node]
-) -> tuple[dict[str, Node], dict[str, Node]]:
-    """The conditions of rolling resistance of two plates, of which this is the first contact, k, and the rates of those
+    form: ContactForm, acceleration: dict[tuple[int, int], Node], bound: Node, couples: dict[Sides, Node]
+) -> tuple[Conditions, Conditions]:
+    """The conditions of rolling resistance of two plates, of which this is the first contact, and the rates of those
     that are velocities."""
-    length, signs = radius(form.body), dict(zip(form.sides, (ONE, -ONE), strict=False))
+    length, row = radius(form.body), {(b, 2): s for b, s in zip(form.sides, (ONE, -ONE), strict=False)}
     if form.rotation is Rotation.RESISTED:
-        spin = apply_row({(b, 2): s for b, s in signs.items()}, lambda one: variables_of("velocity", one[0])[2])
-        turning = apply_row({(b, 2): s for b, s in signs.items()}, acceleration.__getitem__)
-        tau = symbol(f"tau_{k}")
-        return {f"turn:{k}": tau * spin * length}, {f"turn:{k}": tau * turning * length}
-    # Forward is the direction in which the plate begins to turn when the couple reaches its bound.
-    couple = couples[form.sides] * _inverse((form.body, 0))
-    return {f"couple_forward:{k}": bound / length + couple, f"couple_backward:{k}": bound / length - couple}, {}
-
-
-def _checked(
-    forms: tuple[ContactForm, ...],
-    terms: list[ContactTerms],
-    forces: list[tuple[Node, Node]],
-    loads: _Loads,
-) -> tuple[tuple[Node, ...], CheckLayout]:
-    """What is checked along each step: arguments of laws of friction and of loads, then friction forces of slipping
-    contacts and the loads' (`minimal.assembly`)."""
-    first, others, frictions = list[Node](), list[Node](), list[Node]()
-    for k, form in enumerate(forms):
-        if form.kind is not ContactRows.SLIP or not isinstance(form.friction, CoulombBySpeed):
-            continue
-        speed = symbol(f"sigma_{k}") * terms[k].slip
-        arguments, of_order_one = form.friction.of_contact(k).checked_arguments(speed)
-        if arguments:
-            first, others = [*first, *arguments[:of_order_one]], [*others, *arguments[of_order_one:]]
-            frictions.append(forces[k][1])
-    every = (*first, *others, *loads.arguments, *frictions, *loads.forces)
-    return every, CheckLayout(len(first), len(frictions) + len(loads.forces))
+        spin = apply_row(row, lambda one: variables_of("velocity", one[0])[2])
+        turning = apply_row(row, acceleration.__getitem__)
+        return form.resistance.turn_conditions(spin, length), form.resistance.turn_conditions(turning, length)
+    couple = couples[form.sides] * length * _inverse((form.body, 0))
+    return form.resistance.hold_conditions(bound, couple, length), {}
 
 
 def _ends(ends: tuple[str, ...], k: int) -> dict[str, Node]:

@@ -8,12 +8,13 @@ from math import inf, prod
 
 import numpy as np
 
-from cases import Case, Impact, Mode
+from cases import Case, Mode
 from cases.chain import Chain
 from cases.corner import Corner
 from cases.piece_case import PieceCase
 from cases.supports import TRACK
 
+from ..effect_laws.restitution import impact_law
 from ..endings import (
     CAUSES,
     ENERGY,
@@ -26,12 +27,12 @@ from ..endings import (
 from ..minimal.flight_end import REBOUND_ROUNDINGS
 from ..minimal.series import EPS
 from ..scales import STILL, speed_scale
-from .contact_law import Sides
 from .hops import NestedSeries, Strike
 from .impact import NoImpact
 from .places import TOUCHES, ContactPlace, couple_of, groups, in_round, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, rows_of, size, speed
 from .regimes import LOST
+from .rotations import Sides
 from .strike import strike
 from .touching import SAME_PLACE, name_of, place_on_track
 
@@ -278,8 +279,8 @@ class WatchedPlates:
     ) -> tuple[set[str], set[str]]:
         """The impact of one group: the contacts that stay closed, and those that do not slip."""
         self._check_count(part, names)
-        law, some = self.case.effect(Impact), bodies(self.case)
-        if law is None:
+        law, some = impact_law(self.case), bodies(self.case)
+        if not law:
             raise MotionEnds(self._no_impact(next(at for at, name in zip(part, names, strict=True) if name in closing)))
         before = self.velocity
         try:
@@ -287,7 +288,7 @@ class WatchedPlates:
         except NoImpact as problem:
             raise MotionEnds(several_impacts(self.t, problem)) from problem
         mass = some.masses
-        if law.law == "newton" and mass @ outcome.velocity**2 > (1.0 + 1e-12) * (mass @ before**2):
+        if law == "newton" and mass @ outcome.velocity**2 > (1.0 + 1e-12) * (mass @ before**2):
             raise MotionEnds(ENERGY)
         self.state, plates = (*self.state[: self.half], *outcome.velocity.tolist()), plates_in(part)
         self.still = [*(sides for sides in self.still if not plates & set(sides)), *outcome.still]

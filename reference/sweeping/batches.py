@@ -17,10 +17,10 @@ import numpy as np
 from cases import CoulombFriction, Flight, Mode, RollingResistance, Unilateral
 
 from .. import endings
+from ..effect_laws import laws
 from ..minimal import contact_end, phase_end
 from ..minimal.assembly import contact_system
 from ..minimal.decision import Undecidable
-from ..minimal.effects import laws
 from ..minimal.integrators import taylor
 from ..minimal.integrators.segment import MOST_STEPS
 from ..minimal.modes import SLIP_SIGN, able, candidates, full_state, phase, start_state, state_in

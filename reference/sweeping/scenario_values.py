@@ -37,7 +37,7 @@ from cases.piece_case import has_pieces
 from cases.start_overlap import deepest_overlap
 
 from ..curvature_proof import fits
-from ..minimal.effects import laws
+from ..effect_laws import laws
 from .geometry import level_parameters, places
 
 # If a parameter has at most this many values (as a part of the number of scenarios), the function is called with each:

@@ -16,9 +16,9 @@ from math import sqrt
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 
-from cases import CoulombFriction
 from cases.supports import has_belt
 
+from ...effect_laws import laws
 from ...endings import BREAKDOWN
 from ...scales import frequency
 from ..defect_check import good_part
@@ -229,10 +229,9 @@ def _dense_output(solver: DOP853) -> DenseOutput:
 def _scales(phase: Phase, often: float, count: int) -> np.ndarray:
     """Sizes of the `count` components: the plate's own size for the parameters, and the speed at which it is covered,
     as often as that (1/s)."""
-    friction = phase.case.effect(CoulombFriction)
     # One contact and flights have at most as many variables; the phases of several contacts have more.
     is_carried = count > MOST_OF_ONE and (has_belt(phase.case) or often > 0.0)
-    if (friction and friction.by_speed) or is_carried:
+    if laws(phase.case).friction.by_speed or is_carried:
         # A belt may begin without speed and acceleration, and a slip under friction by a formula begins so at its cone;
         # of a plate that several contacts carry, a frequency may be all rounding: gravity gives the speed that it may
         # reach. (Other motions keep their last bits.)
