@@ -71,64 +71,77 @@ class ImpactLaw(NamedTuple):
 def in_modes(modes, before, places_hit, law: ImpactLaw, compliance, speed) -> list[tuple[ImpactVelocities, np.ndarray]]:
     """The outcomes in these modes that are consistent: the extreme ones where impulses may differ that change no
     velocity of a closed contact, but the plate's."""
-    lift = np.array([at.lift_row @ before for at in places_hit])
-    slip = np.array([at.slip_row @ before for at in places_hit]) - law.belts
-    rows, columns, goals, which = [], [], [], []
-    change = np.zeros(len(before))
-    for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
-        ratio = -SIGN.get(mode, 0.0) * law.mu[k] if law.mu[k] and mode in SIGN else 0.0
-        if mode == OPEN:
-            if law.least[k] > 0.0 and law.mu[k] > 0.0:
-                # The least impulse has friction of its own; its direction is that of the slip after the impact.
-                one = _with_least(modes, before, places_hit, law, compliance, speed)
-                return [one] if one is not None else []
-            change = change + law.least[k] * (at.lift_row + law.couple(at, k))
+    # A least impulse has friction of its own; its direction is that of the slip after the impact.
+    rubbing = [k for k, mode in enumerate(modes) if mode == OPEN and law.least[k] > 0.0 and law.mu[k] > 0.0]
+    for values in product(*((0.0,) if law.mu[k] == inf else (1.0, -1.0, 0.0) for k in rubbing)):
+        senses = dict(zip(rubbing, values, strict=True))
+        rows, columns, goals, which, change = _impulses(modes, before, places_hit, law, senses)
+        solution = _solve(rows, columns, goals, change, compliance, speed)
+        if solution is None:
             continue
-        rows.append(at.lift_row)
-        goals.append(-(1.0 + law.restitution[k]) * lift[k])
-        columns.append(at.lift_row + ratio * at.slip_row + law.couple(at, k))
-        which.append((k, True))
-        if mode == STICK:
+        turning = compliance[:, None] * (np.array(columns).T @ solution[2]) if rows else np.zeros((len(before), 0))
+        members = [solution]
+        if not rubbing and turning.size and np.abs(turning).max() > TURNS * np.abs(compliance).max():
+            members = _extremes(modes, before, places_hit, law, speed, solution, which, turning)
+        outcomes = [_check(modes, before, places_hit, law, speed, one, which, senses) for one in members]
+        if consistent := [one for one in outcomes if one is not None]:
+            return consistent
+    return []
+
+
+def _impulses(modes, before, places_hit, law: ImpactLaw, senses: dict[int, float]) -> tuple:
+    """The rows whose velocities impulses determine, the columns of these impulses, the changes of velocity that they
+    have to make, (contact, is normal) of each, and the least impulses of contacts that open. `senses`: of the slips of
+    those with friction, 0: they stick."""
+    rows, columns, goals, which, change = [], [], [], [], np.zeros(len(before))
+    for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
+        sense = senses.get(k, 0.0) if mode == OPEN else SIGN.get(mode, 0.0)
+        column = at.lift_row - (sense * law.mu[k] if sense else 0.0) * at.slip_row + law.couple(at, k)
+        if mode == OPEN:
+            change = change + law.least[k] * column
+        else:
+            rows.append(at.lift_row)
+            goals.append(-(1.0 + law.restitution[k]) * float(at.lift_row @ before))
+            columns.append(column)
+            which.append((k, True))
+        if mode == STICK or senses.get(k) == 0.0:
             rows.append(at.slip_row)
-            goals.append(-slip[k])
+            goals.append(-float(at.slip_row @ before - law.belts[k]))
             columns.append(at.slip_row)
             which.append((k, False))
-    _hold(law, before, rows, columns, goals, which)
-    solution = _solve(rows, columns, goals, change, compliance, speed)
-    if solution is None:
-        return []
-    turning = compliance[:, None] * (np.array(columns).T @ solution[2]) if rows else np.zeros((len(before), 0))
-    members = [solution]
-    if turning.size and np.abs(turning).max() > TURNS * np.abs(compliance).max():
-        members = _extremes(modes, before, places_hit, law, speed, solution, which, turning)
-    outcomes = [_check(modes, before, places_hit, law, speed, one, which) for one in members]
-    return [one for one in outcomes if one is not None]
-
-
-def _hold(law: ImpactLaw, before: np.ndarray, rows: list, columns: list, goals: list, which: list) -> None:
-    """Add the rows that end rotations, where rolling resistance does."""
     for number, (sides, sense) in enumerate(law.turns):
-        if sense == 0:
+        if sense == 0:  # rolling resistance ends the rotation
             row = law.gyration * turning_row(sides, len(before))
             rows.append(row)
             columns.append(row)
             goals.append(-float(row @ before))
             which.append((COUPLE - number, False))
+    return rows, columns, goals, which, change
 
 
-def _bounds_of_couple(
-    law: ImpactLaw, places_hit: Sequence[TouchedContact], which: list, i: int
-) -> tuple[list[np.ndarray], float]:
-    """Rows of the impulses in `which` that must not be below a bound, and that bound: the couple of place i, which ends
-    a rotation, is at most the sum of the normal impulses of the contacts that resist it times their arms."""
-    limit, row = np.zeros(len(which)), np.zeros(len(which))
-    sides, _ = law.turns[COUPLE - which[i][0]]
-    own = {k for k, at in enumerate(places_hit) if at.sides == sides}
-    closed = {k for k, is_normal in which if is_normal}
-    for j, (k, is_normal) in enumerate(which):
-        limit[j] = law.arms[k] if is_normal and k in own else 0.0
-    row[i] = law.gyration
-    return [limit + row, limit - row], -sum(law.arms[k] * law.least[k] for k in own - closed)
+def _impulse_bounds(
+    law: ImpactLaw, places_hit: Sequence[TouchedContact], which: list
+) -> list[tuple[np.ndarray, float]]:
+    """Rows of the impulses in `which` that must not be below a bound, and that bound: normal impulses, friction within
+    its cone, and couples, which end rotations and are at most the sum of the normal impulses of the contacts that
+    resist them times their arms."""
+    result, closed = list[tuple[np.ndarray, float]](), {k for k, is_normal in which if is_normal}
+    for (k, is_normal), row in zip(which, np.eye(len(which)), strict=True):
+        if is_normal:
+            result.append((row, float(law.least[k])))
+            continue
+        if k <= COUPLE:
+            sides, _ = law.turns[COUPLE - k]
+            arms = {j: law.arms[j] for j, at in enumerate(places_hit) if at.sides == sides}
+            row = law.gyration * row
+        elif law.mu[k] == inf:
+            continue
+        else:
+            arms = {k: law.mu[k]}
+        limit = np.array([arms.get(j, 0.0) if of_normal else 0.0 for j, of_normal in which])
+        bound = -sum(arm * float(law.least[j]) for j, arm in arms.items() if j not in closed)
+        result += [(limit + row, bound), (limit - row, bound)]
+    return result
 
 
 def _extremes(modes, before, places_hit, law: ImpactLaw, speed, solution, which, turning) -> list:
@@ -138,19 +151,9 @@ def _extremes(modes, before, places_hit, law: ImpactLaw, speed, solution, which,
 
     change, impulses, free = solution
     after, small, rows, bounds = before + change, ROUNDING * speed, list[np.ndarray](), list[float]()
-    for i, (k, is_normal) in enumerate(which):
-        if is_normal:
-            rows.append(free[i])
-            bounds.append(law.least[k] - impulses[i])
-        elif k <= COUPLE:
-            of_couple, bound = _bounds_of_couple(law, places_hit, which, i)
-            rows += [row @ free for row in of_couple]
-            bounds += [bound - float(row @ impulses) for row in of_couple]
-        elif law.mu[k] < inf and (k, True) in which:
-            normal = which.index((k, True))
-            for sign in (1.0, -1.0):
-                rows.append(law.mu[k] * free[normal] + sign * free[i])
-                bounds.append(-law.mu[k] * impulses[normal] - sign * impulses[i])
+    for row, bound in _impulse_bounds(law, places_hit, which):
+        rows.append(row @ free)
+        bounds.append(bound - float(row @ impulses))
     for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
         if mode == OPEN:
             rows.append(at.lift_row @ turning)
@@ -171,48 +174,6 @@ def _extremes(modes, before, places_hit, law: ImpactLaw, speed, solution, which,
     return members
 
 
-def _with_least(
-    modes, before, places_hit, law: ImpactLaw, compliance, speed
-) -> tuple[ImpactVelocities, np.ndarray] | None:
-    """The outcome in these modes where contacts that open have a least impulse with friction: for each direction of
-    their slip, and for stick."""
-    opening = [k for k, mode in enumerate(modes) if mode == OPEN and law.mu[k] > 0.0]
-    for senses in product(*((0.0,) if law.mu[k] == inf else (1.0, -1.0, 0.0) for k in opening)):
-        rows, columns, goals, which, change = [], [], [], [], np.zeros(len(before))
-        for k, (at, mode) in enumerate(zip(places_hit, modes, strict=True)):
-            if mode == OPEN and k not in opening:
-                change = change + law.least[k] * (at.lift_row + law.couple(at, k))
-                continue
-            if mode == OPEN:
-                sense = senses[opening.index(k)]
-                ratio = sense * law.mu[k] if sense else 0.0  # without slip the friction is unknown
-                change = change + law.least[k] * (at.lift_row - ratio * at.slip_row + law.couple(at, k))
-                if sense == 0.0:
-                    rows.append(at.slip_row)
-                    goals.append(-float(at.slip_row @ before - law.belts[k]))
-                    columns.append(at.slip_row)
-                    which.append((k, False))
-                continue
-            ratio = -SIGN[mode] * law.mu[k] if mode in SIGN else 0.0
-            rows.append(at.lift_row)
-            goals.append(-(1.0 + law.restitution[k]) * float(at.lift_row @ before))
-            columns.append(at.lift_row + ratio * at.slip_row + law.couple(at, k))
-            which.append((k, True))
-            if mode == STICK:
-                rows.append(at.slip_row)
-                goals.append(-float(at.slip_row @ before - law.belts[k]))
-                columns.append(at.slip_row)
-                which.append((k, False))
-        _hold(law, before, rows, columns, goals, which)
-        result = _check(
-            modes, before, places_hit, law, speed, _solve(rows, columns, goals, change, compliance, speed), which,
-            dict(zip(opening, senses, strict=True)),
-        )  # fmt: skip
-        if result is not None:
-            return result
-    return None
-
-
 def _solve(rows, columns, goals, change, compliance, speed) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Change of the velocities, impulses, and a basis of the impulses that change nothing; None if there is none."""
     if not rows:
@@ -228,11 +189,9 @@ def _solve(rows, columns, goals, change, compliance, speed) -> tuple[np.ndarray,
 
 
 def _check(
-    modes, before, places_hit, law: ImpactLaw, speed, solution, which, senses=None
+    modes, before, places_hit, law: ImpactLaw, speed, solution, which, senses: dict[int, float]
 ) -> tuple[ImpactVelocities, np.ndarray] | None:
     """The outcome of a solution if its impulses and velocities agree with the law."""
-    if solution is None:
-        return None
     change, impulses, free = solution
     after = before + change
     lift, slip = (
@@ -242,34 +201,15 @@ def _check(
     slip = slip - law.belts
     small = ROUNDING * speed
     normal = law.least.copy()
-    admissible: list[np.ndarray] = []  # rows of impulses that must not be below the bound of the same place
-    bounds: list[float] = []
-    for i, (k, is_normal) in enumerate(which):
-        row = np.zeros(len(which))
-        row[i] = 1.0
+    for impulse, (k, is_normal) in zip(impulses, which, strict=True):
         if is_normal:
-            normal[k] = impulses[i]
-            admissible.append(row)
-            bounds.append(float(law.least[k]))
-            continue
-        if k <= COUPLE:
-            of_couple, bound = _bounds_of_couple(law, places_hit, which, i)
-            admissible += of_couple
-            bounds += [bound] * 2
-            continue
-        if law.mu[k] == inf:
-            continue
-        limit = np.zeros(len(which))
-        if (k, True) in which:
-            limit[which.index((k, True))] = law.mu[k]
-        admissible += [limit + row, limit - row]
-        bounds += [0.0 if (k, True) in which else -law.mu[k] * float(law.least[k])] * 2
+            normal[k] = impulse
     for k, mode in enumerate(modes):
         rebound = lift[k] + law.restitution[k] * (places_hit[k].lift_row @ before)
         if mode == OPEN:
             if rebound < -small:
                 return None
-            sense = (senses or {}).get(k)
+            sense = senses.get(k)
             if sense and sense * slip[k] < -small:
                 return None
             slip[k] = 0.0 if sense == 0.0 else slip[k]
@@ -283,7 +223,8 @@ def _check(
     rotations = [(sense, law.gyration * float(turning_row(sides, len(after)) @ after)) for sides, sense in law.turns]
     if any(sense * rotation < -small for sense, rotation in rotations):
         return None
-    if not _is_admissible(admissible, np.array(bounds), impulses, free, small):  # last, as it may be a linear program
+    bounds = _impulse_bounds(law, places_hit, which)
+    if not _is_admissible(bounds, impulses, free, small):  # last, as it may be a linear program
         return None
     still = rigid_pairs(law.turns)
     for sides in still:
@@ -292,12 +233,12 @@ def _check(
     return ImpactVelocities(after, lift, slip, tuple(still)), normal
 
 
-def _is_admissible(rows: list[np.ndarray], bounds: np.ndarray, impulses, free, small: float) -> bool:
-    """Whether impulses, or some that differ by what changes nothing, are not below the bounds, one for each row."""
-    if not rows:
+def _is_admissible(bounds: list[tuple[np.ndarray, float]], impulses, free, small: float) -> bool:
+    """Whether impulses, or some that differ by what changes nothing, are not below the bounds of rows."""
+    if not bounds:
         return True
-    matrix = np.array(rows)
-    room = matrix @ impulses - bounds + small
+    matrix = np.array([row for row, _ in bounds])
+    room = matrix @ impulses - [bound for _, bound in bounds] + small
     if not free.size:
         return bool((room >= 0.0).all())
     # The solver's tolerance is 1e-7 in the units that it gets: those of the impulses.
