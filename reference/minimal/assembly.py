@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Curve, Plate
-from cases.corner import Corner
+from cases.corner import Corner, Piece
 from cases.derivation import in_one_thread
 from cases.effects import MOTION
 from cases.expression_graph import ZERO, Node, in_order, sqrt, substitute, symbol
@@ -65,8 +65,8 @@ _STATES = {
 }
 
 
-def _structure(curve: Curve | CurvePart):
-    """What the equations of a curve depend on: its formula without its sizes, or a corner's sign."""
+def structure(curve: Curve | Piece | CurvePart):
+    """What the equations of a contact depend on: a curve's formula without its sizes, or a corner's sign."""
     return curve.sign if isinstance(curve, Corner) else curve.structure
 
 
@@ -75,9 +75,9 @@ def contact_system(
 ) -> System:
     """The equations of one kind of contact on parts of a case's curves, derived once per structure; `vanishing`: guards
     that stay at zero and have a slack."""
-    return _in_contact(
-        _structure(track), _structure(outline), (track.ends is not None, outline.ends is not None), law, kind, vanishing
-    )
+    sides = [side for side, curve in (("track", track), ("outline", outline)) if curve.ends is not None]
+    ends = tuple(f"{side}_{end}" for side in sides for end in ("start", "end"))
+    return _in_contact(structure(track), structure(outline), ends, law, kind, vanishing)
 
 
 def flight_system(case: Case) -> System:
@@ -87,13 +87,11 @@ def flight_system(case: Case) -> System:
 
 @lru_cache(maxsize=256)
 @in_one_thread
-def _in_contact(
-    track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind, vanishing: tuple[str, ...]
-) -> System:
-    return System(_contact_equations(track, outline, has_ends, law, kind).with_slack(vanishing))
+def _in_contact(track, outline, ends: tuple[str, ...], law: Laws, kind: Kind, vanishing: tuple[str, ...]) -> System:
+    return System(_contact_equations(track, outline, ends, law, kind).with_slack(vanishing))
 
 
-def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, kind: Kind) -> Equations:
+def _contact_equations(track, outline, ends: tuple[str, ...], law: Laws, kind: Kind) -> Equations:
     f = frame(track, X1, "track_")
     h = frame(outline, X2, "outline_")
     belt = law.belt.surface
@@ -116,10 +114,8 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     if ratio is not law.friction.ratio:
         motion = Elimination(*substitute(motion, {law.friction.ratio: ratio}))
     conditions, rates_of = _conditions(law, kind, motion)
-    if (
-        law.unilateral or law.depends_on_side
-    ) and "cone_forward" not in conditions:  # inside the cone the force is not negative
-        conditions["normal_force"] = law.side * motion.normal
+    if (law.unilateral or law.depends_on_side) and "cone_forward" not in conditions:
+        conditions["normal_force"] = law.side * motion.normal  # inside the cone it is not negative
     positions = (X1, X2, *([THETA] if law.needs_angle else []))
     variables = (*positions, *_velocities(kind, h))
     rate_of = {X1: speeds[0], X2: speeds[1], THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
@@ -127,7 +123,7 @@ def _contact_equations(track, outline, has_ends: tuple[bool, bool], law: Laws, k
     rates = tuple(rate_of[v] for v in variables)
     moving = {T} if rests else {*variables, T}
     fit = {} if f.sign or h.sign else {"fit": h.curvature - f.curvature}  # a corner fits on every smooth curve
-    limits = {**fit, "painleve": motion.inverse_mass - PAINLEVE_LEAST, **_ends(has_ends)}
+    limits = {**fit, "painleve": motion.inverse_mass - PAINLEVE_LEAST, **end_guards(ends)}
     for own in law.own:
         limits |= own.ends(slip, pose[_MOTION[6]])
     guards = {name: g for name, g in (conditions | limits).items() if g.symbols & moving}
@@ -231,13 +227,15 @@ def _flight_equations(law: Laws) -> Equations:
     return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
 
 
-def _ends(has_ends: tuple[bool, bool]) -> dict[str, Node]:
-    """Guards for the ends of the curves."""
-    guards = {}
-    for name, bound, variable in zip(("track", "outline"), has_ends, (X1, X2), strict=True):
-        if bound:
-            low, high = symbol(f"{name}_low"), symbol(f"{name}_high")
-            guards[f"{name}_start"], guards[f"{name}_end"] = variable - low, high - variable
+def end_guards(ends: Iterable[str], of_contact: str = "") -> Conditions:
+    """Guards for ends of the elements, by the names of `phase_end.PIECE_ENDS`; `of_contact`: with what the names of a
+    contact's symbols end."""
+    guards = dict[str, Node]()
+    for name in ends:
+        side, _, end = name.partition("_")
+        xi = symbol(f"xi{1 if side == 'track' else 2}{of_contact}")
+        low, high = (symbol(f"{side}{of_contact}_{bound}") for bound in ("low", "high"))
+        guards[name] = xi - low if end == "start" else high - xi
     return guards
 
 
@@ -265,10 +263,12 @@ def _constants(system: System, parameters: list[float]) -> Iterable[float]:
 
 def sizes_of(track: Curve | CurvePart, outline: Curve | CurvePart, plate: Plate) -> dict[str, float]:
     """The parameters of parts of the curves and of the plate in all modes, by name."""
-    sizes: dict[str, float] = {"G": plate.inertia / plate.mass, "m": plate.mass}
-    for prefix, curve in (("track", track), ("outline", outline)):
-        names = CORNER if isinstance(curve, Corner) else [size.name for size in curve.structure[1]]
-        sizes |= {f"{prefix}_{name}": value for name, value in zip(names, curve.constants, strict=True)}
-        if curve.domain:
-            sizes |= {f"{prefix}_low": curve.domain[0], f"{prefix}_high": curve.domain[1]}
-    return sizes
+    own = {"G": plate.inertia / plate.mass, "m": plate.mass}
+    return own | curve_sizes(track, "track_") | curve_sizes(outline, "outline_")
+
+
+def curve_sizes(curve: Curve | Piece | CurvePart, prefix: str) -> dict[str, float]:
+    """The parameters of a curve, by names that begin with `prefix`."""
+    names = CORNER if isinstance(curve, Corner) else [size.name for size in curve.structure[1]]
+    sizes = {prefix + name: value for name, value in zip(names, curve.constants, strict=True)}
+    return sizes | ({f"{prefix}low": curve.domain[0], f"{prefix}high": curve.domain[1]} if curve.domain else {})

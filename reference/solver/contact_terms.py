@@ -25,15 +25,6 @@ def radius(body: int) -> Node:
     return sqrt(GYRATION) if body == 0 else symbol(f"radius_{body}")
 
 
-class Rotation(Enum):
-    """How contacts resist the rotation of two plates against each other, or of one on what is fixed: not at all,
-    against its direction, or so that they do not turn."""
-
-    FREE = "free"
-    RESISTED = "resisted"
-    HELD = "held"
-
-
 class ContactRows(Enum):
     """What a contact contributes to the equations: nothing, a normal row, or a normal and a tangential row. A contact
     that is away is one of plates at rest."""
@@ -55,8 +46,8 @@ class ContactForm(NamedTuple):
     structures of both elements (a corner's is the sign of its turn), its rows, at which ends of both elements it
     passes on (`regimes.ends_of`), its law of friction, the surface of its base, and the contact (its place among all)
     that has the friction force of both where two contacts of the same plates stick on one line: only its sum is unique.
-    `resistance`, `rotation`: whether and how it resists rolling; `guides`: where forces are not unique, which of its
-    rows are used; `along`: an earlier contact of the same straight side.
+    `resistance`: of its rotation, `holds`: it prevents that; `guides`: where forces are not unique, which of its rows
+    are used; `along`: an earlier contact of the same straight side.
     """
 
     body: int
@@ -69,7 +60,7 @@ class ContactForm(NamedTuple):
     surface: FixedSurface = FixedSurface()
     shares: int | None = None
     resistance: NoResistance = NoResistance()
-    rotation: Rotation = Rotation.FREE
+    holds: bool = False
     guides: tuple[bool, bool] | None = None
     along: int | None = None
 
@@ -77,6 +68,11 @@ class ContactForm(NamedTuple):
     def sides(self) -> Sides:
         """The numbers of the plates that touch."""
         return (self.body,) if self.base is None else (self.body, self.base)
+
+    @property
+    def turning_row(self) -> Row:
+        """The row of the rotation of its plates against each other."""
+        return {(body, 2): sign for body, sign in zip(self.sides, (ONE, -ONE), strict=False)}
 
 
 class ContactTerms(NamedTuple):

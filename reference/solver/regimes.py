@@ -13,18 +13,16 @@ from cases.corner import Corner, Piece
 from cases.couples import couples
 from cases.free_plates import loads_of, plates_of
 from cases.piece_case import PieceCase, _piece_case, neighbour
-from cases.pieces import CurvePart
 
 from ..effect_laws import laws
 from ..effect_laws.applied_forces import applied_load
 from ..effect_laws.friction import STICKING
 from ..effect_laws.rolling_resistance import NoResistance
-from ..minimal.assembly import parameter_values
-from ..minimal.frames import CORNER
+from ..minimal.assembly import curve_sizes, parameter_values, structure
 from ..minimal.modes import Phase, Regime, _features
 from ..minimal.phase_end import PIECE_ENDS
 from ..minimal.system import slack_name
-from .contact_terms import NO_ROWS, ContactForm, ContactRows, Rotation
+from .contact_terms import NO_ROWS, ContactForm, ContactRows
 from .places import couple_of, sides_of
 from .plate_numbers import bodies
 from .rotations import Turns
@@ -126,18 +124,6 @@ def is_straight(piece: Piece) -> bool:
     return not isinstance(piece, Corner) and piece.features is None
 
 
-def _structure(piece: Piece | CurvePart):
-    """What the equations of a contact on that curve or corner depend on."""
-    return piece.sign if isinstance(piece, Corner) else piece.structure
-
-
-def _sizes(piece: Piece | CurvePart, prefix: str) -> dict[str, float]:
-    """A curve's parameters, by name."""
-    names = CORNER if isinstance(piece, Corner) else [size.name for size in piece.structure[1]]
-    values = {prefix + name: value for name, value in zip(names, piece.constants, strict=True)}
-    return values | ({f"{prefix}low": piece.domain[0], f"{prefix}high": piece.domain[1]} if piece.domain else {})
-
-
 @lru_cache(maxsize=1024)
 def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
     """The equations of that regime with the case's parameters."""
@@ -153,19 +139,18 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
         track, outline = (
             piece.part(number) for piece, number in zip(cast(tuple[Piece, Piece], pair.pieces), numbers, strict=True)
         )
-        form = ContactForm(couple.body, couple.base, _structure(track), _structure(outline), kind, ends_of(pair))
+        form = ContactForm(couple.body, couple.base, structure(track), structure(outline), kind, ends_of(pair))
         law, sense = laws(couple), senses.get(sides_of(pair))
         if kind not in NO_ROWS:
             resistance = law.resistance if law.resistance.has_bound and sense is not None else NoResistance()
-            rotation = _rotation(sense) if resistance.has_bound else Rotation.FREE
             form = form._replace(
                 friction=law.friction.of_contact(k), surface=law.belt.of_contact(k), shares=shares[k],
-                resistance=resistance.of_contact(k), rotation=rotation,
+                resistance=resistance.of_contact(k), holds=resistance.has_bound and sense == 0,
                 guides=regime.guides[k] if regime.guides else None, along=regime.along[k] if regime.along else None,
             )  # fmt: skip
         forms.append(form)
         values |= form.friction.values(pair, mode) | form.resistance.values(pair, sense) | form.surface.values(pair)
-        values |= _sizes(track, f"track_{k}_") | _sizes(outline, f"outline_{k}_")
+        values |= curve_sizes(track, f"track_{k}_") | curve_sizes(outline, f"outline_{k}_")
         if regime.at_joint and regime.at_joint[k]:
             for bound, sign in (("low", -1.0), ("high", 1.0)):
                 for name in (f"track_{k}_{bound}", f"outline_{k}_{bound}"):
@@ -200,11 +185,6 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
         cast(Regime, regime), system, parameters, min(reaches), tuple(lengths), places, case, tuple(features),
         bool(system.load_quantities),
     )  # fmt: skip
-
-
-def _rotation(sense: int | None) -> Rotation:
-    """How contacts resist a rotation of that sense."""
-    return Rotation.FREE if sense is None else Rotation.RESISTED if sense else Rotation.HELD
 
 
 def _angle(piece: Piece, reach: float) -> float:

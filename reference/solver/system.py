@@ -19,14 +19,13 @@ from cases.expression_graph import ONE, ZERO, Node, node, substitute, symbol
 from ..effect_laws import Laws
 from ..effect_laws.applied_forces import MASS, AppliedLoad
 from ..effect_laws.lifted_formulas import Conditions
-from ..minimal.assembly import _MOTION, PAINLEVE_LEAST
+from ..minimal.assembly import _MOTION, PAINLEVE_LEAST, end_guards
 from ..minimal.system import LOAD_FORCES, Equations, System, checked_with_friction
 from .contact_terms import (
     NO_ROWS,
     ContactForm,
     ContactRows,
     ContactTerms,
-    Rotation,
     Row,
     apply_row,
     contact_terms,
@@ -122,11 +121,10 @@ def _loads(law: Laws, count: int, further: tuple[AppliedLoad | None, ...]) -> _L
 
 def _slip_and_spin(form: ContactForm, term: ContactTerms) -> tuple[Node, Node]:
     """Slip velocity and relative spin of a contact, zero where its mode has none."""
-    signs = dict(zip(form.sides, (ONE, -ONE), strict=False))
-    spin = apply_row({(b, 2): s for b, s in signs.items()}, lambda one: variables_of("velocity", one[0])[2])
+    spin = apply_row(form.turning_row, lambda one: variables_of("velocity", one[0])[2])
     return (
         ZERO if form.kind is ContactRows.STICK else term.slip,
-        ZERO if form.rotation is Rotation.HELD else spin,
+        ZERO if form.holds else spin,
     )
 
 
@@ -137,8 +135,8 @@ def _add_own_force(
     along, across, couple = force
     for place, entry in term.slip_row.items():
         free[place] = free[place] + _inverse(place) * (entry * along + term.lift_row[place] * across)
-    for body, sign in zip(form.sides, (ONE, -ONE), strict=False):
-        free[body, 2] = free[body, 2] + _inverse((body, 2)) * sign * couple
+    for place, sign in form.turning_row.items():
+        free[place] = free[place] + _inverse(place) * sign * couple
 
 
 class _Solution(NamedTuple):
@@ -165,9 +163,9 @@ def _forces(forms: tuple[ContactForm, ...], terms: list[ContactTerms], free: dic
         column = dict(term.lift_row) if sticks else {
             place: term.lift_row[place] + ratio * term.slip_row[place] for place in term.lift_row
         }  # fmt: skip
-        if form.rotation is Rotation.RESISTED:
-            for body, sign in zip(form.sides, (ONE, -ONE), strict=False):
-                column[body, 2] = column[body, 2] + sign * form.resistance.couple
+        if not form.holds:
+            for place, sign in form.turning_row.items():
+                column[place] = column[place] + sign * form.resistance.couple
         if form.guides is not None:
             for row, force, bias, is_used in zip(
                 (term.lift_row, term.slip_row), (column, term.slip_row), (term.lift_bias, term.slip_bias), form.guides,
@@ -182,7 +180,7 @@ def _forces(forms: tuple[ContactForm, ...], terms: list[ContactTerms], free: dic
         if sticks and form.shares is None:
             rows, columns = [*rows, term.slip_row], [*columns, term.slip_row]
             right.append(-apply_row(term.slip_row, free.__getitem__) - term.slip_bias)
-    still = rigid_pairs(tuple((form.sides, 0) for form in forms if form.rotation is Rotation.HELD))
+    still = rigid_pairs(tuple((form.sides, 0) for form in forms if form.holds))
     for sides in still:
         turning: Row = {(b, 2): s * radius(sides[0]) for b, s in zip(sides, (ONE, -ONE), strict=False)}
         rows, columns = [*rows, turning], [*columns, turning]
@@ -254,7 +252,7 @@ def _equations(
             limits |= {f"{name}:{k}": end for some in ends for name, end in some.items()}
         if form.kind is ContactRows.AWAY:  # of plates at rest
             continue
-        limits |= _ends(form.ends, k)
+        limits |= _at(k, end_guards(form.ends, f"_{k}"))
         if form.kind is ContactRows.OPEN:
             conditions[f"gap:{k}"] = term.gap
             if term.clearance is not None:
@@ -276,8 +274,8 @@ def _equations(
             slip_rates |= _at(k, form.friction.slip_conditions(slip_rate))
     is_guided = any(form.guides is not None for form in forms)
     for k, form in enumerate(forms):
-        own = [i for i, one in enumerate(forms) if one.rotation is not Rotation.FREE and one.sides == form.sides]
-        if not own or own[0] != k or (is_guided and form.rotation is Rotation.HELD):
+        own = [i for i, one in enumerate(forms) if one.resistance.has_bound and one.sides == form.sides]
+        if not own or own[0] != k or (is_guided and form.holds):
             continue
         bound = sum((forms[i].resistance.bound(per_mass[i][0]) for i in own), ZERO)
         turns, turn_rates = _resistance(form, acceleration, bound, couples)
@@ -329,24 +327,13 @@ def _resistance(
 ) -> tuple[Conditions, Conditions]:
     """The conditions of rolling resistance of two plates, of which this is the first contact, and the rates of those
     that are velocities."""
-    length, row = radius(form.body), {(b, 2): s for b, s in zip(form.sides, (ONE, -ONE), strict=False)}
-    if form.rotation is Rotation.RESISTED:
+    length, row = radius(form.body), form.turning_row
+    if not form.holds:
         spin = apply_row(row, lambda one: variables_of("velocity", one[0])[2])
         turning = apply_row(row, acceleration.__getitem__)
         return form.resistance.turn_conditions(spin, length), form.resistance.turn_conditions(turning, length)
     couple = couples[form.sides] * length * _inverse((form.body, 0))
     return form.resistance.hold_conditions(bound, couple, length), {}
-
-
-def _ends(ends: tuple[str, ...], k: int) -> dict[str, Node]:
-    """Guards for ends of the elements, by the names of `phase_end.PIECE_ENDS`."""
-    guards = dict[str, Node]()
-    for name in ends:
-        side, _, which = name.partition("_")
-        at, bound = symbol(f"xi{1 if side == 'track' else 2}_{k}"), "low" if which == "start" else "high"
-        limit = symbol(f"{side}_{k}_{bound}")
-        guards[f"{name}:{k}"] = at - limit if which == "start" else limit - at
-    return guards
 
 
 @lru_cache(maxsize=64)
