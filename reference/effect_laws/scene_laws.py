@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
-from cases import Case, Unilateral
+from cases import Belt, Case, Load, Unilateral
 from cases.effects import MOTION
 from cases.expression_graph import ONE, ZERO, Node, symbol
 
@@ -65,6 +65,12 @@ class Laws(NamedTuple):
 def _sum(loads: Sequence[Weight | AppliedLoad]) -> tuple[Node, Node, Node]:
     fx, fy, moment = (sum((load.torsor[i] for load in loads), ZERO) for i in range(3))
     return fx, fy, moment
+
+
+def effects_in_time(case: Case, in_contact: bool = True) -> tuple[Load | Belt, ...]:
+    """The effects whose features in time no step may pass over: the load and, in contact, the belt."""
+    every = case.effect(Load), case.effect(Belt) if in_contact else None
+    return tuple(effect for effect in every if effect is not None)
 
 
 @lru_cache(maxsize=1024)

@@ -25,6 +25,7 @@ from cases.pieces import CurvePart
 
 from ..effect_laws import Laws, laws
 from ..effect_laws.friction import SLIP_SIGN, STICKING
+from ..effect_laws.scene_laws import effects_in_time
 from .assembly import THETA, Kind, contact_system, flight_system, parameter_values, sizes_of
 from .elimination import U1, U2, X1, X2
 from .system import System, slack_name
@@ -166,17 +167,15 @@ def _phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
 
 def _make_phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
     track, outline, size = case.track.part(parts[0]), case.plate.outline.part(parts[1]), case.plate.gyration
-    load = case.effect(Load)
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)
         parameters = parameter_values(case, sizes_of(track, outline, case.plate), equations)
         checks, rows = bool(equations.load_quantities), tuple(range(6))
-        return Phase(regime, equations, parameters, size, (size, size, 1.0), rows, case, _features(load, None), checks)
+        in_time = effects_in_time(case, in_contact=False)
+        return Phase(regime, equations, parameters, size, (size, size, 1.0), rows, case, _features(in_time), checks)
     law = laws(case)
     vanishing = tuple(name for name, _ in regime.slack)
-    form = _form(
-        law, regime.kind, track, outline, case.track, case.plate, case.start, load, case.effect(Belt), vanishing
-    )
+    form = _form(law, regime.kind, track, outline, case.track, case.plate, case.start, effects_in_time(case), vanishing)
     numbers = form.sizes | {"nu": float(regime.side)} | {slack_name(name): size for name, size in regime.slack}
     numbers |= law.friction.values(case, regime.mode, regime.side)
     numbers |= law.resistance.values(case, regime.turn, regime.side)
@@ -208,8 +207,7 @@ def _form(
     whole: Curve,
     plate: Plate,
     start: Start,
-    load: Load | None,
-    belt: Belt | None,
+    in_time: tuple[Load | Belt, ...],
     vanishing: tuple[str, ...],
 ) -> _PhaseForm:
     """The form of phases on these parts of a `whole` track and of the plate's outline."""
@@ -217,7 +215,7 @@ def _form(
     lengths = _lengths(start, whole, plate)[: system.positions]
     if U2 in system.variables and U1 not in system.variables:
         lengths = (lengths[1], *lengths[1:])  # the only velocity is ξ̇₂
-    places, features = tuple(_PLACES[v] for v in system.variables), _features(load, belt, track, outline)
+    places, features = tuple(_PLACES[v] for v in system.variables), _features(in_time, track, outline)
     sizes = sizes_of(track, outline, plate)
     return _PhaseForm(system, sizes, lengths, places, features, bool(system.load_quantities))
 
@@ -230,12 +228,9 @@ def _lengths(start: Start, track: Curve, plate: Plate) -> tuple[float, float, fl
 
 
 @lru_cache(maxsize=1024)
-def _features(
-    load: Load | None, belt: Belt | None, *curves: Curve | CurvePart
-) -> tuple[tuple[int | None, Features], ...]:
-    """The features that no step may pass over: of a load and, in contact, of a belt, track and outline, if they have
-    any."""
-    all_features: list[tuple[int | None, Features | None]] = [(None, e.features if e else None) for e in (load, belt)]
+def _features(in_time: tuple[Load | Belt, ...], *curves: Curve | CurvePart) -> tuple[tuple[int | None, Features], ...]:
+    """The features that no step may pass over: of effects and, in contact, of track and outline, if they have any."""
+    all_features: list[tuple[int | None, Features | None]] = [(None, effect.features) for effect in in_time]
     all_features += [(row, curve.features) for row, curve in enumerate(curves)]
     return tuple((row, feature) for row, feature in all_features if feature is not None and not feature.plain)
 

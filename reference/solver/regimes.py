@@ -18,6 +18,7 @@ from ..effect_laws import laws
 from ..effect_laws.applied_forces import applied_load
 from ..effect_laws.friction import STICKING
 from ..effect_laws.rolling_resistance import NoResistance
+from ..effect_laws.scene_laws import effects_in_time
 from ..minimal.assembly import curve_sizes, parameter_values, structure
 from ..minimal.modes import Phase, Regime, _features
 from ..minimal.phase_end import PIECE_ENDS
@@ -130,7 +131,8 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
     plates, some = plates_of(case), [pair_of(case, key) for key in regime.pairs]
     shares = regime.shares or (None,) * len(some)
     senses = dict(regime.turns)
-    forms, values = list[ContactForm](), {slack_name(name): amount for name, amount in regime.slack}
+    forms, closed = list[ContactForm](), list[PieceCase]()
+    values = {slack_name(name): amount for name, amount in regime.slack}
     for k, (pair, mode) in enumerate(zip(some, regime.modes, strict=True)):
         couple, kind = couple_of(pair), kind_of(mode)
         if couple.body in regime.resting and (couple.base is None or couple.base in regime.resting):
@@ -142,6 +144,7 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
         form = ContactForm(couple.body, couple.base, structure(track), structure(outline), kind, ends_of(pair))
         law, sense = laws(couple), senses.get(sides_of(pair))
         if kind not in NO_ROWS:
+            closed.append(pair)
             resistance = law.resistance if law.resistance.has_bound and sense is not None else NoResistance()
             form = form._replace(
                 friction=law.friction.of_contact(k), surface=law.belt.of_contact(k), shares=shares[k],
@@ -174,12 +177,13 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
     parameters = parameter_values(case, values, system)
     reaches = bodies(case).reaches
     lengths = [length for reach in reaches for length in (reach, reach, 1.0)]
-    features = [feature for load in loads for feature in _features(load, None)]
+    in_time = dict.fromkeys([*filter(None, loads), *(effect for pair in closed for effect in effects_in_time(pair))])
+    features = list(_features(tuple(in_time)))
     for k, pair in enumerate(some):
         for i, piece in enumerate(cast(tuple[Piece, Piece], pair.pieces)):
             lengths.append(_angle(piece, reaches[couple_of(pair).body]))
             if isinstance(piece, Curve):
-                features += [(3 * len(plates) + 2 * k + i, f) for _, f in _features(None, None, piece)]
+                features += [(3 * len(plates) + 2 * k + i, f) for _, f in _features((), piece)]
     places = tuple(range(6 * len(plates) + 2 * len(some)))
     return SolverPhase(
         cast(Regime, regime), system, parameters, min(reaches), tuple(lengths), places, case, tuple(features),

@@ -1,7 +1,7 @@
 """A belt together with a second contact: exact motions, two formulations, the paper's matrix, and the belts' work."""
 
 from dataclasses import replace
-from math import atan, cos, pi, sin, sqrt
+from math import atan, cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -206,6 +206,26 @@ def test_a_belt_carries_a_block_to_a_stop_and_slips_below_it(method):
         # The stop's two forces are not unique, but their sum is: each can have all of it but what the other needs.
         least, most = (one[:, 0] for one in (pushes[0].normal_range, pushes[1].normal_range))
         assert least[0] + most[1] == pytest.approx(mu * G, rel=1e-9)  # HiGHS' tolerance
+
+
+# --- a box on a belt that runs for a moment ---------------------------------------------------------------------------
+
+
+@pytest.mark.sampled(2)
+@METHODS
+@pytest.mark.parametrize("width", [1e-2, 1e-3])
+def test_no_step_passes_over_a_moment_in_which_a_belt_runs(method, width):
+    """Below both corners of a box the belt has the speed V e^(-u²), u = (t - 1/2)/w: the box slips as soon as the
+    belt's acceleration 2 V |u| e^(-u²)/w is μ g, by Newton's method from |u| = 2 and 2.6, and ends at rest."""
+    speed, u = 0.5, 2.0 if width == 1e-2 else 2.6
+    for _ in range(20):
+        excess = 2.0 * speed * u * exp(-u * u) / width - MU * G
+        u -= excess / (2.0 * speed * exp(-u * u) * (1.0 - 2.0 * u * u) / width)
+    effects = (*INELASTIC, CoulombFriction(MU), Belt(f"{speed}*exp(-((t-0.5)/{width})**2)"))
+    motion = motion_by(Case(line(), Plate.rectangle(0.6, 0.4, 1.0), effects, StartPose(0.0, 0.2), 1.0), method)
+    begin = [change.time for change in motion.transitions if change.after is Mode.SLIP_BACKWARD]
+    assert len(begin) == 2 and begin == pytest.approx([0.5 - width * u] * 2, abs=1e-12)
+    assert motion.transitions[-1].after in (Mode.ROLL, Mode.REST) and motion.status == "completed"
 
 
 # --- impacts ----------------------------------------------------------------------------------------------------------
