@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 
+from . import formula_symbols
 from .chain import Chain
 from .corner import Corner
 from .curves import Curve
-from .expressions import PARAMETER
 from .pieces import CurvePieces
 
 
@@ -34,7 +34,8 @@ def forwards(curve: Curve, s):
 def _pieces(parts: CurvePieces) -> CurvePieces:
     forms = []
     for (x, y), symbols in parts.forms:
-        turned = {PARAMETER: -PARAMETER, symbols[0]: -symbols[0]}
+        s = formula_symbols.PARAMETER
+        turned = {s: -s, symbols[0]: -symbols[0]}
         forms.append(((x.xreplace(turned), y.xreplace(turned)), symbols))
     return replace(
         parts,

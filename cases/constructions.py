@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-import sympy as sp
-
+from . import late_sympy as sp
 from .curves import Curve, cos, integral, sin
 from .errors import finite, instance, items, point
 from .expressions import value_of

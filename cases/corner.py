@@ -11,15 +11,16 @@ from math import hypot, inf
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
+from .curve_formula import check_domain
 from .curves import Curve, restore
-from .derivation import derived
 from .errors import BadCurve
-from .expressions import PARAMETER
+from .expression_graph import symbol
+from .expressions import LARGEST_NUMBER
+from .jets import S, Structure
 
 # Not named like the sizes of a formula (c0, c1, …), which are positive.
-_X, _Y, _ALONG_X, _ALONG_Y = sp.symbols("e0 e1 e2 e3")
+_X, _Y, _ALONG_X, _ALONG_Y = map(symbol, ("e0", "e1", "e2", "e3"))
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,10 @@ class Corner:
 
 
 class Edge(Curve):
-    """A straight edge between two points of a chain; all edges share one compiled system, wherever they lie."""
+    """A straight edge between two points of a chain; all edges share one compiled system, wherever they lie: their
+    `constants` are the point at the parameter zero and the direction, of any signs."""
+
+    structure: Structure = (_X + _ALONG_X * S, _Y + _ALONG_Y * S), (_X, _Y, _ALONG_X, _ALONG_Y)
 
     @classmethod
     def between(cls, start: tuple[float, float], end: tuple[float, float]) -> Edge:
@@ -115,35 +119,34 @@ class Edge(Curve):
         if not length > 0.0:
             raise BadCurve(f"an edge at ({start[0]:g}, {start[1]:g}) m has no length; give points that differ")
         along = (end[0] - start[0]) / length, (end[1] - start[1]) / length
-        return cls(lambda s: (start[0] + along[0] * s, start[1] + along[1] * s), (0.0, length))
+
+        def function(s):
+            return start[0] + along[0] * s, start[1] + along[1] * s
+
+        if not max(map(abs, (*start, *end))) <= LARGEST_NUMBER:
+            return cls(function, (0.0, length))  # which says so
+        edge = cls.of_facts(function, check_domain((0.0, length)), constants=_unsigned_zeros(*start, *along))
+        edge._check()
+        return edge
 
     @classmethod
     def of(cls, curve: Curve) -> Edge:
         """A straight curve with ends as an edge, with the same parameter."""
-        edge = object.__new__(cls)
-        facts = {name: vars(curve)[name] for name in ("function", "domain", "residual", "_expression")}
-        vars(edge).update(facts)
-        return edge
+        facts = {name: vars(curve)[name] for name in ("residual", "expression") if name in vars(curve)}
+        return cls.of_facts(curve.function, curve.domain, **facts, constants=_unsigned_zeros(*curve.jet(0.0)[:4]))
 
     def __reduce__(self):
         return _unpickle, (super().__reduce__()[1],)
 
     def __eq__(self, other) -> bool:
-        return isinstance(other, Edge) and (self.expression, self.domain) == (other.expression, other.domain)
+        return isinstance(other, Edge) and (self.constants, self.domain) == (other.constants, other.domain)
 
     def __hash__(self) -> int:
         return hash(("edge", self._hash))
 
-    @derived
-    def structure(self) -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Symbol, ...]]:
-        """The same for all edges: a point and a direction of any signs."""
-        return (_X + _ALONG_X * PARAMETER, _Y + _ALONG_Y * PARAMETER), (_X, _Y, _ALONG_X, _ALONG_Y)
 
-    @derived
-    def constants(self) -> tuple[float, ...]:
-        """Its point at the parameter zero and its direction."""
-        places = [part.subs(PARAMETER, 0) for part in self.expression]
-        return tuple(float(value) for value in (*places, *(sp.diff(part, PARAMETER) for part in self.expression)))
+def _unsigned_zeros(*numbers: float) -> tuple[float, ...]:
+    return tuple(number + 0.0 for number in numbers)
 
 
 def _unpickle(facts: tuple) -> Edge:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 
 import numpy as np
-import sympy as sp
 
-from . import expressions, formulas
+from . import expressions, formula_symbols, formulas
+from . import late_sympy as sp
 from .errors import BadCurve, BadValue, finite
-from .expressions import PARAMETER
 
 # Letters of a formula that a curve shows of itself.
 _LONGEST_FORMULA = 80
@@ -37,7 +36,8 @@ def check_domain(domain) -> tuple[float, float] | None:
 
 def _from_strings(texts: tuple[str, str]) -> tuple[sp.Expr, sp.Expr]:
     """A pair of strings as expressions in s."""
-    x, y = (formulas.parse(text, {"s": PARAMETER}, "the curve's coordinate", BadCurve) for text in texts)
+    variables = {"s": formula_symbols.PARAMETER}
+    x, y = (formulas.parse(text, variables, "the curve's coordinate", BadCurve) for text in texts)
     return x, y
 
 
@@ -51,7 +51,8 @@ def as_expression(function) -> tuple[sp.Expr, sp.Expr]:
             f"a curve is a function of its parameter, not {what}; give lambda s: (X, Y), or Curve.spline(points)"
         )
     try:
-        pair = tuple(function(PARAMETER))
+        s = formula_symbols.PARAMETER
+        pair = tuple(function(s))
         x, y = pair
     except BadCurve:
         raise
@@ -59,7 +60,7 @@ def as_expression(function) -> tuple[sp.Expr, sp.Expr]:
         raise BadCurve(
             f"the curve's function fails ({problem}); return a pair (X, Y) made with the functions of cases.curves"
         ) from problem
-    x, y = (expressions.admissible(part, (PARAMETER,), "the curve's coordinate", BadCurve) for part in (x, y))
+    x, y = (expressions.admissible(part, (s,), "the curve's coordinate", BadCurve) for part in (x, y))
     parts = sum(expressions.parts_of_derivatives(part)[3] for part in (x, y))
     if parts > expressions.MAX_DERIVATIVE_SIZE:
         raise BadCurve(

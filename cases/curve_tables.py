@@ -6,11 +6,12 @@ They are refined where even samples of the parameter would be too far apart.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from . import parametrisation
+from .expression_graph import Node
 from .features import WINDOW, Features, largest, union
 from .parametrisation import MOST_ROUNDS
 
@@ -27,7 +28,7 @@ class CurveFormula(Protocol):
     @property
     def domain(self) -> tuple[float, float] | None: ...
     @property
-    def expression(self) -> tuple[Any, Any]: ...
+    def rows(self) -> tuple[Node, Node]: ...
     @property
     def period(self) -> float | None: ...
     @property
@@ -128,7 +129,7 @@ def period(curve: CurveFormula) -> float | None:
         start, length = curve.domain[0], curve.domain[1] - curve.domain[0]
         probes = np.array([start])
     else:
-        common = parametrisation.period(curve.expression)
+        common = parametrisation.period(curve.rows)
         if common is None:
             return None
         length, probes = common, common / (2 * np.pi) * np.array([0.1, 1.3, 2.9])

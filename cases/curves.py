@@ -12,13 +12,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from math import atan2, floor, hypot, isfinite, nan
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
-import sympy as sp
 
-from . import curve_formula, expressions, features, parametrisation, point_sources
+from . import curve_formula, expressions, features, formula_symbols, parametrisation, point_sources
 from . import curve_tables as tables
+from . import late_sympy as sp
 from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
 from .errors import (
@@ -36,9 +36,10 @@ from .errors import (
     real,
     whole,
 )
-from .expression_graph import derivatives, from_sympy
-from .expressions import PARAMETER, acos, asin, atan, cos, cosh, exp, integral, log, pi, sin, sinh, sqrt, tan, tanh
-from .jets import S, jet_function
+from .expression_graph import Node, derivatives, from_sympy, integral_depth, lift_numbers, node, substitute, symbol
+from .expressions import __getattr__ as __getattr__
+from .expressions import acos, asin, atan, cos, cosh, exp, integral, log, sin, sinh, sqrt, tan, tanh
+from .jets import S, Structure, jet_function
 from .pieces import CurvePart, CurvePieces
 from .spline import spline
 
@@ -52,7 +53,7 @@ __all__ = [
     "exp",
     "integral",
     "log",
-    "pi",
+    "pi",  # noqa: F822 - by __getattr__
     "sin",
     "sinh",
     "sqrt",
@@ -90,14 +91,36 @@ class Curve:
     may_cross: bool = False
     # Of a curve in pieces: these; such a curve has no single formula.
     parts: CurvePieces | None = field(init=False, default=None)
-    _expression: tuple[sp.Expr, sp.Expr] | None = field(init=False, default=None)
 
     @in_one_thread
     def __post_init__(self):
         object.__setattr__(self, "domain", curve_formula.check_domain(self.domain))
         object.__setattr__(self, "may_cross", boolean("may_cross", self.may_cross))
-        object.__setattr__(self, "_expression", _the_one(curve_formula.as_expression(self.function)))
+        _ = self.expression  # raises what is wrong with it
         self._check()
+
+    @classmethod
+    @in_one_thread
+    def of_nodes(cls, function: Callable[[Any], tuple[Any, Any]], domain: tuple[float, float] | None = None) -> Curve:
+        """A curve of the library: its function takes a node as well as a symbol of SymPy, which it does not need then.
+
+        What it makes of a node is what `from_sympy` makes of its expression, in the same order.
+        """
+        nodes, sizes, constants = lift_numbers(function(S))
+        if not all(size <= expressions.LARGEST_NUMBER for size in constants):
+            return cls(function, domain)  # which says so
+        structure = _the_one(((nodes[0], nodes[1]), sizes))
+        curve = cls.of_facts(function, curve_formula.check_domain(domain), structure=structure, constants=constants)
+        curve._check()
+        return curve
+
+    @classmethod
+    def of_facts(cls, function: Any, domain: tuple[float, float] | None, **facts: Any) -> Self:
+        """A curve with what is known of it, unchecked; without a function that of its expression."""
+        curve = object.__new__(cls)
+        facts = dict(residual=None, may_cross=False, parts=None) | facts
+        vars(curve).update(facts, function=function or curve.at, domain=domain)
+        return curve
 
     def _check(self) -> None:
         """Check the curve, unless an equal one was checked: then share what is known of that."""
@@ -115,12 +138,12 @@ class Curve:
         curve._check()
         return curve
 
-    @property
+    @derived
     def expression(self) -> tuple[sp.Expr, sp.Expr]:
         """(X, Y) as expressions in the parameter. Raises NotSupported for a curve in pieces."""
-        if self._expression is None:
+        if self.parts is not None:
             raise NotSupported("the curve is in pieces and has no single formula; use its points, or its pieces")
-        return self._expression
+        return _the_one(curve_formula.as_expression(self.function))
 
     @in_one_thread
     def __repr__(self) -> str:
@@ -139,7 +162,8 @@ class Curve:
     @property
     def _key(self) -> tuple:
         """What equal curves share."""
-        return self._expression if self.parts is None else self.parts.key, self.domain, self.may_cross
+        formula = (self.structure, self.constants) if self.parts is None else self.parts.key
+        return formula, self.domain, self.may_cross
 
     @cached_property
     def _hash(self) -> int:
@@ -158,7 +182,7 @@ class Curve:
         place = expressions.as_expression(s)
         if place is None:
             raise BadValue(f"the parameter of a curve is {s!r}; give an expression")
-        x, y = (part.xreplace({PARAMETER: place}) for part in self.expression)
+        x, y = (part.xreplace({formula_symbols.PARAMETER: place}) for part in self.expression)
         return x, y
 
     @classmethod
@@ -192,13 +216,13 @@ class Curve:
     # --- evaluation -------------------------------------------------------------------------------------------------
 
     @derived
-    def structure(self) -> tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Symbol, ...]]:
-        """The expression with its floating-point constants replaced by ±c0, ±c1, … (all positive), and those symbols.
+    def structure(self) -> Structure:
+        """The formulas as nodes, with ±c0, ±c1, … (all positive) for their floating-point constants, and those symbols.
 
         Curves of one structure share their compiled systems, whatever their sizes.
         """
-        (x, y), symbols = expressions.lift_constants(self.expression)
-        return _the_one(((x, y), symbols))
+        (x, y), sizes = expressions.lift_constants(self.expression)
+        return _the_one(((from_sympy(x), from_sympy(y)), tuple(symbol(size.name) for size in sizes)))
 
     @derived
     def constants(self) -> tuple[float, ...]:
@@ -207,10 +231,17 @@ class Curve:
         return expressions.constants(self.expression) if self.parts is None else ()
 
     @derived
+    def rows(self) -> tuple[Node, Node]:
+        """The formulas as nodes, with their constants."""
+        formulas, sizes = self.structure
+        x, y = substitute(formulas, dict(zip(sizes, map(node, self.constants), strict=True)))
+        return x, y
+
+    @derived
     def integrals(self) -> int:
         """How many integrals contain each other in its formulas: 0 without any."""
-        formulas = self.expression if self.parts is None else [row for rows, _ in self.parts.forms for row in rows]
-        return max(map(expressions.integral_depth, formulas))
+        forms = [self.structure] if self.parts is None else self.parts.forms
+        return max(integral_depth(from_sympy(row)) for rows, _ in forms for row in rows)
 
     @property
     def knots(self) -> tuple[float, ...]:
@@ -351,15 +382,14 @@ class Curve:
     @derived
     def centres(self) -> tuple[float, ...]:
         """Special points of the formula: centres of bumps and steps, poles, knots."""
-        return features.centres(self.expression, PARAMETER) if self.parts is None else self.parts.breaks[1:-1]
+        return features.centres(self.rows, S) if self.parts is None else self.parts.breaks[1:-1]
 
     @derived
     def features(self) -> features.Features | None:
         """Where its curvature and speed change, and how finely; None for a straight line run through evenly."""
         if self.parts is not None:
             return features.Features.of_edges(self.parts.edges, bool(self.period))
-        rows = [from_sympy(part) for part in self.expression]
-        if not any(slope.symbols for slope in derivatives(rows, S)):
+        if not any(S in slope.symbols for slope in derivatives(self.structure[0], S)):
             return None
         return tables.features_of(self)
 
@@ -457,21 +487,14 @@ def _is_number(s) -> bool:
 @in_one_thread
 def restore(trees, domain, residual, may_cross) -> Curve:
     """The curve that a process sent. It was checked there, so it is not checked again."""
-    curve, expression = object.__new__(Curve), tuple(map(expressions.from_tree, trees))
-    vars(curve).update(
-        function=curve.at, domain=domain, residual=residual, may_cross=may_cross, parts=None,
-        _expression=_the_one(expression),
-    )  # fmt: skip
-    return curve
+    expression = _the_one(tuple(map(expressions.from_tree, trees)))
+    return Curve.of_facts(None, domain, residual=residual, may_cross=may_cross, expression=expression)
 
 
 def _restore_pieces(pieces: CurvePieces, residual: float | None, may_cross: bool) -> Curve:
     """The same for a curve in pieces."""
-    curve, domain = object.__new__(Curve), (pieces.breaks[0], pieces.breaks[-1])
-    vars(curve).update(
-        function=curve.at, domain=domain, residual=residual, may_cross=may_cross, parts=pieces, _expression=None
-    )
-    return curve
+    ends = pieces.breaks[0], pieces.breaks[-1]
+    return Curve.of_facts(None, ends, residual=residual, may_cross=may_cross, parts=pieces)
 
 
 @lru_cache(maxsize=4096)
@@ -481,7 +504,7 @@ def _the_one(expressions: T) -> T:
 
 
 # What a curve does not share with one that is equal to it.
-_NO_DOMAIN = ("function", "domain", "residual", "may_cross", "parts", "_expression")
+_NO_DOMAIN = ("function", "domain", "residual", "may_cross", "parts", "expression")
 
 
 @lru_cache(maxsize=512)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-import sympy as sp
 
 from . import expressions, features, formulas
+from . import late_sympy as sp
 from .derivation import in_one_thread
 from .errors import BadValue
 from .expression_code import ON_ARRAYS, ON_FLOATS, function_of
+from .expression_graph import from_sympy, symbol
 
 
 @in_one_thread
@@ -46,6 +47,6 @@ def features_in_time(time: sp.Symbol, formulas_: Sequence[sp.Expr]) -> features.
         rows = np.array([np.broadcast_to(row, t.shape) for row in function(t)], dtype=float)
         return rows, rows
 
-    centres = features.centres(parts, time)
+    centres = features.centres(map(from_sympy, parts), symbol(time.name))
     to_come = [centre for centre in centres if centre >= 0.0]
     return features.Features(values, centres, sizes=features.largest(values, 0.0, features.WINDOW, to_come))

@@ -11,20 +11,20 @@ from math import cos, inf, pi, sin
 from typing import Any, TypeVar, get_args
 
 import numpy as np
-import sympy as sp
 
-from . import expressions, features, slip_laws
+from . import expressions, features, formula_symbols, slip_laws
+from . import late_sympy as sp
 from .derivation import derived, in_one_thread
 from .effect_formulas import features_in_time, formula_in, values_of
 from .errors import BadValue, finite, not_negative, positive
+from .expression_graph import Node, from_sympy, symbol
+from .formula_symbols import __getattr__ as __getattr__
 from .moving_surface import Belt, Drive
 from .own_effects import ContactEffect
 
 # How an impact's restitution and friction go together (`Impact`).
 IMPACT_LAWS = ("poisson", "newton", "moreau")
 
-# What a load may depend on: time (s), pose (m, rad) and velocities (m/s, rad/s) of the centre of mass.
-MOTION = sp.symbols("t x y theta vx vy omega", real=True)
 # A load that is a polynomial of this degree in place and velocity needs no check: its derivatives at a step's start, of
 # which the coarsest integrator takes four, determine it everywhere.
 SIMPLE = 2
@@ -72,7 +72,7 @@ class Load:
     @in_one_thread
     def __post_init__(self):
         for name in ("fx", "fy", "moment"):
-            object.__setattr__(self, name, formula_in(MOTION, f"{name} of Load", getattr(self, name)))
+            object.__setattr__(self, name, formula_in(formula_symbols.MOTION, f"{name} of Load", getattr(self, name)))
         if not any(self.expression):
             raise BadValue("every component of Load is 0; leave Load out for a scene without one")
 
@@ -88,7 +88,7 @@ class Load:
     @derived
     def at(self) -> Callable[..., list[float]]:
         """A function (t, x, y, theta, vx, vy, omega) -> [fx, fy, moment], on floats; NaN where there is no value."""
-        return values_of(MOTION, self.expression)
+        return values_of(formula_symbols.MOTION, self.expression)
 
     @derived
     def features(self) -> features.Features | None:
@@ -96,20 +96,21 @@ class Load:
 
         Resolved on windows of absolute time, so that they are the same whatever a motion's duration.
         """
-        return features_in_time(MOTION[0], self.expression)
+        return features_in_time(formula_symbols.MOTION[0], self.expression)
 
 
-def checked_quantities(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol] = MOTION) -> tuple[sp.Expr, ...]:
+def checked_quantities(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol] = ()) -> tuple[Node, ...]:
     """The quantities that an integrator has to check along each step under a load of these formulas (or friction by a
     formula in other `symbols`): the arguments of the formulas' functions, then the formulas. Empty if the features in
     time and the derivatives at a step's start show all that they do.
     """
-    time, moving = MOTION[0], [symbol for symbol in symbols if symbol != MOTION[0]]
-    arguments = dict.fromkeys(a for formula in formulas for a in features.arguments(formula, symbols))
-    to_check = [a for a in arguments if a.has(*moving) or features.degree(a, [time]) == inf]
-    if not to_check and max(features.degree(formula, moving) for formula in formulas) <= SIMPLE:
+    nodes, (t, *others) = [*map(from_sympy, formulas)], map(symbol, formula_symbols.NAMES["MOTION"])
+    moving = frozenset(symbol(other.name) for other in symbols) or frozenset(others)
+    arguments = dict.fromkeys(a for formula in nodes for a in features.arguments(formula, moving | {t}))
+    to_check = [a for a in arguments if moving & a.symbols or features.degree(a, {t}) == inf]
+    if not to_check and max(features.degree(formula, moving) for formula in nodes) <= SIMPLE:
         return ()
-    return *to_check, *formulas
+    return *to_check, *nodes
 
 
 @in_one_thread
@@ -149,7 +150,7 @@ class CoulombFriction:
     @property
     def by_speed(self) -> bool:
         """Whether the coefficient depends on the slip speed."""
-        return isinstance(self.mu, sp.Expr)
+        return not isinstance(self.mu, float)
 
     def at(self, speed):
         """The coefficient at a slip speed v ≥ 0 (m/s), or at an array of them; a number for all if it is constant."""

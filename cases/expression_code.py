@@ -9,8 +9,8 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-import sympy as sp
 
+from . import late_sympy as sp
 from .derivation import in_one_thread
 from .expression_graph import (
     ARITHMETIC,

@@ -7,13 +7,12 @@ nothing else is changed: the operations of the written code are those of the der
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from fractions import Fraction
 from typing import Any, NamedTuple
 from weakref import ref
 
-import sympy as sp
-
+from . import late_sympy as sp
 from .derivation import in_one_thread
 
 ARITHMETIC = ("+", "-", "*", "/", "**")
@@ -232,8 +231,10 @@ _RULES = {"+": _sum, "-": _difference, "*": _product, "/": _quotient, "**": _pow
 
 
 @in_one_thread
-def from_sympy(expression: sp.Basic, replace: Mapping[sp.Basic, Node] | None = None) -> Node:
-    """The node of a formula; symbols keep their names, unless `replace` has other nodes for them."""
+def from_sympy(expression: sp.Basic | Node, replace: Mapping[sp.Basic, Node] | None = None) -> Node:
+    """The node of a formula; symbols keep their names, unless `replace` has other nodes for them. A node stays one."""
+    if isinstance(expression, Node):
+        return substitute([expression], {symbol(key.name): value for key, value in (replace or {}).items()})[0]
     return _from_sympy(sp.sympify(expression), dict(replace or {}))
 
 
@@ -323,6 +324,45 @@ def in_order(outputs: Iterable[Node], leaves: Container[Node] = ()) -> dict[Node
         else:
             order[todo.pop()] = None
     return order
+
+
+def integral_depth(formula: Node) -> int:
+    """How many integrals contain each other in a formula: 0 without any."""
+    inside = (INTEGRANDS[current.op].formula for current in preorder(formula) if current.op.startswith(INTEGRAL))
+    return max((1 + integral_depth(integrand) for integrand in inside), default=0)
+
+
+def lift_numbers(formulas: Iterable[Node]) -> tuple[list[Node], tuple[Node, ...], tuple[float, ...]]:
+    """The formulas with ±c0, ±c1, … for their floating-point numbers, those symbols, and the numbers' sizes, each once
+    and in the order in which the formulas name them."""
+    formulas = [node(formula) for formula in formulas]
+    numbers = [current for formula in formulas for current in _leaves(formula) if isinstance(current.args[0], float)]
+    sizes = tuple(dict.fromkeys(abs(number.args[0]) for number in numbers))
+    symbols = {size: symbol(f"c{i}") for i, size in enumerate(sizes)}
+    signed = {number: symbols[abs(number.args[0])] * (1 if number.args[0] > 0 else -1) for number in numbers}
+    return substitute(formulas, signed), tuple(symbols.values()), sizes
+
+
+def _leaves(formula: Node) -> Iterator[Node]:
+    """The numbers and symbols in a formula, from left to right."""
+    todo = [formula]
+    while todo:
+        current = todo.pop()
+        if current.op in _LEAVES:
+            yield current
+        else:
+            todo += current.args[::-1]
+
+
+def preorder(formula: Node) -> Iterator[Node]:
+    """All nodes in a formula but numbers and symbols, each once and before its parts."""
+    todo, seen = [formula], set[Node]()
+    while todo:
+        current = todo.pop()
+        if current.op not in _LEAVES and current not in seen:
+            seen.add(current)
+            yield current
+            todo += current.args[::-1]
 
 
 def substitute(outputs: Iterable[Node], replace: Mapping[Node, Node]) -> list[Node]:

@@ -6,51 +6,79 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from decimal import Decimal
+from functools import lru_cache
 from numbers import Rational
-from typing import Any
+from typing import Any, NamedTuple
 
-import sympy as sp
-from sympy import pi
-
+from . import formula_symbols
+from . import late_sympy as sp
 from .errors import BadValue, CaseError, describe, real
-
-# Of every curve.
-PARAMETER = sp.Symbol("s", real=True)
+from .expression_graph import HALF, Node
+from .expression_graph import call as call_node
 
 # What all solvers of the suite can differentiate, expand in series and compile; the derivatives stay among these.
-_SMOOTH = (sp.acos, sp.asin, sp.atan, sp.cos, sp.cosh, sp.exp, sp.log, sp.sin, sp.sinh, sp.tan, sp.tanh)
+_SMOOTH = ("acos", "asin", "atan", "cos", "cosh", "exp", "log", "sin", "sinh", "tan", "tanh")
 
 
-def _without_text(function: Callable[..., sp.Expr]) -> Callable[..., sp.Expr]:
-    """A function of SymPy for numbers and expressions only; SymPy's own evaluates text.
+def __getattr__(name: str) -> Any:
+    """SymPy's pi and the symbol of every curve, made when they are first used."""
+    return sp.pi if name == "pi" else formula_symbols.__getattr__(name)
 
-    Raises BadValue for anything else.
-    """
 
-    def call(*arguments: object) -> sp.Expr:
-        return function(*(_expression(argument, f"the argument of {function.__name__}") for argument in arguments))
+def _function(name: str) -> Callable[..., Any]:
+    """A function of numbers, expressions and nodes; SymPy's own evaluates text."""
 
-    call.__name__, call.__doc__ = function.__name__, function.__doc__
+    def call(*arguments: object) -> Any:
+        if len(arguments) == 1 and isinstance(node := arguments[0], Node):
+            return node**HALF if name == "sqrt" else call_node(name, node)
+        return getattr(sp, name)(*(_expression(argument, f"the argument of {name}") for argument in arguments))
+
+    call.__name__ = call.__qualname__ = name
+    call.__doc__ = f"{name} of a number or an expression; raises BadValue for anything else."
     return call
 
 
-acos, asin, atan, cos, cosh, exp, log, sin, sinh, tan, tanh = map(_without_text, _SMOOTH)
-sqrt = _without_text(sp.sqrt)
+acos, asin, atan, cos, cosh, exp, log, sin, sinh, tan, tanh = map(_function, _SMOOTH)
+sqrt = _function("sqrt")
 # What a formula may call.
-FUNCTIONS: dict[str, Any] = {f.__name__: f for f in (acos, asin, atan, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh)}
-FUNCTIONS["pi"] = pi
-# What is written by these where an author's own function makes it.
-_RECIPROCAL = {
-    sp.sec: lambda u: 1 / cos(u), sp.csc: lambda u: 1 / sin(u), sp.cot: lambda u: cos(u) / sin(u),
-    sp.sech: lambda u: 1 / cosh(u), sp.csch: lambda u: 1 / sinh(u), sp.coth: lambda u: cosh(u) / sinh(u),
-    sp.asinh: lambda u: log(u + sqrt(u**2 + 1)), sp.acosh: lambda u: log(u + sqrt(u - 1) * sqrt(u + 1)),
-    sp.atanh: lambda u: log((1 + u) / (1 - u)) / 2,
-}  # fmt: skip
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    f.__name__: f for f in (acos, asin, atan, cos, cosh, exp, log, sin, sinh, sqrt, tan, tanh)
+}
+# What a formula may contain by name.
+NAMES = (*FUNCTIONS, "pi")
+
+
+class _Classes(NamedTuple):
+    """Classes of SymPy: the smooth functions, those that are written by these where an author's own function makes
+    them, and special functions, which are integrals of elementary ones (NIST DLMF 7.2, 19.2: known to us, not looked
+    up)."""
+
+    smooth: tuple[type, ...]
+    reciprocal: dict[Any, Callable[..., Any]]
+    special: dict[Any, Callable[..., Any]]
+
+
+@lru_cache(maxsize=1)
+def _classes() -> _Classes:
+    reciprocal: dict[Any, Callable[..., Any]] = {
+        sp.sec: lambda u: 1 / cos(u), sp.csc: lambda u: 1 / sin(u), sp.cot: lambda u: cos(u) / sin(u),
+        sp.sech: lambda u: 1 / cosh(u), sp.csch: lambda u: 1 / sinh(u), sp.coth: lambda u: cosh(u) / sinh(u),
+        sp.asinh: lambda u: log(u + sqrt(u**2 + 1)), sp.acosh: lambda u: log(u + sqrt(u - 1) * sqrt(u + 1)),
+        sp.atanh: lambda u: log((1 + u) / (1 - u)) / 2,
+    }  # fmt: skip
+    special: dict[Any, Callable[..., Any]] = {
+        sp.fresnelc: lambda z: integral(lambda u: cos(sp.pi * u**2 / 2), z),
+        sp.fresnels: lambda z: integral(lambda u: sin(sp.pi * u**2 / 2), z),
+        sp.erf: lambda z: 2 / sqrt(sp.pi) * integral(lambda u: exp(-(u**2)), z),
+        sp.elliptic_f: lambda z, m: integral(lambda u: 1 / sqrt(1 - m * sin(u) ** 2), z),
+        sp.elliptic_e: lambda z, m: integral(lambda u: sqrt(1 - m * sin(u) ** 2), z),
+    }
+    return _Classes(tuple(getattr(sp, name) for name in _SMOOTH), reciprocal, special)
 
 
 def integral(formula: Callable[[sp.Expr], sp.Expr], upper, lower=0) -> sp.Expr:
     """The integral of a formula from a number to an expression: integral(lambda u: cos(u**2), s). Raises BadValue."""
-    probe = value_of(formula, PARAMETER)
+    probe = value_of(formula, formula_symbols.PARAMETER)
     variable = sp.Symbol(f"u{1 + integral_depth(probe)}", real=True)
     ends = (_expression(end, "an end of the integral") for end in (lower, upper))
     return sp.Integral(value_of(formula, variable), (variable, *ends))
@@ -81,15 +109,6 @@ def integral_depth(expression: sp.Basic) -> int:
     """How many integrals contain each other in an expression: 0 without any."""
     return max((1 + integral_depth(node.function) for node in expression.atoms(sp.Integral)), default=0)
 
-
-# Special functions are integrals of elementary ones (NIST DLMF 7.2, 19.2: known to us, not looked up).
-_SPECIAL: dict[type[sp.Basic], Callable[..., sp.Expr]] = {
-    sp.fresnelc: lambda z: integral(lambda u: cos(pi * u**2 / 2), z),
-    sp.fresnels: lambda z: integral(lambda u: sin(pi * u**2 / 2), z),
-    sp.erf: lambda z: 2 / sqrt(pi) * integral(lambda u: exp(-(u**2)), z),
-    sp.elliptic_f: lambda z, m: integral(lambda u: 1 / sqrt(1 - m * sin(u) ** 2), z),
-    sp.elliptic_e: lambda z, m: integral(lambda u: sqrt(1 - m * sin(u) ** 2), z),
-}
 
 # Limits on formulas that take long to derive and compile: of those tried the slowest accepted one took half a minute,
 # one ten times as large hours. The longest of the catalogue has 58 parts, is 7 deep and nests two functions; a
@@ -132,7 +151,7 @@ def as_expression(value: object) -> sp.Expr | None:
 
 def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: type[Exception]) -> bool:
     """Whether something in the expression has to be rewritten; raises `error` if it contains something else."""
-    foreign, parts, todo = False, 0, [(whole, 1, 0)]
+    classes, foreign, parts, todo = _classes(), False, 0, [(whole, 1, 0)]
     while todo:
         node, depth, nesting = todo.pop()
         parts += 1
@@ -160,11 +179,11 @@ def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: typ
                 raise error(f"{what} has a power that is no number up to {LARGEST_POWER}; write a smaller one")
             foreign = foreign or not power.is_number
             nesting += not power.is_Integer
-        elif isinstance(node, _SMOOTH):
+        elif isinstance(node, classes.smooth):
             nesting += 1
-        elif type(node) in _RECIPROCAL:
+        elif type(node) in classes.reciprocal:
             foreign, nesting = True, nesting + 2
-        elif type(node) in _SPECIAL and len(node.args) < 3 and PARAMETER in variables:
+        elif type(node) in classes.special and len(node.args) < 3 and formula_symbols.PARAMETER in variables:
             foreign, nesting = True, nesting + 2
         elif isinstance(node, sp.Integral) and all(v.name[0] in "su" for v in variables):
             first, *others = node.limits
@@ -177,7 +196,7 @@ def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: typ
         elif not (isinstance(node, sp.Add | sp.Mul) or node in (sp.pi, sp.E)):
             raise error(
                 f"{what} has {type(node).__name__}, which is not smooth or not known to all solvers; write it with "
-                f"{', '.join(sorted(FUNCTIONS))} (sqrt(u**2 + 1e-6) is a smooth magnitude, tanh(u/1e-3) a smooth "
+                f"{', '.join(sorted(NAMES))} (sqrt(u**2 + 1e-6) is a smooth magnitude, tanh(u/1e-3) a smooth "
                 "sign); curves are joined by constructions.piecewise, and with corners by Chain"
             )
         todo += [(argument, depth + 1, nesting) for argument in node.args]
@@ -187,10 +206,9 @@ def _check(whole: sp.Expr, variables: Sequence[sp.Symbol], what: str, error: typ
 def _rewrite(node: sp.Expr) -> sp.Expr:
     """The expression with reciprocal functions and powers of formulas written by smooth ones."""
     arguments = [_rewrite(argument) for argument in node.args]
-    if type(node) in _RECIPROCAL:
-        return _RECIPROCAL[type(node)](*arguments)
-    if type(node) in _SPECIAL:
-        return _SPECIAL[type(node)](*arguments)
+    for rewritten in (_classes().reciprocal, _classes().special):
+        if type(node) in rewritten:
+            return rewritten[type(node)](*arguments)
     if isinstance(node, sp.Pow) and not arguments[1].is_number:
         base, power = arguments
         # exp(s log 2) would be turned back into 2**s; a rounded logarithm is not.
@@ -203,14 +221,15 @@ def parts_of_derivatives(node: sp.Expr) -> tuple[int, int, int, int]:
 
     By the rules of product and chain, nothing is derived: a long expression's derivatives are what takes hours.
     """
-    if not node.has(PARAMETER):
+    s = formula_symbols.PARAMETER
+    if not node.has(s):
         return sum(1 for _ in sp.preorder_traversal(node)), 0, 0, 0
-    if node == PARAMETER:
+    if node == s:
         return 1, 1, 0, 0
     if isinstance(node, sp.Integral):
         variable, _, upper = node.limits[0]
-        slope = parts_of_derivatives(node.function.xreplace({variable: PARAMETER}))
-        first, second, third, _ = _product(slope, parts_of_derivatives(sp.diff(upper, PARAMETER)))
+        slope = parts_of_derivatives(node.function.xreplace({variable: s}))
+        first, second, third, _ = _product(slope, parts_of_derivatives(sp.diff(upper, s)))
         return 1, first, second, third
     inner = [parts_of_derivatives(argument) for argument in node.args]
     if isinstance(node, sp.Add):

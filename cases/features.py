@@ -10,14 +10,15 @@ length of a piece is then that of the finest feature in it.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
 from math import copysign, inf, isfinite
 
 import numpy as np
-import sympy as sp
 from numpy.polynomial import chebyshev, polynomial
 
+from . import late_sympy as sp
 from .derivation import LOCK
+from .expression_graph import ARITHMETIC, INTEGRAL, Node, node, preorder
 
 # Sixteen is about the order of the Taylor method, so that a piece is about as long as one step.
 DEGREE = 16
@@ -42,6 +43,7 @@ ALIKE, QUIET = 4.0, 1e-3
 # The first window on each side of zero of a parameter without end; the next is twice as wide.
 WINDOW = 16.0
 
+_TWO = node(2)
 _NODES = chebyshev.chebpts1(DEGREE + 1)
 _TO_COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(_NODES, DEGREE))
 
@@ -321,53 +323,100 @@ def _samples(low: float, high: float, centres: Iterable[float]) -> np.ndarray:
 # --- special points of a formula --------------------------------------------------------------------------------------
 
 
-def centres(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[float, ...]:
-    """Zeros and extremes of the arguments of functions (and of divisors) that are polynomials.
+def centres(formulas: Iterable[Node], by: Node) -> tuple[float, ...]:
+    """Zeros and extremes of the arguments of functions (and of divisors) that are polynomials in a symbol.
 
     The middle of exp(-((s - c)/w)²), tanh((s - c)/w), 1/(w² + (s - c)²) is c, however small w is.
     """
     results: set[float] = set()
-    for argument in {a for e in expressions for a in arguments(e, [symbol])}:
-        if not argument.is_polynomial(symbol):
+    for argument in dict.fromkeys(a for formula in formulas for a in arguments(formula, {by})):
+        whole = coefficients(argument, by)
+        if whole is None:
             continue
-        coefficients = [float(c) for c in reversed(sp.Poly(argument, symbol).all_coeffs())]
-        for ascending in (coefficients, polynomial.polyder(coefficients)):
+        for ascending in (whole, polynomial.polyder(whole)):
             results.update(float(root.real) for root in np.atleast_1d(polynomial.polyroots(ascending)))
     return tuple(sorted(c for c in results if isfinite(c)))
 
 
-def arguments(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> Iterator[sp.Expr]:
-    """The arguments of functions, and the bases of powers other than squares, that contain one of the symbols; not the
-    arguments of sines and cosines that are linear in the symbols."""
-    for node in sp.preorder_traversal(expression):
-        evenly = isinstance(node, sp.sin | sp.cos) and degree(node.args[0], symbols) <= 1
-        if (node.is_Function and not evenly) or (node.is_Pow and node.exp != 2):
-            yield from (a for a in node.args if a.has(*symbols))
+def coefficients(formula: Node, by: Node) -> np.ndarray | None:
+    """Those of a polynomial in a symbol, from the constant up; None for any other formula."""
+    if formula is by:
+        return np.array([0.0, 1.0])
+    if formula.op == "number":
+        return np.array([float(formula.args[0])])
+    if formula.op not in ARITHMETIC:
+        return None
+    one, other = (coefficients(part, by) for part in formula.args)
+    if one is None or other is None:
+        return None
+    if formula.op == "**":
+        power = formula.args[1].args[0]
+        if len(one) > 1 and isinstance(power, int) and power > 0:
+            return polynomial.polypow(one, power)
+        return one**other if len(one) == len(other) == 1 else None
+    if formula.op == "/":
+        return one / other[0] if len(other) == 1 else None
+    combine = {"+": polynomial.polyadd, "-": polynomial.polysub, "*": polynomial.polymul}[formula.op]
+    return combine(one, other)
 
 
-def singular_arguments(expression: sp.Expr) -> Iterator[sp.Expr]:
+def arguments(formula: Node, symbols: Set[Node]) -> Iterator[Node]:
+    """The arguments of functions, and the bases of powers other than squares and divisors, that contain one of the
+    symbols; not the arguments of sines and cosines that are linear in the symbols."""
+    for current in preorder(formula):
+        if current.op in ("sin", "cos") and degree(current.args[0], symbols) <= 1:
+            continue
+        yield from (a for a in _inner(current) if symbols & a.symbols)
+
+
+def _inner(current: Node) -> Iterable[Node]:
+    """The argument of a function, the base of a power other than a square, the bases in a divisor."""
+    if current.op == "/":
+        return _bases(current.args[1])
+    if current.op == "**":
+        return current.args if current.args[1] is not _TWO else ()
+    return current.args if current.op not in ARITHMETIC and not current.op.startswith(INTEGRAL) else ()
+
+
+def _bases(divisor: Node) -> Iterator[Node]:
+    """The bases of the factors of a divisor."""
+    if divisor.op == "*":
+        for factor in divisor.args:
+            yield from _bases(factor)
+    else:
+        yield divisor.args[0] if divisor.op == "**" else divisor
+
+
+def singular_arguments(formula: Node) -> Iterator[Node]:
     """The arguments of logarithms, arc sines and arc cosines, and the bases of roots and fractions."""
-    for node in sp.preorder_traversal(expression):
-        if isinstance(node, sp.log | sp.asin | sp.acos):
-            yield node.args[0]
-        elif node.is_Pow and not (node.exp.is_Integer and node.exp > 0):
-            yield node.base
+    for current in preorder(formula):
+        if current.op in ("log", "asin", "acos"):
+            yield current.args[0]
+        elif current.op == "/":
+            yield from _bases(current.args[1])
+        elif current.op == "**" and not (isinstance(power := current.args[1].args[0], int) and power > 0):
+            yield current.args[0]
 
 
-def degree(expression: sp.Expr, symbols: Sequence[sp.Symbol]) -> float:
-    """An upper bound on the expression's degree as a polynomial in the symbols; infinite where it is none."""
-    if not expression.has(*symbols):
+def degree(formula: Node, symbols: Set[Node]) -> float:
+    """An upper bound on the formula's degree as a polynomial in the symbols; infinite where it is none."""
+    if not symbols & formula.symbols:
         return 0
-    if expression.is_Symbol:
+    if formula in symbols:
         return 1
-    degrees = [degree(argument, symbols) for argument in expression.args]
-    if expression.is_Add:
-        return max(degrees)
-    if expression.is_Mul:
-        return sum(degrees)
-    if expression.is_Pow and expression.exp.is_Integer and expression.exp > 0:
-        return degrees[0] * int(expression.exp)
-    return inf
+    if formula.op not in ARITHMETIC:
+        return inf
+    one, other = (degree(part, symbols) for part in formula.args)
+    if formula.op in "+-":
+        return max(one, other)
+    if formula.op == "*":
+        return one + other
+    if other:
+        return inf
+    if formula.op == "/":
+        return one
+    power = formula.args[1].args[0]
+    return one * power if isinstance(power, int) and power > 0 else inf
 
 
 def alone(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[sp.Expr, ...]:
@@ -375,9 +424,9 @@ def alone(expressions: Iterable[sp.Expr], symbol: sp.Symbol) -> tuple[sp.Expr, .
     results: dict[sp.Expr, None] = {}
     for expression in expressions:
         walk = sp.preorder_traversal(expression)
-        for node in walk:
-            if node.free_symbols == {symbol}:
+        for part in walk:
+            if part.free_symbols == {symbol}:
                 walk.skip()
-                if node != symbol:
-                    results[node] = None
+                if part != symbol:
+                    results[part] = None
     return tuple(results)

@@ -10,9 +10,8 @@ import warnings
 from collections.abc import Callable, Mapping
 from math import log10
 
-import sympy as sp
-
-from .expressions import DEEPEST, FUNCTIONS, LARGEST_NUMBER, LARGEST_POWER, MOST_PARTS, admissible, sqrt
+from . import late_sympy as sp
+from .expressions import DEEPEST, FUNCTIONS, LARGEST_NUMBER, LARGEST_POWER, MOST_PARTS, NAMES, admissible
 
 # A formula on a page or two; Python's own parser takes milliseconds for it.
 LONGEST_TEXT = 4000
@@ -101,14 +100,14 @@ class _FormulaReader:
             return self._variables[name]
         if name == "pi":
             return sp.pi
-        if name in FUNCTIONS:
+        if name in NAMES:
             raise _FormulaError(f"has {name} without its argument; write {name}(…)")
-        raise _FormulaError(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(FUNCTIONS))}")
+        raise _FormulaError(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(NAMES))}")
 
     def _call(self, name: str, argument: sp.Expr) -> sp.Expr:
-        if name not in FUNCTIONS or name == "pi":
-            raise _FormulaError(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(FUNCTIONS))}")
-        return sqrt(argument) if name == "sqrt" else FUNCTIONS[name](argument)
+        if name not in FUNCTIONS:
+            raise _FormulaError(f"has {name!r}; use {', '.join(self._variables)} and {', '.join(sorted(NAMES))}")
+        return FUNCTIONS[name](argument)
 
 
 def _power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-
-import sympy as sp
+from typing import Any
 
 from .derivation import in_one_thread
 from .expression_code import ON_ARRAYS, ON_FLOATS, python_function
 from .expression_graph import Node, derivatives, from_sympy, symbol
-from .expressions import PARAMETER
+from .formula_symbols import NAMES
 
-# A curve's expressions with symbols for its sizes, and these symbols.
-Structure = tuple[tuple[sp.Expr, sp.Expr], tuple[sp.Symbol, ...]]
+# A curve's formulas with symbols for its sizes, and these symbols: nodes; of a curve in pieces SymPy's.
+Structure = tuple[tuple[Any, Any], tuple[Any, ...]]
 
-S = symbol(PARAMETER.name)
+# The parameter of every curve.
+S = symbol(str(NAMES["PARAMETER"]))
 
 
 @lru_cache(maxsize=512)

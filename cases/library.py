@@ -8,17 +8,19 @@ greater than zero (BadValue). The curves' own facts are derived where they are s
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from functools import lru_cache, wraps
 from math import pi
 from typing import Any
 
-import sympy as sp
-
+from . import formula_symbols
+from . import late_sympy as sp
 from .curves import Curve
 from .derivation import in_one_thread
 from .errors import BadCurve, BadValue, finite, positive, whole
 from .expression_code import ON_FLOATS, function_of
-from .expressions import PARAMETER, admissible, cos, cosh, exp, sin, value_of
+from .expression_graph import HALF
+from .expressions import admissible, cos, cosh, exp, sin, value_of
 
 Maker = Callable[..., Curve]
 
@@ -41,6 +43,8 @@ def _memoise(curve: Maker) -> Maker:
 def line(slope: float = 0.0) -> Curve:
     """A straight line that falls to the right at the angle `slope`; s is arc length."""
     angle = finite("slope of line", slope)
+    if not angle:
+        return Curve.of_nodes(lambda s: (s, 0))
     return Curve(lambda s: (s * cos(angle), -s * sin(angle)))
 
 
@@ -48,28 +52,28 @@ def line(slope: float = 0.0) -> Curve:
 def circle(radius: float) -> Curve:
     """A circle about the origin, counter-clockwise; s is the polar angle."""
     R = positive("radius of circle", radius)
-    return Curve(lambda s: (R * cos(s), R * sin(s)))
+    return Curve.of_nodes(lambda s: (R * cos(s), R * sin(s)))
 
 
 @_memoise
 def hill(radius: float) -> Curve:
     """The outside of a circle about the origin; s is the angle from its top, to the right."""
     R = positive("radius of hill", radius)
-    return Curve(lambda s: (R * sin(s), R * cos(s)))
+    return Curve.of_nodes(lambda s: (R * sin(s), R * cos(s)))
 
 
 @_memoise
 def ellipse(a: float, b: float) -> Curve:
     """An ellipse about the origin with half-axes a (along X) and b, counter-clockwise."""
     a, b = positive("a of ellipse", a), positive("b of ellipse", b)
-    return Curve(lambda s: (a * cos(s), b * sin(s)))
+    return Curve.of_nodes(lambda s: (a * cos(s), b * sin(s)))
 
 
 @_memoise
 def parabola(focus: float, reach: float = 3.0) -> Curve:
     """The valley y = x²/(4·focus) for |x| ≤ reach; s = x. Radius of curvature 2·focus at the bottom."""
-    f, reach = positive("focus of parabola", focus), positive("reach of parabola", reach)
-    return Curve(lambda s: (s, s**2 / (4 * f)), (-reach, reach))
+    bend, reach = 1.0 / (4 * positive("focus of parabola", focus)), positive("reach of parabola", reach)
+    return Curve.of_nodes(lambda s: (s, bend * s**2), (-reach, reach))
 
 
 @_memoise
@@ -80,21 +84,21 @@ def cosine(depth: float, wavenumber: float, reach: float = 3.0) -> Curve:
         positive("wavenumber of cosine", wavenumber),
         finite("reach", reach),
     )
-    return Curve(lambda s: (s, -d * cos(k * s)), (-reach, reach))
+    return Curve.of_nodes(lambda s: (s, -d * cos(s * k)), (-reach, reach))
 
 
 @_memoise
 def catenary(a: float, reach: float = 3.0) -> Curve:
     """The hanging chain y = a cosh(x/a) for |x| ≤ reach; s = x. Its curvature is a/y²."""
     a, reach = positive("a of catenary", a), positive("reach of catenary", reach)
-    return Curve(lambda s: (s, a * cosh(s / a)), (-reach, reach))
+    return Curve.of_nodes(lambda s: (s, a * cosh(s * (1 / a))), (-reach, reach))
 
 
 @_memoise
 def catenary_hill(a: float, reach: float) -> Curve:
     """The same chain upside down, y = −a cosh(x/a): the road on which a straight edge rolls level."""
     a, reach = positive("a of catenary_hill", a), positive("reach of catenary_hill", reach)
-    return Curve(lambda s: (s, -a * cosh(s / a)), (-reach, reach))
+    return Curve.of_nodes(lambda s: (s, -a * cosh(s * (1 / a))), (-reach, reach))
 
 
 @_memoise
@@ -105,8 +109,9 @@ def cycloid(a: float, offset: float = 0.0) -> Curve:
     at ±π. One arch from cusp to cusp is 8a long.
     """
     a = positive("a of cycloid", a)
-    r = finite("offset of cycloid", offset)
-    return Curve(lambda s: (a * (s + sin(s)) + r * sin(s / 2), -a * cos(s) - r * cos(s / 2)), (-2.9, 2.9))
+    r = finite("offset of cycloid", offset) or 0
+    make = Curve if r else Curve.of_nodes  # SymPy has an order of its own for the terms
+    return make(lambda s: (s * a + a * sin(s) + r * sin(HALF * s), -a * cos(s) - r * cos(HALF * s)), (-2.9, 2.9))
 
 
 @_memoise
@@ -119,7 +124,7 @@ def trochoid(a: float, arm: float, arches: int = 2) -> Curve:
     arches = whole("arches of trochoid", arches, 1, 1000)
     if d >= a:
         raise BadCurve(f"arm = {d:g} of trochoid is not below a = {a:g}: it has cusps or loops; give a shorter arm")
-    return Curve(lambda s: (a * s + d * sin(s), -d * cos(s)), (-2 * pi * arches, 2 * pi * arches))
+    return Curve.of_nodes(lambda s: (s * a + d * sin(s), -d * cos(s)), (-2 * pi * arches, 2 * pi * arches))
 
 
 @_memoise
@@ -136,10 +141,10 @@ def superellipse(a: float, b: float, exponent: int = 4) -> Curve:
 
     def point(s):
         # A root of a root of cosines to whole powers is smooth all round; |cos s|^(2/n), the usual form, is not.
-        scale = (cos(s) ** n + sin(s) ** n) ** sp.Rational(-1, n)
-        return a * cos(s) * scale, b * sin(s) * scale
+        root = (cos(s) ** n + sin(s) ** n) ** Fraction(1, n)
+        return a * cos(s) / root, b * sin(s) / root
 
-    return Curve(point)
+    return Curve.of_nodes(point)
 
 
 @_memoise
@@ -150,7 +155,7 @@ def logarithmic_spiral(start: float, growth: float, turns: float = 0.5) -> Curve
     """
     a, b = positive("start of logarithmic_spiral", start), finite("growth of logarithmic_spiral", growth)
     reach = 2 * pi * positive("turns of logarithmic_spiral", turns)
-    return Curve(lambda s: (a * exp(b * s) * cos(s), a * exp(b * s) * sin(s)), (-reach, reach))
+    return Curve.of_nodes(lambda s: (a * cos(s) * exp(s * b), a * exp(s * b) * sin(s)), (-reach, reach))
 
 
 @in_one_thread
@@ -160,10 +165,11 @@ def from_support(support: Callable[[Any], Any]) -> Curve:
     `support` takes a symbol and returns h in metres. Its radius of curvature is h + h″, which must stay positive
     (BadCurve where it reaches zero: the outline has a cusp there).
     """
-    h = admissible(value_of(support, PARAMETER), (PARAMETER,), "the support function", BadCurve)
-    h1 = sp.diff(h, PARAMETER)
+    parameter = formula_symbols.PARAMETER
+    h = admissible(value_of(support, parameter), (parameter,), "the support function", BadCurve)
+    h1 = sp.diff(h, parameter)
     outline = Curve(lambda s: (h * cos(s) - h1 * sin(s), h * sin(s) + h1 * cos(s)))
-    radius_of = function_of([PARAMETER], [h + sp.diff(h1, PARAMETER)], ON_FLOATS)
+    radius_of = function_of([parameter], [h + sp.diff(h1, parameter)], ON_FLOATS)
 
     def radius(s: float) -> float:
         return radius_of(s)[0]
@@ -184,8 +190,13 @@ def rounded_polygon(radius: float, corners: int, sharpness: float = 0.5) -> Curv
     n = whole("corners of rounded_polygon", corners, 2, 1000)
     if not 0 <= k < 1:
         raise BadValue(f"sharpness of rounded_polygon is {k:g}; give a number from 0 to below 1")
-    swell = r * k / (n * n - 1)
-    return from_support(lambda s: r + swell * cos(n * s))
+    swell = r * k / (n * n - 1) or 0
+
+    def point(s):  # of a support h as in `from_support`
+        h, fall = r + swell * cos(n * s), n * swell
+        return h * cos(s) + fall * sin(s) * sin(n * s), h * sin(s) - fall * cos(s) * sin(n * s)
+
+    return Curve.of_nodes(point)
 
 
 __all__ = [

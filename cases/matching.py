@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-import sympy as sp
 
+from . import formula_symbols
+from . import late_sympy as sp
 from .errors import BadCurve, BadValue
-from .expressions import PARAMETER
+from .expressions import lift_constants
 from .features import Features
 from .jets import Structure
 from .pieces import CurvePieces
@@ -17,7 +18,6 @@ from .pieces import CurvePieces
 # Ends that are nearer than this part of the curve's size meet, and tangents meet within this angle, rad: far above the
 # rounding of a formula, far below what a person would author.
 MEETING = 1e-9
-_ORIGIN = sp.Symbol("q0", real=True)
 
 
 class OpenCurve(Protocol):
@@ -30,7 +30,7 @@ class OpenCurve(Protocol):
     @property
     def parts(self) -> CurvePieces | None: ...
     @property
-    def structure(self) -> Structure: ...
+    def expression(self) -> tuple[sp.Expr, sp.Expr]: ...
     @property
     def constants(self) -> tuple[float, ...]: ...
     @property
@@ -61,13 +61,13 @@ def matched(curves: Sequence[OpenCurve]) -> CurvePieces:
     breaks += domains[0][0]
     forms: dict[Structure, int] = {}
     for curve in curves:
-        forms.setdefault(_shifted(curve.structure), len(forms))
+        forms.setdefault(_shifted(curve), len(forms))
     edges = [
         () if c.features is None or c.features.plain else tuple((c.features.edges(*d) - d[0] + b).tolist())
         for c, d, b in zip(curves, domains, breaks, strict=False)
     ]
     return CurvePieces(
-        tuple(breaks.tolist()), tuple(forms), tuple(forms[_shifted(curve.structure)] for curve in curves),
+        tuple(breaks.tolist()), tuple(forms), tuple(forms[_shifted(curve)] for curve in curves),
         tuple(float(b - d[0]) for b, d in zip(breaks, domains, strict=False)),
         tuple(curve.constants for curve in curves),
         order=min(_order(*joint) for joint in (joints if closed else joints[:-1])),
@@ -75,11 +75,12 @@ def matched(curves: Sequence[OpenCurve]) -> CurvePieces:
     )  # fmt: skip
 
 
-def _shifted(structure: Structure) -> Structure:
-    """The structure with an origin for its parameter."""
-    (x, y), symbols = structure
-    place = {PARAMETER: PARAMETER - _ORIGIN}
-    return (x.xreplace(place), y.xreplace(place)), (_ORIGIN, *symbols)
+def _shifted(curve: OpenCurve) -> Structure:
+    """The curve's structure with an origin for its parameter."""
+    (x, y), symbols = lift_constants(curve.expression)
+    origin = sp.Symbol("q0", real=True)
+    place = {formula_symbols.PARAMETER: formula_symbols.PARAMETER - origin}
+    return (x.xreplace(place), y.xreplace(place)), (origin, *symbols)
 
 
 def _turn(before: np.ndarray, after: np.ndarray) -> float:

@@ -15,12 +15,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
+from . import formula_symbols
+from . import late_sympy as sp
 from .case_class import Case
 from .contact import track_place
 from .derivation import in_one_thread
-from .effects import MOTION, Drive, Effect, Gravity, Load
+from .effects import Drive, Effect, Gravity, Load
 from .errors import BadValue
 from .free_plates import loads_of, plates_of, start_poses
 from .plate import Plate
@@ -63,7 +64,7 @@ def _from_track(case: Case, drive: Drive) -> Case:
 def _load(case: Case, drive: Drive, plate: Plate, own: Load | None) -> Load | None:
     """All loads on a plate in the track's frame, with its `own` in the fixed frame; None if there are none. Gravity is
     one of them if the track turns."""
-    t, x, y, theta, vx, vy, omega = MOTION
+    t, x, y, theta, vx, vy, omega = formula_symbols.MOTION
     X, Y, A, X1, Y1, A1, X2, Y2, A2 = drive.rates
     c, s = (sp.cos(A), sp.sin(A)) if drive.is_turning else (sp.Integer(1), sp.Integer(0))
     from_track = {

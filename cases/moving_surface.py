@@ -10,15 +10,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import sympy as sp
 
-from . import expressions, features
+from . import expressions, features, formula_symbols
+from . import late_sympy as sp
 from .derivation import derived, in_one_thread
 from .effect_formulas import features_in_time, formula_in, values_of
 from .errors import BadValue, numbers
 from .expression_code import ON_ARRAYS, function_of
-
-TIME = sp.symbols("t", real=True)
+from .formula_symbols import __getattr__ as __getattr__
 
 Values = Callable[[float], list[float]]
 
@@ -36,7 +35,7 @@ class Belt:
 
     @in_one_thread
     def __post_init__(self):
-        object.__setattr__(self, "speed", formula_in((TIME,), "speed of Belt", self.speed))
+        object.__setattr__(self, "speed", formula_in((formula_symbols.TIME,), "speed of Belt", self.speed))
         if self.expression.is_zero:
             raise BadValue("speed of Belt is 0; leave Belt out for a track at rest")
 
@@ -53,23 +52,23 @@ class Belt:
     @property
     def constant(self) -> float | None:
         """The speed if it does not depend on time, m/s; else None."""
-        return None if self.expression.has(TIME) else float(self.expression)
+        return None if self.expression.has(formula_symbols.TIME) else float(self.expression)
 
     @derived
     def at(self) -> Values:
         """A function t -> [speed, its rate] (m/s, m/s²), on floats; NaN where there is no value."""
-        return values_of((TIME,), (self.expression, sp.diff(self.expression, TIME)))
+        return values_of((formula_symbols.TIME,), (self.expression, sp.diff(self.expression, formula_symbols.TIME)))
 
     @derived
     def at_arrays(self) -> Callable[[np.ndarray], np.ndarray]:
         """A function of times (n,) -> speeds (n,), m/s."""
-        function = function_of((TIME,), (self.expression,), ON_ARRAYS)
+        function = function_of((formula_symbols.TIME,), (self.expression,), ON_ARRAYS)
         return lambda t: np.broadcast_to(function(t)[0], np.shape(t)).astype(float)
 
     @derived
     def features(self) -> features.Features | None:
         """Where speed and acceleration change, and how finely; None for a constant speed."""
-        return features_in_time(TIME, (self.expression, sp.diff(self.expression, TIME)))
+        return features_in_time(formula_symbols.TIME, (self.expression, sp.diff(self.expression, formula_symbols.TIME)))
 
 
 @in_one_thread
@@ -115,8 +114,8 @@ class Drive:
     @in_one_thread
     def __post_init__(self):
         for name in ("x", "y", "angle"):
-            object.__setattr__(self, name, formula_in((TIME,), f"{name} of Drive", getattr(self, name)))
-        if not any(part.has(TIME) for part in self.expression):
+            object.__setattr__(self, name, formula_in((formula_symbols.TIME,), f"{name} of Drive", getattr(self, name)))
+        if not any(part.has(formula_symbols.TIME) for part in self.expression):
             raise BadValue("no component of Drive depends on t; leave Drive out, or move the track's curve")
 
     def __reduce__(self):
@@ -136,12 +135,12 @@ class Drive:
     @property
     def rates(self) -> tuple[sp.Expr, ...]:
         """`TrackPlace` as expressions in `TIME`."""
-        first = [sp.diff(part, TIME) for part in self.expression]
-        return *self.expression, *first, *(sp.diff(part, TIME) for part in first)
+        first = [sp.diff(part, formula_symbols.TIME) for part in self.expression]
+        return *self.expression, *first, *(sp.diff(part, formula_symbols.TIME) for part in first)
 
     @derived
     def _values(self) -> Values:
-        return values_of((TIME,), self.rates)
+        return values_of((formula_symbols.TIME,), self.rates)
 
     def at(self, t: float) -> TrackPlace:
         """The track's place at a time; NaN where there is no value."""
@@ -149,7 +148,7 @@ class Drive:
 
     @derived
     def _of_arrays(self) -> Callable[..., list]:
-        return function_of((TIME,), self.rates, ON_ARRAYS)
+        return function_of((formula_symbols.TIME,), self.rates, ON_ARRAYS)
 
     def at_times(self, t: np.ndarray) -> TrackPlace:
         """The track's places at times (n,), each component of shape (n,)."""
@@ -160,7 +159,7 @@ class Drive:
     @derived
     def features(self) -> features.Features | None:
         """Where the track's acceleration changes, and how finely; None if it is constant."""
-        return features_in_time(TIME, self.rates)
+        return features_in_time(formula_symbols.TIME, self.rates)
 
 
 @in_one_thread

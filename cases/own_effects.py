@@ -8,22 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
-from importlib.metadata import entry_points
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
-import sympy as sp
-
-from . import features
+from . import features, formula_symbols
+from . import late_sympy as sp
 from .derivation import derived
 from .effect_formulas import formula_in, values_of
 from .errors import BadValue, describe
+from .expression_graph import from_sympy, symbol
+from .formula_symbols import __getattr__ as __getattr__
 
-# What a force at the contact may depend on: time (s), slip velocity (m/s) and spin (rad/s), both relative to the track,
-# which a Drive may turn.
-CONTACT = sp.symbols("t slip omega", real=True)
 GROUP = "slip_to_roll.effects"
 
-Formula: TypeAlias = sp.Expr | str | float
+Formula: TypeAlias = "sp.Expr | str | float"
 
 
 class ContactForce(NamedTuple):
@@ -73,12 +70,12 @@ class ContactEffect:
         components = zip(ContactForce._fields, ContactForce(*self.force()), strict=True)
         conditions = [(end.status, end.positive) for end in self.ends()]
         with_names = [*((f"{part} of {name}", value) for part, value in components), *conditions]
-        return tuple(formula_in(CONTACT, what, value) for what, value in with_names)
+        return tuple(formula_in(formula_symbols.CONTACT, what, value) for what, value in with_names)
 
     @derived
     def at(self) -> Callable[..., list[float]]:
         """A function (t, slip, omega) -> values of `formulas`, on floats; NaN where there is no value."""
-        return values_of(CONTACT, self.formulas)
+        return values_of(formula_symbols.CONTACT, self.formulas)
 
     def check(self) -> None:
         """Raise BadValue, with one sentence, if the effect cannot be used."""
@@ -91,8 +88,9 @@ class ContactEffect:
             raise
         except Exception as problem:
             raise BadValue(f"the formulas of {name} fail: {describe(problem)}") from problem
-        checked = [a for formula in every for a in features.arguments(formula, CONTACT)]
-        if checked or max(features.degree(formula, CONTACT) for formula in every) > MOST_DEGREE:
+        nodes, symbols = [*map(from_sympy, every)], frozenset(map(symbol, formula_symbols.NAMES["CONTACT"]))
+        checked = [a for formula in nodes for a in features.arguments(formula, symbols)]
+        if checked or max(features.degree(formula, symbols) for formula in nodes) > MOST_DEGREE:
             raise BadValue(
                 f"a formula of {name} is no polynomial of degree {MOST_DEGREE} at most in t, slip and omega; write it "
                 "as a Load, or as mu of CoulombFriction"
@@ -112,6 +110,8 @@ def own_effects(effects: Sequence[Any]) -> tuple[ContactEffect, ...]:
 
 def registered() -> dict[str, type[ContactEffect]]:
     """The effects of installed packages by name; raises BadValue for an entry point that fails or is no effect."""
+    from importlib.metadata import entry_points
+
     found = {}
     for item in entry_points(group=GROUP):
         try:

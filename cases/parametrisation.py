@@ -6,15 +6,17 @@ its scale from here, never from the parameter's own unit.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import reduce
 from math import lcm, log10, pi
 from typing import NamedTuple
 
 import numpy as np
-import sympy as sp
 
-from .expressions import PARAMETER
+from . import features
+from .expression_graph import Node
+from .jets import S
 
 # Frequencies of one formula whose ratios are fractions of numbers up to this have a common period; and so many times
 # at most a curve may repeat itself within it.
@@ -32,15 +34,15 @@ class _Frequencies(NamedTuple):
     frequencies: frozenset[float]
 
 
-def period(expressions: tuple[sp.Expr, ...]) -> float | None:
-    """A period that all the formulas of `PARAMETER` have by their form, None if they show none.
+def period(formulas: Sequence[Node]) -> float | None:
+    """A period that all the formulas of `S` have by their form, None if they show none.
 
     By its form sin(2 s) repeats itself, and so does cos(s + 0.3 sin(s)); a period that needs more than sums, products
     and functions of what repeats itself is not seen.
     """
     frequencies: set[float] = set()
-    for expression in expressions:
-        course = _course(expression)
+    for formula in formulas:
+        course = _course(formula)
         if course is None or course.slope:
             return None
         frequencies |= course.frequencies
@@ -53,25 +55,29 @@ def period(expressions: tuple[sp.Expr, ...]) -> float | None:
     return 2 * pi / slowest * reduce(lcm, (r.denominator for r in ratios), 1)
 
 
-def _course(node: sp.Expr) -> _Frequencies | None:
+def _course(formula: Node) -> _Frequencies | None:
     """The formula's course; None if it neither repeats itself nor grows evenly."""
-    if not node.has(PARAMETER):
+    if S not in formula.symbols:
         return _Frequencies(0.0, frozenset())
-    if node == PARAMETER:
+    if formula is S:
         return _Frequencies(1.0, frozenset())
-    parts = [_course(argument) for argument in node.args if argument.has(PARAMETER)]
-    courses = [part for part in parts if part is not None]
-    if len(courses) < len(parts):
+    courses = [_course(part) for part in formula.args]
+    if None in courses:
         return None
-    frequencies = frozenset().union(*(part.frequencies for part in courses))
-    if isinstance(node, sp.Add):
-        return _Frequencies(sum(part.slope for part in courses), frequencies)
-    if isinstance(node, sp.Mul) and len(courses) == 1:
-        factor = float(sp.Mul(*(argument for argument in node.args if not argument.has(PARAMETER))))
-        return _Frequencies(factor * courses[0].slope, frequencies)
-    if isinstance(node, sp.sin | sp.cos | sp.tan) and courses[0].slope:
-        return _Frequencies(0.0, frequencies | {abs(courses[0].slope)})
-    return None if any(part.slope for part in courses) else _Frequencies(0.0, frequencies)
+    slopes = [course.slope for course in courses if course]
+    frequencies = frozenset[float]().union(*(course.frequencies for course in courses if course))
+    if formula.op in ("+", "-"):
+        return _Frequencies(slopes[0] + slopes[1] if formula.op == "+" else slopes[0] - slopes[1], frequencies)
+    if formula.op in ("*", "/"):
+        first, second = (features.coefficients(part, S) if S not in part.symbols else None for part in formula.args)
+        if second is not None:
+            slope = slopes[0] * second[0] if formula.op == "*" else slopes[0] / second[0]
+            return _Frequencies(float(slope), frequencies)
+        if first is not None and formula.op == "*":
+            return _Frequencies(float(first[0] * slopes[1]), frequencies)
+    if formula.op in ("sin", "cos", "tan") and slopes[0]:
+        return _Frequencies(0.0, frequencies | {abs(slopes[0])})
+    return None if any(slopes) else _Frequencies(0.0, frequencies)
 
 
 def places(centres: tuple[float, ...]) -> np.ndarray:

@@ -13,8 +13,8 @@ from math import floor
 from typing import Any, NamedTuple
 
 import numpy as np
-import sympy as sp
 
+from . import late_sympy as sp
 from .expressions import as_tree, from_tree
 from .features import Features, union
 from .jets import Structure, jet_function

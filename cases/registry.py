@@ -12,7 +12,6 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -119,9 +118,11 @@ def _parameter_sets(name: str, sets: object) -> tuple[dict[str, Any], ...]:
 
 def entry(name: str) -> CatalogueEntry:
     """The registered case of that name; raises UnknownName with the nearest names."""
-    _import_catalogue()
     if not isinstance(name, str):
         raise BadValue(f"{name!r} is not a case; give its name, for example disc_in_circle")
+    _import_catalogue()
+    if name not in _entries:
+        _import_packages()
     if name not in _entries:
         raise unknown_name("case", name, _entries)
     return _entries[name]
@@ -130,6 +131,7 @@ def entry(name: str) -> CatalogueEntry:
 def names(hard: bool | None = None) -> list[str]:
     """The names of all cases in alphabetical order; with `hard`, only those of the hard atlas or only the others."""
     _import_catalogue()
+    _import_packages()
     values = {True, False} if hard is None else {boolean("hard", hard)}
     return sorted(name for name, item in list(_entries.items()) if bool(item.hard) in values)
 
@@ -263,11 +265,13 @@ def _import_catalogue() -> None:
 
     for module in pkgutil.iter_modules(catalogue.__path__):
         importlib.import_module(f"{catalogue.__name__}.{module.name}")
-    _import_packages()
 
 
+@lru_cache(maxsize=1)
 def _import_packages() -> None:
     """Cases of installed packages: modules named by entry points of the group "slip_to_roll.cases"."""
+    from importlib.metadata import entry_points  # slow to import, and a case of the catalogue needs none
+
     for item in entry_points(group="slip_to_roll.cases"):
         try:
             item.load()

@@ -9,14 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import sympy as sp
 
-from . import expressions, features, formulas
+from . import expressions, features, formula_symbols, formulas
+from . import late_sympy as sp
 from .errors import BadValue, not_negative, real
 from .expression_code import ON_ARRAYS, ON_FLOATS, function_of
+from .expression_graph import from_sympy, symbol
+from .formula_symbols import __getattr__ as __getattr__
 
-# The slip speed, m/s.
-SLIP_SPEED = sp.Symbol("v", real=True)
+# The name of the slip speed, m/s.
+_V = str(formula_symbols.NAMES["SLIP_SPEED"])
 
 # A coefficient has to be a number of at least zero at all speeds up to this, m/s; it is sampled at so many of them.
 FASTEST, SAMPLES = 1e6, 1001
@@ -29,10 +31,10 @@ _AROUND = 10.0 ** -np.arange(1.0, 10.0)
 def coefficient(what: str, value: object) -> float | sp.Expr:
     """A constant coefficient as a float, a formula of `SLIP_SPEED` as an expression; raises BadValue."""
     if isinstance(value, str):
-        value = formulas.parse(value, {SLIP_SPEED.name: SLIP_SPEED}, what, BadValue)
-    if isinstance(value, sp.Expr) and not value.is_number:
-        expression = expressions.admissible(value, (SLIP_SPEED,), what, BadValue)
-        if expression.has(SLIP_SPEED):
+        value = formulas.parse(value, {_V: formula_symbols.SLIP_SPEED}, what, BadValue)
+    if real(value) is None and isinstance(value, sp.Expr) and not value.is_number:
+        expression = expressions.admissible(value, (formula_symbols.SLIP_SPEED,), what, BadValue)
+        if expression.has(formula_symbols.SLIP_SPEED):
             _check(what, expression)
             return expression
         value = expression
@@ -46,7 +48,8 @@ def coefficient(what: str, value: object) -> float | sp.Expr:
 
 def function(expression: sp.Expr) -> Callable:
     """A function of the speed, a number or an array, that returns the coefficient; NaN where it has no value."""
-    on_numbers, on_arrays = (function_of([SLIP_SPEED], [expression], functions) for functions in (ON_FLOATS, ON_ARRAYS))
+    speed = [formula_symbols.SLIP_SPEED]
+    on_numbers, on_arrays = (function_of(speed, [expression], functions) for functions in (ON_FLOATS, ON_ARRAYS))
 
     def value(speed):
         if isinstance(speed, np.ndarray):
@@ -61,7 +64,7 @@ def function(expression: sp.Expr) -> Callable:
 
 def _check(what: str, expression: sp.Expr) -> None:
     """Raise BadValue if the formula has no value at some speed, or a negative one, or none just below v = 0."""
-    centres = np.array([c for c in features.centres([expression], SLIP_SPEED) if 0.0 < c <= FASTEST])
+    centres = np.array([c for c in features.centres([from_sympy(expression)], symbol(_V)) if 0.0 < c <= FASTEST])
     around = np.concatenate([centres, *(centres * (1.0 + sign * part) for sign in (1, -1) for part in _AROUND)])
     speeds = np.sort(np.concatenate([[0.0], np.geomspace(1e-9, FASTEST, SAMPLES), around]))
     with np.errstate(all="ignore"):

@@ -11,11 +11,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-import sympy as sp
 
+from . import formula_symbols
+from . import late_sympy as sp
 from .derivation import in_one_thread
 from .errors import BadCurve, BadValue
-from .expressions import PARAMETER
 from .jets import Structure
 from .pieces import CurvePieces
 
@@ -99,7 +99,7 @@ def _structure(degree: int) -> Structure:
     for some in (coefficients[: degree + 1], coefficients[degree + 1 :]):
         row: sp.Expr = some[0]
         for coefficient in some[1:]:
-            row = row * (PARAMETER - origin) + coefficient
+            row = row * (formula_symbols.PARAMETER - origin) + coefficient
         rows.append(row)
     return (rows[0], rows[1]), tuple(names)
 

@@ -203,8 +203,13 @@ def _polygon(outline: Curve) -> _OutlinePolygon:
     reach = float(np.hypot(*corners).max())
     return _OutlinePolygon(
         parameters, corners, middle, polar if rises else None, sagitta, float(np.abs(bends).max()),
-        bool(bends.min() > 0.0), float(np.median(sides)), reach,
+        bool(bends.min() > 0.0), _middle(sides), reach,
     )  # fmt: skip
+
+
+def _middle(values: np.ndarray) -> float:
+    """The median. (`np.median` imports NumPy's masked arrays, which takes as long as the rest of a first start.)"""
+    return float(np.sort(values)[[(len(values) - 1) // 2, len(values) // 2]].mean())
 
 
 @lru_cache(maxsize=64)

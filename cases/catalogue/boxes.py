@@ -2,12 +2,11 @@
 
 from math import cos, pi, sin
 
-from cases import Case, CoulombFriction, Drive, Gravity, Plate, Start, StartPose, Unilateral, case
+from cases import Case, CoulombFriction, Drive, Gravity, Plate, Start, StartPose, Unilateral, case, moving_surface
 from cases.catalogue.contact_effects import contact_with_impacts
 from cases.curves import sin as sin_of
 from cases.errors import positive
 from cases.library import line
-from cases.moving_surface import TIME
 
 
 @case(variants=[dict(), dict(mu=0.4, slope=0.2), dict(mu=0.9, width=0.2, height=0.4, v=1.5)])
@@ -59,7 +58,7 @@ def box_on_shaken_table(amplitude=0.05, rate=9.0, mu=0.2, width=0.4, height=0.2,
     return Case(
         track=line(),
         plate=Plate.rectangle(positive("width of box_on_shaken_table", width), 2 * high, m),
-        effects=(*contact_with_impacts(mu, g), Drive(x=amplitude * sin_of(rate * TIME))),
+        effects=(*contact_with_impacts(mu, g), Drive(x=amplitude * sin_of(rate * moving_surface.TIME))),
         start=StartPose(0.0, high, 0.0, amplitude * rate),
         duration=duration,
     )

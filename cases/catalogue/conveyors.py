@@ -2,10 +2,9 @@
 
 from math import pi
 
-from cases import Belt, Case, CoulombFriction, Gravity, Plate, Start, Unilateral, case, disc
+from cases import Belt, Case, CoulombFriction, Gravity, Plate, Start, Unilateral, case, disc, moving_surface
 from cases.curves import sin
 from cases.library import circle, ellipse, line
-from cases.moving_surface import TIME
 
 
 @case(variants=[dict(), dict(speed=-2.0, mu=0.4)])
@@ -52,7 +51,7 @@ def ellipse_on_surging_belt(mean=0.5, surge=1.5, rate=4.0, mu=0.2, a=0.1, b=0.07
     return Case(
         track=line(),
         plate=Plate(ellipse(a, b), m, m * (a * a + b * b) / 4),
-        effects=(Gravity(g), CoulombFriction(mu), Belt(mean + surge * sin(rate * TIME)), Unilateral()),
+        effects=(Gravity(g), CoulombFriction(mu), Belt(mean + surge * sin(rate * moving_surface.TIME)), Unilateral()),
         start=Start(xi1=0.0, xi2=-pi / 2),
         duration=duration,
     )

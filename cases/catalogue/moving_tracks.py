@@ -2,10 +2,9 @@
 
 from math import pi
 
-from cases import Case, CoulombFriction, Drive, Flight, Gravity, Impact, Start, Unilateral, case, disc
+from cases import Case, CoulombFriction, Drive, Flight, Gravity, Impact, Start, Unilateral, case, disc, moving_surface
 from cases.curves import sin
 from cases.library import circle, line
-from cases.moving_surface import TIME
 
 
 @case
@@ -19,7 +18,7 @@ def disc_on_accelerated_plate(jerk=4.0, mu=0.2, r=0.1, m=1.0, g=9.81, duration=2
     return Case(
         track=line(),
         plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Drive(x=jerk * TIME**3 / 6), Unilateral()),
+        effects=(Gravity(g), CoulombFriction(mu), Drive(x=jerk * moving_surface.TIME**3 / 6), Unilateral()),
         start=Start(xi1=0.0),
         duration=duration,
     )
@@ -36,7 +35,7 @@ def disc_on_shaken_table(amplitude=0.05, rate=12.0, mu=0.2, r=0.1, m=1.0, g=9.81
     return Case(
         track=line(),
         plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Drive(x=amplitude * sin(rate * TIME)), Unilateral()),
+        effects=(Gravity(g), CoulombFriction(mu), Drive(x=amplitude * sin(rate * moving_surface.TIME)), Unilateral()),
         start=Start(xi1=0.0),
         duration=duration,
     )
@@ -53,7 +52,7 @@ def disc_in_swinging_bowl(swing=0.4, rate=3.0, mu=0.1, R=1.0, r=0.1, m=1.0, g=9.
     return Case(
         track=circle(R),
         plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Drive(angle=swing * sin(rate * TIME)), Unilateral()),
+        effects=(Gravity(g), CoulombFriction(mu), Drive(angle=swing * sin(rate * moving_surface.TIME)), Unilateral()),
         start=Start(xi1=-pi / 2 + 0.5),
         duration=duration,
     )
@@ -73,6 +72,6 @@ def disc_on_bouncing_table(amplitude=0.02, rate=30.0, e=0.4, mu=0.2, v0=0.5, r=0
         Unilateral(),
         Flight(),
         Impact(e),
-        Drive(y=amplitude * sin(rate * TIME)),
+        Drive(y=amplitude * sin(rate * moving_surface.TIME)),
     )
     return Case(track=line(), plate=disc(r, m), effects=effects, start=Start(xi1=0.0, slip=v0), duration=duration)

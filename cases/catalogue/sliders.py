@@ -2,8 +2,7 @@
 
 from math import inf, pi
 
-from cases import Belt, Case, CoulombFriction, Gravity, Load, Start, Unilateral, case, disc
-from cases.effects import MOTION
+from cases import Belt, Case, CoulombFriction, Gravity, Load, Start, Unilateral, case, disc, effects
 from cases.library import circle, line
 
 # Slopes (rad) and coefficients of a grid, on both sides of tan(slope) = mu.
@@ -55,7 +54,7 @@ def slider_on_spring(k=40.0, mu=0.1, stretch=0.5, r=0.1, m=1.0, g=9.81, duration
     return Case(
         track=line(),
         plate=disc(r, m, inf),
-        effects=(Gravity(g), CoulombFriction(mu), Load(fx=-k * MOTION[1]), Unilateral()),
+        effects=(Gravity(g), CoulombFriction(mu), Load(fx=-k * effects.MOTION[1]), Unilateral()),
         start=Start(xi1=stretch),
         duration=duration,
     )
@@ -88,7 +87,13 @@ def slider_on_belt(speed=0.2, k=40.0, mu=0.2, mu_static=0.4, r=0.1, m=1.0, g=9.8
     return Case(
         track=line(),
         plate=disc(r, m, inf),
-        effects=(Gravity(g), CoulombFriction(mu, mu_static), Load(fx=-k * MOTION[1]), Belt(speed), Unilateral()),
+        effects=(
+            Gravity(g),
+            CoulombFriction(mu, mu_static),
+            Load(fx=-k * effects.MOTION[1]),
+            Belt(speed),
+            Unilateral(),
+        ),
         start=Start(xi1=pi / 100, slip=0.0),
         duration=duration,
     )

@@ -2,8 +2,7 @@
 
 from math import inf
 
-from cases import Belt, Case, CoulombFriction, Gravity, Load, Start, Unilateral, case, disc
-from cases.effects import MOTION
+from cases import Belt, Case, CoulombFriction, Gravity, Load, Start, Unilateral, case, disc, effects
 from cases.library import line
 
 
@@ -38,7 +37,7 @@ def slider_on_belt_falling_law(
     return Case(
         track=line(),
         plate=disc(r, m, inf),
-        effects=(Gravity(g), law, Load(fx=-k * MOTION[1]), Belt(speed), Unilateral()),
+        effects=(Gravity(g), law, Load(fx=-k * effects.MOTION[1]), Belt(speed), Unilateral()),
         start=Start(xi1=0.0),
         duration=duration,
     )

@@ -13,13 +13,12 @@ from collections.abc import Callable, Sequence
 from math import exp, inf, log
 
 import numpy as np
-import sympy as sp
 
-from cases import CoulombFriction, Load
+from cases import CoulombFriction, Load, formula_symbols
+from cases import late_sympy as sp
 from cases.derivation import in_one_thread
-from cases.effects import MOTION, checked_quantities
+from cases.effects import checked_quantities
 from cases.expression_code import ON_ARRAYS, function_of
-from cases.slip_laws import SLIP_SPEED
 
 # A step changes an argument by at most this part of the function's length: `dips` supposes short steps.
 QUARTER = 0.25
@@ -70,14 +69,16 @@ def _within(row: np.ndarray, length: Length) -> bool:
 
 def load_scales(load: Load | None) -> FormulaScales | None:
     """The bounds that a load sets on steps; None if it sets none."""
-    return FormulaScales(load.expression, MOTION) if load is not None and checked_quantities(load.expression) else None
+    if load is None or not checked_quantities(load.expression):
+        return None
+    return FormulaScales(load.expression, formula_symbols.MOTION)
 
 
 def slip_scales(friction: CoulombFriction | None) -> FormulaScales | None:
     """The bounds that friction by a formula sets on steps of a slip; None if it sets none."""
     if friction is None or not friction.by_speed:
         return None
-    formulas, symbols = [friction.mu], [SLIP_SPEED]
+    formulas, symbols = [friction.mu], [formula_symbols.SLIP_SPEED]
     return FormulaScales(formulas, symbols) if checked_quantities(formulas, symbols) else None
 
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import ClassVar
 
-import sympy as sp
-
 from cases import Case, Gravity, Load
+from cases import late_sympy as sp
 from cases.derivation import derived
 from cases.effects import checked_quantities
 from cases.expression_graph import ZERO, Node, symbol

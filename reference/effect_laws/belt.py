@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import sympy as sp
-
-from cases import Belt, Case
+from cases import Belt, Case, formula_symbols
+from cases import late_sympy as sp
 from cases.expression_graph import ZERO, Node
-from cases.moving_surface import TIME
 
 from .lifted_formulas import LiftedFormulas, NumberedLaw, constant_values, effect_of, lift
 
@@ -51,7 +49,8 @@ class RunningSurface(FixedSurface):
     @property
     def surface(self) -> Surface:
         (speed,) = self.formulas.expressions
-        return Surface(*self.formulas.nodes(self.name("belt"), expressions=(speed, sp.diff(speed, TIME))))
+        rate = sp.diff(speed, formula_symbols.TIME)
+        return Surface(*self.formulas.nodes(self.name("belt"), expressions=(speed, rate)))
 
     def values(self, contact: Case) -> dict[str, float]:
         return constant_values(self.name("belt"), [effect_of(contact, Belt).expression])

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, ClassVar
 
-from cases import Case, CoulombFriction, Mode, PerfectlyRough
+from cases import Case, CoulombFriction, Mode, PerfectlyRough, formula_symbols
 from cases.effects import checked_quantities
-from cases.expression_graph import ONE, ZERO, Node, symbol
+from cases.expression_graph import ONE, ZERO, Node, from_sympy, symbol
 from cases.features import singular_arguments
-from cases.slip_laws import SLIP_SPEED
 
 from .lifted_formulas import Conditions, LiftedFormulas, NumberedLaw, constant_values, effect_of, lift
 
@@ -141,8 +140,8 @@ class CoulombBySpeed(Coulomb):
         # All arguments that are proportional to the slip are rounding when it ends; exp, tanh and the like change over
         # 1, only logarithms, roots and fractions near the zero of their argument.
         (formula,) = self.formulas.expressions
-        arguments = checked_quantities([formula], [SLIP_SPEED])[:-1]
-        singular = set(singular_arguments(formula))
+        arguments = checked_quantities([formula], [formula_symbols.SLIP_SPEED])[:-1]
+        singular = set(singular_arguments(from_sympy(formula)))
         ordered = sorted(arguments, key=lambda argument: argument in singular)
         return self._nodes(ordered, slip), sum(argument not in singular for argument in ordered)
 
@@ -150,7 +149,7 @@ class CoulombBySpeed(Coulomb):
         return constant_values(self.name("mu"), [friction.mu])
 
     def _nodes(self, expressions, slip: Node) -> tuple[Node, ...]:
-        return self.formulas.nodes(self.name("mu"), {SLIP_SPEED: self.sigma * slip}, expressions)
+        return self.formulas.nodes(self.name("mu"), {formula_symbols.SLIP_SPEED: self.sigma * slip}, expressions)
 
 
 def friction_of(contact: Case) -> Frictionless:

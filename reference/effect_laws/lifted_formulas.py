@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import NamedTuple, TypeVar
 
-import sympy as sp
-
 from cases import Case
+from cases import late_sympy as sp
 from cases.derivation import in_one_thread
 from cases.expression_graph import Node, from_sympy, symbol
 from cases.expressions import constants, lift_constants

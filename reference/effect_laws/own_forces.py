@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cases import Case
+from cases import Case, formula_symbols
 from cases.expression_graph import Node
-from cases.own_effects import CONTACT, own_effects
+from cases.own_effects import own_effects
 
 from .lifted_formulas import Conditions, LiftedFormulas, constant_values, lift
 
@@ -37,7 +37,7 @@ class OwnForce:
         return constant_values(f"own{self.number}", own_effects(case.effects)[self.number].formulas)
 
     def _nodes(self, slip: Node, omega: Node) -> tuple[Node, ...]:
-        _, of_slip, of_omega = CONTACT
+        _, of_slip, of_omega = formula_symbols.CONTACT
         return self.formulas.nodes(f"own{self.number}", {of_slip: slip, of_omega: omega})
 
 
@@ -56,7 +56,8 @@ def own_force_values(case: Case, t: float, slip: float, omega: float) -> list[Se
 
 def changes_in_time(case: Case) -> bool:
     """Whether a force of the user's own depends on time itself."""
-    return any(part.has(CONTACT[0]) for one in own_effects(case.effects) for part in one.formulas[:OWN_COMPONENTS])
+    parts = [part for one in own_effects(case.effects) for part in one.formulas[:OWN_COMPONENTS]]
+    return any(part.has(formula_symbols.TIME) for part in parts)
 
 
 def own_ending(case: Case, guard: str) -> tuple[str, str]:

@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from cases import Belt, Case, Load, Unilateral
-from cases.effects import MOTION
 from cases.expression_graph import ONE, ZERO, Node, symbol
+from cases.formula_symbols import NAMES
 
 from .applied_forces import AppliedLoad, Weight, applied_forces
 from .belt import FixedSurface, surface_of
@@ -18,7 +18,7 @@ from .rolling_resistance import NoResistance, resistance_of
 
 # The sign of the normal force of a contact that either side may press.
 SIDE = symbol("nu")
-THETA = symbol(MOTION[3].name)
+THETA = symbol(NAMES["MOTION"][3])
 
 
 class Laws(NamedTuple):

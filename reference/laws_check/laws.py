@@ -9,11 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, Gravity, Impact, Load, Mode, Transition, Unilateral
-from cases.effects import MOTION
+from cases import Case, Gravity, Impact, Load, Mode, Transition, Unilateral, formula_symbols
 from cases.expression_code import ON_ARRAYS, function_of
 from cases.free_plates import loads_of, names_of, plates_of
-from cases.own_effects import CONTACT as AT_CONTACT
 from cases.own_effects import ContactEffect, own_effects
 from cases.trajectory import CONTACT
 
@@ -65,13 +63,13 @@ class Sums(NamedTuple):
 @lru_cache(maxsize=256)
 def load_on_arrays(load: Load):
     """(t, x, y, theta, vx, vy, omega) -> [fx, fy, moment] on arrays."""
-    return function_of(MOTION, load.expression, ON_ARRAYS)
+    return function_of(formula_symbols.MOTION, load.expression, ON_ARRAYS)
 
 
 @lru_cache(maxsize=256)
 def _own(effect: ContactEffect):
     """(t, slip, omega) -> [along, across, couple] on arrays."""
-    return function_of(AT_CONTACT, effect.formulas[:3], ON_ARRAYS)
+    return function_of(formula_symbols.CONTACT, effect.formulas[:3], ON_ARRAYS)
 
 
 def _load(samples: MotionSamples, body: int) -> tuple[np.ndarray | complex, np.ndarray | float]:

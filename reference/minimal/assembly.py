@@ -12,8 +12,8 @@ import numpy as np
 from cases import Case, Curve, Plate
 from cases.corner import Corner, Piece
 from cases.derivation import in_one_thread
-from cases.effects import MOTION
 from cases.expression_graph import ZERO, Node, in_order, sqrt, substitute, symbol
+from cases.formula_symbols import NAMES
 from cases.pieces import CurvePart
 
 from ..effect_laws import Laws, laws
@@ -43,7 +43,7 @@ from .elimination import (
 from .frames import CORNER, Frame, frame
 from .system import LOAD_FORCES, Equations, System, checked_with_friction
 
-_MOTION = tuple(symbol(s.name) for s in MOTION)
+_MOTION = tuple(map(symbol, NAMES["MOTION"]))
 
 # The normal force grows like a power of 1/p towards Painlevé's p = 0, and p has the rounding of its terms: below this
 # value forces have no digits left; the place changes by less than that.

@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 from cases.derivation import in_one_thread
 from cases.expression_graph import ZERO, Node, call, derivatives, from_sympy, node, sqrt, substitute, symbol
-from cases.expressions import PARAMETER
+from cases.jets import S as _S
 
 from .tangent_algebra import TooLong, from_node, operations
 
-_S, _HALF = symbol(PARAMETER.name), Fraction(1, 2)
+_HALF = Fraction(1, 2)
 
 
 # A simplified quantity has at most this part of the operations of the plain one.

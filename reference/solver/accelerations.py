@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Mode
-from cases.effects import MOTION
+from cases import Case, Mode, formula_symbols
 from cases.free_plates import loads_of
 
 from ..effect_laws.friction import SLIP_SIGN, STICKING
@@ -280,7 +279,7 @@ def is_steady(case: Case, plates: frozenset[int]) -> bool:
     """Whether the loads on some plates at rest stay the same."""
     loads = loads_of(case)
     formulas = [part for b in plates if (load := loads[b]) is not None for part in load.expression]
-    return not any(part.has(MOTION[0]) for part in formulas) and not changes_in_time(case)
+    return not any(part.has(formula_symbols.TIME) for part in formulas) and not changes_in_time(case)
 
 
 def load_and_units(

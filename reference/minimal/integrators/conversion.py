@@ -11,9 +11,9 @@ from fractions import Fraction
 from typing import Any
 
 import heyoka as hy
-import sympy as sp
 
 from cases import NotSupported
+from cases import late_sympy as sp
 from cases.expression_graph import Node, in_order
 
 from ..elimination import T
