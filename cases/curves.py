@@ -162,8 +162,7 @@ class Curve:
     @property
     def _key(self) -> tuple:
         """What equal curves share."""
-        formula = (self.structure, self.constants) if self.parts is None else self.parts.key
-        return formula, self.domain, self.may_cross
+        return self.rows if self.parts is None else self.parts.key, self.domain, self.may_cross
 
     @cached_property
     def _hash(self) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Iterable
 from math import inf, isfinite
@@ -81,6 +80,8 @@ MOST_NAMES = 16
 
 def unknown_name(kind: str, name: str, names: Iterable[str]) -> UnknownName:
     """The error for a name that does not exist, with the most similar names, or all names if none is similar."""
+    import difflib  # of errors alone
+
     choices = sorted(names)
     near = difflib.get_close_matches(name, choices, n=3, cutoff=0.5)
     # A short list is shown completely: the nearest spelling is seldom right for names of one or two letters.

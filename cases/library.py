@@ -155,7 +155,8 @@ def logarithmic_spiral(start: float, growth: float, turns: float = 0.5) -> Curve
     """
     a, b = positive("start of logarithmic_spiral", start), finite("growth of logarithmic_spiral", growth)
     reach = 2 * pi * positive("turns of logarithmic_spiral", turns)
-    return Curve.of_nodes(lambda s: (a * cos(s) * exp(s * b), a * exp(s * b) * sin(s)), (-reach, reach))
+    make = Curve.of_nodes if b else Curve
+    return make(lambda s: (a * cos(s) * exp(s * b), a * exp(s * b) * sin(s)), (-reach, reach))
 
 
 @in_one_thread

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -64,6 +63,8 @@ def read(path: str | Path) -> np.ndarray:
     A relative path counts from the case file that names it, else from the working folder.
     Raises UnknownName for a file that is not there, BadValue, with the line, for one that holds something else.
     """
+    import csv  # of files alone
+
     what = "file of points"
     path = user_files.existing(what, Path(_folder.get(), user_files.place(what, path)))
     rows = []

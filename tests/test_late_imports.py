@@ -52,6 +52,23 @@ def test_the_list_of_cases_is_printed_without_numpy_or_sympy():
     subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, cwd=ROOT)
 
 
+def test_curves_of_the_library_and_their_motions_need_no_sympy():
+    """SymPy takes longer to import than all the rest. (heyoka imports it, too.)"""
+    code = (
+        "import sys; sys.modules |= {'sympy': None, 'heyoka': None}\n"
+        "import cases, reference\n"
+        "from cases import library as curves\n"
+        "curves.ellipse(0.3, 0.2), curves.cosine(0.3, 2.0), curves.catenary(0.5), curves.catenary_hill(0.5, 1.0)\n"
+        "curves.cycloid(0.2), curves.trochoid(0.3, 0.1), curves.superellipse(0.3, 0.2), curves.parabola(0.4)\n"
+        "curves.logarithmic_spiral(0.1, 0.2), curves.rounded_polygon(0.1, 3), curves.hill(0.3), curves.line()\n"
+        "for name in ('bouncing_disc', 'block_into_bowl', 'disc_on_free_wedge', 'disc_over_edge', 'row_of_discs'):\n"
+        "    cases.load(name)\n"
+        "print(reference.simulate(cases.load('disc_in_circle'), method='dop853').status)"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert (answer.stdout.strip(), answer.stderr) == ("completed", "")
+
+
 @pytest.mark.parametrize("words", [("--help",), ("--jobs", "many"), ("--prove", "disc_on_line", "--help")])
 def test_help_and_wrong_options_of_the_reference_need_no_sympy(words):
     code = f"import sys, reference.__main__ as m; m.main({list(words)})"

@@ -1,14 +1,17 @@
 """Recorded expressions have the values and derivatives of SymPy's, and cost no more operations than are needed."""
 
 import math
+from math import hypot, pi
 
 import mpmath
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from cases import BadValue, Curve, features, library, parametrisation
+from cases.corner import Edge
 from cases.expression_code import ON_ARRAYS, ON_FLOATS, python_function
 from cases.expression_graph import (
     ONE,
@@ -22,7 +25,8 @@ from cases.expression_graph import (
     substitute,
     symbol,
 )
-from cases.expressions import PARAMETER
+from cases.expressions import PARAMETER, constants, lift_constants
+from cases.formulas import parse
 from tests.scenes.elliptic import examples
 
 S, C = PARAMETER, sp.Symbol("c0", positive=True)
@@ -101,3 +105,72 @@ def test_long_sums_are_written_and_differentiated():
 def test_parts_are_replaced_at_once():
     assert substitute([s * c + s], {s: c, c: s}) == [c * s + c]
     assert len(in_order([(s + c) * (s + c)])) == 4
+
+
+@given(a=st.floats(0.05, 5.0), b=st.floats(0.05, 0.95), growth=st.floats(-0.3, 0.3), n=st.sampled_from([2, 4, 6]))
+@examples(10, 100)
+def test_formulas_of_the_library_have_the_order_that_sympy_gives_them(a, b, growth, n):
+    """So that no digit of a motion depends on whether a curve was made by SymPy."""
+    assume(growth)
+    for curve in (
+        library.line(), library.circle(a), library.hill(a), library.ellipse(a, b), library.parabola(a),
+        library.cosine(a, 1.0 + b), library.catenary(1.0 + a), library.catenary_hill(1.0 + a, 2.0), library.cycloid(a),
+        library.trochoid(1.0 + a, b), library.superellipse(a, b, n), library.logarithmic_spiral(a, growth),
+        library.rounded_polygon(a, n, b),
+    ):  # fmt: skip
+        rows, sizes = lift_constants(curve.expression)
+        numbers = dict(zip((symbol(size.name) for size in sizes), map(node, constants(curve.expression)), strict=True))
+        assert [*curve.rows] == substitute(map(from_sympy, rows), numbers)
+        again = Curve(curve.function, curve.domain)
+        assert (curve, hash(curve)) == (again, hash(again))
+
+
+@given(*[st.floats(-3.0, 3.0)] * 4)
+@examples(20, 100)
+def test_an_edge_is_the_straight_curve_between_its_points(x0, y0, x1, y1):
+    assume(hypot(x1 - x0, y1 - y0) > 1e-3)
+    edge = Edge.between((x0, y0), (x1, y1))
+    straight = Curve(edge.function, edge.domain)
+    again = Edge.of(straight)
+    assert (edge, hash(edge)) == (again, hash(again))
+    for s in np.linspace(*edge.domain, 5).tolist():
+        assert edge.jet(s) == straight.jet(s)
+
+
+def formula(text):
+    return from_sympy(parse(text, {"s": PARAMETER}, "a formula", BadValue))
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ("exp(-((s - 0.3)/1e-6)**2)", {0.3}),
+        ("tanh((s + 2)/0.01)", {-2.0}),
+        ("1/(1e-4 + (s - 0.7)**2)", {0.7}),
+        ("1/(s - 0.25)**2", {0.25}),
+        ("s/((s - 1)*(s + 3))", {-3.0, 1.0}),
+        ("sqrt(s**2 - 4)", {-2.0, 0.0, 2.0}),
+        ("log(3 - s)*sin(2*s)", {3.0}),
+        ("cos(s**2 - s)", {0.0, 0.5, 1.0}),
+        ("s**2 + sin(s)", set()),
+    ],
+)
+def test_special_points_are_zeros_and_extremes_of_arguments(text, places):
+    assert {round(place, 9) for place in features.centres([formula(text)], s)} == places
+
+
+@pytest.mark.parametrize(
+    ("text", "period"),
+    [
+        ("sin(2*s)*cos(3*s)", 2 * pi),
+        ("cos(s/3 + 0.2*sin(s/3))", 6 * pi),
+        ("1/(2 + sin(pi*s))", 2.0),
+        ("tan(s*0.5 - s/4)", 8 * pi),
+        ("s + sin(s)", None),
+        ("sin(s)*exp(s)", None),
+        ("sin(s)*cos(sqrt(2)*s)", None),
+        ("s/(2 + cos(s))", None),
+    ],
+)
+def test_a_period_is_read_off_a_formula(text, period):
+    assert parametrisation.period([formula(text)]) == (period and pytest.approx(period, rel=1e-14))
