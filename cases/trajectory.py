@@ -13,7 +13,6 @@ import numpy as np
 
 from .contact_names import CONTACT, FIRST
 from .errors import BadValue, choice, numbers, unknown_name, whole
-from .owned_folder import atomic_path
 from .user_files import place
 
 if TYPE_CHECKING:
@@ -395,6 +394,8 @@ class Trajectory:
         """Write that table with all digits, and an empty cell for a missing value (slip in flight); returns the path.
 
         `python -m reports.compare` and `--trajectory` read such files."""
+        from .owned_folder import atomic_path  # of files alone
+
         file = place("file", path)
         with atomic_path(file) as partial:
             self.to_frame(count).to_csv(partial, index=False)
