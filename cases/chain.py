@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from math import floor, pi
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from .corner import Corner, Edge, Piece
 from .curve_tables import MOST_ANGLES
 from .curves import Curve
 from .derivation import derived
+from .element import MOST, Element
 from .errors import BadCurve, BadValue, NotSupported, between, boolean, finite, numbers, whole
 
 # Positions and directions where pieces meet, relative to the chain's size and in rad: the rounding of a few operations
@@ -26,27 +27,6 @@ MEETING, SMOOTH = 1e-12, 1e-12
 CUSP = 1e-6
 # Sides by which a curved piece is replaced when the chain is checked for crossings.
 SIDES = 64
-# Most rounds of a closed chain by which elements are counted, and most vertices of rounds whose length is summed.
-MOST = 10_000_000
-
-
-class Element(NamedTuple):
-    """A piece or corner of a chain on its own.
-
-    `start`, `low`: its first parameter in the chain and in the piece; `turns`: whole turns between the piece's tangent
-    angle and the chain's; `number`: which one it is, counted on from round to round of a closed chain.
-    """
-
-    piece: Piece
-    start: float
-    low: float
-    turns: int
-    number: int
-
-    @property
-    def shift(self) -> float:
-        """The chain's parameter less the piece's."""
-        return self.start - self.low
 
 
 class Chain(Curve):

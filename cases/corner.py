@@ -14,6 +14,7 @@ import numpy as np
 
 from .curve_formula import check_domain
 from .curves import Curve, restore
+from .element import OneElement
 from .errors import BadCurve
 from .expression_graph import symbol
 from .expressions import LARGEST_NUMBER
@@ -24,7 +25,7 @@ _X, _Y, _ALONG_X, _ALONG_Y = map(symbol, ("e0", "e1", "e2", "e3"))
 
 
 @dataclass(frozen=True)
-class Corner:
+class Corner(OneElement):
     """A corner at (x, y), m, where the tangent turns from the angle `start` by `turn` (rad, positive to the left).
 
     Its parameter runs from 0 to |turn|. It has the methods of a `Curve` that describe a place on it.

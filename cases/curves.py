@@ -21,6 +21,7 @@ from . import curve_tables as tables
 from . import late_sympy as sp
 from .curve_checks import check_regular, check_simple
 from .derivation import derived, in_one_thread
+from .element import OneElement
 from .errors import (
     BadCurve,
     BadValue,
@@ -72,7 +73,7 @@ MOST_PIECES = 2**53
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Curve:
+class Curve(OneElement):
     """A smooth plane curve s ↦ (X(s), Y(s)), in metres.
 
     `function` takes a SymPy symbol and returns a pair of expressions made with the functions of `cases.curves`

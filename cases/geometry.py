@@ -6,12 +6,12 @@ radians; (5), (6), (11), (12) are the paper's equations.
 
 from __future__ import annotations
 
-from math import inf, nan, pi
+from math import cos, hypot, inf, nan, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
-from .chain import Chain, Element
+from .chain import Chain
 from .corner import Corner, Piece, turning
 from .curves import Curve
 from .errors import DoesNotFit
@@ -25,6 +25,8 @@ SAME = 1e-9
 # From this angle (rad) on, its cosine and sine come from the tangents: the angle's own rounding would turn the plate by
 # more than 1e-10. (A load may spin a disc to 1e14 rad.)
 MANY_TURNS = 1e6
+# Newton's method for the foot of a point on a piece: quadratic near the foot, so that these are many.
+MOST_STEPS = 50
 
 
 class MotionPoint(NamedTuple):
@@ -88,9 +90,7 @@ def _moving(
 
 def piece_at(curve: Curve, s: float) -> tuple[Piece, float]:
     """The smooth piece or corner of a curve at a parameter, and its own parameter there."""
-    if not isinstance(curve, Chain):
-        return curve, s
-    element: Element = curve.element_at(s)
+    element = curve.element_at(s)
     return element.piece, s - element.shift
 
 
@@ -183,14 +183,52 @@ def _level(outline: Curve, angle: float, low: float, high: float) -> float:
     return s
 
 
-def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
-    """The pair of points where outline and track come closest, starting from the pair `near`.
+def find(track: Piece, outline: Piece, x: float, y: float, theta: float, near: tuple[float, float]) -> Contact:
+    """The pair of points where outline and track come closest, starting from the pair `near`, also beyond the ends of
+    open curves. At a corner the parameter is where both tangents agree, in the round of `near`.
 
     Newton's method on: the tangents are parallel (6), and the gap vector is normal to the track. Steps are measured
     in metres along the curves, so that the unit of a parameter changes nothing. Raises DoesNotFit if it does not
-    converge, which a plate far from its track may cause.
+    converge, which a plate far from its track may cause, and where a corner touches a corner.
     """
-    return pair_search(track, outline)(x, y, theta, near)
+    if not isinstance(track, Corner) and not isinstance(outline, Corner):
+        return pair_search(track, outline)(x, y, theta, near)
+    c, s = cos(theta), sin(theta)
+    if not isinstance(track, Corner):
+        assert isinstance(outline, Corner)
+        xi1, gap = _foot(track, (x + c * outline.x - s * outline.y, y + s * outline.x + c * outline.y), near[0])
+        return Contact(xi1, angle_on(outline, float(track.tangent_angle(xi1)) - theta, near[1]), gap)
+    if isinstance(outline, Corner):
+        raise DoesNotFit("a corner touches a corner there; their gap has no direction")
+    u, v = track.x - x, track.y - y
+    xi2, gap = _foot(outline, (c * u + s * v, c * v - s * u), near[1])
+    return Contact(angle_on(track, float(outline.tangent_angle(xi2)) + theta, near[0]), xi2, -gap)
+
+
+def angle_on(corner: Corner, direction: float, near: float) -> float:
+    """The parameter of a corner whose tangent has a direction (rad), next to a parameter."""
+    angle = corner.sign * (direction - corner.start)
+    return angle + 2.0 * pi * round((near - angle) / (2.0 * pi))
+
+
+def _foot(piece: Curve, point: tuple[float, float], s: float) -> tuple[float, float]:
+    """The parameter of a piece whose normal goes through a point, and how far the point is to its left, m."""
+    for _ in range(MOST_STEPS):
+        x, y, xp, yp, xs, ys, _, _ = piece.jet(s)
+        dx, dy = point[0] - x, point[1] - y
+        slope = dx * xs + dy * ys - xp * xp - yp * yp
+        step = (dx * xp + dy * yp) / slope if slope else 0.0
+        s -= step
+        # Rounding of the parameter, and of the places from which it is computed.
+        away = (abs(x) + abs(y) + abs(dx) + abs(dy)) / hypot(xp, yp)
+        if abs(step) <= 4 * EPS * (abs(s) + piece.span[1] - piece.span[0] + away):
+            return s, float((np.array(point) - piece.point(s)) @ piece.normal(s))
+    # Near the centre of curvature a rounding moves the foot by more: accept it if its residual is rounding.
+    x, y, xp, yp, *_ = piece.jet(s)
+    dx, dy, speed = point[0] - x, point[1] - y, hypot(xp, yp)
+    if abs(dx * xp + dy * yp) <= 64 * EPS * speed * (abs(x) + abs(y) + abs(dx) + abs(dy) + speed * abs(s)):
+        return s, float((np.array(point) - piece.point(s)) @ piece.normal(s))
+    raise DoesNotFit(f"no foot of the point ({point[0]:.6g}, {point[1]:.6g}) is near")
 
 
 def slip_velocity(track: Curve, x, y, vx, vy, omega, xi1):

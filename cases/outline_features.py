@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .chain import Chain, Element
+from .chain import Chain
 from .corner import Corner, Edge, Piece, turning
 from .curves import Curve
+from .element import Element
 
 # Curvature and speed of an arc change by less than this part: the rounding of a formula's derivatives.
 SAME = 1e-9

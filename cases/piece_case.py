@@ -12,9 +12,10 @@ from math import pi
 from typing import cast
 
 from .case_class import Case
-from .chain import Chain, Element
+from .chain import Chain
 from .corner import Corner, Piece
 from .curves import Curve
+from .element import Element
 from .geometry import clearance
 from .plate import Plate
 from .start import Start
@@ -66,7 +67,7 @@ def has_pieces(case: Case) -> bool:
 
 def pieces_at(case: Case, xi1: float, xi2: float) -> PieceCase:
     """The case on the pieces at two parameters of its curves."""
-    return _piece_case(case, _element_at(case.track, xi1).number, _element_at(case.plate.outline, xi2).number)
+    return _piece_case(case, case.track.element_at(xi1).number, case.plate.outline.element_at(xi2).number)
 
 
 def neighbour(case: PieceCase, of_track: bool, step: int) -> PieceCase | None:
@@ -74,7 +75,7 @@ def neighbour(case: PieceCase, of_track: bool, step: int) -> PieceCase | None:
     curve = case.whole.track if of_track else case.whole.plate.outline
     first, second = case.first.number, case.second.number
     number = (first if of_track else second) + step
-    if not isinstance(curve, Chain) or curve.element(number) is None:
+    if curve.element(number) is None:
         return None
     return _piece_case(case.whole, number, second) if of_track else _piece_case(case.whole, first, number)
 
@@ -141,26 +142,17 @@ def _name(element: Element) -> str:
     return f"{'corner' if isinstance(element.piece, Corner) else 'piece'} {element.number}"
 
 
-def _element_at(curve: Curve, s: float) -> Element:
-    return curve.element_at(s) if isinstance(curve, Chain) else Element(curve, 0.0, 0.0, 0, 0)
-
-
-def _element(curve: Curve, number: int) -> Element:
-    element = curve.element(number) if isinstance(curve, Chain) else Element(curve, 0.0, 0.0, 0, 0)
-    assert element is not None
-    return element
-
-
 @lru_cache(maxsize=4096)
 def _piece_case(whole: Case, first: int, second: int) -> PieceCase:
-    elements = _element(whole.track, first), _element(whole.plate.outline, second)
+    on_track, on_outline = whole.track.element(first), whole.plate.outline.element(second)
+    assert on_track is not None and on_outline is not None
     # Corners have the methods of curves that the equations of contact use.
-    track, outline = (cast(Curve, element.piece) for element in elements)
+    track, outline = cast(Curve, on_track.piece), cast(Curve, on_outline.piece)
     plate, case = object.__new__(Plate), object.__new__(PieceCase)
     vars(plate).update(outline=outline, mass=whole.plate.mass, inertia=whole.plate.inertia)
     values = {name: value for name, value in vars(whole).items() if name in Case.__dataclass_fields__}
-    middle = [0.5 * sum(piece.span) for piece in (track, outline)]
-    begin = whole.start if whole.track is track and whole.plate.outline is outline else Start(*middle)
+    is_whole = whole.track is track and whole.plate.outline is outline
+    begin = whole.start if is_whole else Start(on_track.middle, on_outline.middle)
     values |= {"track": track, "plate": plate, "start": begin}
-    vars(case).update(values, whole=whole, first=elements[0], second=elements[1])
+    vars(case).update(values, whole=whole, first=on_track, second=on_outline)
     return case

@@ -8,19 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, partial
-from math import cos, hypot, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from . import geometry
-from .chain import Chain, Element
-from .corner import Corner
+from .chain import Chain
+from .corner import Corner, Piece
 from .curves import Curve
+from .element import Element
 from .errors import DoesNotFit
 
-# Newton's method for the foot of a point on a piece: quadratic near the foot, so that these are many.
-MOST_STEPS = 50
 # A plate enters its track if a vertex of one lies deeper than this part of the plate's size inside the other: far above
 # the rounding of a pose. Sides of curved pieces turn by at most FINE, rad.
 DEPTH, FINE = 1e-9, 0.01
@@ -31,6 +29,8 @@ FLAT = 1e-9
 
 # How far back a zero of a gap is searched, in times between two samples.
 GOES_BACK = 4.0
+# Times at which it is looked for, each twice as far back as the one before.
+MOST_TIMES = 50
 
 Pose = Callable[[float], tuple[float, float, float]]
 
@@ -44,47 +44,19 @@ class Entry(NamedTuple):
     s2: float
 
 
-def piece_gap(entry: Entry, x: float, y: float, theta: float) -> geometry.Contact:
-    """The nearest pair of points of two elements in a pose, in the chains' parameters, and their gap (m, negative where
-    they overlap). Raises DoesNotFit if there is none near."""
-    first, second = entry.first.piece, entry.second.piece
-    s1, s2 = entry.s1 - entry.first.shift, entry.s2 - entry.second.shift
-    c, s = cos(theta), sin(theta)
-    if isinstance(first, Curve) and isinstance(second, Curve):
-        found = geometry.find(first, second, x, y, theta, (s1, s2))
-        s1, s2, gap = found
-    elif isinstance(first, Curve) and isinstance(second, Corner):
-        point = np.array([x + c * second.x - s * second.y, y + s * second.x + c * second.y])
-        s1 = _foot(first, point, s1)
-        gap = float((point - first.point(s1)) @ first.normal(s1))
-    elif isinstance(first, Corner) and isinstance(second, Curve):
-        u, v = first.x - x, first.y - y
-        point = np.array([c * u + s * v, c * v - s * u])
-        s2 = _foot(second, point, s2)
-        gap = -float((point - second.point(s2)) @ second.normal(s2))
-    else:
-        raise DoesNotFit("a corner touches a corner there; their gap has no direction")
-    return geometry.Contact(s1 + entry.first.shift, s2 + entry.second.shift, gap)
-
-
 # Elements that a contact may pass between two poses, back and forth.
 MOST_ELEMENTS = 100
 
 
-def find(track: Curve, outline: Curve, x: float, y: float, theta: float, near: tuple[float, float]) -> geometry.Contact:
+def find(track: Piece, outline: Piece, x: float, y: float, theta: float, near: tuple[float, float]) -> geometry.Contact:
     """`geometry.find` where a curve is a chain: the nearest pair on the elements near a pair, or on those that follow.
 
     Raises DoesNotFit where there is none: two edges face each other, or two corners do.
     """
-    if isinstance(outline, Corner) and isinstance(track, Chain):
-        return find_from(
-            track, outline, x, y, theta, Entry(_at(track, near[0]), Element(outline, 0.0, 0.0, 0, 0), *near)
-        )
-    if isinstance(outline, Corner):
-        return _at_corner(track, outline, x, y, theta, near)
     if not isinstance(track, Chain) and not isinstance(outline, Chain):
         return geometry.find(track, outline, x, y, theta, near)
-    return find_from(track, outline, x, y, theta, Entry(_at(track, near[0]), _at(outline, near[1]), *near))
+    entry = Entry(track.element_at(near[0]), outline.element_at(near[1]), *near)
+    return find_from(track, outline, x, y, theta, entry)
 
 
 def finder(track: Curve, outline: Curve) -> Callable[[float, float, float, tuple[float, float]], geometry.Contact]:
@@ -94,52 +66,30 @@ def finder(track: Curve, outline: Curve) -> Callable[[float, float, float, tuple
     return geometry.pair_search(track, outline)
 
 
-def find_from(track: Curve, outline: Curve, x: float, y: float, theta: float, entry: Entry) -> geometry.Contact:
+def find_from(track: Piece, outline: Piece, x: float, y: float, theta: float, entry: Entry) -> geometry.Contact:
     """The same, starting from a pair of elements."""
     for _ in range(MOST_ELEMENTS):
         contact = piece_gap(entry, x, y, theta)
-        xi1, xi2 = contact.xi1, contact.xi2
-        if isinstance(entry.first.piece, Corner):
-            xi1 = on_corner(entry.first, entry.first.piece, theta + _angle(entry.second, xi2))
-        if isinstance(entry.second.piece, Corner):
-            xi2 = on_corner(entry.second, entry.second.piece, _angle(entry.first, xi1) - theta)
-        first, second = _beyond(track, entry.first, xi1), _beyond(outline, entry.second, xi2)
+        first, second = _beyond(track, entry.first, contact.xi1), _beyond(outline, entry.second, contact.xi2)
         if first == entry.first and second == entry.second:
-            return geometry.Contact(xi1, xi2, contact.gap)
+            return contact
         if first != entry.first:  # one at a time
-            entry = Entry(first, entry.second, _inside(first, xi1), xi2)
+            entry = Entry(first, entry.second, first.clip(contact.xi1), contact.xi2)
         else:
-            entry = Entry(entry.first, second, xi1, _inside(second, xi2))
+            entry = Entry(entry.first, second, contact.xi1, second.clip(contact.xi2))
     raise DoesNotFit(f"no contact point near xi1 = {entry.s1:.6g}, xi2 = {entry.s2:.6g}")
 
 
-def _at_corner(track: Curve, corner: Corner, x: float, y: float, theta: float, near) -> geometry.Contact:
-    """The nearest point of a smooth track to a corner alone, and the corner's angle at which the tangents agree, next
-    to the one of `near`; it may lie outside the corner's own range."""
-    c, s = cos(theta), sin(theta)
-    point = np.array([x + c * corner.x - s * corner.y, y + s * corner.x + c * corner.y])
-    xi1 = _foot(track, point, near[0])
-    angle = corner.sign * (float(track.tangent_angle(xi1)) - theta - corner.start)
-    xi2 = angle + 2.0 * pi * round((near[1] - angle) / (2.0 * pi))
-    return geometry.Contact(xi1, xi2, float((point - track.point(xi1)) @ track.normal(xi1)))
+def piece_gap(entry: Entry, x: float, y: float, theta: float) -> geometry.Contact:
+    """The nearest pair of points of two elements in a pose, in the chains' parameters, and their gap (m, negative where
+    they overlap). Raises DoesNotFit if there is none near."""
+    some = (entry.first, entry.s1), (entry.second, entry.s2)
+    near = [one.middle if isinstance(one.piece, Corner) else s - one.shift for one, s in some]
+    xi1, xi2, gap = geometry.find(entry.first.piece, entry.second.piece, x, y, theta, (near[0], near[1]))
+    return geometry.Contact(xi1 + entry.first.shift, xi2 + entry.second.shift, gap)
 
 
-def _at(curve: Curve, s: float) -> Element:
-    return curve.element_at(s) if isinstance(curve, Chain) else Element(curve, 0.0, 0.0, 0, 0)
-
-
-def _angle(element: Element, s: float) -> float:
-    return float(element.piece.tangent_angle(s - element.shift))
-
-
-def on_corner(element: Element, corner: Corner, angle: float) -> float:
-    """The parameter of a corner at which its tangent has a direction (rad), within half a turn of its middle."""
-    middle = corner.start + 0.5 * corner.turn
-    off = (angle - middle + pi) % (2 * pi) - pi
-    return element.shift + 0.5 * abs(corner.turn) + corner.sign * off
-
-
-def _beyond(curve: Curve, element: Element, s: float) -> Element:
+def _beyond(curve: Piece, element: Element, s: float) -> Element:
     """The neighbour of an element on whose side a parameter lies beyond its end; the element itself at an open end."""
     if not isinstance(curve, Chain):
         return element
@@ -147,32 +97,6 @@ def _beyond(curve: Curve, element: Element, s: float) -> Element:
     rounding = 64 * geometry.EPS * (1.0 + abs(s) + abs(element.shift))
     step = -1 if place < low - rounding else 1 if place > high + rounding else 0
     return curve.element(element.number + step) or element
-
-
-def _inside(element: Element, s: float) -> float:
-    """The parameter of an element nearest to one."""
-    low, high = element.piece.span
-    return min(max(s, low + element.shift), high + element.shift)
-
-
-def _foot(piece: Curve, point: np.ndarray, s: float) -> float:
-    """The parameter of a piece whose normal goes through a point."""
-    for _ in range(MOST_STEPS):
-        x, y, xp, yp, xs, ys, _, _ = piece.jet(s)
-        dx, dy = point[0] - x, point[1] - y
-        slope = dx * xs + dy * ys - xp * xp - yp * yp
-        step = (dx * xp + dy * yp) / slope if slope else 0.0
-        s -= step
-        # Rounding of the parameter, and of the places from which it is computed.
-        away = (abs(x) + abs(y) + abs(dx) + abs(dy)) / hypot(xp, yp)
-        if abs(step) <= 4 * geometry.EPS * (abs(s) + piece.span[1] - piece.span[0] + away):
-            return s
-    # Near the centre of curvature a rounding moves the foot by more: accept it if its residual is rounding.
-    x, y, xp, yp, *_ = piece.jet(s)
-    dx, dy, speed = point[0] - x, point[1] - y, hypot(xp, yp)
-    if abs(dx * xp + dy * yp) <= 64 * geometry.EPS * speed * (abs(x) + abs(y) + abs(dx) + abs(dy) + speed * abs(s)):
-        return s
-    raise DoesNotFit(f"no foot of the point ({point[0]:.6g}, {point[1]:.6g}) is near")
 
 
 class Chains:
@@ -280,8 +204,6 @@ def _polygon(curve: Curve, low: float, high: float) -> np.ndarray:
 def _element(curve: Curve, s: float) -> Element:
     """The element at a vertex of the polygon: the corner where there is one, else the piece; of two pieces that join
     smoothly the one that is more bent, as the end of an edge is nearest only if the contact is beyond it."""
-    if not isinstance(curve, Chain):
-        return Element(curve, 0.0, 0.0, 0, 0)
     element = curve.element_at(float(s))
     (low, high), place = element.piece.span, float(s) - element.shift
     rounding = 16 * geometry.EPS * (abs(float(s)) + abs(element.shift))
@@ -294,7 +216,7 @@ def _element(curve: Curve, s: float) -> Element:
 
 def _bend(element: Element, s: float) -> float:
     """The curvature of a piece at its end next to a parameter of the chain, 1/m, without sign."""
-    return abs(float(element.piece.curvature(_inside(element, float(s)) - element.shift)))
+    return abs(float(element.piece.curvature(element.clip(float(s)) - element.shift)))
 
 
 def entry_time(pose: Pose, entry: Entry, before: float, inside: float, earliest: float) -> float:
@@ -310,7 +232,7 @@ def entry_time(pose: Pose, entry: Entry, before: float, inside: float, earliest:
         return piece_gap(entry, *pose(t)).gap
 
     step = inside - before
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_TIMES):
         if gap(before) > 0.0:
             return _zero(gap, before, inside)
         if before <= earliest:
@@ -331,12 +253,12 @@ def _zero(gap: Callable[[float], float], low: float, high: float) -> float:
 def excludes_second(track: Curve, outline: Curve) -> bool:
     """Whether convexity alone excludes a second contact: a convex plate on a track of straight pieces that bends to its
     right only. (It lies on a flat side where a piece ends.)"""
-    pieces = _pieces(outline)
+    pieces = [element.piece for element in outline.elements]
     if not outline.period or any(isinstance(p, Corner) and p.turn < 0.0 for p in pieces):
         return False
     if any(isinstance(p, Curve) and _least_bend(p, 1) < -FLAT for p in pieces):
         return False
-    under = _pieces(track)
+    under = [element.piece for element in track.elements]
     return all(p.turn < 0.0 if isinstance(p, Corner) else _least_bend(p, -1) >= -FLAT for p in under)
 
 
@@ -344,7 +266,3 @@ def _least_bend(piece: Curve, sign: int) -> float:
     if piece.features is None:
         return 0.0
     return float(np.min(sign * piece.curvature(np.linspace(*piece.span, 721))))
-
-
-def _pieces(curve: Curve) -> list:
-    return [element.piece for element in curve.elements] if isinstance(curve, Chain) else [curve]

@@ -182,7 +182,7 @@ def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) ->
         number = samples.nearest(np.array([x + c * u - s * v, y + s * u + c * v]))
         first = float(samples.parameters[number])
         try:
-            one = piece_contact.find(track, piece, x, y, theta, (first, inner))  # type: ignore[arg-type]
+            one = piece_contact.find(track, piece, x, y, theta, (first, inner))
         except DoesNotFit:  # an edge faces the track
             continue
         turn = 2.0 * pi if isinstance(piece, Corner) else piece.period or inf

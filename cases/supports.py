@@ -247,7 +247,7 @@ def _gap(curve: Curve, piece: Piece, x: float, y: float, theta: float) -> float:
     whose nearest point is beyond its ends or that has the centre of mass on the support's side."""
     try:
         near = nearest_samples(curve, piece, x, y, theta)[0]
-        xi1, xi2, gap = find(curve, piece, x, y, theta, near)  # type: ignore[arg-type]
+        xi1, xi2, gap = find(curve, piece, x, y, theta, near)
     except DoesNotFit:
         return inf
     low, high = piece.span

@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cases import Case, Chain, DoesNotFit
-from cases.chain import Element
 from cases.corner import Corner
+from cases.element import Element
 from cases.overlap import span
 from cases.piece_case import PieceCase
 from cases.piece_contact import Chains, Entry, entry_time, excludes_second, piece_gap

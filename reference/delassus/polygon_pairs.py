@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases import Curve, Plate
-from cases.chain import Chain, Element
+from cases.chain import Chain
 from cases.corner import Corner, Edge
+from cases.element import Element
 from cases.free_plates import PlateContact, parameter
 from cases.library import hill
 from cases.polygon_features import is_polygon

@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Chain, Curve
-from cases.chain import Element
+from cases import Case, Curve
 from cases.corner import Corner
-from cases.piece_contact import on_corner
+from cases.element import Element
+from cases.geometry import angle_on
 
 from .boxes import Cores, Geometry
 from .curve_pieces import Pieces, ReversedPieces
@@ -51,11 +51,6 @@ class _Pair(NamedTuple):
     search: MeetingSearch
 
 
-def elements(curve: Curve) -> tuple[Element, ...]:
-    """The pieces and corners of a chain; a smooth curve is its own only piece."""
-    return curve.elements if isinstance(curve, Chain) else (Element(curve, 0.0, 0.0, 0, 0),)
-
-
 class ElementSearch:
     """The search for first meetings in the motion of one case with corners."""
 
@@ -63,8 +58,8 @@ class ElementSearch:
         self.case, self.reach = case, case.plate.reach
         self.pairs = [
             _Pair(first, second, MeetingSearch(geometry, case.weight / case.plate.mass))
-            for first in elements(case.track)
-            for second in elements(case.plate.outline)
+            for first in case.track.elements
+            for second in case.plate.outline.elements
             if (geometry := _geometry(case, first, second)) is not None
         ]
 
@@ -109,12 +104,12 @@ class ElementSearch:
         """The motion that a pair's search is about: the plate's, that of a corner of the outline, or that of a corner
         of the track in the plate's frame."""
         if second is not None:
-            own = elements(self.case.plate.outline)[second].piece
+            own = self.case.plate.outline.elements[second].piece
             assert isinstance(own, Corner)
             x, y = own.x, own.y
             return lambda times: points_at(poses(times), x, y)
         if first is not None:
-            fixed = elements(self.case.track)[first].piece
+            fixed = self.case.track.elements[first].piece
             assert isinstance(fixed, Corner)
             u, v = fixed.x, fixed.y
             return lambda times: _seen(poses(times), u, v)
@@ -168,8 +163,7 @@ def _seen(pose: np.ndarray, x: float, y: float) -> np.ndarray:
 def _within(element: Element, angle: float) -> float:
     """The parameter of a corner at which its tangent has a direction, inside its range."""
     assert isinstance(element.piece, Corner)
-    low, high = element.piece.span
-    return min(max(on_corner(element, element.piece, angle), low + element.shift), high + element.shift)
+    return element.clip(angle_on(element.piece, angle, element.middle) + element.shift)
 
 
 def fine(poses: Poses, edges: np.ndarray) -> np.ndarray:

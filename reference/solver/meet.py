@@ -14,15 +14,16 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, DoesNotFit
-from cases.chain import Element
 from cases.corner import Corner
 from cases.couples import Couple, couples
+from cases.element import Element
+from cases.geometry import find
 from cases.piece_case import PieceCase, _piece_case, neighbour
 
 from ..minimal.boxes import Cores
-from ..minimal.element_meetings import ElementSearch, elements, fine
+from ..minimal.element_meetings import ElementSearch, fine
 from ..minimal.windows import EPS
-from .places import couple_of, in_round, nearest
+from .places import couple_of, in_round
 from .plate_numbers import bodies
 from .regimes import AT_END
 from .segment_view import SegmentView, remember
@@ -160,7 +161,7 @@ class CoupleSearch:
     def _circles(self) -> np.ndarray:
         """Circles (x, y, r) around the elements of the boundary, (3, elements); of infinite radius without ends."""
         rows = list[tuple[float, float, float]]()
-        for element in elements(self.couple.track):
+        for element in self.couple.track.elements:
             piece = element.piece
             if isinstance(piece, Corner):
                 rows.append((piece.x, piece.y, 0.0))
@@ -168,7 +169,7 @@ class CoupleSearch:
             if piece.ends is None and not piece.period:
                 rows.append((0.0, 0.0, inf))
                 continue
-            points = piece.point(np.linspace(*piece.span, ON_ELEMENT))
+            points = piece.point(np.linspace(*element.span, ON_ELEMENT))
             x, y = points.mean(axis=1)
             between = np.hypot(*np.diff(points, axis=1)).max()
             rows.append((float(x), float(y), float(np.hypot(points[0] - x, points[1] - y).max() + between)))
@@ -295,7 +296,7 @@ def _locate(poses: Poses, start: float, pair: PieceCase, when: float, near: tupl
 
     def at_time(t: float):
         x, y, theta = poses(np.array([t]))[:, 0].tolist()
-        return nearest(pair, x, y, theta, near)
+        return find(*pair.pieces, x, y, theta, near)
 
     try:
         time = _zero(lambda t: at_time(t).gap, when, brentq)

@@ -11,18 +11,17 @@ both sides moving; s_A, s_B are arc lengths of the contact's place on both curve
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from math import cos, inf, pi, sin
+from math import cos, inf, sin
 from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, Curve, DoesNotFit, Mode, geometry
+from cases import Case, Mode, geometry
 from cases.contact import belt_speed, start_motion
 from cases.corner import Corner, Piece
 from cases.couples import Couple
 from cases.free_plates import start_poses
 from cases.piece_case import PieceCase
-from cases.piece_contact import _foot
 
 from ..effect_laws import Laws, laws
 from ..effect_laws.restitution import restitution
@@ -134,38 +133,12 @@ class ContactPlace(NamedTuple):
         return sides_of(self.pair)
 
 
-def nearest(pair: PieceCase, x: float, y: float, theta: float, near: tuple[float, float]) -> geometry.Contact:
-    """The nearest points of both elements next to the pair `near` in a pose of the plate in the frame of the base, by
-    the elements' own parameters, also beyond their ends. Raises DoesNotFit."""
-    first, second = cast(tuple[Piece, Piece], pair.pieces)
-    c, s = cos(theta), sin(theta)
-    if isinstance(first, Curve) and isinstance(second, Curve):
-        return geometry.find(first, second, x, y, theta, near)
-    if isinstance(second, Corner):
-        if isinstance(first, Corner):
-            raise DoesNotFit("a corner touches a corner there; their gap has no direction")
-        point = np.array([x + c * second.x - s * second.y, y + s * second.x + c * second.y])
-        xi1 = _foot(first, point, near[0])
-        turn = second.sign * (float(first.tangent_angle(xi1)) - theta - second.start)
-        return geometry.Contact(xi1, _near(turn, near[1]), float((point - first.point(xi1)) @ first.normal(xi1)))
-    assert isinstance(first, Corner)
-    u, v = first.x - x, first.y - y
-    point = np.array([c * u + s * v, c * v - s * u])
-    xi2 = _foot(second, point, near[1])
-    turn = first.sign * (float(second.tangent_angle(xi2)) + theta - first.start)
-    return geometry.Contact(_near(turn, near[0]), xi2, -float((point - second.point(xi2)) @ second.normal(xi2)))
-
-
-def _near(angle: float, near: float) -> float:
-    return angle + 2.0 * pi * round((near - angle) / (2.0 * pi))
-
-
 def place(pair: PieceCase, state: State, near: tuple[float, float]) -> ContactPlace:
     """The contact of two elements next to a pair of parameters. Raises DoesNotFit."""
     couple, half = couple_of(pair), len(state) // 2
     poses, rates = np.asarray(state[:half], dtype=float), np.asarray(state[half:], dtype=float)
     u, v, turn = (float(value) for value in couple.relative_pose(poses))
-    at = nearest(pair, u, v, turn, near)
+    at = geometry.find(*pair.pieces, u, v, turn, near)
     track, outline = cast(tuple[Piece, Piece], pair.pieces)
     body = couple.body
     x, y, theta = poses[3 * body : 3 * body + 3].tolist()

@@ -10,17 +10,17 @@ from typing import cast
 import numpy as np
 
 from cases import Case, Chain, Curve, DoesNotFit
-from cases.chain import Element
 from cases.corner import Corner, Piece
 from cases.couples import Couple, couples
+from cases.element import Element
+from cases.geometry import find
 from cases.nearest_samples import nearest_samples
 from cases.piece_case import PieceCase, _piece_case
 from cases.start_pose import OVERLAPS
 from cases.supports import is_straight
 
 from ..curvature_proof import curvatures
-from ..minimal.element_meetings import elements
-from .places import TOUCHES, nearest
+from .places import TOUCHES
 from .plate_numbers import size
 from .regimes import AT_END
 from .shapes import guess, shapes
@@ -36,8 +36,8 @@ SAME_PLACE = 1e-5
 def pairs_that_touch(couple: Couple) -> tuple[PieceCase, ...]:
     """The pairs of elements of a couple that may touch before their neighbours do."""
     result = list[PieceCase]()
-    for first in elements(couple.track):
-        for second in elements(couple.plate.outline):
+    for first in couple.track.elements:
+        for second in couple.plate.outline.elements:
             if _may_touch(first.piece, second.piece):
                 result.append(_piece_case(couple, first.number, second.number))
     return tuple(result)
@@ -78,7 +78,7 @@ def touching_contacts(
                 continue
             for near in _guesses(pair, x, y, theta):
                 try:
-                    at = nearest(pair, x, y, theta, near)
+                    at = find(*pair.pieces, x, y, theta, near)
                 except DoesNotFit:  # far away
                     continue
                 if not -deepest <= at.gap <= least or not inside(pair, at.xi1, at.xi2):
@@ -111,7 +111,7 @@ def _is_near(element: Element, x: float, y: float, reach: float) -> bool:
     piece = element.piece
     if isinstance(piece, Corner) or piece.domain is None:
         return isinstance(piece, Curve) or float(np.hypot(piece.x - x, piece.y - y)) <= 1.001 * reach
-    points = piece.point(np.linspace(*piece.span, FEW))
+    points = piece.point(np.linspace(*element.span, FEW))
     sides = np.hypot(*np.diff(points, axis=1))
     return bool((np.hypot(points[0] - x, points[1] - y)).min() <= 1.001 * reach + 2.0 * sides.max())
 
