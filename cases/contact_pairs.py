@@ -23,10 +23,10 @@ from .errors import DoesNotFit, unknown_name
 from .line_or_circle import as_line
 from .nearest_samples import nearest_samples, track_samples
 from .outline_features import ArcRange, arc_ranges, features, side_ranges, sides
-from .plate import Plate
+from .plate import Plate, is_convex
 from .start import Start
 from .start_pose import TOUCHES
-from .supports import TRACK, Support, effects_at, is_convex, is_hill, is_straight
+from .supports import TRACK, Support, effects_at, is_hill, is_straight
 
 # Newton's method for a guess on a line: quadratic, so that these are many, and how close the guess is to be.
 MOST_STEPS, NEAR = 20, 1e-6

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from itertools import pairwise
 from math import ceil, copysign, cos, hypot, inf, log2, sin
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from .case_class import Case
 from .chain import Chain
-from .contact import Contact, find
 from .curve_samples import MOST, ROUNDING, CurveSamples, course, osculating_distances, squares
 from .curves import Curve
 from .errors import DoesNotFit
+from .geometry import Contact
 from .nearest_track_point import PlateFrame, nearest_track_point
+from .piece_contact import find
+from .plate import sizes_of
 
 # Number of samples of the outline: so dense that a smooth outline is unlikely to have a nearer point between two of
 # them. Newton's method starts at the nearest sample.
@@ -38,6 +38,25 @@ FARTHEST = 1e150
 SIGHT = 1e12
 
 
+class _Scene(NamedTuple):
+    """A track and an outline in a pose, and a parameter of the track near which a track without ends is looked at."""
+
+    track: Curve
+    outline: Curve
+    x: float
+    y: float
+    theta: float
+    xi1: float
+
+    @property
+    def frame(self) -> PlateFrame:
+        return PlateFrame(self.x, self.y, cos(self.theta), sin(self.theta))
+
+    def find(self, near: tuple[float, float]) -> Contact:
+        """What Newton's method finds from a pair. Raises DoesNotFit."""
+        return find(self.track, self.outline, self.x, self.y, self.theta, near)
+
+
 class _Guess(NamedTuple):
     """A pair of samples of track and outline, how far they are apart along the track's normal (m), and how far the next
     samples are: in the two parameters, and both together in m."""
@@ -50,94 +69,99 @@ class _Guess(NamedTuple):
     spacing: float
 
 
-def nearest(case: Case, x: float, y: float, theta: float) -> Contact | None:
+def nearest(case: Any, x: float, y: float, theta: float) -> Contact | None:
+    """`nearest_pair` of a case, whose start says where a track without ends is looked at."""
+    return nearest_pair(case.track, case.plate.outline, x, y, theta, case.start.xi1)
+
+
+def nearest_pair(track: Curve, outline: Curve, x: float, y: float, theta: float, xi1: float) -> Contact | None:
     """The pair of points of outline and track with the smallest gap (m, signed), or None if the nearest points of the
     track are ends of it or lie on ends of an open outline, or if it is out of sight: there is nothing to land on.
 
-    Raises DoesNotFit if there is such a pair and it is not found.
+    `xi1`: a parameter of the track, near which one without ends is looked at first. Raises DoesNotFit if there is such
+    a pair and it is not found.
     """
-    if max(abs(x), abs(y)) > FARTHEST or _out_of_sight(case, x, y):
+    scene = _Scene(track, outline, x, y, theta, xi1)
+    if max(abs(x), abs(y)) > FARTHEST or _out_of_sight(scene):
         return None
-    if isinstance(case.track, Chain) or isinstance(case.plate.outline, Chain):
-        return _of_pieces(case, x, y, theta)
-    track, guess = _of_disc(case, x, y, theta) if case.plate.radius is not None else (None, None)
-    if track is None or guess is None:
-        track, guess = _of_outline(case, x, y, theta)
+    if isinstance(track, Chain) or isinstance(outline, Chain):
+        return _of_pieces(scene)
+    radius = sizes_of(outline).radius
+    samples, guess = _of_disc(scene, radius) if radius is not None else (None, None)
+    if samples is None or guess is None:
+        samples, guess = _of_outline(scene)
     # A nearest sample of the outline is within `spacing` of the nearest pair, and may be above another ripple.
     most = inf if guess is None else guess.apart + guess.spacing
-    among_ripples = _of_track(case, track, x, y, theta, most)
+    among_ripples = _of_track(scene, samples, most)
     if among_ripples is not None and among_ripples.apart <= most:
         guess = among_ripples
-    return None if guess is None else _refined(case, x, y, theta, guess)
+    return None if guess is None else _refined(scene, guess)
 
 
-def _of_pieces(case: Case, x: float, y: float, theta: float) -> Contact | None:
+def _of_pieces(scene: _Scene) -> Contact | None:
     """`nearest` where a curve has pieces or corners: the nearest of the pairs that `find` reaches from each piece of
     the track. Behind a piece the gap along its normal is negative, so the one with the least size is it."""
-    track, outline = case.track, case.plate.outline
-    samples = outline.point(own := np.linspace(*outline.span, OUTLINE_POINTS + 1))
-    c, s = cos(theta), sin(theta)
-    there = np.array([x + c * samples[0] - s * samples[1], y + s * samples[0] + c * samples[1]])
+    track, outline = scene.track, scene.outline
+    there = scene.frame.place(outline.point(own := np.linspace(*outline.span, OUTLINE_POINTS + 1)).T)
     contacts: list[Contact] = []
-    starts = [element.start for element in track.elements] if isinstance(track, Chain) else [track.span[0]]
-    for low, high in pairwise([*starts, track.span[1]]):
-        along = np.linspace(low, high, PIECE_POINTS)
-        apart = squares(there.T[:, None], track.point(along).T[None])
+    for element in track.elements:
+        along = np.linspace(*element.span, PIECE_POINTS) + element.shift
+        apart = squares(there[:, None], track.point(along).T[None])
         on_outline, on_track = np.unravel_index(int(np.argmin(apart)), apart.shape)
         try:
-            contact = find(case, x, y, theta, (float(along[on_track]), float(own[on_outline])))
+            contact = scene.find((float(along[on_track]), float(own[on_outline])))
         except DoesNotFit:  # two corners, or two edges, face each other
             continue
-        if not _at_an_end(case, contact):
+        if not _at_an_end(scene, contact):
             contacts.append(contact)
     return min(contacts, key=lambda contact: abs(contact.gap), default=None)
 
 
-def _of_track(case: Case, track: CurveSamples, x: float, y: float, theta: float, most: float) -> _Guess | None:
+def _of_track(scene: _Scene, track: CurveSamples, most: float) -> _Guess | None:
     """The pair with the smallest gap among the points of the track, at most that (m); None if there is none, or if the
     track has no features that the outline's samples could miss."""
-    outline = case.plate.outline
-    if not case.track.features or not outline.period:
+    outline = scene.outline
+    if not scene.track.features or not outline.period:
         return None
-    frame = PlateFrame(x, y, cos(theta), sin(theta))
-    point = nearest_track_point(case.track, track, outline, _outline(outline), frame, most)
+    point = nearest_track_point(scene.track, track, outline, _outline(outline), scene.frame, most)
     if point is None:
         return None
     xi1, xi2, gap, width, spacing = point
     return _Guess(xi1, xi2, gap, width, spacing / float(outline.speed(xi2)), 2.0 * spacing)
 
 
-def _refined(case: Case, x: float, y: float, theta: float, guess: _Guess) -> Contact | None:
+def _refined(scene: _Scene, guess: _Guess) -> Contact | None:
     """The pair that a guess shows; None if it lies at an end. Raises DoesNotFit if it is not found."""
     nearer: list[Contact] = []
     for _ in range(ROUNDS):
-        pair, is_neighbour = _pair_from(case, x, y, theta, guess)
+        pair, is_neighbour = _pair_from(scene, guess)
         if pair is not None and is_neighbour:
-            if _at_an_end(case, pair):
+            if _at_an_end(scene, pair):
                 return None
             return min([pair, *nearer], key=_gap)
-        if pair is not None and pair.gap <= guess.apart and not _at_an_end(case, pair):
+        if pair is not None and pair.gap <= guess.apart and not _at_an_end(scene, pair):
             nearer.append(pair)
-        if _at_an_end(case, guess):
+        if _at_an_end(scene, guess):
             return None
-        if guess.spacing <= LEVEL * _size(case.plate.outline):
+        if guess.spacing <= LEVEL * sizes_of(scene.outline).width:
             return min([Contact(*guess[:3]), *nearer], key=_gap)
-        guess = _closer(case, x, y, theta, guess)
-    raise DoesNotFit(f"the point of the track nearest to the pose ({x:.6g}, {y:.6g}), theta = {theta:.6g} is not found")
+        guess = _closer(scene, guess)
+    pose = f"({scene.x:.6g}, {scene.y:.6g}), theta = {scene.theta:.6g}"
+    raise DoesNotFit(f"the point of the track nearest to the pose {pose} is not found")
 
 
-def _pair_from(case: Case, x: float, y: float, theta: float, guess: _Guess) -> tuple[Contact | None, bool]:
+def _pair_from(scene: _Scene, guess: _Guess) -> tuple[Contact | None, bool]:
     """What Newton's method finds from a pair of samples, and whether that is the pair which they show; None if it finds
     none, or one far from them.
 
     The foot on ripples of samples of the outline is as far away as these are apart, and may be on another ripple.
     """
     try:
-        contact = find(case, x, y, theta, guess[:2])
+        contact = scene.find(guess[:2])
     except DoesNotFit:
         return None, False
     along, around = abs(contact.xi1 - guess.xi1), abs(contact.xi2 - guess.xi2)
-    away = along * float(case.track.speed(guess.xi1))
+    away = along * float(scene.track.speed(guess.xi1))
     # A gap that differs by more than the samples are apart is another pair's, or that of no nearest pair at all.
     if abs(contact.gap - guess.apart) > guess.spacing or not around <= NEIGHBOURS * guess.width2:
         return None, False
@@ -149,20 +173,20 @@ def _gap(contact: Contact) -> float:
     return contact.gap
 
 
-def _closer(case: Case, x: float, y: float, theta: float, guess: _Guess) -> _Guess:
+def _closer(scene: _Scene, guess: _Guess) -> _Guess:
     """The nearest pair among closer samples around a pair; as far apart as before where it lies at their edge."""
-    track, outline = case.track, case.plate.outline
+    track, outline = scene.track, scene.outline
     xi1, xi2 = _window(track, guess.xi1, guess.width1), _window(outline, guess.xi2, guess.width2)
-    c, s = cos(theta), sin(theta)
-    u, v = outline.point(xi2)
-    there = np.column_stack([x + c * u - s * v, y + s * u + c * v])
+    there = scene.frame.place(outline.point(xi2).T)
     points, normals, bends, _ = course(track, xi1)
     feet = squares(there[:, None], points[None]).argmin(axis=1)
     apart = osculating_distances(there - points[feet], normals[feet], bends[feet])
     best = int(np.argmin(apart))
     foot = int(feet[best])
     inside = 0 < best < len(xi2) - 1 and 0 < foot < len(xi1) - 1
-    inside = inside or bool(apart[best] >= guess.apart - ROUNDING * (abs(x) + abs(y) + _size(outline)))
+    inside = inside or bool(
+        apart[best] >= guess.apart - ROUNDING * (abs(scene.x) + abs(scene.y) + sizes_of(outline).width)
+    )
     widths = (width / CLOSER if inside else width for width in guess[3:])
     return _Guess(float(xi1[foot]), float(xi2[best]), float(apart[best]), *widths)
 
@@ -176,47 +200,45 @@ def _window(curve: Curve, middle: float, width: float) -> np.ndarray:
     return np.linspace(low, high, count)
 
 
-def _at_an_end(case: Case, pair: Contact | _Guess) -> bool:
+def _at_an_end(scene: _Scene, pair: Contact | _Guess) -> bool:
     """Whether it lies at or beyond an end of track or outline."""
-    return _ends(case.track, pair.xi1) or _ends(case.plate.outline, pair.xi2)
+    return _ends(scene.track, pair.xi1) or _ends(scene.outline, pair.xi2)
 
 
 def _ends(curve: Curve, parameter: float) -> bool:
     return curve.ends is not None and not curve.ends[0] < parameter < curve.ends[1]
 
 
-def _out_of_sight(case: Case, x: float, y: float) -> bool:
+def _out_of_sight(scene: _Scene) -> bool:
     """Whether a closed track is so far away that it has no sides any more."""
-    if not case.track.period:
+    if not scene.track.period:
         return False
-    px, py = case.track.point(0.0)
-    return hypot(x - px, y - py) > SIGHT * (_size(case.track) + _size(case.plate.outline))
+    px, py = scene.track.point(0.0)
+    size = sizes_of(scene.track).width + sizes_of(scene.outline).width
+    return hypot(scene.x - px, scene.y - py) > SIGHT * size
 
 
-def _of_outline(case: Case, x: float, y: float, theta: float) -> tuple[CurveSamples, _Guess | None]:
+def _of_outline(scene: _Scene) -> tuple[CurveSamples, _Guess | None]:
     """Samples of the track and the nearest pair with any outline; no pair if those of the track are ends of it."""
-    outline = _outline(case.plate.outline)
-    c, s = cos(theta), sin(theta)
-    (u, v), (mu, mv, radius) = outline.points.T, outline.ball
-    there = np.column_stack([x + c * u - s * v, y + s * u + c * v])
-    track, places, ends = _below(case, there, (x + c * mu - s * mv, y + s * mu + c * mv, radius))
+    outline, frame = _outline(scene.outline), scene.frame
+    there, ((x, y),) = frame.place(outline.points), frame.place(np.array([outline.ball[:2]])).tolist()
+    track, places, ends = _below(scene, there, (x, y, outline.ball[2]))
     apart = track.off(there, places)
     # Past an end of the track, the gap along its normal means nothing.
     best = int(np.argmin(np.where(ends, inf, apart)))
     return track, None if ends[best] else _pair(track, int(places[best]), outline, best, float(apart[best]))
 
 
-def _of_disc(case: Case, x: float, y: float, theta: float) -> tuple[CurveSamples, _Guess | None]:
+def _of_disc(scene: _Scene, radius: float) -> tuple[CurveSamples, _Guess | None]:
     """The same of a disc, which is as far from its track as its centre less its radius: one point is looked up and not
     all of its outline."""
-    radius = case.plate.radius
-    assert radius is not None
-    track, places, ends = _below(case, np.array([[x, y]]), (x, y, 0.0))
+    x, y, c, s = scene.frame
+    track, places, ends = _below(scene, np.array([[x, y]]), (x, y, 0.0))
     if ends[0]:
         return track, None
-    place, outline = int(places[0]), _outline(case.plate.outline)
+    place, outline = int(places[0]), _outline(scene.outline)
     (px, py), (nx, ny) = track.points[place].tolist(), track.normals[place].tolist()
-    (u, v), c, s = outline.points.T, cos(theta), sin(theta)
+    u, v = outline.points.T
     against = int(np.argmin((c * nx + s * ny) * u + (c * ny - s * nx) * v))
     dx, dy = x - px, y - py
     apart = copysign(hypot(dx, dy), dx * nx + dy * ny) - radius
@@ -235,13 +257,13 @@ def _pair(track: CurveSamples, place: int, outline: CurveSamples, on_outline: in
 
 
 def _below(
-    case: Case, there: np.ndarray, ball: tuple[float, float, float]
+    scene: _Scene, there: np.ndarray, ball: tuple[float, float, float]
 ) -> tuple[CurveSamples, np.ndarray, np.ndarray]:
     """Samples of the track, which of them are nearest to the points `there` (within that circle), and whether these
     are its ends."""
-    curve, size = case.track, _size(case.plate.outline)
+    curve, size = scene.track, sizes_of(scene.outline).width
     endless = curve.domain is None and not curve.period
-    low, high = _around(case, ball, size) if endless else curve.span
+    low, high = _around(scene, ball, size) if endless else curve.span
     for _ in range(DOUBLINGS):
         track = _track(curve, low, high, size)
         places = track.stretches.nearest(there, ball)
@@ -254,11 +276,11 @@ def _below(
     return track, places, ends
 
 
-def _around(case: Case, ball: tuple[float, float, float], size: float) -> tuple[float, float]:
+def _around(scene: _Scene, ball: tuple[float, float, float], size: float) -> tuple[float, float]:
     """The stretch of a track without ends that is looked at first: some sizes of the plate to either side of the start,
     as many times doubled as the plate is farther away."""
-    xi1, (x, y, _) = case.start.xi1, ball
-    X, Y, Xp, Yp = case.track.jet(xi1)[:4]
+    xi1, (x, y, _) = scene.xi1, ball
+    X, Y, Xp, Yp = scene.track.jet(xi1)[:4]
     away = hypot(x - X, y - Y) / (AROUND * size)
     margin = AROUND * size / hypot(Xp, Yp) * 2.0 ** ceil(log2(max(2.0 * away, 1.0)))
     return xi1 - margin, xi1 + margin
@@ -267,12 +289,6 @@ def _around(case: Case, ball: tuple[float, float, float], size: float) -> tuple[
 @lru_cache(maxsize=64)
 def _outline(outline: Curve) -> CurveSamples:
     return CurveSamples.of(outline, *outline.span, OUTLINE_POINTS + 1)
-
-
-@lru_cache(maxsize=64)
-def _size(outline: Curve) -> float:
-    """The largest extent of the outline, m."""
-    return float(np.ptp(outline.point(np.linspace(*outline.span, 65)), axis=1).max())
 
 
 @lru_cache(maxsize=64)

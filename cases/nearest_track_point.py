@@ -63,6 +63,11 @@ class PlateFrame(NamedTuple):
     c: float
     s: float
 
+    def place(self, points: np.ndarray) -> np.ndarray:
+        """Points (n, 2) of the plate in the plane."""
+        u, v = points.T
+        return np.column_stack([self.x + self.c * u - self.s * v, self.y + self.s * u + self.c * v])
+
     def local(self, points: np.ndarray) -> np.ndarray:
         """Points (n, 2) of the plane in the plate's frame."""
         u, v = points[:, 0] - self.x, points[:, 1] - self.y

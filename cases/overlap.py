@@ -1,7 +1,8 @@
-"""Whether a plate overlaps its track anywhere, in one pose or in many at once.
+"""Whether a plate overlaps its track anywhere, in many poses at once, or in one pose to rounding.
 
-The plate is replaced by a polygon inside its convex outline, so a reported overlap is real and deeper than the
-polygon's sagitta. An open outline encloses nothing and overlaps nothing. Polygons and samples are cached by curve.
+In many poses the plate is replaced by a polygon inside its convex outline, so a reported overlap is real and deeper
+than the polygon's sagitta. In one pose the nearest points decide. An open outline encloses nothing and overlaps
+nothing. Polygons and samples are cached by curve.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ import numpy as np
 from .chain import Chain
 from .curves import Curve
 from .features import union
+from .nearest import nearest_pair
+from .plate import sizes_of
 
 # Number of corners of the polygon, in addition to those that resolve the outline's features.
 CORNERS = 720
@@ -27,6 +30,15 @@ POINTS_A_SIZE, FEWEST, MOST = 16, 720, 20_000
 TOGETHER = 100_000
 # Cells of a column are counted within this.
 COLUMN = 2**31
+# A gap is an overlap if it is more negative than this part of the plate's size and place: the rounding of a pose.
+ROUNDING = 1e-12
+
+
+class Overlap(NamedTuple):
+    """How deep a plate overlaps its track (m), and at which parameter of the track."""
+
+    depth: float
+    xi1: float
 
 
 class _PolygonPair(NamedTuple):
@@ -112,6 +124,19 @@ def first_overlap(
             first = pose[inside].min()
             return int(first), float(samples.parameters[point[inside & (pose == first)].min()])
     return None
+
+
+def deepest_overlap(track: Curve, outline: Curve, x: float, y: float, theta: float, xi1: float) -> Overlap | None:
+    """The deepest overlap of a plate in that pose with its track, or None if there is none; `xi1`: where it is near.
+
+    Smooth curves only: None for a curve with corners or an open outline, and where the nearest points are at an end of
+    the track. Raises DoesNotFit if the nearest points are not found.
+    """
+    if isinstance(track, Chain) or isinstance(outline, Chain) or not outline.period:
+        return None
+    contact = nearest_pair(track, outline, x, y, theta, xi1)
+    rounding = ROUNDING * (abs(x) + abs(y) + sizes_of(outline).reach)
+    return Overlap(-contact.gap, contact.xi1) if contact is not None and contact.gap < -rounding else None
 
 
 @lru_cache(maxsize=64)

@@ -21,6 +21,9 @@ from .outline import Outline, arc
 # A centroid nearer than this part of the outline's size to the origin is there: the rounding of its integrals.
 CENTRED = 1e-15
 
+# A smooth outline is convex if its curvature is nowhere below this part of 1/reach.
+CONVEX = 1e-6
+
 
 @dataclass(frozen=True, repr=False)
 class Plate:
@@ -150,22 +153,22 @@ class Plate:
     @property
     def inner(self) -> float:
         """The smallest distance of the outline from the centre of mass, m."""
-        return _sizes(self.outline).inner
+        return sizes_of(self.outline).inner
 
     @property
     def reach(self) -> float:
         """The largest distance of the outline from the centre of mass, m."""
-        return _sizes(self.outline).reach
+        return sizes_of(self.outline).reach
 
     @property
     def width(self) -> float:
         """The larger side of the box about the outline, m."""
-        return _sizes(self.outline).width
+        return sizes_of(self.outline).width
 
     @property
     def radius(self) -> float | None:
         """Radius in metres if the outline is a circle about the centre of mass, else None."""
-        return _sizes(self.outline).radius
+        return sizes_of(self.outline).radius
 
 
 @lru_cache(maxsize=256)
@@ -191,7 +194,10 @@ def _contains(outline: Curve, points) -> bool:
     return True
 
 
-class _Sizes(NamedTuple):
+class OutlineSizes(NamedTuple):
+    """The least and the greatest distance of an outline from its origin, the larger side of the box about it, and the
+    radius of a circle about the origin, None of another outline, m."""
+
     inner: float
     reach: float
     width: float
@@ -199,11 +205,11 @@ class _Sizes(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def _sizes(outline: Curve) -> _Sizes:
-    """The sizes of a plate that depend only on its outline, about the outline's origin."""
+def sizes_of(outline: Curve) -> OutlineSizes:
+    """The sizes of an outline, or of another curve."""
     points = outline.point(_places(outline))
     away = np.hypot(*points)
-    return _Sizes(float(away.min()), float(away.max()), float(np.ptp(points, axis=1).max()), _radius(outline))
+    return OutlineSizes(float(away.min()), float(away.max()), float(np.ptp(points, axis=1).max()), _radius(outline))
 
 
 def _radius(outline: Curve) -> float | None:
@@ -215,6 +221,15 @@ def _radius(outline: Curve) -> float | None:
     # Rounding of a handful of operations; a real outline that round is a disc for every purpose here.
     round_enough = np.ptp(r) <= 1e-13 * r.max() and np.all(np.abs(bend * r - 1.0) <= 1e-12)
     return float(r.mean()) if round_enough and outline.period else None
+
+
+@lru_cache(maxsize=256)
+def is_convex(outline: Curve) -> bool:
+    """Whether a smooth outline is closed and bends everywhere."""
+    if not outline.period:
+        return False
+    bend = outline.curvature(np.linspace(*outline.span, 721))
+    return bool(np.min(bend) * outline.sizes[0] > CONVEX)
 
 
 def disc(radius: float, mass: float, inertia: float | None = None) -> Plate:

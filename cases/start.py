@@ -8,12 +8,13 @@ from functools import lru_cache
 import numpy as np
 
 from . import geometry
+from .chain import Chain
 from .corner import Corner
 from .curves import Curve
 from .effects import Effect, Flight, Impact, PerfectlyRough
 from .errors import BadValue, DoesNotFit, finite, instance, items, not_negative
-from .overlap import first_overlap
-from .start_overlap import deepest_overlap, meets_once
+from .overlap import deepest_overlap, first_overlap
+from .plate import is_convex
 
 
 @dataclass(frozen=True)
@@ -120,8 +121,8 @@ def _check_place(start: Start, track: Curve, outline: Curve) -> None:
             f"the plate overlaps its track at xi1 = {overlap[1]:.6g} while it touches at xi1 = {xi1:g}; "
             "give a smaller plate or another start"
         )
-    if meets_once(track, outline):
-        return
+    if track.features is None and not isinstance(track, Chain) and is_convex(outline):
+        return  # one point of the outline has the line's direction
     deepest = deepest_overlap(track, outline, state.x, state.y, state.theta, xi1)
     if deepest:
         raise DoesNotFit(

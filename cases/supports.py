@@ -24,14 +24,11 @@ from .line_or_circle import as_line
 from .moving_surface import Belt
 from .nearest_samples import nearest_samples
 from .outline_features import features, sides
-from .overlap import first_overlap, span
+from .overlap import deepest_overlap, first_overlap, span
 from .pair_effects import RESISTING, check_law, of_pair, own_effects_of, with_own
 from .piece_contact import Chains, find
 from .plate import Plate
-from .start_overlap import deepest_overlap
 
-# A smooth outline is convex if its curvature is nowhere below this part of 1/reach.
-CONVEX = 1e-6
 # A plate overlaps a support where it begins if it lies deeper in it than this part of its size: far above rounding.
 DEPTH = 1e-9
 # A plate is behind a curve if the normal of the sample next to it points away from it by at least this (a cosine).
@@ -255,12 +252,3 @@ def _gap(curve: Curve, piece: Piece, x: float, y: float, theta: float) -> float:
         low <= xi2 <= high and float((np.array([x, y]) - curve.point(xi1)) @ curve.normal(xi1)) > 0.0
     )
     return gap if is_side else inf
-
-
-@lru_cache(maxsize=256)
-def is_convex(outline: Curve) -> bool:
-    """Whether a smooth outline is closed and bends everywhere."""
-    if not outline.period:
-        return False
-    bend = outline.curvature(np.linspace(*outline.span, 721))
-    return bool(np.min(bend) * outline.sizes[0] > CONVEX)

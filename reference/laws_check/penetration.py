@@ -16,8 +16,7 @@ import numpy as np
 from cases import Case, Chain, Curve, Plate
 from cases.free_plates import names_of, plates_of
 from cases.line_or_circle import as_line
-from cases.overlap import first_overlap
-from cases.start_overlap import deepest_overlap
+from cases.overlap import deepest_overlap, first_overlap
 from cases.supports import TRACK
 
 from .samples import PlateSamples

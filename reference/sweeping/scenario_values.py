@@ -32,9 +32,8 @@ from cases import (
 from cases.contact import start_motion
 from cases.expressions import constants
 from cases.limits import Scope, limit
-from cases.overlap import first_overlap, span
+from cases.overlap import deepest_overlap, first_overlap, span
 from cases.piece_case import has_pieces
-from cases.start_overlap import deepest_overlap
 
 from ..curvature_proof import fits
 from ..effect_laws import laws

@@ -128,7 +128,7 @@ def test_where_newtons_method_fails_closer_samples_find_the_pair(monkeypatch):
 def test_a_search_that_fails_is_an_error_and_no_sample(monkeypatch):
     case = thrown(TRACKS["parabola"])
     monkeypatch.setattr(search, "find", lambda *given: (_ for _ in ()).throw(DoesNotFit("none")))
-    monkeypatch.setattr(search, "_closer", lambda case, x, y, theta, guess: guess)
+    monkeypatch.setattr(search, "_closer", lambda scene, guess: guess)
     with pytest.raises(DoesNotFit, match="nearest to the pose"):
         nearest(case, 0.0, 0.5, 0.0)
 

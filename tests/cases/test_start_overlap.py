@@ -24,8 +24,7 @@ from cases import (
 from cases.contact import start_motion
 from cases.library import circle, ellipse, line
 from cases.nearest import nearest
-from cases.overlap import first_overlap
-from cases.start_overlap import deepest_overlap
+from cases.overlap import deepest_overlap, first_overlap
 
 FLYING = (Gravity(9.81), Unilateral(), Flight())
 
