@@ -21,7 +21,7 @@ from .corner import Corner, Edge, turning
 from .curves import Curve
 from .errors import DoesNotFit, unknown_name
 from .line_or_circle import as_line
-from .nearest_samples import nearest_samples, track_samples
+from .nearest import nearest_samples
 from .outline_features import ArcRange, arc_ranges, features, side_ranges, sides
 from .plate import Plate, is_convex
 from .start import Start
@@ -34,6 +34,8 @@ MOST_STEPS, NEAR = 20, 1e-6
 APART = 1e-6
 # An edge whose gap is below minus this part of the plate's reach has a hill behind it: it does not overlap that much.
 BEHIND = 1e-3
+# Samples of a hill, of which one has nearly the direction of an edge.
+HILL_SAMPLES = 2_000
 # Parameters so many lengths of an edge away are not reached.
 FAR = 1e6
 
@@ -104,7 +106,7 @@ class PairCase(Case):
 
     def _beside_edge(self, edge: Edge, x: float, y: float, theta: float) -> tuple[float, float]:
         """Parameters of a hill's sample with the direction of an edge, and of that point's foot on the edge's line."""
-        parameters = track_samples(self.track, x, y, 0.0).parameters
+        parameters = np.linspace(*self.track.span, HILL_SAMPLES)
         off = self.track.tangent_angle(parameters) - theta - float(edge.tangent_angle(0.0))
         number = int(np.argmin(np.abs(off - 2.0 * pi * np.round(off / (2.0 * pi)))))
         c, s = cos(theta), sin(theta)

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .chain import Chain
+from .corner import Corner
 from .curves import Curve
 from .features import union
 
@@ -86,6 +88,8 @@ class CurveSamples(NamedTuple):
         parameters = curve.even(low, high, max(count, resolving))
         if curve.features and resolving <= count:
             parameters = union(parameters, curve.features.places(low, high))
+        corners = [one.middle + one.shift for one in curve.elements if isinstance(one.piece, Corner)]
+        parameters = union(parameters, corners) if corners else parameters
         parameters = parameters[np.isfinite(curve.point(parameters)).all(axis=0)]
         gaps = np.diff(parameters)
         widths = np.maximum(np.append(gaps, gaps[-1]), np.insert(gaps, 0, gaps[0]))
@@ -110,7 +114,11 @@ def _resolving(curve: Curve, low: float, high: float) -> int:
 
 
 def course(curve: Curve, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Points (n, 2), left normals (n, 2), curvatures (n,) and speeds (n,) of a curve."""
+    """Points (n, 2), left normals (n, 2), curvatures (n,) and speeds (n,) of a curve; at corners the curvature is 0."""
+    if isinstance(curve, Chain):
+        bends = curve.curvature(parameters)
+        bends = np.where(np.isfinite(bends), bends, 0.0)
+        return curve.point(parameters).T, curve.normal(parameters).T, bends, curve.speed(parameters)
     _, _, xp, yp, xs, ys, _, _ = jets = curve.jets(parameters)
     speed = np.hypot(xp, yp)
     return jets[:2].T, np.column_stack([-yp, xp]) / speed[:, None], (xp * ys - yp * xs) / speed**3, speed

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .chain import Chain
+from .corner import Corner, Piece
 from .curve_samples import MOST, ROUNDING, CurveSamples, course, osculating_distances, squares
 from .curves import Curve
 from .errors import DoesNotFit
@@ -27,6 +28,8 @@ POINTS_A_SIZE = 24
 # A track without ends is looked at for at least so many sizes of the plate to either side of the start; while the plate
 # is nearest to an end of that, for twice as many, so often at most.
 AROUND, DOUBLINGS = 16.0, 40
+# Around a corner alone samples of a track with ends are about this part of its size apart, times POINTS_A_SIZE.
+PARTS = 32
 # Newton's method has found the pair that the samples show if it is no more of their distances away from them.
 NEIGHBOURS = 4.0
 # Else the pair is looked for among samples as far to either side as this, in their distances, ever closer by this
@@ -42,7 +45,7 @@ class _Scene(NamedTuple):
     """A track and an outline in a pose, and a parameter of the track near which a track without ends is looked at."""
 
     track: Curve
-    outline: Curve
+    outline: Piece
     x: float
     y: float
     theta: float
@@ -51,6 +54,17 @@ class _Scene(NamedTuple):
     @property
     def frame(self) -> PlateFrame:
         return PlateFrame(self.x, self.y, cos(self.theta), sin(self.theta))
+
+    @property
+    def size(self) -> float:
+        """What the track's samples are close to, m: the outline's size; a corner has none, and nearly all of the track
+        is as far away as itself."""
+        if not isinstance(self.outline, Corner):
+            return sizes_of(self.outline).width
+        if self.track.domain is not None or self.track.period:
+            return sizes_of(self.track).width / PARTS
+        away = hypot(*(self.track.point(self.xi1) - (self.x, self.y))) + hypot(self.outline.x, self.outline.y)
+        return 2.0 ** ceil(log2(away)) if away else 1.0  # few sizes, as samples are kept
 
     def find(self, near: tuple[float, float]) -> Contact:
         """What Newton's method finds from a pair. Raises DoesNotFit."""
@@ -96,6 +110,37 @@ def nearest_pair(track: Curve, outline: Curve, x: float, y: float, theta: float,
     if among_ripples is not None and among_ripples.apart <= most:
         guess = among_ripples
     return None if guess is None else _refined(scene, guess)
+
+
+def nearest_samples(track: Curve, outline: Piece, x: float, y: float, theta: float) -> list[tuple[float, float]]:
+    """Parameters of samples of a track and an outline, or a corner of one, that are nearest to each other in a pose:
+    each pair with a smaller gap than its neighbours, the one with the least gap along the track's normal first."""
+    scene = _Scene(track, outline, x, y, theta, 0.5 * sum(track.span))
+    if isinstance(outline, Corner):
+        there = scene.frame.place(np.array([[outline.x, outline.y]]))
+        samples, places, _ = _below(scene, there, (*there[0].tolist(), 0.0))
+        return [(float(samples.parameters[places[0]]), 0.5 * sum(outline.span))]
+    own, samples, places, _, gaps = _gaps(scene)
+    before, behind = np.roll(gaps, 1), np.roll(gaps, -1)
+    if not outline.period:
+        before[0] = behind[-1] = inf
+    least = np.flatnonzero((gaps <= before) & (gaps <= behind))
+    order = least[np.argsort(gaps[least], kind="stable")]
+    return list(zip(samples.parameters[places[order]].tolist(), own.parameters[order].tolist(), strict=True))
+
+
+def opposite_samples(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[tuple[float, float]]:
+    """Parameters near which a track and a smooth outline have a common normal in a pose, the pair with the least gap
+    first: that of the nearest points, and others from which the same pose is as well determined."""
+    scene = _Scene(track, outline, x, y, theta, 0.5 * sum(track.span))
+    own, samples, *_ = _gaps(scene)
+    there, normals = scene.frame.place(own.points), samples.normals
+    lowest = np.argmin(normals @ there.T, axis=1)  # the point of the outline that is nearest along each normal
+    away = there[lowest] - samples.points
+    along, gaps = away[:, 0] * normals[:, 1] - away[:, 1] * normals[:, 0], (away * normals).sum(axis=1)
+    changes = np.flatnonzero(along[:-1] * along[1:] <= 0.0)
+    order = changes[np.argsort(gaps[changes], kind="stable")]
+    return [(float(samples.parameters[k]), float(own.parameters[lowest[k]])) for k in order if gaps[k] > 0.0]
 
 
 def _of_pieces(scene: _Scene) -> Contact | None:
@@ -191,7 +236,7 @@ def _closer(scene: _Scene, guess: _Guess) -> _Guess:
     return _Guess(float(xi1[foot]), float(xi2[best]), float(apart[best]), *widths)
 
 
-def _window(curve: Curve, middle: float, width: float) -> np.ndarray:
+def _window(curve: Piece, middle: float, width: float) -> np.ndarray:
     """Parameters around one, as far as the curve goes."""
     count = int(2 * WINDOW * CLOSER) + 1
     low, high = middle - WINDOW * width, middle + WINDOW * width
@@ -205,7 +250,7 @@ def _at_an_end(scene: _Scene, pair: Contact | _Guess) -> bool:
     return _ends(scene.track, pair.xi1) or _ends(scene.outline, pair.xi2)
 
 
-def _ends(curve: Curve, parameter: float) -> bool:
+def _ends(curve: Piece, parameter: float) -> bool:
     return curve.ends is not None and not curve.ends[0] < parameter < curve.ends[1]
 
 
@@ -220,13 +265,19 @@ def _out_of_sight(scene: _Scene) -> bool:
 
 def _of_outline(scene: _Scene) -> tuple[CurveSamples, _Guess | None]:
     """Samples of the track and the nearest pair with any outline; no pair if those of the track are ends of it."""
-    outline, frame = _outline(scene.outline), scene.frame
-    there, ((x, y),) = frame.place(outline.points), frame.place(np.array([outline.ball[:2]])).tolist()
-    track, places, ends = _below(scene, there, (x, y, outline.ball[2]))
-    apart = track.off(there, places)
+    outline, track, places, ends, apart = _gaps(scene)
     # Past an end of the track, the gap along its normal means nothing.
     best = int(np.argmin(np.where(ends, inf, apart)))
     return track, None if ends[best] else _pair(track, int(places[best]), outline, best, float(apart[best]))
+
+
+def _gaps(scene: _Scene) -> tuple[CurveSamples, CurveSamples, np.ndarray, np.ndarray, np.ndarray]:
+    """Samples of the outline and of the track, which of these are nearest to each of those, whether they are ends, and
+    how far they are apart along the track's normal, m."""
+    outline, frame = _outline(scene.outline), scene.frame
+    there, ((x, y),) = frame.place(outline.points), frame.place(np.array([outline.ball[:2]])).tolist()
+    track, places, ends = _below(scene, there, (x, y, outline.ball[2]))
+    return outline, track, places, ends, track.off(there, places)
 
 
 def _of_disc(scene: _Scene, radius: float) -> tuple[CurveSamples, _Guess | None]:
@@ -261,7 +312,7 @@ def _below(
 ) -> tuple[CurveSamples, np.ndarray, np.ndarray]:
     """Samples of the track, which of them are nearest to the points `there` (within that circle), and whether these
     are its ends."""
-    curve, size = scene.track, sizes_of(scene.outline).width
+    curve, size = scene.track, scene.size
     endless = curve.domain is None and not curve.period
     low, high = _around(scene, ball, size) if endless else curve.span
     for _ in range(DOUBLINGS):

@@ -14,7 +14,7 @@ from .curves import Curve
 from .effects import Belt, Drive, Effect, one
 from .errors import BadValue, DoesNotFit, finite
 from .line_or_circle import as_line
-from .nearest_samples import nearest_samples, opposite_samples, track_samples
+from .nearest import nearest_samples, opposite_samples
 from .size_limits import check_belt, check_drive
 from .start import Start
 
@@ -172,17 +172,12 @@ def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) ->
             return results
         opposite = opposite_samples(track, outline, x, y, theta)
         return _contacts_near(track, outline, x, y, theta, opposite) or _equidistant(track, outline, x, y, theta)
-    samples = track_samples(track, x, y, outline.sizes[0])
-    c, s = cos(theta), sin(theta)
     for element in outline.elements:
         piece = element.piece
         low, high = piece.span
         inner = 0.5 * (low + high)
-        u, v = piece.point(inner)
-        number = samples.nearest(np.array([x + c * u - s * v, y + s * u + c * v]))
-        first = float(samples.parameters[number])
         try:
-            one = piece_contact.find(track, piece, x, y, theta, (first, inner))
+            one = piece_contact.find(track, piece, x, y, theta, nearest_samples(track, piece, x, y, theta)[0])
         except DoesNotFit:  # an edge faces the track
             continue
         turn = 2.0 * pi if isinstance(piece, Corner) else piece.period or inf

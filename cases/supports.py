@@ -22,7 +22,7 @@ from .effects import CoulombFriction, Effect, Impact, RollingResistance
 from .errors import BadValue, DoesNotFit, items
 from .line_or_circle import as_line
 from .moving_surface import Belt
-from .nearest_samples import nearest_samples
+from .nearest import nearest_samples
 from .outline_features import features, sides
 from .overlap import deepest_overlap, first_overlap, span
 from .pair_effects import RESISTING, check_law, of_pair, own_effects_of, with_own

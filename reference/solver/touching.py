@@ -14,7 +14,7 @@ from cases.corner import Corner, Piece
 from cases.couples import Couple, couples
 from cases.element import Element
 from cases.geometry import find
-from cases.nearest_samples import nearest_samples
+from cases.nearest import nearest_samples
 from cases.piece_case import PieceCase, _piece_case
 from cases.start_pose import OVERLAPS
 from cases.supports import is_straight
