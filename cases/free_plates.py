@@ -20,6 +20,7 @@ from .curves import Curve
 from .effects import Drive, E, Effect, Load
 from .errors import BadValue, DoesNotFit, NotSupported
 from .line_or_circle import Line, as_line
+from .overlap import OVERLAPS, overlaps
 from .plate import Plate
 from .polygon_features import (
     Region,
@@ -32,8 +33,8 @@ from .polygon_features import (
     regions,
     size_of_plate,
 )
-from .start_pose import OVERLAPS, StartPose
-from .supports import TRACK, check_side, cover, effects_at, enters, is_straight, overlaps
+from .start_pose import StartPose
+from .supports import TRACK, check_side, effects_at, is_straight
 
 # Modes are enumerated: four for each contact of plates that touch each other.
 MOST = 8
@@ -236,17 +237,13 @@ def check_places(case: Any) -> None:
     for b, plate in enumerate(plates):
         pose = poses[b, :3].tolist()
         for name, curve in fixed:
-            if overlaps(curve, plate, *pose):
+            if overlaps(curve, plate.outline, *pose):
                 raise DoesNotFit(f"{names[b]}/{name} overlap where they begin; give another StartPose")
         for a, base in enumerate(plates[:b]):
             x, y = local_centre(poses[a], *pose[:2])
-            if hypot(x, y) <= plate.reach + base.reach and _both_overlap(base, plate, x, y, pose[2] - poses[a, 2]):
+            is_near, theta = hypot(x, y) <= plate.reach + base.reach, pose[2] - float(poses[a, 2])
+            if is_near and overlaps(backwards(base.outline), plate.outline, float(x), float(y), theta):
                 raise DoesNotFit(f"{names[b]}/{names[a]} overlap where they begin; give another StartPose")
-
-
-def _both_overlap(base: Plate, plate: Plate, x: float, y: float, theta: float) -> bool:
-    """Whether two plates overlap, the second one in a pose in the frame of the first one."""
-    return enters(backwards(base.outline), plate.outline, x, y, theta) or cover(base, plate, x, y, theta)
 
 
 def size_of(poses: np.ndarray, radii: tuple[float, ...]) -> float:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
-from math import ceil, copysign, cos, hypot, inf, log2, sin
+from math import ceil, copysign, cos, hypot, inf, log2, pi, remainder, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from .chain import Chain
 from .corner import Corner, Piece
 from .curve_samples import MOST, ROUNDING, CurveSamples, course, osculating_distances, squares
 from .curves import Curve
+from .element import Element
 from .errors import DoesNotFit
 from .geometry import Contact
 from .nearest_track_point import PlateFrame, nearest_track_point
@@ -37,6 +39,11 @@ NEIGHBOURS = 4.0
 WINDOW, CLOSER, ROUNDS, LEVEL = 1.5, 8.0, 100, 1e-9
 # Where no track is any more, m: squares of distances overflow there.
 FARTHEST = 1e150
+# A pair at an end of a track may be beyond it by this part of the track, a rounding, and normals meet within it, in
+# parts of the plate's size and place.
+SAME_PLACE = 1e-12
+# Steps of Newton's method for a direction of the outline's tangent, from anywhere: of a circle the first is exact.
+NEWTON = 32
 # From so many times a closed track's size away it is a point: which of its points is the nearest drowns in rounding.
 SIGHT = 1e12
 
@@ -57,13 +64,14 @@ class _Scene(NamedTuple):
 
     @property
     def size(self) -> float:
-        """What the track's samples are close to, m: the outline's size; a corner has none, and nearly all of the track
-        is as far away as itself."""
-        if not isinstance(self.outline, Corner):
+        """What the track's samples are close to, m: the outline's size; pieces and corners of an outline share those of
+        another size."""
+        if self.outline.period:
             return sizes_of(self.outline).width
         if self.track.domain is not None or self.track.period:
             return sizes_of(self.track).width / PARTS
-        away = hypot(*(self.track.point(self.xi1) - (self.x, self.y))) + hypot(self.outline.x, self.outline.y)
+        reach = float(np.hypot(*self.outline.point(self.outline.span[0])))
+        away = hypot(*(self.track.point(self.xi1) - (self.x, self.y))) + reach
         return 2.0 ** ceil(log2(away)) if away else 1.0  # few sizes, as samples are kept
 
     def find(self, near: tuple[float, float]) -> Contact:
@@ -141,6 +149,78 @@ def opposite_samples(track: Curve, outline: Curve, x: float, y: float, theta: fl
     changes = np.flatnonzero(along[:-1] * along[1:] <= 0.0)
     order = changes[np.argsort(gaps[changes], kind="stable")]
     return [(float(samples.parameters[k]), float(own.parameters[lowest[k]])) for k in order if gaps[k] > 0.0]
+
+
+def contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[Contact]:
+    """Pairs of nearest points of the track and each element of the outline, between the ends of both; where there are
+    none, other pairs with a common normal, from which the pose is as well determined."""
+    pose, elements = (x, y, theta), outline.elements
+    results = [one for each in elements for one in _on_element(track, outline, each, pose, nearest_samples)]
+    if results or (isinstance(track, Chain) and not isinstance(outline, Chain)):
+        return results
+    further = opposite_samples if not isinstance(outline, Chain) else _below_middle
+    results = [one for each in elements for one in _on_element(track, outline, each, pose, further)]
+    return results if results or isinstance(outline, Chain) else _equidistant(track, outline, x, y, theta)
+
+
+def _below_middle(track: Curve, piece: Piece, x: float, y: float, theta: float) -> list[tuple[float, float]]:
+    """The parameter of the sample of a track that is nearest to the middle of a piece, and that middle."""
+    middle = 0.5 * sum(piece.span)
+    u, v = piece.point(middle).tolist()
+    return [(nearest_samples(track, Corner(u, v, 0.0, 0.0), x, y, theta)[0][0], middle)]
+
+
+def _on_element(
+    track: Curve,
+    outline: Curve,
+    element: Element,
+    pose: tuple[float, float, float],
+    samples: Callable[..., list[tuple[float, float]]],
+) -> list[Contact]:
+    """The contacts on one element of the outline and on the track to which Newton's method goes from samples: of the
+    nearest ones only from the first pair."""
+    results, ends = list[Contact](), track.ends or (-inf, inf)
+    for guess in samples(track, element.piece, *pose)[: 1 if samples is nearest_samples else None]:
+        try:
+            xi1, xi2, gap = find(track, element.piece, *pose, guess)
+        except DoesNotFit:  # it ends nowhere, or an edge faces the track
+            continue
+        on_track, on_outline = min(max(xi1, ends[0]), ends[1]), _on_outline(outline, element, xi2)
+        # At an end of the track the contact may be beyond it by a rounding.
+        is_on_track = on_track == xi1 or abs(xi1 - on_track) <= SAME_PLACE * (ends[1] - ends[0])
+        if is_on_track and on_outline is not None:
+            results.append(Contact(on_track, on_outline, gap))
+    return results
+
+
+def _on_outline(outline: Curve, element: Element, xi2: float) -> float | None:
+    """The parameter of an outline at that of its element; None beyond the element's ends."""
+    if not isinstance(outline, Chain):
+        return xi2
+    (low, high), piece = element.span, element.piece
+    turn = 2.0 * pi if isinstance(piece, Corner) else piece.period or inf
+    # The parameter of the middle of the piece, within its own range to rounding.
+    xi2 = xi2 - turn * round((xi2 - element.middle) / turn) if turn < inf else xi2
+    if not low - SAME_PLACE <= xi2 <= high + SAME_PLACE:
+        return None
+    # At a joint a parameter may belong to the neighbour: a rounding keeps it on this element.
+    first, last = element.start, element.start + (high - low)
+    return min(max(xi2 + element.shift, float(np.nextafter(first, inf))), float(np.nextafter(last, -inf)))
+
+
+def _equidistant(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[Contact]:
+    """The middle of a track whose normals all meet the outline's in this pose, as at the centre of a round bowl, where
+    no nearest point is the only one; none on another track."""
+    xi1 = 0.5 * sum(track.span)
+    direction, xi2 = float(track.tangent_angle(xi1)) - theta, float(outline.span[0])
+    for _ in range(NEWTON):
+        off = remainder(direction - float(outline.tangent_angle(xi2)), 2.0 * pi)
+        xi2 += off / float(outline.curvature(xi2) * outline.speed(xi2))
+    (u, v), c, s = outline.point(xi2), cos(theta), sin(theta)
+    away = np.array([x + c * u - s * v, y + s * u + c * v]) - track.point(xi1)
+    aside, gap = float(away @ track.tangent(xi1)), float(away @ track.normal(xi1))
+    size = abs(x) + abs(y) + outline.sizes[0]
+    return [Contact(xi1, xi2, gap)] if abs(aside) <= SAME_PLACE * size and gap > 0.0 else []
 
 
 def _of_pieces(scene: _Scene) -> Contact | None:

@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import cos, hypot, inf, pi, remainder, sin
+from math import hypot, inf, pi
 
 import numpy as np
 
-from . import geometry, piece_contact
+from . import geometry
 from .chain import Chain
-from .corner import Corner, Edge
+from .corner import Edge
 from .curves import Curve
 from .effects import Belt, Drive, Effect, one
 from .errors import BadValue, DoesNotFit, finite
 from .line_or_circle import as_line
-from .nearest import nearest_samples, opposite_samples
+from .nearest import contacts
+from .overlap import OVERLAPS
 from .size_limits import check_belt, check_drive
 from .start import Start
 
 # A gap below this part of the plate's size and place is the rounding of a pose: the plate touches its track. A velocity
 # along the normal below this part of the plate's speed is none.
 TOUCHES = 1e-12
-# An overlap below this part of the plates' size and place is the error of a motion that begins again in one of its
-# states, and the plates touch: three times the largest in 60 motions of several plates at the default tolerance.
-OVERLAPS = 1e-9
-# Steps of Newton's method for a direction of the outline's tangent, from anywhere: of a circle the first is exact.
-NEWTON = 32
 
 
 @dataclass(frozen=True)
@@ -59,7 +55,7 @@ def as_start(pose: StartPose, track: Curve, outline: Curve, effects: tuple[Effec
         place = drive.at(0.0)
         x, y, *velocities = place.seen_from_track(pose.x, pose.y, pose.vx, pose.vy, pose.omega)
         seen = StartPose(x, y, pose.theta - place.angle, *velocities)
-    contact = min(_contacts(track, outline, seen.x, seen.y, seen.theta), key=lambda contact: contact.gap, default=None)
+    contact = min(contacts(track, outline, seen.x, seen.y, seen.theta), key=lambda contact: contact.gap, default=None)
     if contact is None:
         raise DoesNotFit("the point of the track nearest to the StartPose is not found; give a Start instead")
     slip, rate = _velocities(seen, track, contact)
@@ -124,68 +120,3 @@ def _middle_of_level_edge(direction: float, outline: Chain) -> float | None:
         if isinstance(element.piece, Edge) and abs(turns - round(turns)) <= TOUCHES:
             middles.append(middle - round(turns) * (outline.period or 0.0))
     return middles[0] if len(middles) == 1 else None
-
-
-def _on_track(track: Curve, contact: geometry.Contact) -> list[geometry.Contact]:
-    """The contact, at an end of the track if it is beyond by a rounding; none if it is farther beyond."""
-    if not track.ends:
-        return [contact]
-    low, high = track.ends
-    inside = min(max(contact.xi1, low), high)
-    return [contact._replace(xi1=inside)] if abs(contact.xi1 - inside) <= TOUCHES * (high - low) else []
-
-
-def _contacts_near(
-    track: Curve, outline: Curve, x: float, y: float, theta: float, guesses: list[tuple[float, float]]
-) -> list[geometry.Contact]:
-    """The contacts on the track to which Newton's method goes from these parameters."""
-    results = list[geometry.Contact]()
-    for guess in guesses:
-        try:
-            results += _on_track(track, piece_contact.find(track, outline, x, y, theta, guess))
-        except DoesNotFit:  # it ends nowhere
-            continue
-    return results
-
-
-def _equidistant(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[geometry.Contact]:
-    """The middle of a track whose normals all meet the outline's in this pose, as at the centre of a round bowl, where
-    no nearest point is the only one; none on another track."""
-    xi1 = 0.5 * sum(track.span)
-    direction, xi2 = float(track.tangent_angle(xi1)) - theta, float(outline.span[0])
-    for _ in range(NEWTON):
-        off = remainder(direction - float(outline.tangent_angle(xi2)), 2.0 * pi)
-        xi2 += off / float(outline.curvature(xi2) * outline.speed(xi2))
-    (u, v), c, s = outline.point(xi2), cos(theta), sin(theta)
-    away = np.array([x + c * u - s * v, y + s * u + c * v]) - track.point(xi1)
-    aside, gap = float(away @ track.tangent(xi1)), float(away @ track.normal(xi1))
-    size = abs(x) + abs(y) + outline.sizes[0]
-    return [geometry.Contact(xi1, xi2, gap)] if abs(aside) <= TOUCHES * size and gap > 0.0 else []
-
-
-def _contacts(track: Curve, outline: Curve, x: float, y: float, theta: float) -> list[geometry.Contact]:
-    """Pairs of nearest points of the track and each feature of the outline, on the track between its ends."""
-    results = list[geometry.Contact]()
-    if not isinstance(outline, Chain):
-        results = _contacts_near(track, outline, x, y, theta, nearest_samples(track, outline, x, y, theta)[:1])
-        if results or isinstance(track, Chain):
-            return results
-        opposite = opposite_samples(track, outline, x, y, theta)
-        return _contacts_near(track, outline, x, y, theta, opposite) or _equidistant(track, outline, x, y, theta)
-    for element in outline.elements:
-        piece = element.piece
-        low, high = piece.span
-        inner = 0.5 * (low + high)
-        try:
-            one = piece_contact.find(track, piece, x, y, theta, nearest_samples(track, piece, x, y, theta)[0])
-        except DoesNotFit:  # an edge faces the track
-            continue
-        turn = 2.0 * pi if isinstance(piece, Corner) else piece.period or inf
-        # The parameter of the middle of the piece, within its own range to rounding.
-        xi2 = one.xi2 - turn * round((one.xi2 - inner) / turn) if turn < inf else one.xi2
-        if low - TOUCHES <= xi2 <= high + TOUCHES:
-            # At a joint a parameter may belong to the neighbour: a rounding keeps it on this element.
-            first, last = element.start, element.start + (high - low)
-            whole = min(max(xi2 + element.shift, float(np.nextafter(first, inf))), float(np.nextafter(last, -inf)))
-            results.append(geometry.Contact(one.xi1, whole, one.gap))
-    return results

@@ -15,8 +15,8 @@ from cases.couples import Couple, couples
 from cases.element import Element
 from cases.geometry import find
 from cases.nearest import nearest_samples
+from cases.overlap import OVERLAPS
 from cases.piece_case import PieceCase, _piece_case
-from cases.start_pose import OVERLAPS
 from cases.supports import is_straight
 
 from ..curvature_proof import curvatures
