@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+import numpy as np
+
 from .case_class import Case
 from .chain import Chain
-from .contact_pairs import pairs, pairs_in_pose
 from .curves import Curve
 from .effects import Flight
 from .limits import Scope, as_sentence, limit, without_certificate
+from .nearest import contacts
 from .outline_features import features
 from .piece_case import has_pieces
 from .start_pose import TOUCHES
 from .supports import is_hill
+
+# Contacts are in one place if they are closer than this part of the plate's size.
+APART = 1e-6
 
 
 def limitation(case: Case) -> str:
@@ -53,6 +58,6 @@ def _corners_touch(case: Case) -> bool:
         return False
     begin = case.start.motion(case.track, case.plate.outline)
     pose, size = (begin.x, begin.y, begin.theta), abs(begin.x) + abs(begin.y) + case.plate.reach
-    gaps = [one.pair.gap(*pose) for one in pairs_in_pose(case, *pose) if not one.is_away]
-    others = [len(pair.touching_points(*pose)) for pair in pairs(case) if not pair.has_unique_points]
-    return sum(abs(gap) <= TOUCHES * size for gap in gaps) + sum(others) > 1
+    some = contacts(case.track, case.plate.outline, *pose)
+    places = [case.track.point(one.xi1) for one in some if abs(one.gap) <= TOUCHES * size]
+    return any(np.hypot(*(place - places[0])) > APART * case.plate.reach for place in places)

@@ -6,6 +6,7 @@ radians; (5), (6), (11), (12) are the paper's equations.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import cos, hypot, inf, nan, pi, sin
 from typing import NamedTuple
 
@@ -27,6 +28,8 @@ SAME = 1e-9
 MANY_TURNS = 1e6
 # Newton's method for the foot of a point on a piece: quadratic near the foot, so that these are many.
 MOST_STEPS = 50
+# Samples at which the bend of a piece is looked at.
+BEND_SAMPLES = 2_001
 
 
 class MotionPoint(NamedTuple):
@@ -235,6 +238,15 @@ def slip_velocity(track: Curve, x, y, vx, vy, omega, xi1):
     """(11) along the track's unit tangent at `xi1`: velocity of the plate's material point there. Numbers or arrays."""
     tangent, contact = track.tangent(xi1), track.point(xi1)
     return (vx - omega * (contact[1] - y)) * tangent[0] + (vy + omega * (contact[0] - x)) * tangent[1]
+
+
+@lru_cache(maxsize=1024)
+def bends(piece: Piece) -> tuple[float, float]:
+    """Least and greatest curvature of a piece, 1/m: infinite at a corner, with the sign of its turn."""
+    if isinstance(piece, Corner) or piece.features is None and not isinstance(piece, Chain):
+        return (piece.sign * inf, piece.sign * inf) if isinstance(piece, Corner) else (0.0, 0.0)
+    values = np.asarray(piece.curvature(np.linspace(*piece.span, BEND_SAMPLES)))
+    return float(values.min()), float(values.max())
 
 
 def clearance(track: Piece, outline: Piece, xi1, xi2):

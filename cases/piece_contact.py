@@ -256,13 +256,7 @@ def excludes_second(track: Curve, outline: Curve) -> bool:
     pieces = [element.piece for element in outline.elements]
     if not outline.period or any(isinstance(p, Corner) and p.turn < 0.0 for p in pieces):
         return False
-    if any(isinstance(p, Curve) and _least_bend(p, 1) < -FLAT for p in pieces):
+    if any(isinstance(p, Curve) and geometry.bends(p)[0] < -FLAT for p in pieces):
         return False
     under = [element.piece for element in track.elements]
-    return all(p.turn < 0.0 if isinstance(p, Corner) else _least_bend(p, -1) >= -FLAT for p in under)
-
-
-def _least_bend(piece: Curve, sign: int) -> float:
-    if piece.features is None:
-        return 0.0
-    return float(np.min(sign * piece.curvature(np.linspace(*piece.span, 721))))
+    return all(p.turn < 0.0 if isinstance(p, Corner) else geometry.bends(p)[1] <= FLAT for p in under)

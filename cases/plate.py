@@ -15,6 +15,7 @@ from .chain import Chain, translate
 from .corner import Edge
 from .curves import Curve
 from .errors import BadCurve, BadValue, instance, items, not_negative, positive, positive_or_infinite, whole
+from .geometry import bends
 from .library import circle
 from .outline import Outline, arc
 
@@ -223,13 +224,9 @@ def _radius(outline: Curve) -> float | None:
     return float(r.mean()) if round_enough and outline.period else None
 
 
-@lru_cache(maxsize=256)
 def is_convex(outline: Curve) -> bool:
     """Whether a smooth outline is closed and bends everywhere."""
-    if not outline.period:
-        return False
-    bend = outline.curvature(np.linspace(*outline.span, 721))
-    return bool(np.min(bend) * outline.sizes[0] > CONVEX)
+    return bool(outline.period) and bends(outline)[0] * outline.sizes[0] > CONVEX
 
 
 def disc(radius: float, mass: float, inertia: float | None = None) -> Plate:

@@ -7,7 +7,6 @@ points of each such pair are unique in every pose, so that a solver can watch al
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from .contact_names import TRACK
 from .curves import Curve
 from .effects import CoulombFriction, Effect, Impact, RollingResistance
 from .errors import BadValue, DoesNotFit, items
+from .geometry import bends
 from .line_or_circle import as_line
 from .moving_surface import Belt
 from .nearest import nearest_samples
@@ -25,8 +25,6 @@ from .pair_effects import RESISTING, check_law, of_pair, own_effects_of, with_ow
 
 # A plate is behind a curve if the normal of the sample next to it points away from it by at least this (a cosine).
 BEHIND = 0.1
-# Samples at which the bend of a support is looked at.
-HOLLOW_SAMPLES = 2_001
 # Effects that a support may have of its own.
 OWN = (*RESISTING, Impact, Belt)
 
@@ -119,20 +117,16 @@ def is_straight(curve: Curve) -> bool:
     return curve.domain is None and as_line(curve) is not None
 
 
-@lru_cache(maxsize=256)
 def is_hollow(curve: Curve) -> bool:
     """Whether a smooth support bends to its left everywhere, where the plate is: of an outline it touches corners and
     round pieces only. A line has no bend."""
-    bend = np.asarray(curve.curvature(np.linspace(*curve.span, HOLLOW_SAMPLES)))
-    return bool(np.all(bend > 0.0))
+    return bends(curve)[0] > 0.0
 
 
-@lru_cache(maxsize=256)
 def is_hill(curve: Curve) -> bool:
     """Whether a smooth support is closed and bends to its right everywhere, away from the plate: corners and edges of a
     convex polygon touch it, and the nearest points are unique."""
-    bend = np.asarray(curve.curvature(np.linspace(*curve.span, HOLLOW_SAMPLES)))
-    return bool(curve.period) and bool(np.all(bend < 0.0))
+    return bool(curve.period) and bends(curve)[1] < 0.0
 
 
 def check_start(case: Any, x: float, y: float, theta: float) -> None:

@@ -28,7 +28,7 @@ from .plate_numbers import bodies
 from .regimes import AT_END
 from .segment_view import SegmentView, remember
 from .shapes import Poses, Shapes, Straight, first_closings, guess, shapes
-from .touching import bends, inside, pairs_that_touch
+from .touching import bend_bounds, inside, pairs_that_touch
 from .watched_plates import APART
 
 # A corner that comes to a line with a flat side of its own: a few of the coarsest tolerance's errors of an angle, rad.
@@ -276,7 +276,7 @@ def is_unique(pair: PieceCase) -> bool:
     """Whether the nearest points of two elements are the only ones: that of the plate bulges, that of the track does
     not bend towards it."""
     track, outline = pair.pieces
-    return bends(outline)[0] >= 0.0 and bends(track)[1] <= 0.0
+    return bend_bounds(outline)[0] >= 0.0 and bend_bounds(track)[1] <= 0.0
 
 
 def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:
@@ -285,8 +285,10 @@ def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:
     track, outline = other.pieces
     piece = track if of_track else outline
     if not isinstance(piece, Corner):
-        return bends(outline)[0] > bends(track)[1]
-    return piece.sign < 0 and bends(outline)[0] >= 0.0 if of_track else piece.sign > 0 and bends(track)[1] <= 0.0
+        return bend_bounds(outline)[0] > bend_bounds(track)[1]
+    if of_track:
+        return piece.sign < 0 and bend_bounds(outline)[0] >= 0.0
+    return piece.sign > 0 and bend_bounds(track)[1] <= 0.0
 
 
 def _locate(poses: Poses, start: float, pair: PieceCase, when: float, near: tuple[float, float]) -> CoupleMeeting:

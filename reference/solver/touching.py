@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache
-from math import inf
 from typing import cast
 
 import numpy as np
@@ -13,7 +12,7 @@ from cases import Case, Chain, Curve, DoesNotFit
 from cases.corner import Corner, Piece
 from cases.couples import Couple, couples
 from cases.element import Element
-from cases.geometry import find
+from cases.geometry import bends, find
 from cases.nearest import nearest_samples
 from cases.overlap import OVERLAPS
 from cases.piece_case import PieceCase, _piece_case
@@ -44,12 +43,9 @@ def pairs_that_touch(couple: Couple) -> tuple[PieceCase, ...]:
 
 
 @lru_cache(maxsize=1024)
-def bends(piece: Piece) -> tuple[float, float]:
-    """Least and greatest curvature of an element, 1/m: that of a convex corner of an outline or of a track is infinite
-    with its sign."""
-    if isinstance(piece, Corner):
-        return piece.sign * inf, piece.sign * inf
-    return curvatures(piece)
+def bend_bounds(piece: Piece) -> tuple[float, float]:
+    """Bounds on an element's curvature, 1/m, however fine its features; at a corner as `geometry.bends`."""
+    return bends(piece) if isinstance(piece, Corner) else curvatures(piece)
 
 
 def _may_touch(track: Piece, outline: Piece) -> bool:
@@ -59,8 +55,8 @@ def _may_touch(track: Piece, outline: Piece) -> bool:
         return not isinstance(outline, Corner) and track.turn < 0.0
     if isinstance(outline, Corner):
         return outline.turn > 0.0
-    is_flat = outline.features is None and bends(track)[0] >= 0.0
-    return not is_flat and not (track.features is None and bends(outline)[1] <= 0.0)
+    is_flat = outline.features is None and bend_bounds(track)[0] >= 0.0
+    return not is_flat and not (track.features is None and bend_bounds(outline)[1] <= 0.0)
 
 
 def touching_contacts(
