@@ -19,7 +19,7 @@ from .free_plates import MOST, loads_of, why_not_closed_forms
 from .outline_features import arc_ranges, features, is_arc, sides
 from .own_effects import own_effects
 from .pair_effects import of_pair
-from .supports import has_belt, has_rolling_resistance, has_slip_law, is_hill, is_hollow, is_straight
+from .supports import has_belt, has_rolling_resistance, is_hill, is_hollow, is_straight
 
 
 class Scope(StrEnum):
@@ -28,7 +28,6 @@ class Scope(StrEnum):
     ANY = "any motion"
     SEVERAL_CONTACTS = "a plate with several contacts"
     SEVERAL_PLATES = "several plates"
-    SWEEP = "a sweep"
     EFFECTS = "a certificate of several contacts: effects"
     SHAPES = "a certificate of several contacts: shapes"
 
@@ -163,13 +162,6 @@ def _excludes(one: type, other: type, why: str) -> Limit:
     )
 
 
-def _of_sweep(feature: str, applies: Callable[[Any], object], what: str) -> Limit:
-    """The limit of many motions at once."""
-    sentence = f"a sweep does not support {what}; simulate such cases one by one"
-    why = "the rules of decisions on arrays are for one contact with constant coefficients"
-    return Limit(Scope.SWEEP, feature, applies, sentence, Reason.NOT_BUILT, why)
-
-
 # The first row of a scope that applies is the one that is reported.
 LIMITS = (
     _needs(RollingResistance, (CoulombFriction, PerfectlyRough), "nothing makes a plate without friction roll"),
@@ -222,11 +214,6 @@ LIMITS = (
         Reason.MECHANICS,
         "plates that are not guided part and meet",
     ),
-    _of_sweep("supports", lambda case: case.supports, "supports"),
-    _of_sweep("several plates", lambda case: case.others, "several plates (others)"),
-    _of_sweep("an effect of a package", _own, "{}"),
-    _of_sweep("a mu that depends on the slip speed", has_slip_law, "a mu that depends on the slip velocity"),
-    _of_sweep("Drive", lambda case: case.effect(Drive) is not None, "a driven track"),
     Limit(
         Scope.EFFECTS,
         "several plates with a Load, Drive, Belt, RollingResistance or pairs, or without Impact",

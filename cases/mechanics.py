@@ -31,23 +31,24 @@ def kinetic_energy(case: Case, motion):
     return sum(further, first)
 
 
-def energy(case: Case, motion):
+def energy(case: Case, motion, times: np.ndarray | None = None):
     """Kinetic energy plus the potential of the case's gravity, J, zero potential at the frame's origin. Of a Trajectory
-    that of all its plates."""
-    kinetic, effect = kinetic_energy(case, motion), case.effect(Gravity)
-    if effect is None:
-        return kinetic
-    gx, gy = effect.vector
-    for plate, own in _each_plate(case, motion):
-        kinetic = kinetic - plate.mass * (gx * np.asarray(own.x) + gy * np.asarray(own.y))
-    return kinetic
+    that of all its plates; of one with a dense output also at other `times` (n,) than its samples'."""
+    (gx, gy), plates = gravity(case), _each_plate(case, motion, times)
+    first, *further = (
+        _kinetic_energy(plate, own) - plate.mass * (gx * np.asarray(own.x) + gy * np.asarray(own.y))
+        for plate, own in plates
+    )
+    return sum(further, first)
 
 
-def _each_plate(case: Case, motion) -> list[tuple[Plate, Any]]:
-    """All plates that a motion has, with their motions."""
+def _each_plate(case: Case, motion, times: np.ndarray | None = None) -> list[tuple[Plate, Any]]:
+    """All plates that a motion has, with their motions, or with their states at some times."""
     names = motion.plate_names if isinstance(motion, Trajectory) else ()
-    further = [(other.plate, motion.plate(other.name)) for other in case.others if other.name in names]
-    return [(case.plate, motion), *further]
+    others = [other for other in case.others if other.name in names]
+    if times is None:
+        return [(case.plate, motion), *((other.plate, motion.plate(other.name)) for other in others)]
+    return [(case.plate, motion.dense(times)), *((one.plate, motion.plate_columns(one.name, times)) for one in others)]
 
 
 def _kinetic_energy(plate: Plate, motion):

@@ -233,10 +233,15 @@ def _has_integrals(case: Case) -> bool:
     return track.integrals > (0 if case.effect(Load) else 1) or outline.integrals > 0
 
 
+def best_method(case: Case) -> str:
+    """The method for a case for which none is given."""
+    return "dop853" if _has_integrals(case) else METHODS[0]
+
+
 def _method_name(method: str | None, case: Case) -> str:
     if method is None:
         _report_method()
-        return "dop853" if _has_integrals(case) else METHODS[0]
+        return best_method(case)
     is_valid = isinstance(method, str) and method in INTEGRATORS
     if not is_valid or (method.startswith("taylor") and not taylor.AVAILABLE):
         raise unknown_name("method of the reference", str(method), ROUTES)

@@ -29,7 +29,7 @@ from ..solve import INTEGRATORS, METHODS, first_regime
 from . import geometry
 from .decisions import NO_DECISION, Columns, decide
 from .first_step import course, leave
-from .motions import NUMBER, PHRASES, Events, Motions, check_rows, simulate_rows
+from .motions import NUMBER, Events, Motions, check_rows, simulate_rows
 from .scenario_values import ScenarioGroup, structure
 from .single_contact import one_contact
 
@@ -264,7 +264,7 @@ class _Wave:
             )
         else:
             lifts = self._lifts_off(number, indices, t, y)  # the only other guard: the normal force
-            self._leave(number, indices[lifts], t[lifts], y[:, lifts], guard)
+            self._leave(number, indices[lifts], t[lifts], y[:, lifts])
             for i in indices[~lifts].tolist():
                 self._one(i)
             return
@@ -281,8 +281,7 @@ class _Wave:
         for i in indices[choice == NO_DECISION].tolist():
             self._one(i)
         is_decided = choice != NO_DECISION
-        cause = PHRASES.index(endings.CAUSES[guard])
-        self._go_on(number, numbers[choice[is_decided]], indices[is_decided], t[is_decided], y[:, is_decided], cause)
+        self._go_on(number, numbers[choice[is_decided]], indices[is_decided], t[is_decided], y[:, is_decided])
 
     def _lifts_off(self, number: int, indices: np.ndarray, t, y: np.ndarray) -> np.ndarray:
         """Where a vanishing normal force is certainly a lift-off: it keeps falling, or dips a million times as deep as
@@ -301,16 +300,13 @@ class _Wave:
         scale = forces + free.size * (np.abs(m.omega_dot) + fastest**2)
         return (slope < 0.0) & deep & (m.free_approach <= 1e6 * phase_end.LOCATION_ERROR * scale)
 
-    def _leave(self, number: int, indices: np.ndarray, t, y: np.ndarray, guard: str) -> None:
+    def _leave(self, number: int, indices: np.ndarray, t, y: np.ndarray) -> None:
         """The plate leaves its track: the motion ends, or flies and is then simulated alone."""
         if self.base.effect(Flight) is not None:
             self.now[indices] = _ALONE
             return
-        mode, nothing = NUMBER[self.regimes[number].mode], np.ones(len(indices), dtype=int)
-        cause = PHRASES.index(endings.CAUSES[guard])
-        self.events.append(
-            Events(indices, t, mode * nothing, NUMBER[Mode.FLIGHT] * nothing, y[0], y[1], cause * nothing)
-        )
+        before, after = NUMBER[self.regimes[number].mode], NUMBER[Mode.FLIGHT]
+        self.events.append(Events.of_one_contact(indices, t, before, np.full(len(indices), after), y))
         self._end(indices, t, y, endings.LIFT_OFF)
 
     def _unique_force(self, number: int, indices: np.ndarray, t, y) -> np.ndarray:
@@ -338,23 +334,23 @@ class _Wave:
         y = np.array(step.state or full_state(case, now, step.time, last))[:, None]
         self.steps[i] += sum(segment.steps for segment in step.segments)
         if step.ending is endings.LIFT_OFF:
-            self._leave(number, indices, t, y, step.cause)
+            self._leave(number, indices, t, y)
         elif step.regime is None and step.ending is endings.COMPLETION:
             self._end(indices, t, y, step.ending)
         elif step.regime in self.regimes:
             after = np.array([self.regimes.index(step.regime)])
-            self._go_on(number, after, indices, t, y, PHRASES.index(endings.CAUSES[step.cause]))
+            self._go_on(number, after, indices, t, y)
         else:
             self.now[i] = _ALONE  # it flies, or the sentence of its ending contains numbers
 
-    def _go_on(self, number: int, after: np.ndarray, indices: np.ndarray, t, y: np.ndarray, cause: int) -> None:
+    def _go_on(self, number: int, after: np.ndarray, indices: np.ndarray, t, y: np.ndarray) -> None:
         """Record transitions and begin the next phases; scenarios without progress are left to the single-scenario
         solver."""
         modes = np.array([NUMBER[regime.mode] for regime in self.regimes])
-        before, new = np.full(len(indices), modes[number]), modes[after]
-        other = before != new
-        columns = indices, t, before, new, y[0], y[1], np.full(len(indices), cause)
-        self.events.append(Events(*(column[other] for column in columns)))
+        other = modes[after] != modes[number]
+        self.events.append(
+            Events.of_one_contact(indices[other], t[other], modes[number], modes[after[other]], y[:, other])
+        )
         self.idle[indices] = np.where(t == self.t[indices], self.idle[indices] + 1, 0)
         self.phases[indices] += 1
         self.now[indices], self.t[indices], self.y[:, indices] = after, t, y

@@ -7,29 +7,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Mode, State, Transition, geometry
-from cases.contact import belt_speed, start_motion
+from cases import Case, Mode, Transition
 from cases.mechanics import energy
-from cases.piece_case import PieceCase
 
-from ..endings import BROKEN_LAW, CAUSES
-from ..minimal.contact_end import slip_and_spin
-from ..minimal.modes import FLIGHT, Phase, full_state
-from ..solution_check import ending_by_laws
-from ..solve import INTEGRATORS, METHODS, at_once, solve_motion
+from ..endings import BROKEN_LAW
+from ..solve import best_method, initial_value_problem
 from .scenario_values import ScenarioGroup
 
-# One of so many scenarios is checked by the laws, and every one that does not end by its duration, by leaving its track
-# or at the end of a curve.
+# One of so many scenarios that were simulated together is checked by the laws, and every one that does not end by its
+# duration, by leaving its track or at the end of a curve.
 CHECKS, USUAL = 1000, ("completed", "lift_off", "track_end", "outline_end")
 MODES = tuple(Mode)
-PHRASES = tuple(dict.fromkeys(CAUSES.values()))
 NUMBER = {mode: number for number, mode in enumerate(MODES)}
 
 
 class Events(NamedTuple):
-    """Transitions: the scenario, time (s), modes before and after, contact parameters and cause; modes and causes by
-    number."""
+    """Transitions: the scenario, time (s), modes before and after by number, contact parameters, and the contact's name
+    if there are several, else ""."""
 
     scenario: np.ndarray
     time: np.ndarray
@@ -37,13 +31,19 @@ class Events(NamedTuple):
     after: np.ndarray
     xi1: np.ndarray
     xi2: np.ndarray
-    cause: np.ndarray
+    contact: np.ndarray
+
+    @classmethod
+    def of_one_contact(cls, scenario: np.ndarray, time: np.ndarray, before: int, after: np.ndarray, y: np.ndarray):
+        """Transitions of contacts without names, with the contact parameters in the first rows of `y`."""
+        names = np.full(len(scenario), "", dtype=object)
+        return cls(scenario, time, np.full(len(scenario), before), after, y[0], y[1], names)
 
     @classmethod
     def join(cls, some: list[Events], keep: np.ndarray) -> Events:
         """All events, ordered by scenario and then as recorded, which is the order in time; only of scenarios to
         `keep`."""
-        types = (int, float, int, int, float, float, int)
+        types = (int, float, int, int, float, float, object)
         columns = [np.concatenate([np.empty(0, t), *(e[i] for e in some)]) for i, t in enumerate(types)]
         order = np.argsort(columns[0], kind="stable")
         order = order[keep[columns[0][order]]]
@@ -86,12 +86,9 @@ def simulate_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motio
     keep[indices] = False
     parts = [Events.join([motions.events], keep)]
     for i in indices.tolist():
-        with np.errstate(all="ignore"):  # as in `simulate`
-            transitions = _simulate(scenes.alone(i), rtol, motions, i, scenes.rows[i] % CHECKS == 0)
-        numbers = [
-            (i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, PHRASES.index(e.cause)) for e in transitions
-        ]
-        parts += [Events(*(np.array(column) for column in zip(*numbers, strict=True)))] if numbers else []
+        transitions = _simulate(scenes.alone(i), rtol, motions, i)
+        values = [(i, e.time, NUMBER[e.before], NUMBER[e.after], e.xi1, e.xi2, e.contact) for e in transitions]
+        parts += [Events(*(np.array(column) for column in zip(*values, strict=True)))] if values else []
     motions.events = Events.join(parts, every_row)
 
 
@@ -100,46 +97,26 @@ def check_rows(scenes: ScenarioGroup, indices: np.ndarray, rtol: float, motions:
     that breaks a law gets that status."""
     is_usual = np.isin(motions.status[indices].astype(str), USUAL)
     for i in indices[~is_usual | (scenes.rows[indices] % CHECKS == 0)].tolist():
-        case = scenes.alone(i)
-        with np.errstate(all="ignore"):  # as in `simulate`
-            ending = ending_by_laws(case, _solution(case, rtol), rtol)
+        _, (_, _, ending) = _solve(scenes.alone(i), rtol)
         if ending[0] == BROKEN_LAW:
             motions.status[i], motions.reason[i] = ending
 
 
-def _solution(case: Case, rtol: float):
-    """The motion of one case without samples: segments, transitions and ending."""
-    return solve_motion(case, rtol, INTEGRATORS[METHODS[0]][1])
+def _solve(case: Case, rtol: float):
+    """The problem and the checked motion of one case without samples: segments, transitions and ending."""
+    with np.errstate(all="ignore"):  # as in `simulate`
+        problem = initial_value_problem(case, rtol, best_method(case))
+        return problem, problem.solve()
 
 
-def _simulate(case: Case, rtol: float, motions: Motions, i: int, is_sample: bool) -> list[Transition]:
-    """Simulate one case without samples and write the result into row i; returns the transitions. It is checked by the
-    laws if it is one of the scenarios that CHECKS says."""
-    segments, transitions, ending = solution = _solution(case, rtol)
-    if is_sample or ending[0] not in USUAL:
-        ending = ending_by_laws(case, solution, rtol)
-    motions.status[i], motions.reason[i] = ending
-    motions.alone[i], motions.steps[i] = True, sum(segment.steps for segment in segments)
-    first = segments[0].phase.regime.mode if segments else at_once(ending[0])
-    motions.first[i] = -1 if first is None else NUMBER[first]
-    motions.energy_start[i] = motions.energy_end[i] = energy(case, start_motion(case))
-    motions.end[i] = 0.0
-    if segments:
-        last = segments[-1]
-        motions.end[i], motions.energy_end[i] = (
-            last.event.time,
-            energy(case, _motion_in(case, last.phase, last.event.time, last.event.state)),
-        )
-    return transitions
-
-
-def _motion_in(case: Case, now: Phase, t: float, own) -> geometry.MotionPoint | State:
-    """Pose and velocities of a phase's state."""
-    if now.regime == FLIGHT:
-        nan = float("nan")
-        nothing = nan, 0.0, 0.0, nan, nan
-        return State(*(float(v) for v in own), *nothing)  # type: ignore[call-arg]
-    case = now.case if isinstance(now.case, PieceCase) else case
-    y = full_state(case, now, t, own)
-    slip, omega = slip_and_spin(case, t, y)
-    return geometry.velocity(case.track, case.plate.outline, y[0], y[1], slip + belt_speed(case, t), omega)
+def _simulate(case: Case, rtol: float, motions: Motions, i: int) -> tuple[Transition, ...]:
+    """Simulate one case and write the result into row i; returns the transitions."""
+    problem, solution = _solve(case, rtol)
+    motion, segments = problem.trajectory(solution), solution[0]
+    motions.status[i], motions.reason[i] = motion.status, motion.reason
+    motions.alone[i], motions.steps[i] = True, motion.cost.steps
+    motions.first[i] = -1 if motion.first_mode is None else NUMBER[motion.first_mode]
+    motions.end[i] = segments[-1].event.time if segments else 0.0
+    ends = np.array([0.0, motions.end[i]])
+    motions.energy_start[i], motions.energy_end[i] = energy(case, motion, ends if segments else None)[[0, -1]]
+    return motion.transitions

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from inspect import Parameter
 from math import prod
 from typing import Any
 
@@ -152,8 +153,11 @@ class Plan:
         for name in names:
             if names.count(name) > 1 or name in self.fixed:
                 raise BadValue(f"{name} is given twice; give each parameter once")
-            if real(parameters[name]) is None:
+            if parameters[name] is not Parameter.empty and real(parameters[name]) is None:
                 raise BadValue(f"{name} of {self.name} is {parameters[name]!r}, no number; only numbers can vary")
+        for name in parameters.keys() - {*names, *self.fixed}:
+            if parameters[name] is Parameter.empty:
+                raise BadValue(f"{name} of {self.name} has no default; give it a value")
         if not names:
             raise BadValue(f"nothing varies; give at least one parameter of {self.name}: {', '.join(parameters)}")
         object.__setattr__(self, "rtol", between("rtol", self.rtol, *TOLERANCES))

@@ -24,16 +24,17 @@ from cases import (
     Chain,
     CoulombFriction,
     Curve,
+    Drive,
     Gravity,
     Load,
-    NotSupported,
     RollingResistance,
 )
 from cases.contact import start_motion
 from cases.expressions import constants
-from cases.limits import Scope, limit
 from cases.overlap import deepest_overlap, first_overlap, span
+from cases.own_effects import own_effects
 from cases.piece_case import has_pieces
+from cases.supports import has_slip_law
 
 from ..curvature_proof import fits
 from ..effect_laws import laws
@@ -61,6 +62,7 @@ class Structure(NamedTuple):
     in_contact: bool
     level_start: bool  # whether ξ₂ follows from θ = 0
     plain: bool  # whether there is nothing a step could pass over
+    general: bool  # whether each is simulated alone for what it has
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,10 +114,7 @@ def scenes(
 
 
 def structure(case: Case) -> Structure:
-    """The structure of a case: what it must share with other scenarios to be simulated with them; raises NotSupported
-    for friction that depends on the slip velocity, for driven tracks, for supports and for several plates."""
-    if reason := limit(case, Scope.SWEEP):
-        raise NotSupported(reason)
+    """The structure of a case: what it must share with other scenarios to be simulated with them."""
     track, outline = case.track, case.plate.outline
     ends = tuple((c.domain is None, c.period is None) for c in (track, outline))
     kinds = tuple(type(effect) for effect in case.effects)
@@ -124,7 +123,15 @@ def structure(case: Case) -> Structure:
     features = (track.features, outline.features, load.features if load else None)
     plain = all(feature is None or feature.plain for feature in features) and not laws(case).checked_quantities
     plain = plain and case.effect(Belt) is None and case.plate.turns and not has_pieces(case)
-    return Structure(_form(track), _form(outline), laws(case), ends, kinds, case.start.in_contact, level_start, plain)
+    forms, in_contact, general = (_form(track), _form(outline)), case.start.in_contact, _is_general(case)
+    return Structure(*forms, laws(case), ends, kinds, in_contact, level_start, plain and not general, general)
+
+
+def _is_general(case: Case) -> bool:
+    """Whether a case has what rules on arrays do not know: they are for one contact with a track at rest and constant
+    coefficients."""
+    further = case.supports, case.others, case.pairs, own_effects(case.effects), has_slip_law(case)
+    return any(further) or case.effect(Drive) is not None
 
 
 def _form(curve: Curve) -> Any:
@@ -135,7 +142,10 @@ def _form(curve: Curve) -> Any:
 
 
 def numbers(case: Case) -> dict[str, float]:
-    """Every number of a scenario by its name in the equations, without a ξ₂ and θ that follow from the others."""
+    """Every number of a scenario by its name in the equations, without a ξ₂ and θ that follow from the others; none of
+    a case that goes alone for what it has."""
+    if _is_general(case):
+        return {}
     start, plate = case.start, case.plate
     values = {"xi1": start.xi1, "slip": start.slip, "omega": start.omega, "duration": case.duration}
     values |= {"mass": plate.mass, "inertia": plate.inertia}
@@ -160,8 +170,8 @@ def numbers(case: Case) -> dict[str, float]:
 
 def _place(case: Case) -> dict[str, float]:
     """The numbers of a scenario including ξ₂ and θ."""
-    initial = start_motion(case)
-    return {**numbers(case), "xi2": initial.xi2, "theta": initial.theta}
+    initial, some = start_motion(case), numbers(case)
+    return some | ({"xi2": initial.xi2, "theta": initial.theta} if some else {})
 
 
 # --- one by one -------------------------------------------------------------------------------------------------------
@@ -211,6 +221,8 @@ def _together(make: Make, columns: Mapping[str, np.ndarray], alone, n: int, even
     try:
         base = make(**first)
         base_values, base_structure = _place(base), structure(base)
+        if not base_values:
+            return None
         effects = {
             name: _alone(make, first, name, columns[name], base_values, base_structure, even) for name in columns
         }

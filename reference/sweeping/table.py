@@ -26,7 +26,10 @@ _WORDS = pa.dictionary(pa.int32(), pa.string())
 COLUMNS: dict[str, tuple[pa.DataType, str]] = {
     "outcome": (_WORDS, "how the motion ended: the trajectory's status, bad_case, or failed"),
     "reason": (_WORDS, "why the motion ended, in one sentence"),
-    "sequence": (_WORDS, "the modes in their order"),
+    "sequence": (
+        _WORDS,
+        "the modes in their order: at the start and after each transition; of several contacts with their names",
+    ),
     "transitions": (pa.int32(), "number of changes of mode"),
     "first_time": (pa.float64(), "time of the first transition, s"),
     "first_xi1": (pa.float64(), "track parameter of the first transition"),
@@ -141,12 +144,13 @@ def _columns(n: int, results: list[tuple[ScenarioGroup, Motions]], bad: list[Rej
 def _sequences(motions: Motions, n: int) -> np.ndarray:
     """The sequence of modes of each scenario, as text."""
     offsets = np.concatenate([[0], np.cumsum(np.bincount(motions.events.scenario, minlength=n))]).tolist()
-    after, texts = motions.events.after.tolist(), np.full(n, "", dtype=object)
-    cache: dict[tuple[int, ...], str] = {}
+    changes = [*zip(motions.events.after.tolist(), motions.events.contact.tolist(), strict=True)]
+    texts = np.full(n, "", dtype=object)
+    cache: dict[tuple[tuple[int, str], ...], str] = {}
     for i, first in enumerate(motions.first.tolist()):
-        codes = (first, *after[offsets[i] : offsets[i + 1]])
+        codes = ((first, ""), *changes[offsets[i] : offsets[i + 1]])
         if codes not in cache:
-            cache[codes] = ARROW.join(str(MODES[code]) for code in codes if code >= 0)
+            cache[codes] = ARROW.join(f"{name and f'{name}: '}{MODES[code]}" for code, name in codes if code >= 0)
         texts[i] = cache[codes]
     return texts
 

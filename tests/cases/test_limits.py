@@ -44,7 +44,6 @@ from cases.limits import LIMITS, Reason, Scope, as_sentence, limit, without_cert
 from cases.limits_page import as_page, in_three_lines
 from reference import delassus
 from reference.narration import check
-from reference.sweeping.scenario_values import structure
 
 ROOT = Path(__file__).parents[2]
 LAW = "0.1 + 0.1*exp(-v/0.05)"
@@ -109,11 +108,6 @@ SCENES = {
         others=tuple(FreePlate(DISC, StartPose(6.0 + 2 * i, 0.5), f"disc{i}") for i in range(8))
     ),
     (Scope.SEVERAL_PLATES, "no Unilateral or Flight"): lambda: scene(without=(Flight, Impact), others=ABOVE),
-    (Scope.SWEEP, "supports"): lambda: scene(supports=WALL),
-    (Scope.SWEEP, "several plates"): lambda: scene(others=ABOVE),
-    (Scope.SWEEP, "an effect of a package"): lambda: scene(Pull()),
-    (Scope.SWEEP, "a mu that depends on the slip speed"): lambda: scene(CoulombFriction(LAW), without=Impact),
-    (Scope.SWEEP, "Drive"): lambda: scene(Drive(x="t")),
     (Scope.EFFECTS, "several plates with a Load, Drive, Belt, RollingResistance or pairs, or without Impact"): lambda: (
         scene(Drive(x="0.01*t**2"), others=ABOVE)
     ),
@@ -160,15 +154,6 @@ def test_a_scene_with_a_limit_is_rejected_in_the_words_of_its_row(row):
     with pytest.raises(DoesNotFit if row.scope is Scope.ANY else BadValue) as output:
         SCENES[row.scope, row.feature]()
     assert row.matches(str(output.value))
-
-
-@rows(Scope.SWEEP)
-def test_a_scene_with_a_limit_of_sweeps_runs_alone(row):
-    case = SCENES[row.scope, row.feature]()
-    with pytest.raises(NotSupported) as output:
-        structure(case)
-    assert row.matches(str(output.value))
-    assert reference.simulate(case).status == "completed"
 
 
 @rows(Scope.EFFECTS, Scope.SHAPES)

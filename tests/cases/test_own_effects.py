@@ -39,7 +39,6 @@ from cases.library import circle, ellipse, line
 from reference import contact_frame, endings
 from reference.contact_frame import flight_guards
 from reference.solver import march
-from reference.sweeping.scenario_values import structure
 from reports.judging.friction_factor import losses
 from reports.judging.residuals import broken_laws, examine
 from reports.running import reference_adapter
@@ -284,9 +283,7 @@ def test_adapters_reject_it_in_one_sentence_unless_they_declare_it():
     assert refusal(reference_adapter, case, "taylor") is None
 
 
-def test_sweeps_and_proofs_reject_it_in_one_sentence():
-    with pytest.raises(NotSupported, match="a sweep does not support Magnet"):
-        structure(in_circle(magnet(60.0)))
+def test_proofs_reject_it_in_one_sentence():
     with pytest.raises(NotSupported, match="has Magnet, which proofs do not cover"):
         reference.prove(in_circle(magnet(60.0)))
 

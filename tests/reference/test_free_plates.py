@@ -373,11 +373,8 @@ def test_invalid_cases_are_rejected_in_a_sentence():
 
 def test_several_plates_are_rejected_in_a_sentence():
     from adapters import exudyn
-    from reference.sweeping.scenario_values import structure
 
     assert refusal(exudyn, on_top(), "integrator") == "The integrator route does not support several plates (others)."
-    with pytest.raises(NotSupported, match="a sweep does not support several plates"):
-        structure(on_top())
     with pytest.raises(BadValue, match="a film shows one plate"):
         reference.simulate(on_top(duration=0.01)).animate()
 

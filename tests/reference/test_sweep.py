@@ -2,12 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
 import cases
 import reference
-from cases import BadValue, CaseError, UnknownName
+from cases import (
+    BadValue,
+    Case,
+    CaseError,
+    ContactEffect,
+    ContactForce,
+    CoulombFriction,
+    Curve,
+    Drive,
+    Flight,
+    FreePlate,
+    Gravity,
+    Impact,
+    Plate,
+    StartPose,
+    Support,
+    Unilateral,
+    UnknownName,
+    disc,
+)
+from cases.library import line
+from cases.mechanics import energy
 from reference.paper.application import rolls_beyond, slip_end
 from reference.sweeping import plan, table
 from reference.sweeping.table import ARROW, BAD
@@ -25,6 +48,59 @@ FAMILIES = {
     "disc_sliding_off_hill": dict(angle="0.1:0.8"),
     "disc_on_line": dict(v0="-3:3", mu="0.01:0.8", r="0.05:0.2"),
     "disc_in_circle[xi1=0]": dict(mu="0.005:0.6", R="0.5:2"),
+}
+FREE = (Gravity(9.81), Unilateral(), Flight(), Impact(0.3))
+BALL = disc(0.1, 1.0)
+
+
+@dataclass(frozen=True)
+class Pull(ContactEffect):
+    """A force of a package."""
+
+    size: float
+
+    def force(self) -> ContactForce:
+        return ContactForce(across=-self.size)
+
+
+def falling(*effects, plate: Plate = BALL, **more) -> Case:
+    """A plate with impacts that falls 20 mm to a line, with effects and what else a case may have."""
+    high = 0.1 if plate is BALL else 0.05
+    return Case(line(), plate, (*FREE, *effects), StartPose(0.0, high + 0.02, vx=0.5), 0.3, **more)
+
+
+def at_wall(mu: float) -> Case:
+    return falling(CoulombFriction(mu), supports=(Support(Curve(("0.15", "s")), "wall"),))
+
+
+def with_plate_ahead(mu: float) -> Case:
+    return falling(CoulombFriction(mu), others=(FreePlate(BALL, StartPose(0.22, 0.1), "ahead"),))
+
+
+def pulled(size: float) -> Case:
+    return falling(CoulombFriction(0.2), Pull(size))
+
+
+def by_slip_speed(mu: float) -> Case:
+    return falling(CoulombFriction(f"{mu} + 0.1*exp(-v)"))
+
+
+def on_shaken_table(rate: float) -> Case:
+    return falling(CoulombFriction(0.2), Drive(x=f"0.01*sin({rate}*t)"))
+
+
+def box(mu: float) -> Case:
+    return falling(CoulombFriction(mu), plate=Plate.rectangle(0.2, 0.1, 1.0))
+
+
+# Scenes that the rules on arrays do not know, with a parameter and its values.
+GENERAL = {
+    at_wall: dict(mu=[0.1, 0.3]),
+    with_plate_ahead: dict(mu=[0.1, 0.3]),
+    pulled: dict(size=[1.0, 4.0]),
+    by_slip_speed: dict(mu=[0.1, 0.3]),
+    on_shaken_table: dict(rate=[10.0, 20.0]),
+    box: dict(mu=[0.1, 0.3]),
 }
 # s. Both integrate to 1e-10 by steps of their own; each is then within some 1e-12 of the truth, as simulate is.
 APART = 1e-11
@@ -50,6 +126,32 @@ def differences(name: str, number: int, seed: int) -> tuple[list[str], float]:
         times = [e.time for e in motion.transitions]
         apart = max([apart, *np.abs(np.subtract(row["times"], times))])
     return wrong, apart
+
+
+@pytest.mark.parametrize("make", GENERAL, ids=lambda make: make.__name__)
+def test_every_scene_can_be_swept(make):
+    ((name, values),) = GENERAL[make].items()
+    for row in reference.sweep(make, **{name: [*values, np.nextafter(values[-1], 9.0)]}).to_dict("records"):
+        motion = reference.simulate(make(row[name]))
+        changes = [f"{e.contact and f'{e.contact}: '}{e.after}" for e in motion.transitions]
+        assert (row["outcome"], row["alone"]) == (motion.status, True)
+        assert row["sequence"] == ARROW.join([motion.first_mode, *changes])
+        assert [*row["times"]] == [e.time for e in motion.transitions] and row["end"] == motion.t[-1]
+        ends = energy(motion.case, motion)[[0, -1]]
+        assert [row["energy_start"], row["energy_end"]] == pytest.approx(ends, rel=1e-12)
+
+
+def test_a_parameter_without_a_value_is_named_before_anything_runs():
+    def two(mu, speed):
+        return falling(CoulombFriction(mu), Drive(x=f"{speed}*t"))
+
+    with pytest.raises(BadValue, match="speed of two has no default; give it a value"):
+        reference.sweep(two, mu=[0.1, 0.2])
+
+
+def test_an_invalid_scene_that_goes_alone_is_a_row():
+    rows = reference.sweep(with_plate_ahead, mu=[0.1, -1.0]).to_dict("records")
+    assert [row["outcome"] for row in rows] == ["completed", BAD] and "mu" in rows[1]["reason"]
 
 
 @pytest.mark.sampled(3)
@@ -168,13 +270,13 @@ def test_a_branch_in_the_case_is_seen():
 
 
 def test_without_heyoka_each_goes_by_itself(monkeypatch):
+    from reference import solve
     from reference.minimal.integrators import taylor
-    from reference.sweeping import motions
 
     heyoka_here = taylor.AVAILABLE
     fast = reference.sweep("disc_in_circle", mu=[0.01, 0.1, 0.2], xi1=[0.0, 0.5])
     monkeypatch.setattr(taylor, "AVAILABLE", False)
-    monkeypatch.setattr(motions, "METHODS", ("dop853",))
+    monkeypatch.setattr(solve, "METHODS", ("dop853",))
     slow = reference.sweep("disc_in_circle", mu=[0.01, 0.1, 0.2], xi1=[0.0, 0.5])
     assert slow.alone.all() and fast.alone.any() == (not heyoka_here)
     assert slow.sequence.tolist() == fast.sequence.tolist()
