@@ -361,7 +361,8 @@ def test_a_suite_that_is_not_installed_says_how_to_show(capsys, monkeypatch):
 def test_cases_of_an_installed_package_are_found(monkeypatch):
     loaded = []
     found = SimpleNamespace(value="their_package.cases", load=lambda: loaded.append(True))
-    monkeypatch.setattr(registry, "entry_points", lambda group: [found] if group == "slip_to_roll.cases" else [])
+    group_of = {"slip_to_roll.cases": [found]}
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: group_of.get(group, []))
     registry._import_catalogue.cache_clear()
     cases.names()
     assert loaded
