@@ -363,7 +363,7 @@ def test_cases_of_an_installed_package_are_found(monkeypatch):
     found = SimpleNamespace(value="their_package.cases", load=lambda: loaded.append(True))
     group_of = {"slip_to_roll.cases": [found]}
     monkeypatch.setattr("importlib.metadata.entry_points", lambda group: group_of.get(group, []))
-    registry._import_catalogue.cache_clear()
+    registry._import_packages.cache_clear()
     cases.names()
     assert loaded
 
