@@ -59,9 +59,11 @@ class Support:
 
     def acting(self, of_case: tuple[Effect, ...]) -> tuple[Effect, ...]:
         """All effects at this support's contacts, given those of the case."""
-        if self.effects is None:
-            return tuple(effect for effect in items("effects", of_case) if not isinstance(effect, Belt))
-        return with_own(of_case, self.effects, Belt)
+        return _without_belt(of_case) if self.effects is None else with_own(of_case, self.effects, Belt)
+
+
+def _without_belt(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+    return tuple(effect for effect in items("effects", effects) if not isinstance(effect, Belt))
 
 
 def base_of(contact: str) -> str:
@@ -71,9 +73,11 @@ def base_of(contact: str) -> str:
 
 def effects_at(case: Any, contact: str) -> tuple[Effect, ...]:
     """All effects at a contact, such as "plate/wall 2": those of the case, and those of its pair, or its support's own,
-    in their places."""
-    own = [support for support in case.supports if support.name == base_of(contact)]
-    return of_pair(case, contact.partition(" ")[0], own[0].acting(case.effects) if own else case.effects)
+    in their places. The case's Belt is the track's alone."""
+    base = base_of(contact)
+    own = next((support.acting(case.effects) for support in case.supports if support.name == base), None)
+    otherwise = case.effects if base == TRACK else _without_belt(case.effects) if own is None else own
+    return of_pair(case, contact.partition(" ")[0], otherwise)
 
 
 def check_supports(case: Any) -> None:

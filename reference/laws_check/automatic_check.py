@@ -51,16 +51,16 @@ def faults_at(
 ) -> tuple[BrokenLaw, ...]:
     """The laws that the instants of a motion of this relative accuracy break, of a case with a track at rest."""
     part = part_of(rtol)
-    scales, contacts = _scales(case, phases), {touch[0].name: touch[0] for p in phases for touch in p.contacts[0]}
+    scales, contacts = _scales(case, phases), {touch[0].name for p in phases for touch in p.contacts[0]}
     following = [(a, b) for a, b in pairwise(phases) if a.number + 1 == b.number and a.times[-1] == b.times[0]]
     results = [
         *_at_contacts(case, phases, scales, part),
         *_at_joins(case, following, scales, part),
-        *_of_energy(case, phases, following, contacts, scales, part),
+        *_of_energy(case, phases, following, scales, part),
         *_overlaps(case, phases, transitions, part * scales.extent),
     ]
     if sudden := _jumps(following, scales, part):
-        results += _at_impacts(case, transitions, sudden, set(contacts), scales, part)
+        results += _at_impacts(case, transitions, sudden, contacts, scales, part)
     return worst_first(results) if results else ()
 
 
@@ -129,11 +129,10 @@ def _at_joins(case: Case, following: Neighbours, scales: _Scales, part: float) -
 
 
 def _of_energy(
-    case: Case, phases: list[PhaseInstants], following: Neighbours, contacts: dict[str, ContactLaw], scales: _Scales,
-    part: float,
-) -> Iterator[BrokenLaw]:  # fmt: skip
+    case: Case, phases: list[PhaseInstants], following: Neighbours, scales: _Scales, part: float
+) -> Iterator[BrokenLaw]:
     """Energy is not created."""
-    if not laws.keeps_energy(case, contacts.values()):
+    if not laws.keeps_energy(case):
         return
     gravity = case.effect(Gravity)
     gx, gy = gravity.vector if gravity else (0.0, 0.0)

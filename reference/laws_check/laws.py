@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from math import isfinite
 from typing import Any, NamedTuple
@@ -13,6 +13,7 @@ from cases import Case, Gravity, Impact, Load, Mode, Transition, Unilateral, for
 from cases.expression_code import ON_ARRAYS, function_of
 from cases.free_plates import loads_of, names_of, plates_of
 from cases.own_effects import ContactEffect, own_effects
+from cases.supports import has_belt
 from cases.trajectory import CONTACT
 
 from ..endings import CAUSES
@@ -382,7 +383,7 @@ def landing_laws(
 def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:
     """Energy is not created in steps, nor, but by impacts of Newton's restitution, from one to the next."""
     case = samples.case
-    if not keeps_energy(case, [contact.law for contact in samples.contacts]):
+    if not keeps_energy(case):
         return
     gravity = case.effect(Gravity)
     pull = complex(*gravity.vector) if gravity is not None else 0j
@@ -396,9 +397,9 @@ def energy_defects(samples: MotionSamples, speed: float) -> Iterator[Defects]:
         yield Defects(ENERGY, "", samples.start[1:], energy[1:, 0] - energy[:-1, -1], scale, "J")
 
 
-def keeps_energy(case: Case, contacts: Iterable[ContactLaw]) -> bool:
+def keeps_energy(case: Case) -> bool:
     """Whether nothing gives energy: no load, belt or effect of the user's own, where Newton's law has the balance."""
-    return not any(loads_of(case)) and not any(law.belt or own_effects(law.effects) for law in contacts)
+    return not (any(loads_of(case)) or has_belt(case) or own_effects(case.effects))
 
 
 def impacts_create_energy(case: Case) -> bool:

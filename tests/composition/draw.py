@@ -43,14 +43,16 @@ G = 9.81
 REACH = 3.0
 
 
-def draw(seed: int) -> Spec:
-    """The scene of a seed: a dictionary of words and numbers, which `build.scene` makes a case of."""
-    numbers = Random(seed)
+def draw(seed: int, attempt: int = 0) -> Spec:
+    """The scene of a seed: a dictionary of words and numbers, which `build.scene` makes a case of; `attempt`: which one
+    of its scenes, where the first ones begin where they cannot."""
+    numbers = Random(f"{seed}/{attempt}" if attempt else seed)
     track = draw_track(numbers)
     plates = [draw_plate(numbers) for _ in range(1 + choose(numbers, OTHERS))]
     supports = [draw_support(numbers, side) for side in range(choose(numbers, SUPPORTS))]
     spec = {
         "seed": seed,
+        "attempt": attempt,
         "track": track,
         "plates": plates,
         "supports": supports,
@@ -77,8 +79,10 @@ CONVEX = ("line", "incline", "hill", "tiles", "shelf", "step")
 
 def _make_consistent(spec: Spec) -> None:
     """Leave out what contradicts the rest by mechanics: a belt without friction, a flight without Flight, a side that
-    begins flat in a valley, slip on a rough track."""
+    begins flat in a valley, slip on a rough track, a spin or a resisted roll of a plate that does not turn."""
     effects, plate = spec["effects"], spec["plates"][0]
+    if any(plate["fixed"] for plate in spec["plates"]):
+        effects["resistance"] = spec["omega"] = 0.0
     if plate["kind"] not in ("disc", "ellipse", "egg") and spec["track"]["kind"] not in CONVEX:
         spec["start"] = "flight"
     if spec["start"] == "flight" or len(spec["plates"]) > 1 or spec["supports"]:

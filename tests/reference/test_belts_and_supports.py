@@ -1,7 +1,7 @@
 """A belt together with a second contact: exact motions, two formulations, the paper's matrix, and the belts' work."""
 
 from dataclasses import replace
-from math import atan, cos, exp, pi, sin, sqrt
+from math import atan, cos, exp, inf, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from cases import (
     Impact,
     Load,
     Mode,
+    Pair,
     PerfectlyRough,
     Plate,
     Start,
@@ -352,6 +353,24 @@ def test_further_plates_run_on_belts():
         ends = {change.contact: change.time for change in reference.simulate(case).transitions}
         assert ends["plate/track"] == pytest.approx(abs(speed) / (3.0 * MU * G), abs=1e-12)
         assert ends["other/track"] == pytest.approx(abs(slip) / (3.0 * MU * G), abs=1e-12)
+
+
+@pytest.mark.parametrize("inertia", [None, inf])
+def test_a_belt_drives_what_lies_on_it_and_nothing_that_lies_on_that(inertia):
+    """A box slips on a belt until μ g t is its speed, and a disc on the box rolls: its centre has a third of μ g. Then
+    both go on as they are: the disc with its centre at a third of the belt's speed and the rim at the box's."""
+    speed, mu = 0.6, 0.2
+    effects = (*(e for e in INELASTIC if not isinstance(e, CoulombFriction)), CoulombFriction(mu), Belt(speed))
+    pairs = (Pair("upper/plate", (PerfectlyRough(),)),)
+    box = replace(Plate.rectangle(1.0, 0.2, 1e6), **({} if inertia is None else {"inertia": inertia}))
+    upper = FreePlate(disc(R, 1.0), StartPose(0.0, 0.2 + R), "upper")
+    motion = reference.simulate(Case(line(), box, effects, StartPose(0.0, 0.1), 0.4, others=(upper,), pairs=pairs))
+    assert motion.status == "completed"
+    assert motion.transitions[0].time == pytest.approx(
+        speed / (mu * G), rel=1e-6
+    )  # of a box as heavy as a million discs
+    assert motion.vx[-1] == pytest.approx(speed, rel=1e-12)
+    assert motion.plate("upper").vx[-1] == pytest.approx(speed / 3.0, rel=1e-9)
 
 
 def test_the_speed_of_a_belt_has_a_value_at_the_start():
