@@ -113,7 +113,7 @@ def vanishing(candidate: Phase, t: float, y: Sequence[float], error: float, weak
     numbers = system.conditions_of_numbers(t, state_in(candidate, y), candidate.parameters)
     values = zip(system.conditions, numbers, strict=True)
     velocities = system.condition_rates
-    names = [n for n, v in values if abs(v) <= weak and n not in velocities and not n.startswith("gap:")]
+    names = [n for n, v in values if abs(v) <= weak and n not in velocities and not n.startswith(("gap:", "row_"))]
     if not names:
         return ()
     signs = _leading_signs(candidate, t, y, error, ORDER, weak=weak)

@@ -62,9 +62,7 @@ def decide(
     clusters, is_singular = _consistent(now, contacts, fixed, last_modes)
     if len(clusters) != 1:
         return Decision(None, False, (), tuple(some[0].modes for some in clusters), is_singular)
-    best = max(
-        clusters[0], key=lambda one: (one.rests, sum(m is not Mode.FLIGHT for m in one.modes), _sticking(one.modes))
-    )
+    best = max(clusters[0], key=lambda one: (one.rests, _closed(one.modes), _sticking(one.modes)))
     slack: tuple[tuple[str, float], ...] = ()
     if not best.rests:
         of_best = GroupModes(best.modes, best.turns, best.guides)
@@ -77,7 +75,7 @@ def motions_of(now: DecisionInstant, contacts: Sequence[ContactPlace]) -> list[t
     """The consistent motions, each as the contacts' modes, of several with the same accelerations those with the most
     contacts. Raises Undecidable."""
     clusters, _ = _consistent(now, contacts, {}, None)
-    return [max(some, key=lambda one: len(one.modes) - one.modes.count(Mode.FLIGHT)).modes for some in clusters]
+    return [max(some, key=lambda one: _closed(one.modes)).modes for some in clusters]
 
 
 def _consistent(
@@ -100,14 +98,18 @@ def _consistent(
         answer = answer_by_numbers(now, contacts, modes, shares, turns)
         if answer is None:
             is_singular = True
-        elif (
+            continue
+        some = [
+            _Motion(modes, False, np.where(own, acceleration, 0.0), turns, answer.guides)
+            for acceleration in (answer.acceleration, answer.another) if acceleration is not None
+        ]  # fmt: skip
+        if (
             answer.is_possible
             and not (answer.guides and modes == last_modes)
+            and not _are_known(now, motions, some)
             and _holds(now, contacts, GroupModes(modes, turns, answer.guides), answer.opens)
         ):
-            for acceleration in (answer.acceleration, answer.another):
-                if acceleration is not None:
-                    motions.append(_Motion(modes, False, np.where(own, acceleration, 0.0), turns, answer.guides))
+            motions += some
     if any(at.stick > at.mu for at in contacts):
         # With static friction a contact that may stick does.
         most = max((_sticking(one.modes) for one in motions), default=0)
@@ -221,14 +223,37 @@ def _senses(now: DecisionInstant, sides: Sides) -> tuple[int, ...]:
     return 0, 1, -1
 
 
+def _closed(modes: tuple[Mode, ...]) -> int:
+    return len(modes) - modes.count(Mode.FLIGHT)
+
+
+def _are_known(now: DecisionInstant, motions: Sequence[_Motion], some: Sequence[_Motion]) -> bool:
+    """Whether earlier modes with as many contacts closed, and as many without slip, have given these motions: they
+    would be preferred."""
+    return all(
+        any(
+            _closed(one.modes) <= _closed(other.modes)
+            and _sticking(one.modes) <= _sticking(other.modes)
+            and _is_same(now, one, other)
+            for other in motions
+        )
+        for one in some
+    )
+
+
+def _is_same(now: DecisionInstant, one: _Motion, other: _Motion) -> bool:
+    """Whether two accelerations are the same."""
+    lengths, least = bodies(now.case).lengths, load_scale(now.case, now.time, now.state)
+    largest = max(float(np.abs(motion.acceleration * lengths).max()) for motion in (one, other))
+    return bool(np.abs((one.acceleration - other.acceleration) * lengths).max() <= SAME * max(least, largest))
+
+
 def _clusters(now: DecisionInstant, motions: Sequence[_Motion]) -> list[list[_Motion]]:
     """Modes with the same accelerations together."""
-    lengths, clusters = bodies(now.case).lengths, list[list[_Motion]]()
-    least = load_scale(now.case, now.time, now.state)
+    clusters = list[list[_Motion]]()
     for motion in motions:
         for some in clusters:
-            largest = max(float(np.abs(one.acceleration * lengths).max()) for one in (motion, some[0]))
-            if np.abs((motion.acceleration - some[0].acceleration) * lengths).max() <= SAME * max(least, largest):
+            if _is_same(now, motion, some[0]):
                 some.append(motion)
                 break
         else:
