@@ -110,8 +110,6 @@ def margin(
     of equilibrium, which give them one unit; 0 leaves an equation out. `couples`: the limits of rolling resistance, if
     there is any.
     """
-    from scipy.optimize import linprog  # slow to import, and most motions never come here
-
     columns, right = _generators(now, sticks, couples)[0] * units[:, None], -load * units
     size = float(np.abs(right).max())
     if size == 0.0:
@@ -124,6 +122,37 @@ def margin(
         return -inf
     matrix, right = basis[:, :rank].T @ matrix, basis[:, :rank].T @ right  # presolve takes roundings of others for rows
     count = columns.shape[1]
+    if comb(count + 1, rank) <= MOST_BASES:
+        return _largest_least(matrix, right, _choices(count + 1, rank))
+    return _margin_by_program(matrix, right)
+
+
+def _largest_least(matrix: np.ndarray, right: np.ndarray, choices: np.ndarray) -> float:
+    """The margin of equations with independent rows: the largest least weight of all vertices. The last column is the
+    sum of the others, of the least weight: it is 1 where a choice of columns leaves it out, and the others' weights
+    come in addition to it."""
+    count, is_one = matrix.shape[1] - 1, (choices < matrix.shape[1] - 1).all(axis=1)
+    squares, goals = matrix[:, choices].swapaxes(0, 1), right - is_one[:, None] * matrix[:, count]
+    regular = _regular(squares)
+    weights = np.zeros((int(regular.sum()), count + 1))
+    weights[is_one[regular], count] = 1.0
+    solutions = np.linalg.solve(squares[regular], goals[regular][..., None])[..., 0]
+    np.put_along_axis(weights, choices[regular], solutions, axis=1)
+    least = weights[:, count] + np.minimum(weights[:, :count].min(axis=1), 0.0)
+    return min(float(least.max(initial=-inf)), 1.0)
+
+
+def _regular(squares: np.ndarray) -> np.ndarray:
+    """Which of some square matrices (n, k, k) are regular, (n,)."""
+    volume = np.prod(np.linalg.norm(squares, axis=1), axis=1)
+    return np.asarray(np.abs(np.linalg.det(squares)) > SINGULAR * volume)
+
+
+def _margin_by_program(matrix: np.ndarray, right: np.ndarray) -> float:
+    """The same by a linear program, for many columns."""
+    from scipy.optimize import linprog  # slow to import, and most motions never come here
+
+    count = matrix.shape[1] - 1
     answer = linprog(
         np.append(np.zeros(count), -1.0), A_eq=matrix, b_eq=right, bounds=[(0.0, None)] * count + [(None, 1.0)]
     )
@@ -186,8 +215,7 @@ def _vertices(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     rows, target = basis[:, :rank].T @ matrix, basis[:, :rank].T @ right
     choices = _choices(count, rank)
     squares = rows[:, choices].swapaxes(0, 1)
-    volume = np.prod(np.linalg.norm(squares, axis=1), axis=1)
-    regular = np.abs(np.linalg.det(squares)) > SINGULAR * volume
+    regular = _regular(squares)
     weights = np.linalg.solve(squares[regular], np.broadcast_to(target[:, None], (int(regular.sum()), rank, 1)))[..., 0]
     admissible = weights.min(axis=1, initial=inf) >= -FEASIBLE
     result = np.zeros((int(admissible.sum()), count))
