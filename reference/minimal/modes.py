@@ -9,7 +9,7 @@ The full state in contact is (ξ₁, ξ₂, ξ̇₁, ξ̇₂), followed by θ if
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import copysign
 from typing import NamedTuple
@@ -63,7 +63,8 @@ class Phase(NamedTuple):
     `size` is the plate's radius of gyration (m), `lengths` are the same in units of each position: a change of order
     one. `places` are the rows of its variables in the full state. `features` are those that a step could pass over,
     each with its row of the state (None: time); `checks_load`: whether a step could pass over a change of a load in
-    place or velocity. `parts`: the numbers of the pieces of track and outline, of curves in pieces.
+    place or velocity. `parts`: the numbers of the pieces of track and outline, of curves in pieces. `is_past`: whether
+    a state is beyond the phase's end, so that no further steps are needed.
     """
 
     regime: Regime
@@ -76,6 +77,7 @@ class Phase(NamedTuple):
     features: tuple[tuple[int | None, Features], ...] = ()
     checks_load: bool = False
     parts: tuple[int, int] = WHOLE
+    is_past: Callable[[Sequence[float]], bool] | None = None
 
     @property
     def checks_steps(self) -> bool:

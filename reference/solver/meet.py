@@ -40,6 +40,8 @@ FASTER = 2.0
 ON_ELEMENT = 17
 # Couples with more pairs of lines and circles than this are looked at before gaps are polynomials.
 FEW = 8
+# Elements are clearly apart from this part of the plate's reach on.
+FAR = 1e-3
 # Samples of a step at which far plates are looked at.
 LOOKS = 16
 # A contact at the end of an element has no gap in the pair beside either: its search begins as soon as this part of
@@ -84,6 +86,26 @@ class Meetings:
                 earliest = meeting
         return earliest
 
+    def past_of(self, state: Sequence[float], resting: frozenset[int]) -> Callable[[Sequence[float]], bool]:
+        """Whether a plate is, in the variables of a phase, beyond a line or circle from which it is apart in a state of
+        all plates: they have met before, and more steps would be cut off."""
+        half = len(state) // 2
+        apart = [
+            (search.couple, search.far_pairs(np.array(state[:half])))
+            for search in self.searches if not couple_rests(search.couple, resting)
+        ]  # fmt: skip
+
+        def is_past(y: Sequence[float]) -> bool:
+            poses = np.array(y[:half])
+            for couple, pairs in apart:
+                pose = couple.relative_pose(poses)
+                for pair, some in pairs:
+                    if some.gap(*some.centre(*pose)) < 0.0 and _place_inside(pair, some, *pose) is not None:
+                        return True
+            return False
+
+        return is_past
+
 
 class CoupleSearch:
     """The search for meetings of one plate and one boundary: pairs of lines and circles by the zeros of their gaps, the
@@ -95,6 +117,12 @@ class CoupleSearch:
         self.quick = [(pair, some) for pair in every if (some := shapes(pair)) is not None]
         self.has_others = len(self.quick) < len(every)
         self.quick_numbers = {in_round(pair) for pair, _ in self.quick}
+
+    def far_pairs(self, poses: np.ndarray) -> list[tuple[PieceCase, Shapes]]:
+        """Pairs of lines and circles, if there are few, that are clearly apart in poses of all plates, (3n,)."""
+        pose, least = self.couple.relative_pose(poses), FAR * self.couple.plate.reach
+        quick = self.quick if len(self.quick) <= FEW else []
+        return [(pair, some) for pair, some in quick if some.gap(*some.centre(*pose)) > least]
 
     @cached_property
     def boxes(self) -> ElementSearch:
@@ -191,15 +219,21 @@ class CoupleSearch:
             for time in first_closings(some, poses, times, self.couple.plate.reach):
                 if earliest is not None and time >= earliest.time:
                     break
-                x, y, theta = (float(v) for v in poses(np.array([time]))[:, 0])
-                near = guess(pair, some, x, y, theta)
-                if not inside(pair, *near, turn=AT_FLAT if isinstance(some.still, Straight) else AT_END):
+                near = _place_inside(pair, some, *poses(np.array([time]))[:, 0].tolist())
+                if near is None:
                     continue
                 meeting = _locate(poses, float(edges[0]), pair, time, near)
                 if is_new(meeting):
                     earliest = meeting
                     break
         return earliest
+
+
+def _place_inside(pair: PieceCase, some: Shapes, x: float, y: float, theta: float) -> tuple[float, float] | None:
+    """The elements' own parameters at the nearest points in a pose of the plate in the frame of the base; None beyond
+    an end."""
+    near = guess(pair, some, x, y, theta)
+    return near if inside(pair, *near, turn=AT_FLAT if isinstance(some.still, Straight) else AT_END) else None
 
 
 def _apart(looks: np.ndarray, at_looks: np.ndarray) -> Callable[[Shapes], bool]:

@@ -133,6 +133,7 @@ class PoseChart(ModeChanges):
             return None
         y = join(self.state, [watch.points for watch in self.watches])
         limit, holders = self._limit_of_rest(regime)
+        phase = phase._replace(is_past=self.meetings.past_of(self.state, regime.resting))
         segment = self.integrate(phase, self.t, y, min(self._until(phase, y, regime), limit), self.rtol)
         loss = self._loss_of_guides(segment, regime)
         if loss is not None:
@@ -217,7 +218,7 @@ class PoseChart(ModeChanges):
         end, holders = self.case.duration, set[int](regime.resting)
         for watch in self.watches:
             if watch.mode is not Mode.FLIGHT:
-                holders |= set(place(watch.pair, self.state, watch.points).sides)
+                holders |= set(sides_of(watch.pair))
         if len(holders) == len(plates_of(self.case)):
             return end
         often = frequency(phase, self.t, y)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 from math import atan2, hypot
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -54,25 +54,24 @@ class Shapes(NamedTuple):
     still: Ring | Straight
     from_base: bool
 
-    def path(self, poses: Poses) -> Poses:
-        """The circle's centre in the frame of the other body, (x, y, 0) as poses (3, n); `poses` are those of the plate
-        in the frame of the base."""
+    def centre(self, x, y, theta) -> tuple[Any, Any]:
+        """The circle's centre in the frame of the other body, in a pose of the plate in the frame of the base; numbers
+        or arrays."""
         u, v = self.moving.x, self.moving.y
+        c, s, dx, dy = np.cos(theta), np.sin(theta), u - x, v - y
+        return (x + c * u - s * v, y + s * u + c * v) if self.from_base else (c * dx + s * dy, c * dy - s * dx)
 
-        def of_plate(times: np.ndarray) -> np.ndarray:
-            x, y, theta = poses(times)
-            c, s = np.cos(theta), np.sin(theta)
-            return np.array([x + c * u - s * v, y + s * u + c * v, np.zeros_like(theta)])
+    def path(self, poses: Poses) -> Poses:
+        """The same at times, (x, y, 0) as poses (3, n); `poses` are those of the plate in the frame of the base."""
 
-        def of_base(times: np.ndarray) -> np.ndarray:
-            x, y, theta = poses(times)
-            c, s, dx, dy = np.cos(theta), np.sin(theta), u - x, v - y
-            return np.array([c * dx + s * dy, c * dy - s * dx, np.zeros_like(theta)])
+        def centre(times: np.ndarray) -> np.ndarray:
+            x, y = self.centre(*poses(times))
+            return np.array([x, y, np.zeros_like(x)])
 
-        return of_plate if self.from_base else of_base
+        return centre
 
-    def gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """The distance of both curves (m) with the circle's centre there."""
+    def gap(self, x, y) -> Any:
+        """The distance of both curves (m) with the circle's centre there; numbers or arrays."""
         still, r = self.still, self.moving.radius
         if isinstance(still, Straight):
             return (x - still.x) * still.nx + (y - still.y) * still.ny - r
@@ -117,7 +116,7 @@ def _shape(piece: Piece) -> Ring | Straight | None:
 def guess(pair: PieceCase, some: Shapes, x: float, y: float, theta: float) -> tuple[float, float]:
     """The elements' own parameters at the nearest points in a pose of the plate in the frame of the base."""
     track, outline = cast(tuple[Piece, Piece], pair.pieces)
-    cx, cy, _ = some.path(lambda times: np.array([[x], [y], [theta]]))(np.zeros(1))[:, 0].tolist()
+    cx, cy = map(float, some.centre(x, y, theta))
     if isinstance(some.still, Straight):
         nx, ny = some.still.nx, some.still.ny
     else:

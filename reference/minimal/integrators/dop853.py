@@ -159,7 +159,7 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
         if (len(pieces) >= MOST_LOOKED_AT or tries >= MOST_TRIES) and solver.status != "finished":
             event = Event(OUT_OF_STEPS, float(solver.t), tuple(solver.y.tolist()))
             return _end_event(phase, times, pieces, event, solver.nfev)
-        if solver.status == "finished":
+        if solver.status == "finished" or (phase.is_past is not None and phase.is_past(solver.y)):
             return _end_event(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
 
 
