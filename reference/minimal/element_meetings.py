@@ -170,5 +170,7 @@ def fine(poses: Poses, edges: np.ndarray) -> np.ndarray:
     """The times, and times between them, such that the plate turns by at most TURN between two."""
     turns = np.abs(np.diff(poses(edges)[2]))
     counts = np.minimum(1 + np.floor(turns / TURN), MOST_WINDOWS).astype(int)
+    if counts.max(initial=1) == 1:
+        return edges
     parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)]
     return np.append(np.concatenate(parts), edges[-1])

@@ -1,6 +1,8 @@
 """Accelerations of one group of contacts in given modes, by numbers, and the balance of forces that are not unique."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from typing import NamedTuple
 
@@ -30,7 +32,8 @@ OTHER = 1e-3
 DEPENDENT = 1e-9
 
 
-class DecisionInstant(NamedTuple):
+@dataclass(frozen=True)
+class DecisionInstant:
     """What a decision needs: the case, time (s), the plates' state, the largest speed of the motion so far (m/s), and
     the relative error of the state."""
 
@@ -40,12 +43,22 @@ class DecisionInstant(NamedTuple):
     speed: float
     error: float
 
-    @property
+    @cached_property
     def velocity(self) -> np.ndarray:
         """The velocities of all plates, (3n,)."""
         return np.array(self.state[len(self.state) // 2 :])
 
-    @property
+    @cached_property
+    def load(self) -> np.ndarray:
+        """The accelerations (3n,) that weight and loads give all plates."""
+        return load_at(self.case, self.time, self.state)
+
+    @cached_property
+    def scale(self) -> float:
+        """The size of accelerations, m/s²: weight and load, which may cancel."""
+        return load_scale(self.case, self.time, self.state)
+
+    @cached_property
     def still(self) -> float:
         """The speed (m/s) below which a slip or a rim has none: the error of an event, or of a constraint's start."""
         return max(slip_error(self.error) * speed(self.case, self.state), STILL * self.speed)
@@ -85,7 +98,7 @@ def answer_by_numbers(
     """The accelerations in these modes; None if neither forces nor accelerations are unique. `shares`: as of
     `shares_of`."""
     some, velocity = bodies(now.case), now.velocity
-    load = load_at(now.case, now.time, now.state) + own_load(now.case, now.time, velocity, contacts, modes)
+    load = now.load + own_load(now.case, now.time, velocity, contacts, modes)
     rows, columns, biases, senses = list[np.ndarray](), list[np.ndarray](), list[float](), dict(turns)
     for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
         if mode is Mode.FLIGHT:
@@ -103,13 +116,14 @@ def answer_by_numbers(
     rows, columns, biases = [*rows, *still_rows], [*columns, *still_rows], [*biases, *(0.0 for _ in holding)]
     acceleration, values = load, np.zeros(0)
     if rows:
-        matrix = np.array(rows) * some.inverse @ np.array(columns).T
-        sizes = np.sqrt(np.abs(np.diag(np.array(rows) * some.inverse @ np.array(rows).T)))
+        inner, outer = np.array(rows), np.array(columns)
+        matrix = inner * some.inverse @ outer.T
+        sizes = np.sqrt(np.abs(np.diag(inner * some.inverse @ inner.T)))
         if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(rows):
             return _by_guides(now, contacts, modes, turns)
-        values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
-        acceleration = load + some.inverse * (np.array(columns).T @ values)
-    largest = load_scale(now.case, now.time, now.state)  # weight and load, which may cancel
+        values = np.linalg.solve(matrix, -(inner @ load + biases))
+        acceleration = load + some.inverse * (outer.T @ values)
+    largest = now.scale
     heaviest = float((some.masses / some.lengths**2).max())
     force = VIOLATED * max(largest * heaviest, float(np.abs(values).max(initial=0.0)))
     rate = VIOLATED * max(largest, float(np.abs(acceleration * some.lengths).max()))
@@ -158,7 +172,7 @@ def _by_guides(
     """The same where the rows depend on each other: some of them determine the motion, and forces that are not unique
     have to give it. None where the acceleration is not unique, or where the rows contradict each other."""
     some, velocity = bodies(now.case), now.velocity
-    load = load_at(now.case, now.time, now.state) + own_load(now.case, now.time, velocity, contacts, modes)
+    load = now.load + own_load(now.case, now.time, velocity, contacts, modes)
     closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
     each = [(k, False) for k in closed] + [(k, True) for k in closed if modes[k] in STICKING]
     rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
@@ -184,7 +198,7 @@ def _by_guides(
         return None
     values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
     acceleration = load + some.inverse * (np.array(columns).T @ values)
-    largest = load_scale(now.case, now.time, now.state)
+    largest = now.scale
     rate = SAME * max(largest, float(np.abs(acceleration * some.lengths).max()))
     if any(abs(float(row @ acceleration) + bias) > rate for row, _, bias in others):
         return None

@@ -22,7 +22,7 @@ from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
 from .accelerations import SAME, DecisionInstant, answer_by_numbers, rest_margin
 from .exclusion import possible_modes
 from .places import ContactPlace, plates_in, sharing
-from .plate_numbers import bodies, load_scale, rows_of
+from .plate_numbers import bodies, rows_of
 from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
 from .rest import BALANCE
 from .rotations import Sides, Turns, turning_row
@@ -67,7 +67,7 @@ def decide(
     if not best.rests:
         of_best = GroupModes(best.modes, best.turns, best.guides)
         phase, y = phase_of(now.case, contacts, of_best), variables(now.state, contacts)
-        slack = slack_of(phase, now.time, y, now.error, AT_BOUND * load_scale(now.case, now.time, now.state))
+        slack = slack_of(phase, now.time, y, now.error, AT_BOUND * now.scale)
     return Decision(best.modes, best.rests, slack, (best.modes,), is_singular, best.turns, best.guides)
 
 
@@ -162,7 +162,7 @@ def phase_of(case: Case, contacts: Sequence[ContactPlace], now: GroupModes) -> S
 def _holds(now: DecisionInstant, contacts: Sequence[ContactPlace], some: GroupModes, opens: bool) -> bool:
     """Whether conditions hold just after the instant along the motion in these modes; `opens`: whether the contacts
     that open certainly do, so that only those that stay are looked at."""
-    still, weak = now.still, AT_BOUND * load_scale(now.case, now.time, now.state)
+    still, weak = now.still, AT_BOUND * now.scale
     if opens:
         which = [k for k, mode in enumerate(some.modes) if mode is not Mode.FLIGHT]
         if not which:
@@ -243,7 +243,7 @@ def _are_known(now: DecisionInstant, motions: Sequence[_Motion], some: Sequence[
 
 def _is_same(now: DecisionInstant, one: _Motion, other: _Motion) -> bool:
     """Whether two accelerations are the same."""
-    lengths, least = bodies(now.case).lengths, load_scale(now.case, now.time, now.state)
+    lengths, least = bodies(now.case).lengths, now.scale
     largest = max(float(np.abs(motion.acceleration * lengths).max()) for motion in (one, other))
     return bool(np.abs((one.acceleration - other.acceleration) * lengths).max() <= SAME * max(least, largest))
 

@@ -18,7 +18,7 @@ from ..effect_laws import laws
 from ..effect_laws.friction import SLIP_SIGN, STICKING
 from .accelerations import DEPENDENT, VIOLATED, DecisionInstant
 from .places import ContactPlace, sharing
-from .plate_numbers import bodies, load_at, load_scale
+from .plate_numbers import bodies
 from .rotations import Turns
 
 # Conditions are violated by this many times what `answer_by_numbers` asks, and systems this many times as far from
@@ -26,6 +26,8 @@ from .rotations import Turns
 CLEARLY = 2.0
 # Impulses are compared with roundings of 1e-10: systems this far from singular have fewer.
 REGULAR = 1e-4
+# Fewer combinations than this are solved sooner one by one.
+FEW = 4
 # As many systems are solved together: a few megabytes.
 TOGETHER = 2048
 
@@ -36,7 +38,7 @@ def possible_modes(
     """The combinations of modes, with the senses of resisted rotations, that these numbers do not exclude. Resisted
     rotations, and forces of the user's own, which depend on the modes, are not looked at."""
     plain = [k for k, (_, turns) in enumerate(combinations) if not turns]
-    if len(plain) < 2 or laws(now.case).own:
+    if len(plain) < FEW or laws(now.case).own:
         return list(combinations)
     stack, without = _Stack(now, contacts), set[int]()
     for first in range(0, len(plain), TOGETHER):
@@ -107,7 +109,7 @@ class _Stack:
     def __init__(self, now: DecisionInstant, contacts: Sequence[ContactPlace]):
         some, velocity = bodies(now.case), now.velocity
         self.now, self.some, self.count = now, some, len(contacts)
-        self.load = load_at(now.case, now.time, now.state)
+        self.load = now.load
         self.rows = np.array([at.lift_row for at in contacts] + [at.slip_row for at in contacts])
         slips = [at.slip_bias - at.belt_rate(now.time) for at in contacts]
         self.biases = np.array([at.lift_bias for at in contacts] + slips)
@@ -147,7 +149,7 @@ class _Stack:
     ) -> np.ndarray:  # fmt: skip
         """Whether a force, a lift or a slip that begins violates its condition, as of `answer_by_numbers`."""
         n, now, part = self.count, self.now, CLEARLY * VIOLATED
-        largest, heaviest = load_scale(now.case, now.time, now.state), (self.some.masses / self.some.lengths**2).max()
+        largest, heaviest = now.scale, (self.some.masses / self.some.lengths**2).max()
         force = part * np.maximum(largest * heaviest, np.abs(values).max(axis=1))
         rate = part * np.maximum(largest, np.abs(acceleration * self.some.lengths).max(axis=1))
         lift = acceleration @ self.rows[:n].T + self.biases[:n]

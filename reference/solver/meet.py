@@ -91,8 +91,8 @@ class Meetings:
         all plates: they have met before, and more steps would be cut off."""
         half = len(state) // 2
         apart = [
-            (search.couple, search.far_pairs(np.array(state[:half])))
-            for search in self.searches if not couple_rests(search.couple, resting)
+            (search.couple, pairs) for search in self.searches
+            if not couple_rests(search.couple, resting) and (pairs := search.far_pairs(np.array(state[:half])))
         ]  # fmt: skip
 
         def is_past(y: Sequence[float]) -> bool:
@@ -209,8 +209,8 @@ class CoupleSearch:
     ) -> CoupleMeeting | None:  # fmt: skip
         earliest: CoupleMeeting | None = None
         times = fine(poses, edges)
-        looks, near_elements = _looks(times), self._near_elements(poses(times))
-        is_apart = _apart(looks, poses(looks)) if len(self.quick) > FEW else None
+        near_elements = self._near_elements(poses(times))
+        is_apart = _apart(looks := _looks(times), poses(looks)) if len(self.quick) > FEW else None
         for pair, some in self.quick:
             if in_round(pair) in exclusions or not near_elements[pair.first.number]:
                 continue

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -56,7 +57,7 @@ class ModeChanges(ImpactEnds):
             for error in errors[1:]:
                 if decision.motions or decision.is_singular:
                     break
-                decision = self._decide_group(now._replace(error=error), some, fixed, last_modes)
+                decision = self._decide_group(replace(now, error=error), some, fixed, last_modes)
             if decision.modes is None:
                 raise MotionEnds(self._no_modes(names, decision))
             modes |= dict(zip(names, decision.modes, strict=True))

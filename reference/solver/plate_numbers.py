@@ -20,17 +20,13 @@ from ..effect_laws.own_forces import own_force_values
 
 
 class Bodies(NamedTuple):
-    """Of all plates: reaches (m), inverse masses and moments of inertia (3n,), and lengths (3n,) by which velocities
-    are compared (m; 1 for translations)."""
+    """Of all plates: reaches (m), inverse masses and moments of inertia (3n,), these themselves, 0 for a rotation that
+    is not possible, and lengths (3n,) by which velocities are compared (m; 1 for translations)."""
 
     reaches: tuple[float, ...]
     inverse: np.ndarray
+    masses: np.ndarray
     lengths: np.ndarray
-
-    @property
-    def masses(self) -> np.ndarray:
-        """Masses and moments of inertia (3n,); 0 for a rotation that is not possible."""
-        return np.divide(1.0, self.inverse, out=np.zeros(len(self.inverse)), where=self.inverse > 0.0)
 
 
 @lru_cache(maxsize=256)
@@ -39,7 +35,8 @@ def bodies(case: Case) -> Bodies:
     plates = plates_of(case)
     reaches = tuple(float(plate.reach if plate.radius is None else plate.radius) for plate in plates)
     inverse = np.array([value for p in plates for value in (1.0 / p.mass, 1.0 / p.mass, 1.0 / p.inertia)])
-    return Bodies(reaches, inverse, np.array([v for r in reaches for v in (1.0, 1.0, r)]))
+    masses = np.divide(1.0, inverse, out=np.zeros(len(inverse)), where=inverse > 0.0)
+    return Bodies(reaches, inverse, masses, np.array([v for r in reaches for v in (1.0, 1.0, r)]))
 
 
 def load_at(case: Case, t: float, state: Sequence[float] | np.ndarray) -> np.ndarray:
