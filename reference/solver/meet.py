@@ -75,8 +75,7 @@ class Meetings:
             return None
         poses = remember(view.poses)
         for search in self.searches:
-            couple = search.couple
-            if couple_rests(couple, view.resting) or _is_far(couple, poses, edges):
+            if couple_rests(search.couple, view.resting):
                 continue
             some = edges if earliest is None else np.append(edges[edges < earliest.time], earliest.time)
             if len(some) < 2:
@@ -136,12 +135,15 @@ class CoupleSearch:
         in_view = [(k, pair) for k, pair in enumerate(view.pairs) if couple_of(pair).number == couple.number]
         pairs, begin = [pair for _, pair in in_view], [view.points(k, view.times[:1])[:, 0] for k, _ in in_view]
         exclusions = _exclusions(pairs).union(*(_across_joints(*one) for one in zip(pairs, begin, strict=True)))
+        quick = [one for one in self.quick if in_round(one[0]) not in exclusions]
+        if not (quick or self.has_others) or _is_far(couple, places, edges):
+            return None
 
         def is_new(meeting: CoupleMeeting) -> bool:
             soon = meeting.time <= edges[0] + SOON * (edges[1] - edges[0])
             return not (soon and self._is_in_view(meeting, pairs, begin))
 
-        earliest = self._first_of_shapes(poses, edges, exclusions, is_new)
+        earliest = self._first_of_shapes(quick, poses, edges, is_new) if quick else None
         if not self.has_others:
             return earliest
         if earliest is not None:
@@ -204,15 +206,15 @@ class CoupleSearch:
         return np.array(rows).T
 
     def _first_of_shapes(
-        self, poses: Poses, edges: np.ndarray, exclusions: set[tuple[int, int]],
+        self, quick: Sequence[tuple[PieceCase, Shapes]], poses: Poses, edges: np.ndarray,
         is_new: Callable[[CoupleMeeting], bool],
     ) -> CoupleMeeting | None:  # fmt: skip
         earliest: CoupleMeeting | None = None
         times = fine(poses, edges)
         near_elements = self._near_elements(poses(times))
-        is_apart = _apart(looks := _looks(times), poses(looks)) if len(self.quick) > FEW else None
-        for pair, some in self.quick:
-            if in_round(pair) in exclusions or not near_elements[pair.first.number]:
+        is_apart = _apart(looks := _looks(times), poses(looks)) if len(quick) > FEW else None
+        for pair, some in quick:
+            if not near_elements[pair.first.number]:
                 continue
             if is_apart is not None and is_apart(some):
                 continue

@@ -280,8 +280,8 @@ def without_velocity(
             velocity = velocity - some.inverse * (rows.T @ off)
         # Plates that their contacts hold have no velocity, to the last bit.
         own = rows_of(plates)
-        free = rows * np.sqrt(some.inverse)
-        rank = np.linalg.matrix_rank(free, tol=1e-9 * float(np.linalg.norm(free, 2)))
+        sizes = np.linalg.svd(rows * np.sqrt(some.inverse), compute_uv=False)
+        rank = np.count_nonzero(sizes > 1e-9 * sizes[0])
         if not goals.any() and rank == np.count_nonzero(some.inverse[own]):
             velocity[own] = 0.0
     return (*map(float, state[:half]), *velocity.tolist())

@@ -73,7 +73,7 @@ class PoseChart(ModeChanges):
         t, state = (before.time, before.state) if before is not None else (0.0, start_of(case))
         super().__init__(case, t, state, before is None)
         self.rtol, self.integrate, self.segments = rtol, integrate, segments
-        self.idle, self.meetings = 0, Meetings(case)
+        self.idle, self.meetings, self.errors = 0, Meetings(case), error_range(rtol)
         self.enter: Callable[[], None] | None = partial(self._enter, before)
 
     def phase(self) -> Ending | None:
@@ -84,7 +84,7 @@ class PoseChart(ModeChanges):
         return self._phase(self._decide())
 
     def _decision_errors(self) -> Sequence[float]:
-        return error_range(self.rtol) if self.idle <= IDLE else (ROUGH,)
+        return self.errors if self.idle <= IDLE else (ROUGH,)
 
     def _count(self, segment: Segment) -> None:
         """Add a segment to the motion. Raises MotionEnds where too many in a row took no time."""
