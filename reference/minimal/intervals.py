@@ -8,6 +8,7 @@ bounds ±inf there. (Moore, Interval Analysis, 1966: known to us, not looked up.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -95,11 +96,14 @@ def _sum(a: Interval, b) -> Interval:
 
 def _product(a: Interval, b) -> Interval:
     if isinstance(b, Interval):
-        corners = np.array([a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high])
+        corners = [a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high]
     else:
-        corners = np.array([a.low * b, a.high * b])
-    corners[np.isnan(corners)] = 0.0  # nothing times infinity, of a factor that is exactly zero
-    return Interval(corners.min(axis=0), corners.max(axis=0))
+        corners = [a.low * b, a.high * b]
+    low, high = reduce(np.minimum, corners), reduce(np.maximum, corners)
+    if np.isnan(low).any():  # nothing times infinity, of a factor that is exactly zero
+        corners = [np.where(np.isnan(corner), 0.0, corner) for corner in corners]
+        low, high = reduce(np.minimum, corners), reduce(np.maximum, corners)
+    return Interval(low, high)
 
 
 def _inverse(a: Interval) -> Interval:

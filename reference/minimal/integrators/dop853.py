@@ -148,9 +148,8 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
         if zero:
             guard, when = zero
             piece, event = _land(phase, rhs, piece, guard, when, rtol, atol)
-            return Segment.of(
-                phase, np.array([*times, event.time]), _PiecewiseOutput(times, [*pieces, piece]), event, solver.nfev
-            )
+            output = _PiecewiseOutput.of(times, pieces, piece)
+            return Segment.of(phase, np.array([*times, event.time]), output, event, solver.nfev)
         times.append(solver.t)
         pieces.append(piece)
         if len(times) > MOST_TINY_STEPS and solver.t - times[-MOST_TINY_STEPS] <= TINY * (solver.t - t):
@@ -255,7 +254,7 @@ def _without_value(phase: Phase, times, pieces, piece, at_nodes, rtol: float, ev
         return _end_event(phase, times, pieces, Event(BREAKDOWN, piece.t_old, tuple(piece.y_old.tolist())), evaluations)
     rest = _integrate(phase, piece.t_old, piece.y_old, until, rtol, cuts - 1)
     event = rest.event if rest.event.guard else rest.event._replace(guard=BREAKDOWN)
-    states = _PiecewiseOutput(times, [*pieces, rest.states])
+    states = _PiecewiseOutput.of(times, pieces, rest.states)
     return Segment.of(phase, np.array([*times, *rest.times[1:]]), states, event, evaluations + rest.evaluations)
 
 
@@ -318,6 +317,13 @@ class _PiecewiseOutput:
     starts: Sequence[float]
     pieces: Sequence[Callable[[np.ndarray], np.ndarray]]
 
+    @classmethod
+    def of(cls, starts: Sequence[float], pieces: Sequence[Callable], last: Callable) -> _PiecewiseOutput:
+        """Pieces and a last one, which may have several steps itself."""
+        if isinstance(last, _PiecewiseOutput):
+            return cls([*starts[:-1], *last.starts], [*pieces, *last.pieces])
+        return cls(starts, [*pieces, last])
+
     def __call__(self, times: np.ndarray) -> np.ndarray:
         pieces = self.pieces
         if len(times) == 1:  # searches evaluate single instants: a fifth of the time of the general code below
@@ -325,11 +331,27 @@ class _PiecewiseOutput:
             if not isinstance(piece, DenseOutput):
                 return piece(times)
             return _at_instant(piece, float(times[0]))
-        parts = [(block, pieces[i](times[block])) for i, block in blocks(np.array(self.starts), times)]
-        result = np.empty((len(parts[0][1]), len(times)))
-        for block, values in parts:
-            result[:, block] = values
+        numbers, parts = zip(*blocks(np.array(self.starts), times), strict=True)
+        some, order = [pieces[i] for i in numbers], np.concatenate(parts)
+        if len(some) > 1 and all(isinstance(piece, DenseOutput) for piece in some):
+            values = _at_instants(some, np.repeat(np.arange(len(some)), [len(part) for part in parts]), times[order])
+        else:
+            values = np.concatenate([piece(times[part]) for piece, part in zip(some, parts, strict=True)], axis=1)
+        result = np.empty_like(values)
+        result[:, order] = values
         return result
+
+
+def _at_instants(pieces: Sequence[DenseOutput], which: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The states (variables, n) of the steps `which` at n times, by the same operations for all steps at once."""
+    start, length = (np.array([getattr(piece, name) for piece in pieces])[which] for name in ("t_old", "h"))
+    x = ((times - start) / length)[:, None]
+    rows, y = np.array([piece.F for piece in pieces]), np.zeros((len(times), len(pieces[0].y_old)))
+    for i in range(rows.shape[1]):
+        y += rows[which, -1 - i]
+        y *= 1.0 - x if i % 2 else x
+    y += np.array([piece.y_old for piece in pieces])[which]
+    return y.T
 
 
 def _at_instant(piece: DenseOutput, time: float) -> np.ndarray:
