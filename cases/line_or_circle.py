@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,7 @@ def _places(curve: Curve) -> Iterator[np.ndarray]:
         yield curve.features.nodes(*curve.span)
 
 
+@lru_cache(maxsize=1024)
 def as_line(curve: Curve) -> Line | None:
     """The curve as a line, or None if it is none."""
     if isinstance(curve, Chain):
@@ -48,6 +50,7 @@ def as_line(curve: Curve) -> Line | None:
     return Line(curve.point(curve.span[0]), curve.tangent(curve.span[0]))
 
 
+@lru_cache(maxsize=1024)
 def as_circle(curve: Curve) -> Circle | None:
     """The curve as a circle (or an arc of one), or None if it is none."""
     if isinstance(curve, Chain):

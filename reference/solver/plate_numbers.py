@@ -42,7 +42,7 @@ def bodies(case: Case) -> Bodies:
 def load_at(case: Case, t: float, state: Sequence[float] | np.ndarray) -> np.ndarray:
     """The accelerations (3n,) that weight and loads give all plates."""
     half = len(state) // 2
-    result = np.tile((*weight(case), 0.0), half // 3)
+    result = np.array((*weight(case), 0.0) * (half // 3))
     for b, force in _forces(case, t, state):
         own = slice(3 * b, 3 * b + 3)
         result[own] += np.array(force) * bodies(case).inverse[own]
@@ -61,7 +61,7 @@ def _forces(case: Case, t: float, state: Sequence[float] | np.ndarray) -> Iterat
 def load_scale(case: Case, t: float, state: Sequence[float] | np.ndarray) -> float:
     """The size of accelerations (m/s²): weight, loads and forces of the user's own, each alone, as they may cancel, and
     what turns velocities."""
-    half, some = len(state) // 2, bodies(case)
+    some = bodies(case)
     applied = sum(
         (abs(fx) + abs(fy) + abs(moment) / some.reaches[b]) * float(some.inverse[3 * b])
         for b, (fx, fy, moment) in _forces(case, t, state)
@@ -69,14 +69,14 @@ def load_scale(case: Case, t: float, state: Sequence[float] | np.ndarray) -> flo
     for along, across, couple in own_force_values(case, t, 0.0, 0.0):
         own = abs(along) + abs(across) + abs(couple) / min(some.reaches)
         applied += own * float(some.inverse.reshape(-1, 3)[:, 0].max()) if np.isfinite(own) else 0.0
-    speeds = np.abs(np.asarray(state[half:], dtype=float) * some.lengths)
-    return hypot(*weight(case)) + applied + float(speeds.max()) ** 2 / min(some.reaches)
+    return hypot(*weight(case)) + applied + speed(case, state) ** 2 / min(some.reaches)
 
 
 def size(case: Case, state: Sequence[float] | np.ndarray) -> float:
     """The size of the poses' numbers, m."""
-    poses = np.asarray(state[: len(state) // 2], dtype=float).reshape(-1, 3)
-    return float(np.abs(poses[:, :2]).sum(axis=1).max() + max(bodies(case).reaches))
+    half = len(state) // 2
+    far = max(abs(x) + abs(y) for x, y in zip(state[:half:3], state[1:half:3], strict=True))
+    return float(far + max(bodies(case).reaches))
 
 
 def speed(case: Case, state: Sequence[float] | np.ndarray) -> float:
