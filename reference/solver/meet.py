@@ -40,8 +40,9 @@ FASTER = 2.0
 ON_ELEMENT = 17
 # Couples with more pairs of lines and circles than this are looked at before gaps are polynomials.
 FEW = 8
-# Elements are clearly apart from this part of the plate's reach on.
-FAR = 1e-3
+# After each step at most so many pairs of a couple are looked at that were clearly apart: from this part of the plate's
+# reach on.
+MOST_AFTER_STEP, FAR = 8, 1e-3
 # Samples of a step at which far plates are looked at.
 LOOKS = 16
 # A contact at the end of an element has no gap in the pair beside either: its search begins as soon as this part of
@@ -120,7 +121,7 @@ class CoupleSearch:
     def far_pairs(self, poses: np.ndarray) -> list[tuple[PieceCase, Shapes]]:
         """Pairs of lines and circles, if there are few, that are clearly apart in poses of all plates, (3n,)."""
         pose, least = self.couple.relative_pose(poses), FAR * self.couple.plate.reach
-        quick = self.quick if len(self.quick) <= FEW else []
+        quick = self.quick if len(self.quick) <= MOST_AFTER_STEP else []
         return [(pair, some) for pair, some in quick if some.gap(*some.centre(*pose)) > least]
 
     @cached_property
