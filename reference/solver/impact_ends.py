@@ -16,7 +16,7 @@ from .places import TOUCHES, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, load_scale, rows_of, size
 from .regimes import SolverPhase, SolverRegime, join, key_of, solver_phase
 from .touching import touching_contacts
-from .watched_plates import CLOSES, Watch, WatchedPlates, is_same_place
+from .watched_plates import CLOSES, Watch, WatchedPlates, is_same_contact
 
 # Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the
 # plate's size, the gap at which contacts count as touching.
@@ -70,7 +70,7 @@ class ImpactEnds(WatchedPlates):
         limit, values = end.time, tuple(end.body)
         places = [(watch.pair, place(watch.pair, values, watch.points)) for watch in self.watches]
         for pair, points in touching_contacts(self.case, np.array(values), MAY_LAND):
-            if not any(pair == one and is_same_place(pair, (at.xi1, at.xi2), points) for one, at in places):
+            if not any(is_same_contact(one, (at.xi1, at.xi2), pair, points) for one, at in places):
                 self._watch(pair, points)
         of_series = [watch for watch in self.watches if watch.name in end.contacts]
         near = [watch for watch in self.watches if watch.name in end.contacts or watch.name in self.touching]

@@ -73,15 +73,15 @@ class Watch:
 
     def is_at(self, pair: PieceCase, points: tuple[float, float]) -> bool:
         """Whether it is of that pair at that place, in any round of closed curves."""
-        is_same = couple_of(self.pair) == couple_of(pair) and in_round(self.pair) == in_round(pair)
-        return is_same and is_same_place(pair, self.points, points)
+        return is_same_contact(self.pair, self.points, pair, points)
 
 
-def is_same_place(pair: PieceCase, one: tuple[float, float], other: tuple[float, float]) -> bool:
-    """Whether two places of a pair are one: curves may touch in several."""
-    return any(
-        not isinstance(piece, Corner) and np.hypot(*(piece.point(s) - piece.point(z))) <= APART * pair.plate.reach
-        for piece, s, z in zip(pair.pieces, one, other, strict=True)
+def is_same_contact(one: PieceCase, points: tuple[float, float], other: PieceCase, others: tuple[float, float]) -> bool:
+    """Whether two contacts are one, in any round of closed curves: of one pair in one place, as curves may touch in
+    several."""
+    return (couple_of(one), in_round(one)) == (couple_of(other), in_round(other)) and any(
+        not isinstance(piece, Corner) and np.hypot(*(piece.point(s) - piece.point(z))) <= APART * other.plate.reach
+        for piece, s, z in zip(other.pieces, points, others, strict=True)
     )
 
 
