@@ -106,7 +106,7 @@ def _motion_defects(samples: MotionSamples) -> Iterator[Defects]:
     """The defects of momenta and rates of poses in each step."""
     reach = [plate.reach for plate in plates_of(samples.case)]
     speed = laws.speed_of(samples, reach, laws.acceleration(samples))
-    for one in laws.motion_defects(samples, laws.sums(samples), reach, speed):
+    for one in laws.motion_defects(samples, laws.sums(samples, speed), reach, speed):
         yield one._replace(sizes=np.where(samples.is_straight, 0.0, one.sizes))
 
 

@@ -93,8 +93,9 @@ def acceleration(samples: MotionSamples) -> float:
     return (gravity.g if gravity else 0.0) + outer
 
 
-def sums(samples: MotionSamples) -> Sums:
-    """All forces on each plate: gravity, load, and those of the contacts as the motion has them."""
+def sums(samples: MotionSamples, speed: float) -> Sums:
+    """All forces on each plate: gravity, load, and those of the contacts as the motion has them; `speed`: the scale of
+    velocities, m/s."""
     case, shape, gravity = samples.case, samples.times.shape, samples.case.effect(Gravity)
     pull = complex(*gravity.vector) if gravity is not None else 0j
     forces = [np.full(shape, plate.mass * pull) for plate in plates_of(case)]
@@ -107,7 +108,7 @@ def sums(samples: MotionSamples) -> Sums:
     for contact in samples.contacts:
         law, steps = contact.law, contact.steps
         here = slice(None) if len(steps) == len(shape) and len(steps) == shape[0] else steps
-        couple = _couple(samples, contact, here)
+        couple = _couple(samples, contact, here, speed)
         force = (contact.friction + 1j * contact.normal) * contact.tangent
         for effect in own_effects(law.effects):
             along, across, more = _own(effect)(samples.times[here], contact.slip, _relative_spin(samples, law, here))
@@ -122,13 +123,15 @@ def sums(samples: MotionSamples) -> Sums:
     return Sums(forces, moments, largest)
 
 
-def _couple(samples: MotionSamples, contact: ContactInstants, here) -> np.ndarray | float:
+def _couple(samples: MotionSamples, contact: ContactInstants, here, speed: float) -> np.ndarray | float:
     """The couple of rolling resistance, N m; NaN where it prevents the rotation, also of a plate that slips."""
     arm, spin = contact.law.arm, _relative_spin(samples, contact.law, slice(None))
     if not arm:
         return 0.0
     couple = -np.sign(spin[here][:, 2:3]) * arm * np.abs(contact.normal)
-    couple[(np.abs(spin[here]) <= CREEP * np.abs(spin).max()).all(axis=1)] = np.nan
+    reach = plates_of(samples.case)[contact.law.body].reach
+    fastest = max(float(np.abs(spin).max()), speed / reach)  # all spins may be roundings
+    couple[(np.abs(spin[here]) <= CREEP * fastest).all(axis=1)] = np.nan
     return couple
 
 
