@@ -13,8 +13,8 @@ from .rotations import Sides, Turns, rigid_pairs, turning_row
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10
-# A linear program's tolerance.
-WITHIN = 1e-7
+# A linear program's tolerance, and its status if nothing obeys its inequalities (manual of scipy.optimize.linprog).
+WITHIN, INFEASIBLE = 1e-7, 2
 # Impulses that change nothing at closed contacts turn the plate if they change its velocity by more than this part.
 TURNS = 1e-9
 STICK, FORWARD, BACKWARD, OPEN = "stick", "forward", "backward", "open"
@@ -169,6 +169,8 @@ def _extremes(modes, before, places_hit, law: ImpactLaw, speed, solution, which,
     members = []
     for goal in (*turning, *-turning):
         answer = linprog(goal, A_ub=-np.array(rows), b_ub=small - np.array(bounds), bounds=(None, None))
+        if answer.status == INFEASIBLE:
+            return []
         if answer.status == 0:
             members.append((change + turning @ answer.x, impulses + free @ answer.x, np.zeros((0, 0))))
     return members
