@@ -326,6 +326,10 @@ class PoseChart(ModeChanges):
                 return None
             self._settle(stuck, closing={other.name})
             return None
+        if corner_on_corner(following) and watch.mode in STICKING:  # it met that corner, and stays
+            watch.at_joint = True
+            self._settle(stuck)
+            return None
         if corner_on_corner(following):  # the plate's corner passes the other curve's
             self.fixed = {watch.name: (Mode.FLIGHT,)}
             self._record({one.name: one.mode for one in self.watches if one is not watch})
