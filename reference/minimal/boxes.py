@@ -14,8 +14,9 @@ import numpy as np
 
 from cases import Case, Curve
 
+from ..scales import EPS
 from .curve_pieces import ABOVE, AHEAD, BACK, BELOW, BEND_HIGH, BEND_LOW, HIGH, LOW, REACH, TURN, TX, TY, Pieces, X, Y
-from .windows import EPS, Windows
+from .windows import Windows
 
 # Roundings in the gap, which is computed from places in some tens of operations.
 ROUNDINGS = 32

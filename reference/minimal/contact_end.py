@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cases import Case, Flight, Impact
-from cases.contact import belt_speed, clearance, start_motion
+from cases.contact import clearance, start_motion
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
 from ..effect_laws import laws
@@ -28,6 +28,7 @@ from ..endings import (
     work_limit_ending,
 )
 from ..scales import acceleration_scale, approach_scale
+from .assembly import Kind
 from .decision import AT_BOUND, Undecidable, decide, slack_of
 from .elimination import Elimination
 from .grazing import may_touch, over_touch
@@ -41,18 +42,15 @@ from .modes import (
     Regime,
     able,
     candidates,
-    conveyance,
+    constrained,
     full_state,
     in_contact,
     in_flight,
     phase,
     phase_at,
     senses,
-    slip_ended,
+    slip_and_spin,
     state_in,
-    turn_rate,
-    without_slip,
-    without_turning,
 )
 from .phase_end import LOCATION_ERROR, PIECE_ENDS, ROUGH, Step, error_range
 
@@ -76,28 +74,27 @@ def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: f
         return _beyond_knot(case, segment, *knot)
     if guard in PIECE_ENDS and isinstance(case, PieceCase):
         return _pass_on(case, segment, t, y, guard)
-    if guard in ENDS:
-        return Step((segment,), t, ending=ENDS[guard])
-    if guard.startswith(OWN_END):
-        return Step((segment,), t, ending=own_ending(case, guard))
-    if guard == OUT_OF_STEPS:
-        return Step((segment,), t, ending=work_limit_ending(t, segment.steps))
-    if guard == BREAKDOWN:
-        return Step((segment,), t, ending=breakdown(now, segment))
-    if guard == "slip":
-        y = (*y[:2], *slip_ended(case, t, y), *y[4:])
-        if now.regime.turn == 0:
-            u1 = conveyance(case, t, y[0], y[1])
-            y = (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
-    if guard == "turn":
-        y = without_turning(case, y)
-        if not now.regime.kind.slips:  # else the rounding left in the slip would be the plate's largest velocity
-            u1 = conveyance(case, t, y[0], y[1])
-            y = (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
+    ending = ending_by(case, segment, guard)
+    if ending is not None:
+        return Step((segment,), t, ending=ending)
+    slips, holds = now.regime.kind
+    if guard in ("slip", "turn"):
+        y = constrained(case, t, y, Kind(slips and guard != "slip", holds or guard == "turn"))
     following = _following(case, now.regime, guard, t, y, error)
     if following is None:
         return leave(case, (segment,), t, y, guard, error)
     return Step((segment,), t, (y[0], y[1]), guard, y, following)
+
+
+def ending_by(case: Case, segment: Segment, guard: str) -> Ending | None:
+    """How the motion ends if that guard, which ended a segment, ends it; None if another phase follows."""
+    if guard in ENDS:
+        return ENDS[guard]
+    if guard.startswith(OWN_END):
+        return own_ending(case, guard)
+    if guard == OUT_OF_STEPS:
+        return work_limit_ending(segment.event.time, segment.steps)
+    return breakdown(segment.phase, segment) if guard == BREAKDOWN else None
 
 
 def _beyond_knot(case: Case, segment: Segment, y: Sequence[float], is_smooth: bool) -> Step:
@@ -122,8 +119,10 @@ def _pass_on(case: PieceCase, segment: Segment, t: float, y: Sequence[float], gu
     if is_concave(following):
         return Step((segment,), t, place, ending=CONCAVE)
     regime = segment.phase.regime
-    if corner_on_corner(following):
-        return _off_corner(case, segment, t, y, place)
+    if corner_on_corner(following):  # the plate's corner passes the track's
+        if case.effect(Flight) is None:
+            return Step((segment,), t, place, "normal_force", ending=OFF_CORNER)
+        return _take_off(case, (segment,), t, y, "normal_force")
     slip, omega = slip_and_spin(case, t, y)
     slip, omega = slip if regime.kind.slips else 0.0, 0.0 if regime.kind.holds else omega
     entry = following.pieces[not of_track].span[0 if way > 0 else 1]
@@ -138,35 +137,42 @@ def _pass_on(case: PieceCase, segment: Segment, t: float, y: Sequence[float], gu
     return Step((segment,), t, (xi1, xi2), "piece", y, after, pieces=following)
 
 
-def _off_corner(case: PieceCase, segment: Segment, t: float, y: Sequence[float], place: tuple[float, float]) -> Step:
-    """The step where the plate's corner passes the track's: flight, or the end of the motion."""
-    if case.effect(Flight) is None:
-        return Step((segment,), t, place, "normal_force", ending=OFF_CORNER)
-    slip, omega = slip_and_spin(case, t, y)
-    return Step((segment,), t, place, "normal_force", in_flight(case, t, y, slip, omega, 0.0), FLIGHT)
+def senses_beyond(regime: Regime, guard: str) -> tuple[float, float]:
+    """The signs of slip and rotation that a regime has beyond a guard's zero; 0: it has vanished. Friction or
+    resistance has reached its bound from inside: the motion that begins is against it."""
+    slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
+    if guard in BEGINS:
+        return (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])
+    return 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn
+
+
+def regimes_beyond(case: Case, regime: Regime, guard: str) -> tuple[Regime, ...]:
+    """The regimes that may follow a guard's zero: where a motion begins, not the same one, with the track's same
+    side."""
+    some = able(case, *senses_beyond(regime, guard))
+    if guard not in BEGINS:
+        return some
+    return tuple(r for r in some if r.side == regime.side and r != regime._replace(slack=()))
 
 
 def _following(
     case: Case, regime: Regime, guard: str, t: float, y: Sequence[float], error: float = LOCATION_ERROR
 ) -> Regime | None:
     """The regime of contact that follows a guard's zero, or None; `error`: the motion's relative error."""
-    slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
     if guard == "normal_force":
         other = regime._replace(side=-regime.side)
         others = [other] if other in candidates(case) else []
         # The force vanishes along the step's polynomial; at the state it has what the tolerance leaves. The least error
         # that explains it decides: with a larger one a slow slip would count as none.
         return next(filter(None, (decide(case, t, y, size, others) for size in error_range(error))), None)
+    among = regimes_beyond(case, regime, guard)
     if guard in BEGINS:
-        # Friction or resistance has reached its bound from inside; the motion that begins is against it.
-        slip, turn = (BEGINS[guard], turn) if guard.startswith("cone") else (slip, BEGINS[guard])
-        starting = [r for r in able(case, slip, turn) if r.side == regime.side and r != regime._replace(slack=())]
-        starting = [r for r in starting if _unique_force(phase_at(case, r, y), t, y)]
-        return starting[0] if len(starting) == 1 else decide(case, t, y, LOCATION_ERROR, starting)
-    slip, turn = 0.0 if guard == "slip" else slip, 0.0 if guard == "turn" else turn
-    following = decide(case, t, y, LOCATION_ERROR, able(case, slip, turn))
+        among = tuple(r for r in among if _unique_force(phase_at(case, r, y), t, y))
+        return among[0] if len(among) == 1 else decide(case, t, y, LOCATION_ERROR, among)
+    following = decide(case, t, y, LOCATION_ERROR, among)
     if following is None:
         # A motion that began a rounding ago and ends with the event does not continue.
+        slip, turn = senses_beyond(regime, guard)
         slips, turns = senses(case, t, y, *slip_and_spin(case, t, y), LOCATION_ERROR)
         following = decide(case, t, y, LOCATION_ERROR, able(case, slip * abs(slips), turn * abs(turns)))
     return following
@@ -205,9 +211,13 @@ def leave(
     if ending is LIFT_OFF and (floats := _floating(case, t, y)) is not None:
         return Step(segments, t, (y[0], y[1]), guard, tuple(y), floats)
     if ending is LIFT_OFF and case.effect(Flight) is not None:
-        slip, omega = slip_and_spin(case, t, y)
-        return Step(segments, t, (y[0], y[1]), guard, in_flight(case, t, y, slip, omega, 0.0), FLIGHT)
+        return _take_off(case, segments, t, y, guard)
     return Step(segments, t, (y[0], y[1]), guard, ending=ending)
+
+
+def _take_off(case: Case, segments: tuple[Segment, ...], t: float, y: Sequence[float], guard: str) -> Step:
+    """The step into a flight that begins with the contact's velocities."""
+    return Step(segments, t, (y[0], y[1]), guard, in_flight(case, t, y, *slip_and_spin(case, t, y), 0.0), FLIGHT)
 
 
 def _floating(case: Case, t: float, y: Sequence[float]) -> Regime | None:
@@ -223,17 +233,6 @@ def _floating(case: Case, t: float, y: Sequence[float]) -> Regime | None:
     now = phase_at(case, regime, y)
     slack = slack_of(now, t, y, LOCATION_ERROR, weak)
     return regime._replace(slack=slack) if slack else None
-
-
-def slip_and_spin(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:
-    """Slip velocity (12), relative to a belt, and spin (9) of a full state in contact at time t."""
-    along_track = y[2] * float(case.track.speed(y[0]))
-    along_outline = y[3] * float(case.plate.outline.speed(y[1]))
-    turns = (
-        turn_rate(case.track, y[0], along_track, y[2]),
-        turn_rate(case.plate.outline, y[1], along_outline, y[3]),
-    )
-    return along_track - along_outline - belt_speed(case, t), turns[0] - turns[1]
 
 
 def breakdown(now: Phase, segment: Segment) -> Ending:

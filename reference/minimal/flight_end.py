@@ -17,7 +17,7 @@ from ..endings import (
     search_limit_ending,
     work_limit_ending,
 )
-from ..scales import frequency
+from ..scales import EPS, frequency
 from .bouncing import Bounces
 from .contact_end import breakdown, contact_step, free_quantities, own_lift
 from .curve_pieces import TooMuch
@@ -26,7 +26,6 @@ from .integrators.segment import LOST_SIGHT, OUT_OF_STEPS, Segment
 from .landing import Landing, Landings
 from .modes import FLIGHT, Phase, in_contact, in_flight
 from .phase_end import MOST_STEPS, Step
-from .series import EPS
 
 # A rebound that rises by no more roundings of positions than this does not count: bouncing is over. Its limit is
 # extrapolated from the rebounds before it; if that fails (successive impacts end differently), bouncing ends here.
@@ -83,21 +82,12 @@ def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:
 
 def after_flight(case: Case, segments: list[Segment], landing: Landing | None, bounces: Bounces) -> Step:
     """The step after a landing, by the impact law."""
-    last = segments[-1]
-    if landing is None and last.event.guard == OUT_OF_STEPS:
-        steps = sum(segment.steps for segment in segments)
-        return Step(tuple(segments), last.event.time, ending=work_limit_ending(last.event.time, steps))
-    if landing is None and last.event.guard == LOST_SIGHT:
-        return Step(tuple(segments), last.event.time, ending=search_limit_ending(last.event.time))
+    path, last = tuple(segments), segments[-1]
     if landing is None:
-        return Step(
-            tuple(segments), last.event.time, ending=breakdown(last.phase, last) if last.event.guard else COMPLETION
-        )
-    return _after_landing(case, tuple(segments), landing, bounces)
-
-
-def _after_landing(case: Case, path: tuple[Segment, ...], landing: Landing, bounces: Bounces) -> Step:
-    """The step after a landing."""
+        t, guard, steps = last.event.time, last.event.guard, sum(segment.steps for segment in segments)
+        limits = {OUT_OF_STEPS: work_limit_ending(t, steps), LOST_SIGHT: search_limit_ending(t)}
+        ending = COMPLETION if guard is None else limits.get(guard) or breakdown(last.phase, last)
+        return Step(path, t, ending=ending)
     place = landing.xi1, landing.xi2
     if case.effect(Impact) is None:
         return Step(path, landing.time, place, "landing", ending=LANDING_END)

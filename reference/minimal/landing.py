@@ -21,13 +21,13 @@ from cases.overlap import span
 
 from ..curvature_proof import Room, room
 from ..effect_laws import laws
+from ..scales import EPS
 from .boxes import Cores, Geometry
 from .contact_cores import cores
 from .gap import Look, Looks, facing, state, touch
 from .impact import ContactVelocity
 from .integrators.segment import Segment
 from .meetings import Meeting, MeetingSearch
-from .series import EPS
 from .short_flights import first_look
 from .windows import DEGREE, PARABOLA, Windows, windows
 

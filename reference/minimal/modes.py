@@ -128,18 +128,28 @@ def senses(case: Case, t: float, y: Sequence[float], slip: float, omega: float, 
     """
     if not slip and not omega:
         return 0.0, 0.0
-    along = abs(y[2]) * float(case.track.speed(y[0])), abs(y[3]) * float(case.plate.outline.speed(y[1]))
-    slips = abs(slip) > error * max(*along, abs(belt_speed(case, t)))
-    turns = abs(omega) > error * max(
-        abs(turn_rate(case.track, y[0], along[0], y[2])), abs(turn_rate(case.plate.outline, y[1], along[1], y[3]))
-    )
+    along, turning = contact_speeds(case, y)
+    slips = abs(slip) > error * max(*map(abs, along), abs(belt_speed(case, t)))
+    turns = abs(omega) > error * max(map(abs, turning))
     return (copysign(1.0, slip) if slips else 0.0), (copysign(1.0, omega) if turns else 0.0)
 
 
-def turn_rate(curve: Curve, s: float, speed: float, rate: float) -> float:
-    """How fast the tangent turns where the contact point moves along a curve with that speed (m/s) and rate of the
-    parameter, rad/s."""
+def contact_speeds(case: Case, y: Sequence[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """How fast the contact point of a full state moves along track and outline (m/s), and their tangents turn with it
+    (rad/s)."""
+    (track, outline), (xi1, xi2, u1, u2) = (case.track, case.plate.outline), y[:4]
+    along = u1 * float(track.speed(xi1)), u2 * float(outline.speed(xi2))
+    return along, (_turn_rate(track, xi1, along[0], u1), _turn_rate(outline, xi2, along[1], u2))
+
+
+def _turn_rate(curve: Curve, s: float, speed: float, rate: float) -> float:
     return curve.sign * rate if isinstance(curve, Corner) else float(curve.curvature(s)) * speed
+
+
+def slip_and_spin(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:
+    """Slip velocity (12), relative to a belt, and spin (9) of a full state in contact at time t."""
+    along, turning = contact_speeds(case, y)
+    return along[0] - along[1] - belt_speed(case, t), turning[0] - turning[1]
 
 
 def phase(case: Case, regime: Regime, parts: tuple[int, int] = WHOLE) -> Phase:
@@ -261,17 +271,23 @@ def without_slip(case: Case, t: float, xi1: float, xi2: float, u1: float) -> flo
     return along / float(case.plate.outline.speed(xi2))
 
 
-def slip_ended(case: Case, t: float, y: Sequence[float]) -> tuple[float, float]:
-    """ξ̇₁ and ξ̇₂ of a plate whose slip has vanished: on its own corner ξ̇₂ stays as it is, else ξ̇₁."""
-    if isinstance(case.plate.outline, Corner):
-        return belt_speed(case, t) / float(case.track.speed(y[0])), y[3]
-    return y[2], without_slip(case, t, y[0], y[1], y[2])
-
-
 def conveyance(case: Case, t: float, xi1: float, xi2: float) -> float:
     """ξ̇₁ of a plate that neither slips nor turns: 0 but on a belt."""
     speed = belt_speed(case, t)
     return float(velocity(case, xi1, xi2, speed, 0.0).xi1_dot) if speed else 0.0
+
+
+def constrained(case: Case, t: float, y: tuple[float, ...], kind: Kind) -> tuple[float, ...]:
+    """The full state in contact without the slip and the rotation that a kind of equations excludes: of a plate that
+    stops to slip on its own corner ξ̇₂ stays as it is, on a curve ξ̇₁."""
+    u1 = y[2]
+    if kind.slips:
+        return without_turning(case, y) if kind.holds else y
+    if kind.holds:  # the rounding left in the slip would be the plate's largest velocity
+        u1 = conveyance(case, t, y[0], y[1])
+    elif isinstance(case.plate.outline, Corner):
+        return (*y[:2], belt_speed(case, t) / float(case.track.speed(y[0])), *y[3:])
+    return (*y[:2], u1, without_slip(case, t, y[0], y[1], u1), *y[4:])
 
 
 def without_turning(case: Case, y: Sequence[float]) -> tuple[float, ...]:

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import chebyshev
 
-EPS = float(np.finfo(float).eps)
+from ..scales import EPS
+
 # Polynomials of this degree go through a window; a motion under constant forces is one of degree two.
 DEGREE, PARABOLA = 16, 2
 # A window whose last coefficients are larger than this part of the largest is halved, at most HALVINGS times.

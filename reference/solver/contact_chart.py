@@ -21,7 +21,7 @@ from cases.piece_contact import excludes_second
 from ..curvature_proof import fits
 from ..endings import ACCUMULATION, CAUSES, FLAT, OFF, Ending, second_place
 from ..minimal.bouncing import Bounces
-from ..minimal.contact_end import after_contact, force_rounding, leave, slip_and_spin
+from ..minimal.contact_end import after_contact, force_rounding, leave
 from ..minimal.decision import decide
 from ..minimal.flight_end import after_flight, closes, simulate_flight, start_flight
 from ..minimal.integrators.segment import Segment, Segments
@@ -36,13 +36,13 @@ from ..minimal.modes import (
     in_flight,
     phase_at,
     senses,
+    slip_and_spin,
     start_pieces,
     start_state,
     state_in,
 )
 from ..minimal.phase_end import IDLE, LOCATION_ERROR, MANY, ROUGH, Step
-from ..minimal.windows import EPS
-from ..scales import frequency
+from ..scales import EPS, frequency
 from .meet import CoupleMeeting, Meetings
 from .places import start_of
 from .segment_view import SegmentView

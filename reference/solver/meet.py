@@ -22,7 +22,7 @@ from cases.piece_case import PieceCase, _piece_case, neighbour
 
 from ..minimal.boxes import Cores
 from ..minimal.element_meetings import ElementSearch, fine
-from ..minimal.windows import EPS
+from ..scales import EPS
 from .places import couple_of, in_round
 from .plate_numbers import bodies
 from .regimes import AT_END

@@ -11,7 +11,7 @@ from cases import Case, Flight, Mode, PerfectlyRough, Transition
 
 from ..effect_laws.friction import STICKING
 from ..endings import CAUSES, LIFT_OFF, NO_MODE, NO_SLIP, Ending, forces_not_unique, several_motions
-from ..minimal.series import EPS
+from ..scales import EPS
 from .accelerations import DecisionInstant
 from .decide import Decision, decide, flat_of, shares_of
 from .impact_ends import ImpactEnds

@@ -15,21 +15,18 @@ from cases.free_plates import plates_of
 from cases.piece_case import LEVEL, PieceCase, corner_on_corner, corners_meet, is_concave, neighbour
 
 from ..effect_laws.friction import STICKING
-from ..effect_laws.own_forces import OWN_END, own_ending
 from ..endings import (
-    BREAKDOWN,
     CAUSES,
     COMPLETION,
     CORNERS_MEET,
     ENDS,
     Ending,
     events_without_time,
-    work_limit_ending,
 )
-from ..minimal.contact_end import breakdown
+from ..minimal.contact_end import ending_by
 from ..minimal.element_meetings import points_at
 from ..minimal.grazing import may_touch, over_touch
-from ..minimal.integrators.segment import OUT_OF_STEPS, Event, Segment, Segments
+from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.modes import start_pieces, start_state
 from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH, error_range
 from ..scales import frequency, looks_between
@@ -137,14 +134,14 @@ class PoseChart(ModeChanges):
         segment = self.integrate(phase, self.t, y, min(self._until(phase, y, regime), limit), self.rtol)
         loss = self._loss_of_guides(segment, regime)
         if loss is not None:
-            segment = _cut(segment, loss)
+            segment = segment.cut(loss, None)
             limit, holders = (
                 loss,
                 {name for name, used in zip(regime.names, regime.guides, strict=True) if used is not None},
             )
         meeting = self.meetings.first(view_of(segment))
         if meeting is not None and meeting.time <= segment.event.time:
-            segment = _cut(segment, meeting.time)
+            segment = segment.cut(meeting.time, None)
         else:
             meeting = None
         self._advance(segment)
@@ -243,17 +240,12 @@ class PoseChart(ModeChanges):
                 return COMPLETION
             self._settle(stuck)
             return None
-        if guard == OUT_OF_STEPS:
-            return work_limit_ending(self.t, segment.steps)
-        if guard == BREAKDOWN:
-            return breakdown(segment.phase, segment)
         kind, _, number = guard.partition(":")
         if kind in PIECE_ENDS:
             return self._pass_on(self.watches[int(number)], kind, stuck)
-        if kind in ENDS:
-            return ENDS[kind]
-        if kind.startswith(OWN_END):
-            return own_ending(self.case, kind)
+        ending = ending_by(self.case, segment, kind)
+        if ending is not None:
+            return ending
         if kind in OF_ROTATION:
             sides = sides_of(self.watches[int(number)].pair)
             together = {watch.name for watch in self._closed() if sides_of(watch.pair) == sides}
@@ -354,11 +346,3 @@ class PoseChart(ModeChanges):
         span = pair.pieces[0 if of_track else 1].span
         points[0 if of_track else 1] = span[0 if step > 0 else 1]
         return points[0], points[1]
-
-
-def _cut(segment: Segment, time: float) -> Segment:
-    """A segment that ends at a time (s)."""
-    cut, state = segment.until(time, segment.evaluations), segment.states(np.array([time]))[:, 0]
-    return Segment.of(
-        segment.phase, cut.times, segment.states, Event(None, time, tuple(state.tolist())), segment.evaluations
-    )

@@ -11,7 +11,7 @@ from cases import Case
 from cases.free_plates import loads_of
 
 from ..minimal.integrators.segment import Segment
-from ..minimal.series import EPS
+from ..scales import EPS
 
 # A load is balanced if the least weight is no more negative than its rounding.
 BALANCE = -1e-11

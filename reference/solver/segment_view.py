@@ -13,7 +13,7 @@ from ..minimal.boxes import Cores
 from ..minimal.contact_cores import cores
 from ..minimal.integrators.segment import Segment
 from ..minimal.modes import Phase
-from ..minimal.windows import EPS
+from ..scales import EPS
 from .plate_numbers import bodies
 from .regimes import pair_of, regime_of
 from .shapes import Poses

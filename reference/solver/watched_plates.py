@@ -25,8 +25,7 @@ from ..endings import (
     several_impacts,
 )
 from ..minimal.flight_end import REBOUND_ROUNDINGS
-from ..minimal.series import EPS
-from ..scales import STILL, speed_scale
+from ..scales import EPS, STILL, speed_scale
 from .hops import NestedSeries, Strike
 from .impact import NoImpact
 from .places import TOUCHES, ContactPlace, couple_of, groups, in_round, place, plates_in, project, without_velocity

@@ -23,8 +23,8 @@ from ..minimal.assembly import contact_system
 from ..minimal.decision import Undecidable
 from ..minimal.integrators import taylor
 from ..minimal.integrators.segment import MOST_STEPS
-from ..minimal.modes import SLIP_SIGN, able, candidates, full_state, phase, start_state, state_in
-from ..minimal.series import EPS
+from ..minimal.modes import able, candidates, full_state, phase, start_state, state_in
+from ..scales import EPS
 from ..solve import INTEGRATORS, METHODS, first_regime
 from . import geometry
 from .decisions import NO_DECISION, Columns, decide
@@ -248,31 +248,22 @@ class _Wave:
         if guard in endings.ENDS:
             self._end(indices, t, y, endings.ENDS[guard])
             return
-        slip, turn = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
         if guard == "slip":
-            slip = 0.0
             self._stop_slip(indices, y)
             if regime.turn == 0:
                 y[2:4] = 0.0
         elif guard == "turn":
-            turn = 0.0
             f, h = self._places(indices, y[0], y[1])
             y[2], y[3] = geometry.rates(f, h, geometry.slip_and_spin(f, h, y[2], y[3])[0], 0.0)
-        elif guard in contact_end.BEGINS:
-            slip, turn = (
-                (contact_end.BEGINS[guard], turn) if guard.startswith("cone") else (slip, contact_end.BEGINS[guard])
-            )
-        else:
+        elif guard not in contact_end.BEGINS:
             lifts = self._lifts_off(number, indices, t, y)  # the only other guard: the normal force
             self._leave(number, indices[lifts], t[lifts], y[:, lifts])
             for i in indices[~lifts].tolist():
                 self._one(i)
             return
-        among, sure = able(self.base, slip, turn), np.ones(len(indices), dtype=bool)
-        if guard in contact_end.BEGINS:
-            among = tuple(r for r in among if r.side == regime.side and r != regime)
-            for other in among:
-                sure &= self._unique_force(self.regimes.index(other), indices, t, y)
+        among, sure = contact_end.regimes_beyond(self.base, regime, guard), np.ones(len(indices), dtype=bool)
+        for other in among if guard in contact_end.BEGINS else ():
+            sure &= self._unique_force(self.regimes.index(other), indices, t, y)
         if guard in contact_end.BEGINS and len(among) == 1:
             numbers, choice = np.array([self.regimes.index(among[0])]), np.where(sure, 0, NO_DECISION)
         else:

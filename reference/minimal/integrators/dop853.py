@@ -20,10 +20,9 @@ from cases.supports import has_belt
 
 from ...effect_laws import laws
 from ...endings import BREAKDOWN
-from ...scales import frequency
+from ...scales import EPS, frequency
 from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
-from ..series import EPS
 from .direct_solver import DirectDOP853
 from .first_step import SHORTER
 from .segment import MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks

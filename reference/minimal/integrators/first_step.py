@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...endings import BREAKDOWN
+from ...scales import EPS
 from ..defect_check import Expansion, clear_part
 from ..modes import Phase
 from ..series import Series
@@ -32,7 +33,7 @@ NOT_ZERO = 1e-6
 # none: their powers may be subnormal.
 BELOW, SLOWEST = 1.0 - 1e-9, 1e-9
 # Roundings of a gap, in those of the plate's size and place: a dozen operations.
-ROUNDINGS, EPS = 16, float(np.finfo(float).eps)
+ROUNDINGS = 16
 # A gap whose rate is rounding at the step's end is looked at again in a step LATER times as long: the rate of a contact
 # that opens grows with the second power of time. The polynomial is exact there, too, to 1e-17.
 LATER = 10.0
