@@ -32,6 +32,11 @@ def restitution(contact: Case) -> float:
     return impact.restitution if impact else 0.0
 
 
+def creates_energy(law: str, before: float, after: float) -> bool:
+    """Whether an impact by that law creates energy (J), as Newton's may: more than by rounding."""
+    return law == "newton" and after > (1.0 + 1e-12) * before
+
+
 def impact_law(case: Case) -> str:
     """The name of the case's law of impact; empty if it has none."""
     impact = case.effect(Impact)

@@ -20,6 +20,7 @@ import numpy as np
 from cases import Case
 from cases.contact import pose
 
+from ..scales import EPS
 from .impact import ContactVelocity
 from .integrators.segment import Event, Segment
 from .landing import Landing
@@ -38,6 +39,15 @@ SMALL = 2e-2
 # greatest closing speed since the plate last lay on its track: so the list of bouncing that comes to rest is finite.
 # (Powers of round coefficients of restitution stay away from it.)
 LISTING_PART = 7e-4
+# A rebound that rises by no more roundings of positions than this does not count: bouncing is over. Its limit is
+# extrapolated from the rebounds before it; if that fails (successive impacts end differently), bouncing ends here.
+REBOUND_ROUNDINGS = 4
+
+
+def is_unresolved(lift: float, pull: float, far: float) -> bool:
+    """Whether a rebound with that speed (m/s), pulled back by that acceleration (m/s²), rises no higher than positions'
+    rounding, of a plate at and of that size (m)."""
+    return lift * lift <= 2.0 * pull * REBOUND_ROUNDINGS * EPS * far
 
 
 class Accumulation(NamedTuple):
@@ -157,8 +167,13 @@ class Bounces:
             tuple(map(float, in_flight(self.case, at.time, (at.xi1, at.xi2), touch.slip, touch.omega, touch.lift)))
             for at, touch in ((landing, after), (limit, limit.touch))
         )
-        times, states = np.array([landing.time, limit.time]), StraightStates(landing.time, limit.time, first, last)
-        return Segment.of(flight, times, states, Event(None, limit.time, last), 0)
+        return straight(flight, landing.time, limit.time, first, last)
+
+
+def straight(phase: Phase, start: float, end: float, first: tuple[float, ...], last: tuple[float, ...]) -> Segment:
+    """The segment between the last impact that is simulated (s) and the limit of all, in these states."""
+    states = StraightStates(start, end, first, last)
+    return Segment.of(phase, np.array([start, end]), states, Event(None, end, last), 0)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -10,6 +10,7 @@ import numpy as np
 from cases import Case, Impact
 from cases.contact import pose
 
+from ..effect_laws.restitution import creates_energy
 from ..endings import (
     COMPLETION,
     ENERGY,
@@ -17,8 +18,8 @@ from ..endings import (
     search_limit_ending,
     work_limit_ending,
 )
-from ..scales import EPS, frequency
-from .bouncing import Bounces
+from ..scales import frequency
+from .bouncing import Bounces, is_unresolved
 from .contact_end import breakdown, contact_step, free_quantities, own_lift
 from .curve_pieces import TooMuch
 from .impact import collide, energy, law_of
@@ -26,10 +27,6 @@ from .integrators.segment import LOST_SIGHT, OUT_OF_STEPS, Segment
 from .landing import Landing, Landings
 from .modes import FLIGHT, Phase, in_contact, in_flight
 from .phase_end import MOST_STEPS, Step
-
-# A rebound that rises by no more roundings of positions than this does not count: bouncing is over. Its limit is
-# extrapolated from the rebounds before it; if that fails (successive impacts end differently), bouncing ends here.
-REBOUND_ROUNDINGS = 4
 
 
 def simulate_flight(
@@ -97,7 +94,7 @@ def after_flight(case: Case, segments: list[Segment], landing: Landing | None, b
     is_listed = not none and bounces.strike(since, landing)
     touch = landing.touch._replace(lift=-landing.touch.lift) if none else landing.touch
     after = collide(law, touch)
-    if law.name == "newton" and energy(law, after) > (1.0 + 1e-12) * energy(law, touch):  # more than by rounding
+    if creates_energy(law.name, energy(law, touch), energy(law, after)):
         return Step(path, landing.time, place, "landing", ending=ENERGY)
     y = in_contact(case, landing.time, *place, after.slip, after.omega, landing.theta)
     pull = np.inf
@@ -107,21 +104,20 @@ def after_flight(case: Case, segments: list[Segment], landing: Landing | None, b
         bounces.no_rebound()
         cause = "rest" if after.lift > 0.0 else "landing"
         return contact_step(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), cause, is_listed)
-    is_unresolved = _is_unresolved(case, after.lift, pull, place)
+    is_last = is_unresolved(after.lift, pull, _far(case, place))
     bounces.rebound(landing, after, pull)
     # Listed impacts are simulated one by one.
-    limit = None if is_listed and not is_unresolved else bounces.limit(is_unresolved)
+    limit = None if is_listed and not is_last else bounces.limit(is_last)
     if limit and landing.time < limit.time < case.duration:
         with_rest, at = (*path, bounces.settling(path[-1].phase, limit)), (limit.xi1, limit.xi2)
         return contact_step(case, with_rest, limit.time, at, limit.theta, limit.touch, "rest", False)
-    if is_unresolved:
+    if is_last:
         return contact_step(case, path, landing.time, place, landing.theta, after._replace(lift=0.0), "rest", is_listed)
     aloft = in_flight(case, landing.time, y, after.slip, after.omega, after.lift)
     return Step(path, landing.time, place, "landing", aloft, FLIGHT, is_listed=is_listed)
 
 
-def _is_unresolved(case: Case, lift: float, pull: float, place: tuple[float, float]) -> bool:
-    """Whether a rebound with speed `lift`, pulled back by `pull` (m/s²), rises no higher than positions' rounding."""
+def _far(case: Case, place: tuple[float, float]) -> float:
+    """How far the plate and its contact are from the origin and from each other, m."""
     x, y, _ = pose(case, *place)
-    rounding = REBOUND_ROUNDINGS * EPS * (abs(x) + abs(y) + float(np.hypot(*case.plate.outline.point(place[1]))))
-    return lift * lift <= 2.0 * pull * rounding
+    return abs(x) + abs(y) + float(np.hypot(*case.plate.outline.point(place[1])))

@@ -13,8 +13,8 @@ from ..endings import COMPLETION, Ending
 from .integrators.segment import Segment
 from .modes import Regime
 
-# This many changes of regime that take no time end a motion.
-MANY = 1000
+# A motion ends where MANY phases together take less than NO_TIME of its time scale, or STUCK in a row no time at all.
+MANY, NO_TIME, STUCK = 1000, 1e-9, 50
 
 # Limit on the steps of one run: their record, which is made when samples are requested, fills a gigabyte or two. (A
 # hundred thousand changes of a limping wheel take 830,000.)
@@ -27,7 +27,7 @@ LOCATION_ERROR = 1e-12
 # location's error.
 ROUGH = 1e-9
 
-# After this many phases of zero length in a row (a slip that begins, ends and begins again), values within ROUGH of a
+# From this many phases of zero length in a row (a slip that begins, ends and begins again), values within ROUGH of a
 # bound count as being at it.
 IDLE = 4
 

@@ -19,7 +19,7 @@ from cases.piece_case import PieceCase, _piece_case, lies_flat
 from cases.piece_contact import excludes_second
 
 from ..curvature_proof import fits
-from ..endings import ACCUMULATION, CAUSES, FLAT, OFF, Ending, second_place
+from ..endings import CAUSES, FLAT, OFF, Ending, second_place
 from ..minimal.bouncing import Bounces
 from ..minimal.contact_end import after_contact, force_rounding, leave
 from ..minimal.decision import decide
@@ -41,15 +41,13 @@ from ..minimal.modes import (
     start_state,
     state_in,
 )
-from ..minimal.phase_end import IDLE, LOCATION_ERROR, MANY, ROUGH, Step
-from ..scales import EPS, frequency
+from ..minimal.phase_end import IDLE, LOCATION_ERROR, ROUGH, Step
+from ..scales import EPS
 from .meet import CoupleMeeting, Meetings
 from .places import start_of
 from .segment_view import SegmentView
 from .touching import touching_contacts
 
-# Changes of regime accumulate if MANY of them follow each other within this part of the motion's time scale.
-NO_TIME = 1e-9
 # Meetings nearer to a phase's end than this part of it are the end's: both are events, located to 1e-12.
 END = 1e-11
 
@@ -85,7 +83,7 @@ class ContactChart:
         self.regime = first_regime(case, self.y) if regime is None else regime
         self.place = start.xi1, start.xi2
         self.transitions = list[Transition]()
-        self.bounces, self.progress, self.idle = Bounces(case), _Progress(), 0
+        self.bounces, self.idle = Bounces(case), 0
         self.landings: Landings | None = None
         self.search: Meetings | None = None
 
@@ -112,8 +110,6 @@ class ContactChart:
             return step.ending if step.regime is None else None
         now = phase_at(self.case, self.regime, self.y)
         self.y = state_in(now, self.y)
-        if self.progress.none(now, self.t, self.y):
-            return ACCUMULATION
         if self.regime == FLIGHT:
             step = self._flight(now)
         else:
@@ -122,8 +118,7 @@ class ContactChart:
             departure = self._second_contact(step)
             if departure is not None:
                 return departure
-        self.idle = self.idle + 1 if step.time == self.t else 0
-        if self.idle > IDLE and step.regime not in (None, FLIGHT):
+        if step.time == self.t and self.idle >= IDLE and step.regime not in (None, FLIGHT):
             step = self._decide_roughly(step)
         return self._go_on(step)
 
@@ -234,20 +229,3 @@ def first_regime(case: Case, y: Sequence[float]) -> Regime | None:
         if regime:
             return regime
     return None
-
-
-class _Progress:
-    """Detects phases without progress, measured by the motion's time scale."""
-
-    def __init__(self) -> None:
-        self.since = 0.0
-        self.phases: list[tuple[Phase, float, Sequence[float]]] = []
-
-    def none(self, now: Phase, t: float, y: Sequence[float]) -> bool:
-        """Record a phase that begins at t; returns whether the last MANY took no time by the fastest of their rates."""
-        self.phases.append((now, t, y))
-        if len(self.phases) <= MANY:
-            return False
-        took = any((t - self.since) * frequency(*entry) > NO_TIME for entry in self.phases)
-        self.since, self.phases = t, []
-        return not took

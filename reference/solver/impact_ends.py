@@ -9,8 +9,8 @@ import numpy as np
 from cases import Mode
 
 from ..endings import CAUSES
-from ..minimal.bouncing import StraightStates
-from ..minimal.integrators.segment import Event, Segment
+from ..minimal.bouncing import is_unresolved, straight
+from ..minimal.integrators.segment import Segment
 from .hops import SeriesEnd
 from .places import TOUCHES, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, load_scale, rows_of, size
@@ -47,17 +47,17 @@ class ImpactEnds(WatchedPlates):
         y = join(self.state, [watch.points for watch in self.watches])
         rates = phase.system.rates_of_numbers(self.t, y, phase.parameters)
         acceleration, velocity, low = np.array(rates[len(rates) - self.half :]), self.velocity, set[str]()
-        slow = ACCUMULATES * self.speed
+        slow, far = ACCUMULATES * self.speed, size(self.case, self.state)
         recent = self.hops.recent(self.t)
         if recent and self.hops.strikes[-1].closing >= slow:
             recent = frozenset()
         opened = [watch for watch in self.watches if watch.mode is Mode.FLIGHT and watch.name not in self.touching]
         for watch, at in zip(opened, self._places(opened), strict=True):
             lift, pull = float(at.lift_row @ velocity), -float(at.lift_row @ acceleration + at.lift_bias)
-            if at.gap > TOUCHES * size(self.case, self.state):
+            if at.gap > TOUCHES * far:
                 continue
             is_slow = watch.name in recent and CLOSES * self.speed < abs(lift) <= slow
-            if is_slow or (lift > 0.0 and self._is_unresolved(lift, pull)):
+            if is_slow or (lift > 0.0 and is_unresolved(lift, pull, far)):
                 low.add(watch.name)
         return low
 
@@ -162,5 +162,4 @@ class ImpactEnds(WatchedPlates):
         first = join(self.state, [watch.points for watch in self.watches])
         at_end = [place(watch.pair, state, watch.points) for watch in self.watches]
         last = join(state, [(at.xi1, at.xi2) for at in at_end])  # plates that do not bounce may be fast
-        states = StraightStates(self.t, limit, first, last)
-        return Segment.of(phase, np.array([self.t, limit]), states, Event(None, limit, last), 0)
+        return straight(phase, self.t, limit, first, last)

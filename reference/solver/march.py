@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,12 +12,22 @@ from cases.contact_limits import is_general_case, touches_by_features
 from cases.piece_case import has_pieces
 from cases.trajectory import CONTACT
 
-from ..endings import Ending, no_numbers, phase_limit_ending, search_limit_ending, undecidable, work_limit_ending
+from ..endings import (
+    ACCUMULATION,
+    Ending,
+    events_without_time,
+    no_numbers,
+    phase_limit_ending,
+    search_limit_ending,
+    undecidable,
+    work_limit_ending,
+)
 from ..minimal.curve_pieces import TooMuch
 from ..minimal.decision import Undecidable
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.modes import Regime
-from ..minimal.phase_end import MOST_STEPS
+from ..minimal.phase_end import MANY, MOST_STEPS, NO_TIME, STUCK
+from ..scales import frequency
 from ..time_limit import check_time
 from .contact_chart import ContactChart, Departure
 from .pose_chart import PoseChart
@@ -44,9 +54,12 @@ def simulate(
         chart = _first_chart(case, rtol, integrate, regime, no_poses, segments)
     except Undecidable:
         return segments, earlier, undecidable(0.0)
-    for _ in range(MOST_PHASES):
+    since, first = 0.0, 0
+    for count in range(1, MOST_PHASES + 1):
         check_time()
+        before = chart.t
         result = _phase(chart)
+        chart.idle = chart.idle + 1 if chart.t == before else 0
         if isinstance(result, Departure) and not no_poses:
             earlier = [replace(change, contact=CONTACT) for change in chart.transitions]
             chart = PoseChart(case, rtol, integrate, segments, result)
@@ -55,9 +68,19 @@ def simulate(
             result = result.ending[0], f"{result.ending[1]} {no_poses}"
         if result is None and segments.steps >= MOST_STEPS:
             result = work_limit_ending(chart.t, segments.steps)
+        if result is None and chart.idle > STUCK:
+            result = events_without_time(chart.t, STUCK, "changes of mode")
+        if result is None and count % MANY == 0:
+            result = ACCUMULATION if take_no_time(segments[first:], chart.t - since) else None
+            since, first = chart.t, len(segments)
         if result is not None:
             return segments, [*earlier, *chart.transitions], result
     return segments, [*earlier, *chart.transitions], phase_limit_ending(chart.t, MOST_PHASES)
+
+
+def take_no_time(some: Sequence[Segment], lasted: float) -> bool:
+    """Whether phases that lasted so long (s) took no time by the fastest rates at their ends."""
+    return not any(lasted * frequency(one.phase, one.event.time, one.event.state) > NO_TIME for one in some)
 
 
 def _first_chart(

@@ -21,7 +21,6 @@ from ..endings import (
     CORNERS_MEET,
     ENDS,
     Ending,
-    events_without_time,
 )
 from ..minimal.contact_end import ending_by
 from ..minimal.element_meetings import points_at
@@ -41,7 +40,7 @@ from .rest import first_loss, first_loss_in, looks_at_load
 from .rotations import rigid_pairs
 from .segment_view import view_of
 from .touching import touching_contacts
-from .watched_plates import MotionEnds, Watch
+from .watched_plates import Watch
 
 # A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
 # turn of 1e-11 (`cases.piece_case.LEVEL`).
@@ -55,8 +54,6 @@ OF_FORCES = ("normal", "cone_forward", "cone_backward")
 FITS = 1e-6
 # A motion with a plate in flight is integrated over this many of its time scales at once.
 FLIES = 4.0
-# This many phases of zero length in a row end a motion.
-STUCK = 50
 
 
 class PoseChart(ModeChanges):
@@ -82,16 +79,6 @@ class PoseChart(ModeChanges):
 
     def _decision_errors(self) -> Sequence[float]:
         return self.errors if self.idle <= IDLE else (ROUGH,)
-
-    def _count(self, segment: Segment) -> None:
-        """Add a segment to the motion. Raises MotionEnds where too many in a row took no time."""
-        self.segments.add(segment)
-        self._count_idle(segment.event.time == self.t)
-
-    def _count_idle(self, is_idle: bool) -> None:
-        self.idle = self.idle + 1 if is_idle else 0
-        if self.idle > STUCK:
-            raise MotionEnds(events_without_time(self.t, STUCK, "changes of mode"))
 
     @property
     def transitions(self) -> list[Transition]:
@@ -126,7 +113,6 @@ class PoseChart(ModeChanges):
             self.touching = {w.name for w in self.watches if w.mode is not Mode.FLIGHT} | low
             self.causes = dict.fromkeys(low, CAUSES["rest"])
             self._settle({w.name for w in self.watches if w.mode in STICKING})
-            self._count_idle(True)
             return None
         y = join(self.state, [watch.points for watch in self.watches])
         limit, holders = self._limit_of_rest(regime)
@@ -222,7 +208,7 @@ class PoseChart(ModeChanges):
         return min(end, max(self.t + FLIES / often if often else end, self.t + 1e3 * float(np.spacing(self.t))))
 
     def _advance(self, segment: Segment) -> None:
-        self._count(segment)
+        self.segments.add(segment)
         self.t = segment.event.time
         self.state, points = split(self.case, segment.event.state)
         for watch, pair in zip(self.watches, points, strict=True):

@@ -14,7 +14,7 @@ from cases.corner import Corner
 from cases.piece_case import PieceCase
 from cases.supports import TRACK
 
-from ..effect_laws.restitution import impact_law
+from ..effect_laws.restitution import creates_energy, impact_law
 from ..endings import (
     CAUSES,
     ENERGY,
@@ -24,7 +24,7 @@ from ..endings import (
     no_impact_law,
     several_impacts,
 )
-from ..minimal.flight_end import REBOUND_ROUNDINGS
+from ..minimal.bouncing import is_unresolved
 from ..scales import EPS, STILL, speed_scale
 from .hops import NestedSeries, Strike
 from .impact import NoImpact
@@ -164,11 +164,6 @@ class WatchedPlates:
             if at.gap <= least and float(at.lift_row @ velocity) < -CLOSES * self.speed
         } or None  # fmt: skip
 
-    def _is_unresolved(self, lift: float, pull: float) -> bool:
-        """Whether a rebound with that speed (m/s), pulled back by that acceleration (m/s²), rises no higher than
-        positions' rounding."""
-        return lift * lift <= 2.0 * pull * REBOUND_ROUNDINGS * EPS * size(self.case, self.state)
-
     def _settle(self, stuck: set[str], closing: set[str] | None = None) -> None:
         """Remove errors of the integration: no gap at contacts that touch, and no velocity where there is none.
 
@@ -287,16 +282,17 @@ class WatchedPlates:
         except NoImpact as problem:
             raise MotionEnds(several_impacts(self.t, problem)) from problem
         mass = some.masses
-        if law == "newton" and mass @ outcome.velocity**2 > (1.0 + 1e-12) * (mass @ before**2):
+        if creates_energy(law, mass @ before**2, mass @ outcome.velocity**2):
             raise MotionEnds(ENERGY)
         self.state, plates = (*self.state[: self.half], *outcome.velocity.tolist()), plates_in(part)
         self.still = [*(sides for sides in self.still if not plates & set(sides)), *outcome.still]
         stays, sticks, load = set[str](), set[str](), load_at(self.case, self.t, self.state)
+        far = size(self.case, self.state)
         for i, (at, name) in enumerate(zip(part, names, strict=True)):
             lift = float(outcome.lift[i])
             if name in closing:
                 self.causes[name] = CAUSES["landing"]
-            if lift > 0.0 and not self._is_unresolved(lift, max(-float(at.lift_row @ load), 0.0)):
+            if lift > 0.0 and not is_unresolved(lift, max(-float(at.lift_row @ load), 0.0), far):
                 continue
             if lift > 0.0:
                 self.causes[name] = CAUSES["rest"]

@@ -3,6 +3,7 @@ duration, bouncing rests where it must, and what has no finite numbers ends in a
 
 from dataclasses import replace
 from math import asin, pi, sin, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -28,9 +29,9 @@ from cases import (
     disc,
 )
 from cases.library import circle, ellipse, line
-from reference.minimal import gap, phase_end
+from reference.minimal import gap
 from reference.minimal.bouncing import LISTING_PART, extrapolate
-from reference.solver import contact_chart, march
+from reference.solver import march
 
 G = 9.81
 METHODS = pytest.mark.parametrize("method", reference.METHODS)
@@ -286,11 +287,21 @@ def test_a_flight_too_fast_to_look_for_its_landing_says_how_far_it_was_followed(
 
 def test_phases_accumulate_by_the_motions_own_time(monkeypatch):
     # One of the phases is fast, and tells for all.
-    monkeypatch.setattr(contact_chart, "frequency", lambda now, t, y: 10.0 if y == (500,) else 0.0)
-    many = phase_end.MANY + 2
-    slow, fast = contact_chart._Progress(), contact_chart._Progress()
-    assert not any(slow.none(None, 1e-9 * n, (n,)) for n in range(many))
-    assert any(fast.none(None, 1e-15 * n, (n,)) for n in range(many))
+    monkeypatch.setattr(march, "frequency", lambda now, t, y: 10.0 if y == (500,) else 0.0)
+    some = [SimpleNamespace(phase=None, event=SimpleNamespace(time=0.0, state=(n,))) for n in range(1000)]
+    assert not march.take_no_time(some, 1e-6) and march.take_no_time(some, 1e-12)
+
+
+@METHODS
+def test_phases_that_take_no_time_end_a_motion_in_either_chart(monkeypatch, method):
+    for scene in ("disc_in_circle", "dropped_box"):
+        monkeypatch.setattr(march, "_phase", lambda chart: None)
+        motion = reference.simulate(cases.load(scene), method=method)
+        assert motion.status == "accumulation" and "50 changes of mode" in motion.reason
+        monkeypatch.setattr(march, "STUCK", 10_000)
+        monkeypatch.setattr(march, "MANY", 100)
+        assert reference.simulate(cases.load(scene), method=method).reason.startswith("Changes of regime accumulate")
+        monkeypatch.undo()
 
 
 LARGE = {
