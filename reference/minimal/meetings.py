@@ -172,7 +172,8 @@ class MeetingSearch:
             if step is None:
                 break
             at = np.clip(at + step, low, high)
-        return self._meeting(at) if self._lift(motion, int(boxes.window[k]), at) <= 0.0 else None
+        _, rates = self._apart(motion, int(boxes.window[k]), at)
+        return self._meeting(at) if rates[1, 0] <= 0.0 else None
 
     def _corners(self, boxes: Boxes, k: int) -> tuple[np.ndarray, np.ndarray]:
         """The ranges of time, track and (unless it is a disc's) outline of one box."""
@@ -189,6 +190,19 @@ class MeetingSearch:
     def _step(self, motion: Windows, window: int, at: np.ndarray, still: bool = False) -> np.ndarray | None:
         """Newton's step for the time and the parameters at which the two points coincide with parallel tangents; if
         `still`, for the parameters at which the points are opposite each other at fixed time. None if singular."""
+        off, rates = self._apart(motion, window, at)
+        if still:  # time and gap are fixed
+            rates[:, 0], rates[1], off[1] = 0.0, 0.0, 0.0
+            rates[1, 0] = 1.0
+        try:
+            step = np.linalg.solve(rates, -off)
+        except np.linalg.LinAlgError:
+            return None
+        return step if np.isfinite(step).all() else None
+
+    def _apart(self, motion: Windows, window: int, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How far the two points are apart along the track's tangent and its normal (m), the angle between both
+        tangents (not of a disc, whose point has the track's), and their derivatives by time and both parameters."""
         (x, y, theta), (vx, vy, omega) = motion.one(window, float(at[0]))
         X0, Y0, Xp, Yp, Xs, Ys, _, _ = self.geometry.track.jet(float(at[1]))
         P = hypot(Xp, Yp)
@@ -213,24 +227,7 @@ class MeetingSearch:
                 [uy * tx - ux * ty, -P * bend * off[0], tx * oy - ty * ox],
                 [omega, -P * bend, (ap * bs - bp * as_) / p**2],
             ])  # fmt: skip
-        if still:  # time and gap are fixed
-            rates[:, 0], rates[1], off[1] = 0.0, 0.0, 0.0
-            rates[1, 0] = 1.0
-        try:
-            step = np.linalg.solve(rates, -off)
-        except np.linalg.LinAlgError:
-            return None
-        return step if np.isfinite(step).all() else None
-
-    def _lift(self, motion: Windows, window: int, at: np.ndarray) -> float:
-        """The gap's rate, m/s."""
-        (_, _, theta), (vx, vy, omega) = motion.one(window, float(at[0]))
-        _, _, Xp, Yp, *_ = self.geometry.track.jet(float(at[1]))
-        if self.geometry.radius is None:
-            a, b, *_ = self.geometry.outline.jet(float(at[2]))
-            c, s = cos(theta), sin(theta)
-            vx, vy = vx - omega * (s * a + c * b), vy + omega * (c * a - s * b)
-        return (vy * Xp - vx * Yp) / hypot(Xp, Yp)
+        return off, rates
 
 
 def _first(one: Meeting | None, other: Meeting | None) -> Meeting | None:

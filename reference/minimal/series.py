@@ -175,11 +175,7 @@ def _from_slope(function: Callable[[float], float], slope: Callable[[Series], Se
     def elementary(x):
         if not isinstance(x, Series):
             return _of_number(function.__name__, x)
-        value = elementary(x.c[0])
-        if len(x.c) == 1:
-            return Series([value], [abs(slope(x).c[0]) * x.e[0] + EPS * abs(value)])
-        shorter = Series(x.c[:-1], x.e[:-1])
-        return _integrate(slope(shorter) * x.derivative(), value, abs(slope(shorter).c[0]) * x.e[0])
+        return _by_slope(x, elementary(x.c[0]), slope)
 
     # Pickled by its name in this module.
     elementary.__name__ = elementary.__qualname__ = function.__name__
@@ -192,11 +188,17 @@ asin = _from_slope(math.asin, lambda x: (1 - x * x) ** -0.5)
 acos = _from_slope(math.acos, lambda x: -((1 - x * x) ** -0.5))
 
 
-def _integrate(rate: Series, value: float, error: float) -> Series:
-    return Series(
-        [value] + [a / (k + 1) for k, a in enumerate(rate.c)],
-        [error + EPS * abs(value)] + [a / (k + 1) for k, a in enumerate(rate.e)],
-    )
+def _by_slope(x: Series, value: float, slope: Callable[[Series], Series]) -> Series:
+    """The function of x with that value at its start and that slope."""
+    n = max(len(x.c) - 1, 1)
+    s = slope(Series(x.c[:n], x.e[:n]))
+    first = s.c[0] if isinstance(s, Series) else s
+    c, e = [value], [abs(first) * x.e[0] + EPS * abs(value)]
+    if len(x.c) > 1:
+        rate = s * x.derivative()
+        c += [a / (k + 1) for k, a in enumerate(rate.c)]
+        e += [a / (k + 1) for k, a in enumerate(rate.e)]
+    return Series(c, e)
 
 
 def _pair(x: Series, first: float, second: float, sign: float) -> tuple[Series, Series]:
@@ -255,12 +257,7 @@ def _integral(value: Callable, slope: Callable):
         rest = tuple(one.c[0] if isinstance(one, Series) else one for one in rest)
         if not isinstance(x, Series):
             return value(x, *rest)
-        first = value(x.c[0], *rest)
-        error = abs(slope(x.c[0], *rest[1:])[0]) * x.e[0]
-        if len(x.c) == 1:
-            return Series([first], [error + EPS * abs(first)])
-        rate = slope(Series(x.c[:-1], x.e[:-1]), *rest[1:])[0]
-        return _integrate(rate * x.derivative(), first, error)
+        return _by_slope(x, value(x.c[0], *rest), lambda s: slope(s, *rest[1:])[0])
 
     return evaluate
 

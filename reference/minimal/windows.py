@@ -146,14 +146,3 @@ def _value(coefficients: list[float], z: float) -> float:
     for part in coefficients[:0:-1]:
         b1, b2 = part + 2.0 * z * b1 - b2, b1
     return coefficients[0] + z * b1 - b2
-
-
-def join_windows(lots: list[Windows]) -> Windows:
-    """The windows of all lots, in their order."""
-    most = max(lot.places.shape[2] for lot in lots)
-
-    def pad(rows: np.ndarray, length: int) -> np.ndarray:
-        return np.concatenate([rows, np.zeros((*rows.shape[:2], length - rows.shape[2]))], axis=2)
-
-    full = [lot._replace(places=pad(lot.places, most), rates=pad(lot.rates, most - 1)) for lot in lots]
-    return Windows(*(np.concatenate(column) for column in zip(*full, strict=True)))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..minimal.integrators.first_step import NOT_ZERO
+from ..minimal.integrators.first_step import dip, runge_kutta
 from .decisions import Columns, rows
 
 # The step, in parts of the motion's time scale: its fifth power, which is the method's error, is rounding.
@@ -37,9 +37,9 @@ def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstS
     p = now.system.positions
     largest_rate = _largest_rate(now, t, y)
     h = np.minimum(PART / largest_rate, end - t)
-    whole = _runge_kutta(now, t, y, h)
-    half = _runge_kutta(now, t, y, 0.5 * h)
-    later = _runge_kutta(now, t + 0.5 * h, half, 0.5 * h)
+    whole = _step(now, t, y, h)
+    half = _step(now, t, y, 0.5 * h)
+    later = _step(now, t + 0.5 * h, half, 0.5 * h)
     sizes = [*now.lengths, *(length / h for length in now.lengths)][: len(y)]
     scale = np.array([np.broadcast_to(size, t.shape) for size in sizes])
     scale[p:] += np.abs(y[p:])
@@ -52,15 +52,8 @@ def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstS
         speed = np.max([abs(u) / unit for u, unit in zip(state[p:], now.lengths, strict=False)] or [0.0 * t], axis=0)
         least = np.outer(velocities, CLEAR * now.size * speed)
         sound &= (values[-1] > least).all(axis=0)
-    sound &= ~_dips(*values).any(axis=0)
+    sound &= ~dip(*values)[0].any(axis=0)
     return FirstSteps(t + h, later, sound)
-
-
-def _dips(start: np.ndarray, half: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Whether guards that are positive at a step's start, half-way and at its end reach zero between, by the parabola
-    through these values."""
-    bend, slope = 2.0 * (start - 2.0 * half + end), 4.0 * half - 3.0 * start - end
-    return (slope < 0.0) & (start > NOT_ZERO * end) & (-slope < 2.0 * bend) & (slope**2 >= 4.0 * bend * start)
 
 
 def _largest_rate(now: Columns, t: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -74,17 +67,9 @@ def _largest_rate(now: Columns, t: np.ndarray, y: np.ndarray) -> np.ndarray:
     return fastest
 
 
-def _runge_kutta(now: Columns, t: np.ndarray, y: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """One step of the classical method of order four."""
-
-    def f(time, state):
-        return rows(now.system.rates_of_arrays(time, state, now.parameters), len(t))
-
-    k1 = f(t, y)
-    k2 = f(t + h / 2, y + h / 2 * k1)
-    k3 = f(t + h / 2, y + h / 2 * k2)
-    k4 = f(t + h, y + h * k3)
-    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+def _step(now: Columns, t: np.ndarray, y: np.ndarray, h: np.ndarray) -> np.ndarray:
+    """The states (variables, n) after steps h (s)."""
+    return runge_kutta(lambda s, x: rows(now.system.rates_of_arrays(s, x, now.parameters), len(t)), t, y, h)
 
 
 def course(now: Columns, t: np.ndarray, y: np.ndarray, guard: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -92,7 +77,7 @@ def course(now: Columns, t: np.ndarray, y: np.ndarray, guard: int) -> tuple[np.n
     h = 10.0 * PART / _largest_rate(now, t, y)
     values = []
     for part in (-2.0, -1.0, 0.0, 1.0, 2.0):
-        there = _runge_kutta(now, t, y, part * h)
+        there = _step(now, t, y, part * h)
         values.append(rows(now.system.guards_of_arrays(t + part * h, there, now.parameters), len(t))[guard])
     before, back, here, on, after = values
     slope = (8.0 * (on - back) - (after - before)) / (12.0 * h)

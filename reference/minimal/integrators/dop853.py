@@ -24,7 +24,7 @@ from ...scales import EPS, frequency
 from ..defect_check import good_part
 from ..modes import FLIGHT, Phase
 from .direct_solver import DirectDOP853
-from .first_step import SHORTER
+from .first_step import SHORTER, runge_kutta
 from .segment import MOST_LOOKED_AT, MOST_TRIES, OUT_OF_STEPS, Event, Segment, blocks
 from .step_zeros import FINE, NODES, first_zero, growing_gaps, guard_at, guards_at_nodes, never_opens, weights
 
@@ -286,17 +286,8 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
         # A correction larger than the dense output's error means that the slope is unreliable (a touching zero).
         if abs(correction) > 1e-3 * whole or abs(correction) <= 2e-16 * abs(t) or t + correction <= start:
             break
-        t, y = float(t + correction), _runge_kutta(rhs, t, y, correction)
+        t, y = float(t + correction), runge_kutta(rhs, t, y, correction)
     return _PiecewiseOutput([p.t_old for p in pieces], pieces), Event(guard, t, tuple(y.tolist()))
-
-
-def _runge_kutta(rhs, t: float, y: np.ndarray, h: float) -> np.ndarray:
-    """One step of the classical method of order four."""
-    k1 = np.array(rhs(t, y))
-    k2 = np.array(rhs(t + h / 2, y + h / 2 * k1))
-    k3 = np.array(rhs(t + h / 2, y + h / 2 * k2))
-    k4 = np.array(rhs(t + h, y + h * k3))
-    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -142,13 +142,30 @@ def gap_rounding(phase: Phase, y) -> float:
     return ROUNDINGS * EPS * (phase.size + abs(y[0]) + abs(y[1]))
 
 
+def runge_kutta(rates: Callable, t, y: np.ndarray, h) -> np.ndarray:
+    """One step of the classical method of order four."""
+    k1 = np.asarray(rates(t, y))
+    k2 = np.asarray(rates(t + h / 2, y + h / 2 * k1))
+    k3 = np.asarray(rates(t + h / 2, y + h / 2 * k2))
+    k4 = np.asarray(rates(t + h, y + h * k3))
+    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def dip(start, half, end):
+    """Whether a guard that is positive at a step's start, half-way and at its end may reach zero between, by the
+    parabola through these values; its second derivative and its slope at the start, per step. Of numbers or arrays."""
+    bend, slope = 2.0 * (start - 2.0 * half + end), 4.0 * half - 3.0 * start - end
+    dips = (slope < 0.0) & (start > NOT_ZERO * end) & (-slope < 2.0 * bend) & (slope * slope >= 4.0 * bend * start)
+    return dips, bend, slope
+
+
 def _lowest_places(starts: Sequence[float], halves: Sequence[float], ends: Sequence[float]) -> list[tuple[int, float]]:
     """The guards that may reach zero inside a step, by number, and the part of the step at which they are lowest: by
     the parabola through their values at its start, half-way and at its end."""
     places = []
     for i, (start, half, end) in enumerate(zip(starts, halves, ends, strict=True)):
-        bend, slope = 2.0 * (start - 2.0 * half + end), 4.0 * half - 3.0 * start - end
-        if slope < 0.0 and start > NOT_ZERO * end and -slope < 2.0 * bend and slope * slope >= 4.0 * bend * start:
+        dips, bend, slope = dip(start, half, end)
+        if dips:
             places.append((i, -0.5 * slope / bend))
     return places
 
