@@ -108,6 +108,17 @@ def _is_constant(value: Node, moving: set[Node]) -> bool:
     return value.op not in ("number", "symbol") and not value.symbols & moving
 
 
+def _function(what: str, functions: Mapping[str, Callable]) -> derived[Callable[..., list]]:
+    """A function of the values that the expressions of a system's attribute have."""
+
+    def write(system: System) -> Callable[..., list]:
+        expressions = getattr(system, what)
+        outputs = list(expressions.values() if isinstance(expressions, Mapping) else expressions)
+        return python_function([T, system.variables, system.parameters], outputs, functions, functions is ON_FLOATS)
+
+    return derived(write)
+
+
 class System:
     """One mode's equations and the functions written from them, each on first use.
 
@@ -115,7 +126,25 @@ class System:
     that depend on these alone. Functions take the values of all of them, so that constants are computed once.
     """
 
-    record = Elimination  # the columns that `outputs_of_arrays` returns
+    record = Elimination  # the columns of the outputs
+
+    # (t, y, parameters) -> list of values: on floats; on arrays of shape (n,), a constant value stays a number; on
+    # `series.Series`, likewise. Forces are those of the contact per mass, normal and friction.
+    rates_of_numbers = _function("rates", ON_FLOATS)
+    rates_of_arrays = _function("rates", ON_ARRAYS)
+    rates_of_series = _function("rates", series.FUNCTIONS)
+    guards_of_numbers = _function("guards", ON_FLOATS)
+    guards_of_arrays = _function("guards", ON_ARRAYS)
+    conditions_of_numbers = _function("conditions", ON_FLOATS)
+    conditions_of_arrays = _function("conditions", ON_ARRAYS)
+    conditions_of_series = _function("conditions", series.FUNCTIONS)
+    condition_rates_of_arrays = _function("condition_rates", ON_ARRAYS)
+    condition_rates_of_numbers = _function("condition_rates", ON_FLOATS)
+    outputs_of_arrays = _function("outputs", ON_ARRAYS)
+    outputs_of_numbers = _function("outputs", ON_FLOATS)
+    forces_of_numbers = _function("forces", ON_FLOATS)
+    forces_and_guards_of_numbers = _function("forces_and_guards", ON_FLOATS)
+    load_quantities_of_arrays = _function("load_quantities", ON_ARRAYS)
 
     def __init__(self, equations: Equations):
         self.variables, self.positions = equations.variables, equations.positions
@@ -143,61 +172,6 @@ class System:
         if any(n.op not in (*ARITHMETIC, "number", "symbol") for n in in_order(self.constants)):
             return None
         return python_function([self.parameters[: len(self.names)]], self.constants, ON_FLOATS, or_nan=True)
-
-    def _compile(self, what: str, functions: Mapping[str, Callable]):
-        expressions = getattr(self, what)
-        outputs = list(expressions.values() if isinstance(expressions, Mapping) else expressions)
-        return python_function([T, self.variables, self.parameters], outputs, functions, functions is ON_FLOATS)
-
-    @derived
-    def rates_of_numbers(self):
-        """(t, y, parameters) -> list of rates, on floats."""
-        return self._compile("rates", ON_FLOATS)
-
-    @derived
-    def rates_of_arrays(self):
-        """The same on arrays of shape (n,); a constant rate stays a number."""
-        return self._compile("rates", ON_ARRAYS)
-
-    @derived
-    def rates_of_series(self):
-        """The same on `series.Series`."""
-        return self._compile("rates", series.FUNCTIONS)
-
-    @derived
-    def guards_of_numbers(self):
-        """(t, y, parameters) -> list of guard values, on floats."""
-        return self._compile("guards", ON_FLOATS)
-
-    @derived
-    def guards_of_arrays(self):
-        """The same on arrays of shape (n,); a constant guard stays a number."""
-        return self._compile("guards", ON_ARRAYS)
-
-    @derived
-    def conditions_of_numbers(self):
-        """(t, y, parameters) -> list of the conditions' values, on floats."""
-        return self._compile("conditions", ON_FLOATS)
-
-    @derived
-    def conditions_of_arrays(self):
-        """The same on arrays of shape (n,); a constant condition stays a number."""
-        return self._compile("conditions", ON_ARRAYS)
-
-    @derived
-    def condition_rates_of_arrays(self):
-        """(t, y, parameters) -> list of the rates in `condition_rates`, on arrays; a constant one stays a number."""
-        return self._compile("condition_rates", ON_ARRAYS)
-
-    @derived
-    def condition_rates_of_numbers(self):
-        """(t, y, parameters) -> list of the rates in `condition_rates`, on floats."""
-        return self._compile("condition_rates", ON_FLOATS)
-
-    @derived
-    def conditions_of_series(self):
-        """The same as `conditions_of_numbers` on `series.Series`; a constant condition stays a number."""
-        return self._compile("conditions", series.FUNCTIONS)
 
     def expand(self, t, y: Sequence, bounds: Sequence, parameters: Sequence, order: int):
         """The motion from (t, y) and its conditions as series in time of that order, a constant condition as a number.
@@ -264,28 +238,3 @@ class System:
         sizes = [v if is_exponent else with_rounding(v) for v, is_exponent in zip(names, are_exponents, strict=True)]
         (value,) = function(with_rounding(t), [*map(with_rounding, y)], sizes)
         return value.e[0] / series.EPS if isinstance(value, series.Series) else abs(value)
-
-    @derived
-    def outputs_of_arrays(self):
-        """(t, y, parameters) -> list in the order of `Elimination`, on arrays."""
-        return self._compile("outputs", ON_ARRAYS)
-
-    @derived
-    def outputs_of_numbers(self):
-        """The same on floats."""
-        return self._compile("outputs", ON_FLOATS)
-
-    @derived
-    def forces_of_numbers(self):
-        """(t, y, parameters) -> [normal force, friction force] per mass, on floats."""
-        return self._compile("forces", ON_FLOATS)
-
-    @derived
-    def forces_and_guards_of_numbers(self):
-        """(t, y, parameters) -> [normal force, friction force per mass, guard values …], on floats."""
-        return self._compile("forces_and_guards", ON_FLOATS)
-
-    @derived
-    def load_quantities_of_arrays(self):
-        """(t, y, parameters) -> list of the load's quantities, on arrays; a constant one stays a number."""
-        return self._compile("load_quantities", ON_ARRAYS)
