@@ -53,6 +53,12 @@ def looks_between(times: np.ndarray) -> np.ndarray:
     return (times[:-1, None] + np.diff(times)[:, None] * parts).ravel()
 
 
+# --- places -------------------------------------------------------------------------------------------------------
+
+# A gap below this part of the plates' size and place is none: the rounding of an event's pose.
+TOUCHES = 1e-12
+
+
 # --- speeds -------------------------------------------------------------------------------------------------------
 
 # Relative rounding of a number.

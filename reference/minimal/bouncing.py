@@ -6,6 +6,10 @@ curve through it that is invariant under the map from impact to impact, with mul
 stable fibre; Hirsch, Pugh & Shub, Invariant Manifolds, 1977: known to us, not looked up). So everything is a smooth
 function of u, and the polynomial through a few impacts with well separated u, evaluated at u = 0 (Neville), is the
 limit, whatever ρ is.
+
+At one contact the rebound and the pull say how much time remains, so that the limit is known from bounces of a
+hundredth of the natural time. The impacts of several contacts (`solver.hops`) have to be followed until plates move by
+1e-9 of their size: of a disc that bounces with a coefficient of 0.8 that is 52 impacts instead of 42.
 """
 
 from __future__ import annotations

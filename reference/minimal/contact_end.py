@@ -34,7 +34,6 @@ from .elimination import Elimination
 from .grazing import may_touch, over_touch
 from .impact import ContactVelocity
 from .integrators.segment import OUT_OF_STEPS, Segment
-from .knots import passed
 from .modes import (
     FLIGHT,
     SLIP_SIGN,
@@ -54,6 +53,9 @@ from .modes import (
 )
 from .phase_end import LOCATION_ERROR, PIECE_ENDS, ROUGH, Step, error_range
 
+# Derivatives that must be continuous at a knot for the forces, and the rates of the contact point, to be continuous.
+SMOOTH = 2
+
 
 def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: float) -> Step:
     """The step after a guard's zero, in a motion with the relative `error`; `begin`: the state where the segment
@@ -70,8 +72,8 @@ def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: f
     if guard in BEGINS and _force_vanished(case, segment, begin):
         guard = "normal_force"
     y = full_state(case, now, t, segment.event.state)
-    if (knot := passed(case, segment, y)) is not None:
-        return _beyond_knot(case, segment, *knot)
+    if (beyond := _beyond_knot(case, segment, y)) is not None:
+        return beyond
     if guard in PIECE_ENDS and isinstance(case, PieceCase):
         return _pass_on(case, segment, t, y, guard)
     ending = ending_by(case, segment, guard)
@@ -97,12 +99,18 @@ def ending_by(case: Case, segment: Segment, guard: str) -> Ending | None:
     return breakdown(segment.phase, segment) if guard == BREAKDOWN else None
 
 
-def _beyond_knot(case: Case, segment: Segment, y: Sequence[float], is_smooth: bool) -> Step:
-    """The step after a knot: the same regime, or, where the curvature or the parameter's speed jumps, the one that
-    follows from slip and spin, which do not."""
+def _beyond_knot(case: Case, segment: Segment, y: tuple[float, ...]) -> Step | None:
+    """The step after a knot of a curve in pieces: the same regime, or, where the curvature or the parameter's speed
+    jumps, the one that follows from slip and spin, which do not. None if the segment did not end at one."""
     now, t, guard = segment.phase, segment.event.time, str(segment.event.guard)
-    if is_smooth:
-        return Step((segment,), t, (y[0], y[1]), guard, tuple(y), now.regime)
+    of_track, step = PIECE_ENDS.get(guard, (True, 0))
+    row = 0 if of_track else 1
+    pieces, number = (case.track.parts, case.plate.outline.parts)[row], now.parts[row]
+    if step == 0 or pieces is None or not pieces.has_neighbour(number, step):
+        return None
+    y = (*y[:row], pieces.across(number, step, y[row]), *y[row + 1 :])
+    if pieces.order >= SMOOTH:
+        return Step((segment,), t, (y[0], y[1]), guard, y, now.regime)
     m = Elimination(*now.system.outputs_of_numbers(t, segment.event.state, now.parameters))
     touch = ContactVelocity(m.slip, 0.0, m.omega)
     theta = y[4] if len(y) > 4 else np.nan

@@ -21,7 +21,7 @@ from cases.overlap import span
 
 from ..curvature_proof import Room, room
 from ..effect_laws import laws
-from ..scales import EPS
+from ..scales import EPS, TOUCHES
 from .boxes import Cores, Geometry
 from .contact_cores import cores
 from .gap import Look, Looks, facing, state, touch
@@ -90,7 +90,7 @@ class Landings:
             before = None
         if before is not None and under_way and before.gap <= 0.0:
             return self._landing(segment, before, place[0])  # by a rounding
-        if before is not None and not under_way and before.gap <= 1e-12 * self.size:  # to the rounding of positions
+        if before is not None and not under_way and before.gap <= TOUCHES * self.size:
             landing, before = self._leave(segment, before, place[0])
             if landing:
                 return landing

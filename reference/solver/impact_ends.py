@@ -11,16 +11,14 @@ from cases import Mode
 from ..endings import CAUSES
 from ..minimal.bouncing import is_unresolved, straight
 from ..minimal.integrators.segment import Segment
+from ..scales import TOUCHES
 from .hops import SeriesEnd
-from .places import TOUCHES, place, plates_in, project, without_velocity
+from .places import place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, load_scale, rows_of, size
 from .regimes import SolverPhase, SolverRegime, join, key_of, solver_phase
 from .touching import touching_contacts
 from .watched_plates import CLOSES, Watch, WatchedPlates, is_same_contact
 
-# Impacts that alternate between two corners and have no fixed ratio end where no hop is higher than this part of the
-# plate's size, the gap at which contacts count as touching.
-LOW_HOP = 1e-12
 # Impacts are extrapolated to their end where plates move by less than this part of their size until then.
 SMALL_HOP = 1e-9
 # Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
@@ -111,9 +109,9 @@ class ImpactEnds(WatchedPlates):
         end = self.hops.limit(self.t, SMALL_HOP * far)
         if end is None and self.hops.is_small and CAUSES["rest"] in self.causes.values():
             end = self._lowest(frozenset(self.touching))
-        if end is None and self._is_low(LOW_HOP * far):
+        if end is None and self._is_low(TOUCHES * far):
             places_now = zip(self.watches, self._places(self.watches), strict=True)
-            touching = frozenset(watch.name for watch, at in places_now if at.gap <= LOW_HOP * far)
+            touching = frozenset(watch.name for watch, at in places_now if at.gap <= TOUCHES * far)
             return self._lowest(touching) or self._now(touching)
         return end
 
@@ -124,7 +122,7 @@ class ImpactEnds(WatchedPlates):
         if end is None:
             return None
         bend = load_scale(self.case, self.t, self.state) * (end.time - self.t) ** 2
-        return end if bend <= LOW_HOP * far else self._now(touching)
+        return end if bend <= TOUCHES * far else self._now(touching)
 
     def _now(self, touching: frozenset[str]) -> SeriesEnd:
         return SeriesEnd(self.t, list(self.state), touching, 2.0 * self.hops.strikes[-1].closing)

@@ -28,8 +28,6 @@ from ..effect_laws.restitution import restitution
 from .plate_numbers import bodies, rows_of, size
 from .rotations import Sides, turning_row
 
-# A contact touches if its gap is below this part of the plates' size and place: the rounding of an event's pose.
-TOUCHES = 1e-12
 # Newton's steps that move plates onto their contacts: each squares the error, which begins at a tolerance.
 STEPS = 8
 # The rows of two contacts of the same plates are the same one within this part: their tangents lie on one line.

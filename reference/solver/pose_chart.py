@@ -28,12 +28,12 @@ from ..minimal.grazing import may_touch, over_touch
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.modes import start_pieces, start_state
 from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH, error_range
-from ..scales import frequency, looks_between
+from ..scales import TOUCHES, frequency, looks_between
 from .accelerations import guided_margin, is_steady, rest_margin
 from .contact_chart import Departure, pair_in_couple
 from .meet import CoupleMeeting, Meetings
 from .mode_changes import ModeChanges
-from .places import TOUCHES, ContactPlace, couple_of, groups, place, plates_in, sides_of, start_of
+from .places import ContactPlace, couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import size, speed
 from .regimes import SolverPhase, SolverRegime, join, solver_phase, split
 from .rest import first_loss, first_loss_in, looks_at_load

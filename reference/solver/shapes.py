@@ -20,7 +20,7 @@ from cases.line_or_circle import as_circle, as_line
 from cases.piece_case import PieceCase
 
 from ..minimal.windows import Windows, derivative, windows
-from .places import TOUCHES
+from ..scales import TOUCHES
 
 # A root of a gap's polynomial that is imaginary by this is a double one's rounding, where a gap only touches zero.
 IMAGINARY = 1e-7

@@ -19,7 +19,7 @@ from cases.piece_case import PieceCase, _piece_case
 from cases.supports import is_straight
 
 from ..curvature_proof import curvatures
-from .places import TOUCHES
+from ..scales import TOUCHES
 from .plate_numbers import size
 from .regimes import AT_END
 from .shapes import guess, shapes

@@ -25,10 +25,10 @@ from ..endings import (
     several_impacts,
 )
 from ..minimal.bouncing import is_unresolved
-from ..scales import EPS, STILL, speed_scale
+from ..scales import EPS, STILL, TOUCHES, speed_scale
 from .hops import NestedSeries, Strike
 from .impact import NoImpact
-from .places import TOUCHES, ContactPlace, couple_of, groups, in_round, place, plates_in, project, without_velocity
+from .places import ContactPlace, couple_of, groups, in_round, place, plates_in, project, without_velocity
 from .plate_numbers import bodies, load_at, rows_of, size, speed
 from .regimes import LOST
 from .rotations import Sides

@@ -1,7 +1,9 @@
 """Moreau's law of impact: its conditions, its solution by other means, both formulations, what it does to motions."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -15,6 +17,7 @@ from reference import contact_frame
 from reference.contact_frame.equations import ContactScene
 from reference.contact_frame.impact import hit
 from reference.minimal.impact import ContactVelocity, Law, collide, energy, law_of
+from reference.solver.impact import Inertia, impact_of_all
 from tests.scenes.elliptic import numbers
 
 FLYING = (Gravity(9.81), Unilateral(), Flight())
@@ -49,6 +52,29 @@ def impulse(law: Law, before: ContactVelocity, after: ContactVelocity) -> tuple[
     a, b, c = matrix(law)
     slip, lift = after.slip - before.slip, after.lift - before.lift
     return (c * slip - b * lift) / (a * c - b * b), (a * lift - b * slip) / (a * c - b * b)
+
+
+class OneContact(NamedTuple):
+    """A contact of `solver.impact` between a plate and what is fixed; velocities are along its tangent and normal."""
+
+    lift_row: np.ndarray
+    slip_row: np.ndarray
+    restitution: float
+    sides = (0,)
+    turning_row = np.array([0.0, 0.0, 1.0])
+
+
+@drawn(300)
+@given(arm=st.sampled_from([0.0, 0.1]), **impacts)
+def test_one_contact_has_the_law_of_several(law, before, arm):
+    law = law._replace(arm=arm)
+    (slip, lift, omega), arms = before, np.array([arm])
+    at = OneContact(np.array([0.0, 1.0, law.arm_t]), np.array([1.0, 0.0, -law.arm_n]), law.restitution)
+    inertia = Inertia(np.array([1.0, 1.0, 1.0 / law.gyration]), np.array([1.0, 1.0, law.gyration**0.5]))
+    velocity = np.array([slip + omega * law.arm_n, lift - omega * law.arm_t, omega])
+    several = impact_of_all("moreau", inertia, velocity, [at], [law.mu], float(np.abs(velocity).max()), arms=arms)
+    after = several.slip[0], several.lift[0], several.velocity[2]
+    assert after == pytest.approx(collide(law, before), abs=1e-8 * float(np.abs(velocity).max()))
 
 
 @drawn(300)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...endings import BREAKDOWN
-from ...scales import EPS
+from ...scales import EPS, TOUCHES
 from ..defect_check import Expansion, clear_part
 from ..modes import Phase
 from ..series import Series
@@ -24,8 +24,6 @@ from ..series import Series
 PART = 1e-3
 # Highest power used there: later terms are less than (NEAR + 2) PART**(NEAR + 1) of the plate's size.
 NEAR = 8
-# A gap above this part of the plate's size and place is open: smaller ones are rounding, and grow.
-OPEN = 1e-12
 # Any guard is positive at the start above this part of its value at the step's end: a guard that grows from a rounding
 # of zero with the third power of time is 1e-9 of its size at the end.
 NOT_ZERO = 1e-6
@@ -175,7 +173,8 @@ def open_gaps(phase: Phase, t: float, y) -> list[tuple[int, float]]:
     numbers = [i for i, name in enumerate(phase.system.guards) if name.startswith("gap")]
     if not numbers:
         return []
-    values, least = phase.system.guards_of_numbers(t, y, phase.parameters), OPEN * (phase.size + abs(y[0]) + abs(y[1]))
+    values = phase.system.guards_of_numbers(t, y, phase.parameters)
+    least = TOUCHES * (phase.size + abs(y[0]) + abs(y[1]))
     return [(i, values[i]) for i in numbers if values[i] > least]
 
 

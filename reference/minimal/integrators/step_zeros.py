@@ -7,9 +7,10 @@ from collections.abc import Set
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from ...scales import TOUCHES
 from ..modes import Phase
 from ..series import Series
-from .first_step import OPEN, gap_rounding, open_gaps, opening_gaps
+from .first_step import gap_rounding, open_gaps, opening_gaps
 
 # Places in a step at which guards are evaluated: Chebyshev–Lobatto points, which resolve a polynomial of DOP853's
 # order.
@@ -152,7 +153,7 @@ def never_opens(phase: Phase, piece, guard: str, when: float, first: bool) -> bo
     index = list(phase.system.guards).index(guard)
     half = 0.5 * (when - piece.t_old) / piece.h
     closed = first or abs(guard_at(phase, piece, index, 0.0)) <= gap_rounding(phase, piece.y_old)
-    least = OPEN * (phase.size + abs(piece.y_old[0]) + abs(piece.y_old[1]))
+    least = TOUCHES * (phase.size + abs(piece.y_old[0]) + abs(piece.y_old[1]))
     if not closed or guard_at(phase, piece, index, half) > least:
         return False
     rate, rounding = _rate(phase, piece, guard), gap_rounding(phase, piece.y_old)
