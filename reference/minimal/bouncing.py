@@ -54,16 +54,6 @@ def is_unresolved(lift: float, pull: float, far: float) -> bool:
     return lift * lift <= 2.0 * pull * REBOUND_ROUNDINGS * EPS * far
 
 
-class Accumulation(NamedTuple):
-    """The end of bouncing: time, contact parameters and θ, slip and spin (without lift)."""
-
-    time: float
-    xi1: float
-    xi2: float
-    theta: float
-    touch: ContactVelocity
-
-
 class _Bounce(NamedTuple):
     landing: Landing
     after: ContactVelocity
@@ -128,8 +118,8 @@ class Bounces:
             times += [size * since / change for size, change in changes if change]
         return min(times)
 
-    def limit(self, is_unresolved: bool = False) -> Accumulation | None:
-        """The limit, if there are enough impacts to compute it to rounding; else None.
+    def limit(self, is_unresolved: bool = False) -> Landing | None:
+        """The limit, without lift, if there are enough impacts to compute it to rounding; else None.
 
         `is_unresolved`: the last rebound is no higher than rounding, so further impacts would not improve the limit.
         """
@@ -161,9 +151,9 @@ class Bounces:
             return None
         # A slip or rotation that ended in the impacts is also zero at the limit.
         touch = ContactVelocity(slip if after.slip else 0.0, 0.0, omega if after.omega else 0.0)
-        return Accumulation(time, xi1, xi2, float(pose(self.case, xi1, xi2)[2]), touch)
+        return Landing(time, xi1, xi2, float(pose(self.case, xi1, xi2)[2]), touch)
 
-    def settling(self, flight: Phase, limit: Accumulation) -> Segment:
+    def settling(self, flight: Phase, limit: Landing) -> Segment:
         """The segment between the last simulated impact and the limit: too short to show a flight."""
         assert self.last is not None
         landing, after = self.last.landing, self.last.after

@@ -43,15 +43,16 @@ STEPS = 20
 
 
 class Landing(NamedTuple):
-    """A landing: time (s), contact parameters, θ, the contact's velocity, and the arm to it (m)."""
+    """A landing: time (s), contact parameters, θ, the contact's velocity, and the arm to it (m; NaN at the end of
+    bouncing)."""
 
     time: float
     xi1: float
     xi2: float
     theta: float
     touch: ContactVelocity
-    arm_t: float
-    arm_n: float
+    arm_t: float = nan
+    arm_n: float = nan
 
 
 class Landings:

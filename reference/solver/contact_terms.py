@@ -125,7 +125,7 @@ def contact_terms(form: ContactForm, k: int) -> ContactTerms:
     slip = apply_row(slip_row, velocity)
     gap = (y - v) * tx - (x - u) * ty + h.hn - f.hn
     apart = gap if form.kind is ContactRows.OPEN else ZERO
-    along_track, along_outline, tangent_rate, clearance = _places(f, h, slip, spin, turning, apart)
+    along_track, along_outline, tangent_rate, clearance = contact_rates(f, h, slip, spin, turning, apart)
     lift_bias = spin * along_outline - turning * along_track - spin * spin * h.hn - slip * tangent_rate
     slip_bias = -spin * spin * h.ht
     if base is not None:
@@ -138,18 +138,25 @@ def contact_terms(form: ContactForm, k: int) -> ContactTerms:
     )
 
 
-def _places(
-    f: Frame, h: Frame, slip: Node, spin: Node, turning: Node, gap: Node
-) -> tuple[Node, Node, Node, Node | None]:
-    """ṡ on both curves, the rate at which the common tangent turns, and the clearance."""
+class Bend(NamedTuple):
+    """What `contact_rates` needs of a curve, or of a corner, at a contact: the sign of its turn (0: it is a curve), and
+    the curvature (1/m)."""
+
+    sign: float
+    curvature: float
+
+
+def contact_rates(f: Frame | Bend, h: Frame | Bend, slip, spin, turning, gap=0) -> tuple[Any, Any, Any, Any]:
+    """ṡ on both curves (m/s), the rate at which the common tangent turns (rad/s), and the clearance (1/m; None at a
+    corner), as nodes or as numbers; `turning`: the spin of the base."""
     if f.sign:  # the base's point is a corner
-        along = -(slip + gap * spin) / (ONE + gap * h.curvature)
-        return ZERO, along, spin + h.curvature * along, None
+        along = -(slip + gap * spin) / (1 + gap * h.curvature)
+        return 0, along, spin + h.curvature * along, None
     seen = slip + gap * turning
-    shrink = ONE - gap * f.curvature
+    shrink = 1 - gap * f.curvature
     if h.sign:
         along = seen / shrink
-        return along, ZERO, turning + f.curvature * along, None
+        return along, 0, turning + f.curvature * along, None
     clearance = h.curvature * shrink - f.curvature
-    along = (h.curvature * seen - (spin - turning)) / clearance
+    along = (h.curvature * seen - (spin - turning)) / clearance if clearance else 0
     return along, along * shrink - seen, turning + f.curvature * along, clearance

@@ -25,6 +25,7 @@ from cases.piece_case import PieceCase
 
 from ..effect_laws import Laws, laws
 from ..effect_laws.restitution import restitution
+from .contact_terms import Bend, contact_rates
 from .plate_numbers import bodies, rows_of, size
 from .rotations import Sides, turning_row
 
@@ -155,30 +156,17 @@ def place(pair: PieceCase, state: State, near: tuple[float, float]) -> ContactPl
         lift[own], slip[own] = (ty, -tx, -ft), (-tx, -ty, fn)
         turning = float(rates[3 * couple.base + 2])
     speed = float(slip @ rates)
-    along_track, along_outline, tangent_rate, clearance = contact_rates(pair, at, speed, spin, turning)
+    f, h = (
+        Bend(piece.sign, 0.0) if isinstance(piece, Corner) else Bend(0.0, float(piece.curvature(s)))
+        for piece, s in ((track, at.xi1), (outline, at.xi2))
+    )
+    along_track, along_outline, tangent_rate, clearance = contact_rates(f, h, speed, spin, turning)
     bias_n = -spin * spin * hn + turning * turning * fn + spin * along_outline - turning * along_track
     bias_t = -spin * spin * ht + turning * turning * ft
     return ContactPlace(
-        pair, at.gap, (tx, ty), at.xi1, at.xi2, lift, slip, bias_n - speed * tangent_rate, bias_t, clearance
-    )
-
-
-def contact_rates(
-    pair: PieceCase, at: geometry.Contact, slip: float, spin: float, turning: float
-) -> tuple[float, float, float, float]:
-    """ṡ on track and outline (m/s), the rate at which the common tangent turns (rad/s), and the clearance (1/m) of a
-    contact without a gap, whose base turns with `turning`."""
-    track, outline = cast(tuple[Piece, Piece], pair.pieces)
-    if isinstance(outline, Corner):
-        bend = float(track.curvature(at.xi1))
-        return slip, 0.0, turning + bend * slip, inf
-    own = float(outline.curvature(at.xi2))
-    if isinstance(track, Corner):
-        return 0.0, -slip, spin - own * slip, inf
-    bend = float(track.curvature(at.xi1))
-    clearance = own - bend
-    along = (own * slip - (spin - turning)) / clearance if clearance else 0.0
-    return along, along - slip, turning + bend * along, clearance
+        pair, at.gap, (tx, ty), at.xi1, at.xi2, lift, slip, bias_n - speed * tangent_rate, bias_t,
+        inf if clearance is None else clearance,
+    )  # fmt: skip
 
 
 def groups(now: Sequence[ContactPlace]) -> list[list[int]]:
