@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cases import Case, Gravity, Load, Plate
+from cases import Load, Plate
 
 
 class PhaseNumbers(Protocol):
@@ -96,15 +96,6 @@ def load_acceleration(plate: Plate, load: Load, t: float, body: Sequence[float] 
     """A load of a plate (x, y, θ, vx, vy, ω) per mass, m/s², each component alone, as they may cancel."""
     fx, fy, moment = load.at(t, *map(float, body))
     return (abs(fx) + abs(fy) + abs(moment) / plate.gyration) / plate.mass
-
-
-def acceleration_scale(case: Case, t: float, body: Sequence[float] | np.ndarray) -> float:
-    """The size of what a contact force per mass is a sum of, m/s²: weight, load, and what turns the velocities of the
-    case's plate (x, y, θ, vx, vy, ω). It vanishes only for a plate at rest without any of these."""
-    plate, (vx, vy, omega) = case.plate, (float(v) for v in body[3:])
-    gravity, load = case.effect(Gravity), case.effect(Load)
-    outer = (gravity.g if gravity else 0.0) + (load_acceleration(plate, load, t, body) if load else 0.0)
-    return outer + (vx * vx + vy * vy) / plate.gyration + omega * omega * plate.reach
 
 
 # --- forces -------------------------------------------------------------------------------------------------------

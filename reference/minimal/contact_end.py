@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cases import Case, Flight, Impact
-from cases.contact import clearance, start_motion
+from cases.contact import clearance
 from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
 from ..effect_laws import laws
@@ -27,7 +27,7 @@ from ..endings import (
     singular_ending,
     work_limit_ending,
 )
-from ..scales import acceleration_scale, approach_scale
+from ..scales import approach_scale
 from .assembly import Kind
 from .decision import AT_BOUND, Undecidable, decide, slack_of
 from .elimination import Elimination
@@ -281,14 +281,6 @@ def _nothing_follows(case: Case, t: float, y: Sequence[float], error: float) -> 
             return LIFT_OFF
         return LIFTED if case.effect(Impact) else LANDING_END
     return NO_MODE if laws(case).friction.slip_modes else NO_SLIP
-
-
-def force_rounding(case: Case) -> float:
-    """The rounding of a contact force per mass at a start, m/s²: of weight, load and inertia, each alone, whose
-    difference it is. Its own size may vanish."""
-    start = start_motion(case)
-    body = start.x, start.y, start.theta, start.vx, start.vy, start.omega
-    return AT_BOUND * acceleration_scale(case, 0.0, body)
 
 
 def _approach_scale(case: Case, t: float, y: Sequence[float]) -> float:

@@ -21,8 +21,8 @@ from cases.piece_contact import excludes_second
 from ..curvature_proof import fits
 from ..endings import CAUSES, FLAT, OFF, Ending, second_place
 from ..minimal.bouncing import Bounces
-from ..minimal.contact_end import after_contact, force_rounding, leave
-from ..minimal.decision import decide
+from ..minimal.contact_end import after_contact, leave
+from ..minimal.decision import AT_BOUND, decide
 from ..minimal.flight_end import after_flight, closes, simulate_flight, start_flight
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.landing import Landings
@@ -45,6 +45,7 @@ from ..minimal.phase_end import IDLE, LOCATION_ERROR, ROUGH, Step
 from ..scales import EPS
 from .meet import CoupleMeeting, Meetings
 from .places import start_of
+from .plate_numbers import load_scale
 from .segment_view import SegmentView
 from .touching import touching_contacts
 
@@ -220,12 +221,14 @@ def first_regime(case: Case, y: Sequence[float]) -> Regime | None:
     is decided as at any instant. None if no contact is consistent. Raises Undecidable."""
     if not case.start.in_contact:
         return FLIGHT
-    here = start_pieces(case)
+    start = start_motion(case)
+    body = start.x, start.y, start.theta, start.vx, start.vy, start.omega
+    here, weak = start_pieces(case), AT_BOUND * load_scale(case, 0.0, body)
     # Eight roundings lie between the start's values and the speeds of the state. A motion so slow that it ends at once
     # leaves no regime; speeds below an event's own error then count as zero, as after events.
     for error in (8 * EPS, LOCATION_ERROR):
         moves = senses(here, 0.0, y, case.start.slip, case.start.omega, error)
-        regime = decide(here, 0.0, y, EPS, able(here, *moves), force_rounding(case))
+        regime = decide(here, 0.0, y, EPS, able(here, *moves), weak)
         if regime:
             return regime
     return None

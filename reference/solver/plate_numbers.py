@@ -81,7 +81,9 @@ def size(case: Case, state: Sequence[float] | np.ndarray) -> float:
 
 def speed(case: Case, state: Sequence[float] | np.ndarray) -> float:
     """The largest of the plates' speeds, m/s; that of a spin at the reach."""
-    return float(np.abs(np.asarray(state[len(state) // 2 :]) * bodies(case).lengths).max())
+    rates = state[len(state) // 2 :]
+    every = zip(rates[::3], rates[1::3], rates[2::3], bodies(case).reaches, strict=True)
+    return float(max([max(abs(vx), abs(vy), abs(omega) * reach) for vx, vy, omega, reach in every]))
 
 
 def rows_of(some: Iterable[int]) -> list[int]:
