@@ -103,10 +103,7 @@ def answer_by_numbers(
     for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
         if mode is Mode.FLIGHT:
             continue
-        ratio = -SLIP_SIGN.get(mode, 0.0)
-        column = at.lift_row + (ratio * at.mu_of(velocity, now.time) * at.slip_row if ratio else 0.0)
-        if sense := senses.get(at.sides):
-            column = column - sense * at.resisting_arm * at.turning_row
+        column = _column(now, at, mode, senses)
         rows, columns, biases = [*rows, at.lift_row], [*columns, column], [*biases, at.lift_bias]
         if mode in STICKING and i not in shares:
             belt = at.belt_rate(now.time)
@@ -150,6 +147,13 @@ def answer_by_numbers(
     return GroupAccelerations(acceleration, bool(possible), opens)
 
 
+def _column(now: DecisionInstant, at: ContactPlace, mode: Mode, senses: Mapping[Sides, int]) -> np.ndarray:
+    """A normal force of one, with the friction of a slip and the couple against a rotation that it gives, (3n,)."""
+    ratio, sense = -SLIP_SIGN.get(mode, 0.0), senses.get(at.sides)
+    column = at.lift_row + (ratio * at.mu_of(now.velocity, now.time) * at.slip_row if ratio else 0.0)
+    return column - sense * at.resisting_arm * at.turning_row if sense else column
+
+
 def _slips_follow(
     now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], acceleration: np.ndarray, rate: float
 ) -> bool:
@@ -183,10 +187,7 @@ def _by_guides(
     for k, is_tangent in each:
         at = contacts[k]
         row = at.slip_row if is_tangent else at.lift_row
-        slips = not is_tangent and modes[k] in SLIP_SIGN
-        column = row - (SLIP_SIGN[modes[k]] * at.mu_of(velocity, now.time) * at.slip_row if slips else 0.0)
-        if (sense := senses.get(at.sides)) and not is_tangent:
-            column = column - sense * at.resisting_arm * at.turning_row
+        column = row if is_tangent else _column(now, at, modes[k], senses)
         bias = at.slip_bias - at.belt_rate(now.time) if is_tangent else at.lift_bias
         if np.linalg.matrix_rank(_unit(np.array([*rows, row]) * np.sqrt(some.inverse)), tol=DEPENDENT) > len(rows):
             rows, columns, biases, picks[k][is_tangent] = [*rows, row], [*columns, column], [*biases, bias], True
