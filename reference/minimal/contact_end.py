@@ -138,8 +138,7 @@ def _pass_on(case: PieceCase, segment: Segment, t: float, y: Sequence[float], gu
     if not clearance(following, xi1, xi2) > 0.0:
         return Step((segment,), t, place, ending=FLAT)
     y = in_contact(following, t, xi1, xi2, slip, omega, y[4] if len(y) > 4 else 0.0)
-    signs = SLIP_SIGN.get(regime.mode, 0.0), float(regime.turn or 0)
-    after = decide(following, t, y, LOCATION_ERROR, able(following, *signs))
+    after = decide(following, t, y, LOCATION_ERROR, regimes_beyond(following, regime, guard))
     if after is None:
         return leave(following, (segment,), t, y, "piece")._replace(place=place)
     return Step((segment,), t, (xi1, xi2), "piece", y, after, pieces=following)
