@@ -7,16 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from . import geometry, piece_contact
-from .case_class import Case
 from .effects import Belt, Drive
 from .errors import BadValue
 from .geometry import Contact, MotionPoint
 from .moving_surface import TrackPlace
 from .overlap import first_overlap
+
+if TYPE_CHECKING:
+    from .case_class import Case
 
 __all__ = [
     "Contact",

@@ -17,8 +17,8 @@ from .element import Element
 from .errors import DoesNotFit
 from .geometry import Contact
 from .nearest_track_point import PlateFrame, nearest_track_point
+from .outline import sizes_of
 from .piece_contact import find
-from .plate import sizes_of
 
 # Number of samples of the outline: so dense that a smooth outline is unlikely to have a nearer point between two of
 # them. Newton's method starts at the nearest sample.

@@ -1,9 +1,11 @@
-"""Outlines with corners, and arcs: closed chains that run counter-clockwise around a plate."""
+"""Outlines with corners, and arcs: closed chains that run counter-clockwise around a plate. The sizes of outlines."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import hypot, pi
+from typing import NamedTuple
 
 import numpy as np
 
@@ -80,3 +82,39 @@ def arc(centre: tuple[float, float], radius: float, start: float, end: float) ->
         raise BadValue(f"the arc begins and ends at {start:g}; give two angles")
     way = 1 if end > start else -1
     return Curve(lambda s: (x + r * cos(way * s), y + r * sin(way * s)), (way * start, way * end))
+
+
+def samples_around(outline: Curve) -> np.ndarray:
+    """Parameters half a degree apart and at corners; distances are stationary at other extremes, so that the error is
+    about 1e-5."""
+    even = np.linspace(*outline.span, 721)
+    return np.union1d(even, outline.vertices(0.01)) if isinstance(outline, Chain) else even
+
+
+class OutlineSizes(NamedTuple):
+    """The least and the greatest distance of an outline from its origin, the larger side of the box about it, and the
+    radius of a circle about the origin, None of another outline, m."""
+
+    inner: float
+    reach: float
+    width: float
+    radius: float | None
+
+
+@lru_cache(maxsize=256)
+def sizes_of(outline: Curve) -> OutlineSizes:
+    """The sizes of an outline, or of another curve."""
+    points = outline.point(samples_around(outline))
+    away = np.hypot(*points)
+    return OutlineSizes(float(away.min()), float(away.max()), float(np.ptp(points, axis=1).max()), _radius(outline))
+
+
+def _radius(outline: Curve) -> float | None:
+    if isinstance(outline, Chain):
+        return None
+    s = np.linspace(*outline.span, 17)
+    r = np.hypot(*outline.point(s))
+    bend = outline.curvature(s)
+    # Rounding of a handful of operations; a real outline that round is a disc for every purpose here.
+    round_enough = np.ptp(r) <= 1e-13 * r.max() and np.all(np.abs(bend * r - 1.0) <= 1e-12)
+    return float(r.mean()) if round_enough and outline.period else None

@@ -19,7 +19,7 @@ from .corner import Corner
 from .curves import Curve
 from .features import union
 from .nearest import contacts, nearest_pair, nearest_samples
-from .plate import sizes_of
+from .outline import sizes_of
 
 # Number of corners of the polygon, in addition to those that resolve the outline's features.
 CORNERS = 720

@@ -19,7 +19,6 @@ from .element import Element
 from .geometry import clearance
 from .plate import Plate
 from .start import Start
-from .trajectory import Passage
 
 
 class PieceCase(Case):
@@ -130,16 +129,6 @@ def corners_meet(case: PieceCase, xi1: float, xi2: float) -> bool:
             if is_near and following is not None and corner_on_corner(following):
                 return True
     return False
-
-
-def passages_between(before: PieceCase, after: PieceCase, t: float, xi1: float, xi2: float) -> list[Passage]:
-    """The passages of the contact from one pair of pieces to another, at a time and its parameters."""
-    curves = (("track", before.first, after.first), ("outline", before.second, after.second))
-    return [Passage(t, name, _name(old), _name(new), xi1, xi2) for name, old, new in curves if old.number != new.number]
-
-
-def _name(element: Element) -> str:
-    return f"{'corner' if isinstance(element.piece, Corner) else 'piece'} {element.number}"
 
 
 @lru_cache(maxsize=4096)

@@ -6,18 +6,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from math import cos, inf, pi, sin, sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from .area import area_inside
-from .chain import Chain, translate
+from .chain import translate
 from .corner import Edge
 from .curves import Curve
 from .errors import BadCurve, BadValue, instance, items, not_negative, positive, positive_or_infinite, whole
 from .geometry import bends
 from .library import circle
-from .outline import Outline, arc
+from .outline import Outline, arc, samples_around, sizes_of
 
 # A centroid nearer than this part of the outline's size to the origin is there: the rounding of its integrals.
 CENTRED = 1e-15
@@ -70,7 +69,7 @@ class Plate:
             instance("outline of Plate.homogeneous", curve, Curve)
         rows = [(1.0, area_inside(outline))]
         for part, density in parts:
-            if not _contains(outline, part.point(_places(part)).T):
+            if not _contains(outline, part.point(samples_around(part)).T):
                 raise BadCurve("a hole or inlay is not inside the outline; give one that is")
             rows.append((density - 1.0, area_inside(part)))
         weight = sum(density * area.area for density, area in rows)
@@ -78,7 +77,7 @@ class Plate:
         y = sum(density * area.area * area.y for density, area in rows) / weight
         moment = sum(density * (a.polar_moment + a.area * ((a.x - x) ** 2 + (a.y - y) ** 2)) for density, a in rows)
         mass = positive("mass of the plate", mass)
-        least = CENTRED * float(np.hypot(*outline.point(_places(outline))).max())
+        least = CENTRED * float(np.hypot(*outline.point(samples_around(outline))).max())
         x, y = (value if abs(value) > least else 0.0 for value in (x, y))
         if x or y:
             outline = outline.translate(-x, -y) if isinstance(outline, Outline) else translate(outline, -x, -y)
@@ -178,50 +177,14 @@ def _runs_clockwise(outline: Curve) -> bool:
     return bool(outline.period and outline.tangent_angle(high) < outline.tangent_angle(low))
 
 
-def _places(outline: Curve) -> np.ndarray:
-    """Parameters half a degree apart and at corners; distances are stationary at other extremes, so that the error is
-    about 1e-5."""
-    even = np.linspace(*outline.span, 721)
-    return np.union1d(even, outline.vertices(0.01)) if isinstance(outline, Chain) else even
-
-
 def _contains(outline: Curve, points) -> bool:
     """Whether points (n, 2) are inside a closed outline: its tangent polygon winds around each."""
-    x, y = outline.point(_places(outline))
+    x, y = outline.point(samples_around(outline))
     for px, py in points:
         angles = np.arctan2(y - py, x - px)
         if round(float(((np.diff(angles) + pi) % (2 * pi) - pi).sum()) / (2 * pi)) == 0:
             return False
     return True
-
-
-class OutlineSizes(NamedTuple):
-    """The least and the greatest distance of an outline from its origin, the larger side of the box about it, and the
-    radius of a circle about the origin, None of another outline, m."""
-
-    inner: float
-    reach: float
-    width: float
-    radius: float | None
-
-
-@lru_cache(maxsize=256)
-def sizes_of(outline: Curve) -> OutlineSizes:
-    """The sizes of an outline, or of another curve."""
-    points = outline.point(_places(outline))
-    away = np.hypot(*points)
-    return OutlineSizes(float(away.min()), float(away.max()), float(np.ptp(points, axis=1).max()), _radius(outline))
-
-
-def _radius(outline: Curve) -> float | None:
-    if isinstance(outline, Chain):
-        return None
-    s = np.linspace(*outline.span, 17)
-    r = np.hypot(*outline.point(s))
-    bend = outline.curvature(s)
-    # Rounding of a handful of operations; a real outline that round is a disc for every purpose here.
-    round_enough = np.ptp(r) <= 1e-13 * r.max() and np.all(np.abs(bend * r - 1.0) <= 1e-12)
-    return float(r.mean()) if round_enough and outline.period else None
 
 
 def is_convex(outline: Curve) -> bool:

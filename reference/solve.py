@@ -17,11 +17,13 @@ import numpy as np
 from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
 from cases.contact import belt_speed, pose
 from cases.contact_limits import touches_by_features
+from cases.corner import Corner
+from cases.element import Element
 from cases.errors import between, unknown_name
 from cases.free_plates import names_of, start_poses
 from cases.limits import Scope, as_sentence, limit
 from cases.moving_frame import in_fixed_frame, relative_case
-from cases.piece_case import PieceCase, has_pieces, passages_between
+from cases.piece_case import PieceCase, has_pieces
 from cases.sampled_contacts import SampledPlates
 from cases.trajectory import CONTACT
 
@@ -264,8 +266,18 @@ def passages(segments: list[Segment]) -> tuple[Passage, ...]:
             continue
         if before != after and FLIGHT not in (last.phase.regime, segment.phase.regime):
             xi1, xi2 = after.to_whole(*segment.states(np.array([segment.start]))[:2, 0].tolist())
-            result += passages_between(before, after, segment.start, xi1, xi2)
+            result += _passages_between(before, after, segment.start, xi1, xi2)
     return tuple(result)
+
+
+def _passages_between(before: PieceCase, after: PieceCase, t: float, xi1: float, xi2: float) -> list[Passage]:
+    """The passages of the contact from one pair of pieces to another, at a time and its parameters."""
+    curves = (("track", before.first, after.first), ("outline", before.second, after.second))
+    return [Passage(t, name, _name(old), _name(new), xi1, xi2) for name, old, new in curves if old.number != new.number]
+
+
+def _name(element: Element) -> str:
+    return f"{'corner' if isinstance(element.piece, Corner) else 'piece'} {element.number}"
 
 
 def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
