@@ -99,7 +99,8 @@ _MODULES = {
                 "RollingResistance", "Unilateral"),
     "fits": ("fit_friction", "fit_waves"), "free_plates": ("FreePlate",), "outline": ("Outline", "arc"),
     "own_effects": ("ContactEffect", "ContactForce", "EndCondition"), "pair_effects": ("Pair",),
-    "plate": ("Plate", "disc"), "start": ("Start",), "start_pose": ("StartPose",), "supports": ("Support",),
+    "plate": ("Plate", "disc"), "start": ("Start",), "start_pose": ("StartPose",),
+    "supports": ("Support",),
     "trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
 }  # fmt: skip
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import cos, hypot, pi, sin
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from .chain import Chain
 from .corner import Corner, Edge
-from .plate import Plate
+
+if TYPE_CHECKING:
+    from .plate import Plate
 
 
 class TouchCircle(NamedTuple):
