@@ -14,9 +14,9 @@ import numpy as np
 
 from cases import Case, Cost, Mode, State, Trajectory, Transition
 from cases.errors import describe
-from cases.free_plates import names_of
-from cases.sampled_contacts import SampledContacts, SampledPlates
-from cases.trajectory import ContactColumns
+from cases.motion.sampled_contacts import SampledContacts, SampledPlates
+from cases.motion.trajectory import ContactColumns
+from cases.scene.free_plates import names_of
 
 from .interface import EngineFailure, Setting
 

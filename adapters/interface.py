@@ -148,11 +148,11 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     own `refuses`."""
     # These import SymPy, which a command's help does not need.
     from cases import Drive
-    from cases.free_plates import why_not_closed_forms
-    from cases.limits import Scope, limit
     from cases.own_effects import own_effects
-    from cases.piece_case import has_pieces
-    from cases.supports import has_belt, has_rolling_resistance, has_slip_law
+    from cases.scene.free_plates import why_not_closed_forms
+    from cases.scene.limits import Scope, limit
+    from cases.scene.piece_case import has_pieces
+    from cases.scene.supports import has_belt, has_rolling_resistance, has_slip_law
 
     for effect in own_effects(case.effects):
         if not isinstance(effect, getattr(adapter, "OWN_EFFECTS", ())):
@@ -196,7 +196,7 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
 def _is_newton_on_belt(case: Case) -> bool:
     """Whether Newton's law of impact acts at a surface that runs."""
     from cases import Impact
-    from cases.supports import has_belt
+    from cases.scene.supports import has_belt
 
     law = case.effect(Impact)
     return law is not None and law.law == "newton" and has_belt(case)
@@ -205,9 +205,9 @@ def _is_newton_on_belt(case: Case) -> bool:
 def _not_with_plates(case: Case) -> str:
     """What of a case with several plates no route models; "" if nothing."""
     from cases import Drive, Impact
-    from cases.free_plates import loads_of
     from cases.own_effects import own_effects
-    from cases.supports import has_belt, has_rolling_resistance, has_slip_law
+    from cases.scene.free_plates import loads_of
+    from cases.scene.supports import has_belt, has_rolling_resistance, has_slip_law
 
     missing = {
         "a load": any(loads_of(case)),
@@ -226,7 +226,7 @@ def refusal_of_several_contacts(adapter: Any, case: Case, route: str) -> str:
     "": by `SEVERAL_CONTACTS`, then by the adapter's own `refuses_several_contacts`."""
     from cases import Drive
     from cases.own_effects import own_effects
-    from cases.supports import has_rolling_resistance
+    from cases.scene.supports import has_rolling_resistance
 
     if route not in getattr(adapter, "SEVERAL_CONTACTS", ()):
         return f"The plate touches its track in several places, which the {route} route does not support."

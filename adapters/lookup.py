@@ -15,7 +15,7 @@ from types import ModuleType
 from typing import Any
 
 from cases.errors import BadValue, UnknownName, unknown_name
-from cases.user_files import place
+from cases.files.user_files import place
 
 from .interface import PARTS
 

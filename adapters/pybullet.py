@@ -20,7 +20,7 @@ import pybullet
 from cases import Belt, Case, CoulombFriction, Drive, Gravity, Impact, RollingResistance, Trajectory, Unilateral
 from cases.contact import Contact, find, start_motion
 from cases.errors import DoesNotFit, unknown_name
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
 
 from .common import half_steps
 from .interface import Meaning, Refusal, Setting

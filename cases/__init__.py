@@ -3,7 +3,7 @@
 Its classes are imported when they are first used: SymPy takes most of a command's start, and help and lists need none.
 """
 
-from . import keyboard_interrupt, search_path  # the first of all: what follows takes a second  # noqa: F401
+from .files import keyboard_interrupt, search_path  # the first of all: what follows takes a second  # noqa: F401
 
 # isort: split
 from importlib import import_module
@@ -15,9 +15,9 @@ from .registry import case, entry, load, load_file, names, select
 from .version import __version__
 
 if TYPE_CHECKING:
-    from .case_class import Case
-    from .chain import Chain
     from .curves import Curve
+    from .curves.chain import Chain
+    from .curves.outline import Outline, arc
     from .effects import (
         Belt,
         CoulombFriction,
@@ -32,15 +32,15 @@ if TYPE_CHECKING:
         Unilateral,
     )
     from .fits import fit_friction, fit_waves
-    from .free_plates import FreePlate
-    from .outline import Outline, arc
+    from .motion.trajectory import Cost, Mode, Passage, State, Trajectory, Transition
     from .own_effects import ContactEffect, ContactForce, EndCondition
-    from .pair_effects import Pair
-    from .plate import Plate, disc
-    from .start import Start
-    from .start_pose import StartPose
-    from .supports import Support
-    from .trajectory import Cost, Mode, Passage, State, Trajectory, Transition
+    from .scene.case_class import Case
+    from .scene.free_plates import FreePlate
+    from .scene.pair_effects import Pair
+    from .scene.plate import Plate, disc
+    from .scene.start import Start
+    from .scene.start_pose import StartPose
+    from .scene.supports import Support
 
 __all__ = [
     "BadCurve",
@@ -94,14 +94,14 @@ __all__ = [
 
 # The modules of the names that are imported at their first use.
 _MODULES = {
-    "case_class": ("Case",), "chain": ("Chain",), "curves": ("Curve",),
+    "scene.case_class": ("Case",), "curves.chain": ("Chain",), "curves": ("Curve",),
     "effects": ("Belt", "CoulombFriction", "Drive", "Effect", "Flight", "Gravity", "Impact", "Load", "PerfectlyRough",
                 "RollingResistance", "Unilateral"),
-    "fits": ("fit_friction", "fit_waves"), "free_plates": ("FreePlate",), "outline": ("Outline", "arc"),
-    "own_effects": ("ContactEffect", "ContactForce", "EndCondition"), "pair_effects": ("Pair",),
-    "plate": ("Plate", "disc"), "start": ("Start",), "start_pose": ("StartPose",),
-    "supports": ("Support",),
-    "trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
+    "fits": ("fit_friction", "fit_waves"), "scene.free_plates": ("FreePlate",), "curves.outline": ("Outline", "arc"),
+    "own_effects": ("ContactEffect", "ContactForce", "EndCondition"), "scene.pair_effects": ("Pair",),
+    "scene.plate": ("Plate", "disc"), "scene.start": ("Start",), "scene.start_pose": ("StartPose",),
+    "scene.supports": ("Support",),
+    "motion.trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
 }  # fmt: skip
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 

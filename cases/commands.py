@@ -27,9 +27,10 @@ from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import fill
 
-from . import lookup, owned_folder, registry
-from .command_line import program, status
+from . import lookup, registry
 from .errors import BadValue, CaseError, unknown_name
+from .files import owned_folder
+from .files.command_line import program, status
 
 OWN = ("new", "check")
 

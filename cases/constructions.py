@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from . import late_sympy as sp
 from .curves import Curve, cos, integral, sin
+from .curves.matching import matched
 from .errors import finite, instance, items, point
-from .expressions import value_of
-from .matching import matched
+from .formulas import late_sympy as sp
+from .formulas.expressions import value_of
 
 
 def polar(radius: Callable, domain: tuple[float, float] | None = None) -> Curve:

@@ -12,13 +12,14 @@ from typing import Any, TypeVar, get_args
 
 import numpy as np
 
-from . import expressions, features, formula_symbols, slip_laws
-from . import late_sympy as sp
+from . import slip_laws
 from .derivation import derived, in_one_thread
-from .effect_formulas import features_in_time, formula_in, values_of
 from .errors import BadValue, finite, not_negative, positive
-from .expression_graph import Node, from_sympy, symbol
-from .formula_symbols import __getattr__ as __getattr__
+from .formulas import expressions, features, formula_symbols
+from .formulas import late_sympy as sp
+from .formulas.effect_formulas import features_in_time, formula_in, values_of
+from .formulas.expression_graph import Node, from_sympy, symbol
+from .formulas.formula_symbols import __getattr__ as __getattr__
 from .moving_surface import Belt, Drive
 from .own_effects import ContactEffect
 

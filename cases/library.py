@@ -13,14 +13,14 @@ from functools import lru_cache, wraps
 from math import pi
 from typing import Any
 
-from . import formula_symbols
-from . import late_sympy as sp
 from .curves import Curve
 from .derivation import in_one_thread
 from .errors import BadCurve, BadValue, finite, positive, whole
-from .expression_code import ON_FLOATS, function_of
-from .expression_graph import HALF
-from .expressions import admissible, cos, cosh, exp, sin, value_of
+from .formulas import formula_symbols
+from .formulas import late_sympy as sp
+from .formulas.expression_code import ON_FLOATS, function_of
+from .formulas.expression_graph import HALF
+from .formulas.expressions import admissible, cos, cosh, exp, sin, value_of
 
 Maker = Callable[..., Curve]
 

@@ -16,12 +16,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from . import registry, user_files
+from . import registry
 from .errors import BadValue, CaseError, UnknownName, describe, unknown_name
-from .trial import trial
+from .files import user_files
+from .files.trial import trial
 
 if TYPE_CHECKING:
-    from .case_class import Case
+    from .scene.case_class import Case
 
 T = TypeVar("T")
 

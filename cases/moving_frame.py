@@ -16,17 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from . import formula_symbols
-from . import late_sympy as sp
-from .case_class import Case
 from .contact import track_place
 from .derivation import in_one_thread
 from .effects import Drive, Effect, Gravity, Load
 from .errors import BadValue
-from .free_plates import loads_of, plates_of, start_poses
-from .plate import Plate
-from .start_pose import StartPose
-from .trajectory import State, Trajectory
+from .formulas import formula_symbols
+from .formulas import late_sympy as sp
+from .motion.trajectory import State, Trajectory
+from .scene.case_class import Case
+from .scene.free_plates import loads_of, plates_of, start_poses
+from .scene.plate import Plate
+from .scene.start_pose import StartPose
 
 
 def relative_case(case: Case) -> Case:

@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import expressions, features, formula_symbols
-from . import late_sympy as sp
 from .derivation import derived, in_one_thread
-from .effect_formulas import features_in_time, formula_in, values_of
 from .errors import BadValue, numbers
-from .expression_code import ON_ARRAYS, function_of
-from .formula_symbols import __getattr__ as __getattr__
+from .formulas import expressions, features, formula_symbols
+from .formulas import late_sympy as sp
+from .formulas.effect_formulas import features_in_time, formula_in, values_of
+from .formulas.expression_code import ON_ARRAYS, function_of
+from .formulas.formula_symbols import __getattr__ as __getattr__
 
 Values = Callable[[float], list[float]]
 

@@ -10,13 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
-from . import features, formula_symbols
-from . import late_sympy as sp
 from .derivation import derived
-from .effect_formulas import formula_in, values_of
 from .errors import BadValue, describe
-from .expression_graph import from_sympy, symbol
-from .formula_symbols import __getattr__ as __getattr__
+from .formulas import features, formula_symbols
+from .formulas import late_sympy as sp
+from .formulas.effect_formulas import formula_in, values_of
+from .formulas.expression_graph import from_sympy, symbol
+from .formulas.formula_symbols import __getattr__ as __getattr__
 
 GROUP = "slip_to_roll.effects"
 

@@ -15,12 +15,12 @@ from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from . import user_files
 from .derivation import LOCK, in_one_thread
 from .errors import BadValue, CaseError, boolean, describe, instance, items, number_in, parameter, unknown_name
+from .files import user_files
 
 if TYPE_CHECKING:
-    from .case_class import Case
+    from .scene.case_class import Case
 
 
 @dataclass(frozen=True)
@@ -190,8 +190,8 @@ def load(name: str, **parameters) -> Case:
 
 def _scene(name: str, function: Callable, folder: Path, values: tuple[tuple[str, float], ...], _: str) -> Case:
     # These import NumPy and SymPy, which lists and help do not need.
-    from .case_class import Case
-    from .point_sources import paths_count_from
+    from .curves.point_sources import paths_count_from
+    from .scene.case_class import Case
 
     try:
         with LOCK, paths_count_from(folder):
@@ -241,7 +241,7 @@ def load_file(path: str | Path) -> list[str]:
     before = dict(_entries)
     if path.suffix != ".py":
         raise BadValue(f"{path} is not a Python file; a case file ends in .py")
-    from .point_sources import paths_count_from
+    from .curves.point_sources import paths_count_from
 
     name, place = f"case_file_{path.stem}", path.resolve()  # workers use it from other folders
     spec = importlib.util.spec_from_loader(name, _UncachedLoader(name, str(place)))

@@ -10,12 +10,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from . import expressions, features, formula_symbols, formulas
-from . import late_sympy as sp
 from .errors import BadValue, not_negative, real
-from .expression_code import ON_ARRAYS, ON_FLOATS, function_of
-from .expression_graph import from_sympy, symbol
-from .formula_symbols import __getattr__ as __getattr__
+from .formulas import expressions, features, formula_symbols, formula_text
+from .formulas import late_sympy as sp
+from .formulas.expression_code import ON_ARRAYS, ON_FLOATS, function_of
+from .formulas.expression_graph import from_sympy, symbol
+from .formulas.formula_symbols import __getattr__ as __getattr__
 
 # The name of the slip speed, m/s.
 _V = str(formula_symbols.NAMES["SLIP_SPEED"])
@@ -31,7 +31,7 @@ _AROUND = 10.0 ** -np.arange(1.0, 10.0)
 def coefficient(what: str, value: object) -> float | sp.Expr:
     """A constant coefficient as a float, a formula of `SLIP_SPEED` as an expression; raises BadValue."""
     if isinstance(value, str):
-        value = formulas.parse(value, {_V: formula_symbols.SLIP_SPEED}, what, BadValue)
+        value = formula_text.parse(value, {_V: formula_symbols.SLIP_SPEED}, what, BadValue)
     if real(value) is None and isinstance(value, sp.Expr) and not value.is_number:
         expression = expressions.admissible(value, (formula_symbols.SLIP_SPEED,), what, BadValue)
         if expression.has(formula_symbols.SLIP_SPEED):

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cases import BadValue
-from cases.command_line import Parser, status
 from cases.errors import whole
+from cases.files.command_line import Parser, status
 from cases.version import in_clone
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cases import BadValue, Case, CaseError, Gravity, Mode, Trajectory, Unilateral
 from cases.contact import start_motion
 from cases.errors import describe
-from cases.limits import without_certificate
+from cases.scene.limits import without_certificate
 
 from .solve import simulate
 

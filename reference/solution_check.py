@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from cases import Belt, Case, Mode, Transition
-from cases.piece_case import PieceCase
-from cases.trajectory import CONTACT
+from cases.motion.trajectory import CONTACT
+from cases.scene.piece_case import PieceCase
 
 from . import solver
 from .endings import Ending, law_ending

@@ -16,16 +16,16 @@ import numpy as np
 
 from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
 from cases.contact import belt_speed, pose
-from cases.contact_limits import touches_by_features
-from cases.corner import Corner
-from cases.element import Element
+from cases.curves.corner import Corner
+from cases.curves.element import Element
 from cases.errors import between, unknown_name
-from cases.free_plates import names_of, start_poses
-from cases.limits import Scope, as_sentence, limit
+from cases.motion.sampled_contacts import SampledPlates
+from cases.motion.trajectory import CONTACT
 from cases.moving_frame import in_fixed_frame, relative_case
-from cases.piece_case import PieceCase, has_pieces
-from cases.sampled_contacts import SampledPlates
-from cases.trajectory import CONTACT
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.free_plates import names_of, start_poses
+from cases.scene.limits import Scope, as_sentence, limit
+from cases.scene.piece_case import PieceCase, has_pieces
 
 from . import augmented_integrator, solver
 from .endings import BREAKDOWN, LIFT_OFF, undecidable

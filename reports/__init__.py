@@ -1,3 +1,3 @@
 """Runs cases with solvers and writes tables, figures and a page: `python -m reports.build`."""
 
-import cases.keyboard_interrupt  # noqa: F401
+import cases.files.keyboard_interrupt  # noqa: F401

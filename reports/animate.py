@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cases.command_line import status
+from cases.files.command_line import status
 
 from .drawing.figure_files import file_name
 from .show import case_of, check_free

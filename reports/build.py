@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import cases
 from cases import CaseError, lookup
-from cases.command_line import status
+from cases.files.command_line import status
 
 from . import options
 from .options import BuildPlan

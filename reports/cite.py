@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 
 import cases
-from cases.command_line import status
+from cases.files.command_line import status
 from cases.version import RELEASED
 
 from . import options

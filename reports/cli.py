@@ -15,7 +15,7 @@ from io import StringIO
 
 import cases
 from cases import registry
-from cases.command_line import PROGRAMS
+from cases.files.command_line import PROGRAMS
 
 NAME = "slip-to-roll"
 # Subcommand: the module with its `main`, and its description.

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cases import DoesNotFit, lookup
-from cases.command_line import status
-from cases.user_files import existing
+from cases.files.command_line import status
+from cases.files.user_files import existing
 
 from . import options
 
@@ -69,7 +69,7 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
     from tabulate import tabulate
 
     from adapters.common.motion_file import least_gap
-    from cases.mechanics import energy
+    from cases.motion.mechanics import energy
 
     from .judging import grades
     from .judging.residuals import broken_laws, energy_growth

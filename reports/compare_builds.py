@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cases import BadValue
-from cases.command_line import status
-from cases.user_files import place, text
+from cases.files.command_line import status
+from cases.files.user_files import place, text
 
 from . import options
 from .running.names import legible

@@ -17,9 +17,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
-from cases import BadValue, user_files
-from cases.command_line import status
-from cases.owned_folder import LIST, atomic_path, check_new
+from cases import BadValue
+from cases.files import user_files
+from cases.files.command_line import status
+from cases.files.owned_folder import LIST, atomic_path, check_new
 
 from . import options
 from .page import report_folder

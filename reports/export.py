@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cases.owned_folder import atomic_path, write
+from cases.files.owned_folder import atomic_path, write
 
 from .show import MADE_BY, case_of, check_free, main
 

@@ -20,9 +20,9 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from cases import BadValue
-from cases.command_line import status
 from cases.errors import not_negative, number_in
-from cases.user_files import place, text
+from cases.files.command_line import status
+from cases.files.user_files import place, text
 
 from . import options
 from .running.names import legible

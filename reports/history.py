@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cases import BadValue
-from cases.command_line import status
 from cases.errors import UnknownName
+from cases.files.command_line import status
 
 from . import options
 from .page import report_folder

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 import adapters
 import cases
 from cases import BadValue, lookup
-from cases.command_line import Parser, program
 from cases.errors import boolean, choice, instance, items, not_negative, number_in, whole_in
-from cases.owned_folder import OwnedFolder, TemporaryFolder
-from cases.user_files import place
+from cases.files.command_line import Parser, program
+from cases.files.owned_folder import OwnedFolder, TemporaryFolder
+from cases.files.user_files import place
 
 from .page import report_folder
 from .running import ladder_selection

@@ -23,10 +23,11 @@ from pathlib import Path
 from typing import Any
 
 import cases
-from cases import BadValue, user_files
-from cases.command_line import status
+from cases import BadValue
 from cases.errors import finite
-from cases.owned_folder import digest, write
+from cases.files import user_files
+from cases.files.command_line import status
+from cases.files.owned_folder import digest, write
 
 from . import options
 from .page import report_folder

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import cases
 from cases import BadValue, lookup
-from cases.command_line import status
-from cases.owned_folder import atomic_path, check_new
+from cases.files.command_line import status
+from cases.files.owned_folder import atomic_path, check_new
+from cases.files.user_files import place
 from cases.pictures import MADE_BY
-from cases.user_files import place
 
 from . import options
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cases import BadValue, lookup
-from cases.command_line import status
+from cases.files.command_line import status
 
 from . import options, studies
 from .page import report_folder

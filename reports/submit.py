@@ -12,8 +12,8 @@ from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cases.command_line import status
-from cases.user_files import place
+from cases.files.command_line import status
+from cases.files.user_files import place
 
 from . import options
 

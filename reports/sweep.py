@@ -6,8 +6,8 @@ import sys
 from collections.abc import Sequence
 
 from cases import BadValue, lookup
-from cases.command_line import status
 from cases.errors import finite, number_in, positive, whole_in
+from cases.files.command_line import status
 
 from . import options
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import cases
 import reference
 from cases import Case
-from cases.expression_graph import Node, in_order
+from cases.formulas.expression_graph import Node, in_order
 from cases.moving_frame import relative_case
 from reference.minimal.modes import FLIGHT, candidates, phase_at, start_pieces, start_state
 

@@ -38,7 +38,7 @@ EFFECTS = {
     "pickle_dumps": _replaced("pickle.dumps"),
     "process_time": _replaced("time.process_time"),
     "cases_load": _replaced("cases.load"),
-    "case_mechanics": _replaced("cases.mechanics.energy"),
+    "case_mechanics": _replaced("cases.motion.mechanics.energy"),
     "reference_simulate": _replaced("reference.simulate"),
     "judging_transitions": _replaced("reports.judging.transitions.read_motion"),
     "judging_distances": _replaced("reports.judging.distances.differences"),

@@ -253,7 +253,7 @@ def test_the_way_of_a_case_enters_no_room_twice_but_the_workers():
     assert len(way) == 6 and len(rooms) == len(set(rooms)) == 5
 
 
-# Calls outside `cases/owned_folder.py` that delete or rename files, and why they may.
+# Calls outside `cases/files/owned_folder.py` that delete or rename files, and why they may.
 REMOVALS = {
     (
         "reports/running/processes/worker_process.py",
@@ -289,7 +289,7 @@ def test_only_one_module_deletes_and_renames_files():
         for file in (ROOT / room).rglob("*.py")
         for name in removals(file.read_text())
     }
-    owned = {(file, name) for file, name in found if file == "cases/owned_folder.py"}
+    owned = {(file, name) for file, name in found if file == "cases/files/owned_folder.py"}
     assert {name for _, name in owned} >= {"unlink", "replace"}
     assert found - owned == REMOVALS.keys()
 

@@ -81,7 +81,9 @@ def test_room_has_no_circle(room):
     assert list(TopologicalSorter(graph).static_order())
 
 
-@pytest.mark.parametrize("module", ["cases.geometry", "cases.curves", "cases.expressions", "cases.effects"])
+@pytest.mark.parametrize(
+    "module", ["cases.contact.geometry", "cases.curves", "cases.formulas.expressions", "cases.effects"]
+)
 def test_geometry_and_formulas_know_no_case(module):
     known = reached(module, arrows("cases"))
     names = ("case_class", "start", "contact", "registry", "trajectory")
@@ -123,15 +125,15 @@ def test_what_is_no_adapter_is_listed_and_every_adapter_is_there():
 
 
 def test_the_checks_see_an_arrow_upwards(tmp_path):
-    known = {"cases.case_class": Path(), "cases.geometry": Path()}
+    known = {"cases.scene.case_class": Path(), "cases.contact.geometry": Path()}
     wrong = tmp_path / "geometry.py"
     for text in (
         "from .case_class import Case",
-        "from cases.case_class import Case",
-        "import cases.case_class",
+        "from cases.scene.case_class import Case",
+        "import cases.scene.case_class",
         "from . import case_class",
-        "importlib.import_module('cases.case_class')",
+        "importlib.import_module('cases.scene.case_class')",
         "import_module('.case_class', __name__)",
     ):
         wrong.write_text(f"def late():\n    {text}\n")
-        assert imports("cases.geometry", wrong, known) == {"cases.case_class"}, text
+        assert imports("cases.contact.geometry", wrong, known) == {"cases.scene.case_class"}, text

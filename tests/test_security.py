@@ -12,12 +12,15 @@ import pandas as pd
 import pytest
 
 import cases
+import cases.formulas.expressions
 from adapters.common import motion_table
-from cases import CaseError, Curve, Load, expressions, lookup, trial
-from cases.command_line import status
+from cases import CaseError, Curve, Load, lookup
 from cases.effects import MOTION
 from cases.errors import number_in
-from cases.owned_folder import LIST, digest
+from cases.files import trial
+from cases.files.command_line import status
+from cases.files.owned_folder import LIST, digest
+from cases.formulas import expressions
 from reports import compare_builds, gate, options
 from reports.analysis.columns import Table
 from reports.page import report_folder, text
@@ -311,7 +314,11 @@ def test_an_expression_is_built_from_two_tables_alone():
         "Function",
         "lambdify",
     }:
-        if name not in ("pow",) and name not in cases.expressions.NAMES and name not in [s.name for s in MOTION]:
+        if (
+            name not in ("pow",)
+            and name not in cases.formulas.expressions.NAMES
+            and name not in [s.name for s in MOTION]
+        ):
             refused(Load, name)
             refused(Load, f"{name}(t)")
 

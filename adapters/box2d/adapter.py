@@ -48,11 +48,11 @@ from cases import (
     Unilateral,
 )
 from cases.contact import start_motion
-from cases.contact_limits import touches_by_features
-from cases.contact_pairs import pairs
 from cases.errors import unknown_name
-from cases.free_plates import plates_of, start_poses
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.contact_pairs import pairs
+from cases.scene.free_plates import plates_of, start_poses
 
 from ..common import driven_tracks, facets, half_steps, plates_in_steps, support_contacts
 from ..interface import Refusal, Setting

@@ -11,8 +11,8 @@ import numpy as np
 import pyb2d3
 
 from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, PerfectlyRough, Plate, RollingResistance
-from cases.corner import Edge
-from cases.line_or_circle import Circle, as_circle, as_line
+from cases.curves.corner import Edge
+from cases.curves.line_or_circle import Circle, as_circle, as_line
 
 from ..common import facets
 from ..common.driven_tracks import PrescribedSteps

@@ -12,9 +12,9 @@ from xml.etree import ElementTree as xml
 import numpy as np
 
 from cases import Case, Chain, Plate
-from cases.contact_names import FIRST
-from cases.free_plates import names_of, plates_of, start_poses
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
+from cases.scene.contact_names import FIRST
+from cases.scene.free_plates import names_of, plates_of, start_poses
 
 from ..common.facets import chain_vertices, visible_span
 

@@ -16,9 +16,9 @@ import sympy as sp
 
 from cases import Case, Chain, CoulombFriction, Curve, Effect, NotSupported, Plate
 from cases.contact import start_motion
-from cases.free_plates import POSE, names_of, plates_of, start_poses
-from cases.line_or_circle import as_line
-from cases.polygon_features import circles
+from cases.contact.polygon_features import circles
+from cases.curves.line_or_circle import as_line
+from cases.scene.free_plates import POSE, names_of, plates_of, start_poses
 
 from ..common.facets import ends, visible_span
 from ..common.several_contacts import may_touch_twice

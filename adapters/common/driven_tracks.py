@@ -14,8 +14,8 @@ import numpy as np
 
 from cases import BadValue, Case, Drive, Trajectory
 from cases.contact import track_place
+from cases.motion.trajectory import State
 from cases.moving_frame import in_fixed_frame, relative_case
-from cases.trajectory import State
 
 Place = tuple[float, float, float]
 

@@ -13,10 +13,10 @@ import numpy as np
 
 from cases import Belt, Case, Chain, Curve, Drive, Flight, Load
 from cases.contact import pose, start_motion
-from cases.free_plates import plates_of, start_poses
-from cases.line_or_circle import Circle, Line, as_circle, as_line
-from cases.mechanics import gravity, kinetic_energy
+from cases.curves.line_or_circle import Circle, Line, as_circle, as_line
+from cases.motion.mechanics import gravity, kinetic_energy
 from cases.moving_frame import relative_case
+from cases.scene.free_plates import plates_of, start_poses
 
 
 class Stretch(NamedTuple):

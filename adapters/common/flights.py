@@ -8,7 +8,7 @@ import numpy as np
 
 from cases import Case, Flight, Impact
 from cases.contact import Contact, finder, start_motion
-from cases.nearest import nearest
+from cases.contact.nearest import nearest
 
 LIFT_OFF_REASON = "The contact stopped pushing and the plate left its track."
 LANDING_REASON = "The plate meets its track again, and the case names no Impact."

@@ -19,9 +19,9 @@ import numpy as np
 
 from cases import Case, Cost, CoulombFriction, Drive, Flight, Trajectory
 from cases.contact import Contact, slip_velocity, start_motion
-from cases.contact_limits import touches_by_features
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
 from cases.moving_frame import relative_case
+from cases.scene.contact_limits import touches_by_features
 
 from ..interface import EngineFailure
 from .driven_tracks import in_track_axes, rows_from_track, to_fixed_frame

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from cases import Case, CoulombFriction, Impact, PerfectlyRough
-from cases.free_plates import gap_of, plate_contacts, plates_of, size_of, start_poses
-from cases.start_pose import TOUCHES
+from cases.scene.free_plates import gap_of, plate_contacts, plates_of, size_of, start_poses
+from cases.scene.start_pose import TOUCHES
 
 # The law of engines that solve for the velocities at a step's end.
 MOREAU = "Moreau's (Newton's restitution, and Coulomb's law on the velocity after the impact)"

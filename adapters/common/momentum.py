@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from cases import Case
-from cases.mechanics import gravity, loads
+from cases.motion.mechanics import gravity, loads
 from cases.own_effects import own_effects
 
 # A contact force below this part of the usual one is none, or below some times the force that a motion has where it

@@ -26,10 +26,10 @@ import numpy as np
 
 from cases import BadValue, Case, DoesNotFit, Flight, Impact, StartPose, State, Trajectory, Unilateral
 from cases.contact import Contact, MotionPoint, find, in_track_frame, slip_velocity, start_motion
-from cases.contact_limits import touches_by_features
-from cases.free_plates import POSE, names_of, plates_of
-from cases.mechanics import gravity
-from cases.nearest import nearest
+from cases.contact.nearest import nearest
+from cases.motion.mechanics import gravity
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.free_plates import POSE, names_of, plates_of
 
 from . import momentum, plate_contacts, several_contacts, support_contacts
 from .driven_tracks import by_track

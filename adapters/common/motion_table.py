@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cases import BadValue, user_files
-from cases.contact_names import FIRST
+from cases import BadValue
+from cases.files import user_files
+from cases.scene.contact_names import FIRST
 
 if TYPE_CHECKING:
     import pandas as pd

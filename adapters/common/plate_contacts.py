@@ -14,10 +14,10 @@ import numpy as np
 from scipy.optimize import nnls
 
 from cases import Case, CoulombFriction, PerfectlyRough, Trajectory
-from cases.free_plates import PlateContact, names_of, parameter, plate_contacts, plates_of
-from cases.polygon_features import local_centre, places_in_regions
-from cases.sampled_contacts import SampledContacts, SampledPlates
-from cases.trajectory import ContactColumns
+from cases.contact.polygon_features import local_centre, places_in_regions
+from cases.motion.sampled_contacts import SampledContacts, SampledPlates
+from cases.motion.trajectory import ContactColumns
+from cases.scene.free_plates import PlateContact, names_of, parameter, plate_contacts, plates_of
 
 from . import several_contacts
 from .closed_samples import by_gap, from_first_to_last, ranges, touching

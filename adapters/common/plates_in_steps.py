@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cases import Case, Cost, CoulombFriction, Trajectory
-from cases.free_plates import plate_contacts, plates_of, start_poses
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
+from cases.scene.free_plates import plate_contacts, plates_of, start_poses
 
 from ..interface import EngineFailure
 from .half_steps import rates_at_poses

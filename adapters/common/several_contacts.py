@@ -15,9 +15,9 @@ import numpy as np
 
 from cases import Case, Chain, Trajectory
 from cases.contact import pose, slip_velocity
-from cases.line_or_circle import Circle
-from cases.sampled_contacts import SampledContacts
-from cases.trajectory import CONTACT, ContactColumns
+from cases.curves.line_or_circle import Circle
+from cases.motion.sampled_contacts import SampledContacts
+from cases.motion.trajectory import CONTACT, ContactColumns
 
 from .closed_samples import by_gap
 from .facets import round_plate, visible_span

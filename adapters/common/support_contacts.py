@@ -16,14 +16,14 @@ from scipy.optimize import nnls
 
 from cases import Belt, Case, CoulombFriction, Curve, DoesNotFit, PerfectlyRough, Trajectory
 from cases.contact import belt_speed
-from cases.contact_limits import touches_by_features
-from cases.contact_pairs import PairCase, contact_name, pairs
-from cases.corner import Corner, Edge, turning
-from cases.curve_samples import SampleStretches
-from cases.line_or_circle import as_circle, as_line
-from cases.sampled_contacts import SampledContacts
-from cases.supports import is_straight
-from cases.trajectory import ContactColumns
+from cases.curves.corner import Corner, Edge, turning
+from cases.curves.curve_samples import SampleStretches
+from cases.curves.line_or_circle import as_circle, as_line
+from cases.motion.sampled_contacts import SampledContacts
+from cases.motion.trajectory import ContactColumns
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.contact_pairs import PairCase, contact_name, pairs
+from cases.scene.supports import is_straight
 
 from . import several_contacts
 from .closed_samples import by_gap, from_first_to_last

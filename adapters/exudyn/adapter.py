@@ -50,10 +50,10 @@ from cases import (
     Unilateral,
 )
 from cases.contact import start_motion
-from cases.contact_limits import touches_by_features
 from cases.errors import unknown_name
-from cases.free_plates import plates_of
 from cases.moving_frame import relative_case
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.free_plates import plates_of
 
 from ..common import driven_tracks
 from ..interface import Refusal, Setting

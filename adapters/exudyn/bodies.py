@@ -13,7 +13,7 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Belt, Case, Curve, Gravity, Load, Plate
-from cases.line_or_circle import as_circle, as_line
+from cases.curves.line_or_circle import as_circle, as_line
 
 from . import older_versions
 

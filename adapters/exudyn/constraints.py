@@ -14,7 +14,7 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Flight, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import follow, slip_velocity, start_motion
-from cases.line_or_circle import as_circle, as_line
+from cases.curves.line_or_circle import as_circle, as_line
 
 from ..common.flights import BEYOND
 from ..interface import Refusal, Setting

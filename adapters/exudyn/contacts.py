@@ -16,9 +16,9 @@ import numpy as np
 
 from cases import Belt, Case, Curve, Impact, Load
 from cases.contact import belt_speed, start_motion
-from cases.corner import Corner
-from cases.line_or_circle import as_circle, as_line
-from cases.mechanics import gravity
+from cases.curves.corner import Corner
+from cases.curves.line_or_circle import as_circle, as_line
+from cases.motion.mechanics import gravity
 
 from ..common import facets
 from ..common.flights import BEYOND, Follower

@@ -15,8 +15,8 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Case, Cost, CoulombFriction, Gravity, PerfectlyRough, Trajectory
-from cases.free_plates import PlateContact, gap_of, plate_contacts, plates_of, start_poses
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
+from cases.scene.free_plates import PlateContact, gap_of, plate_contacts, plates_of, start_poses
 
 from ..common import facets
 from ..common.plate_contacts import with_plates

@@ -16,7 +16,7 @@ import exudyn.itemInterface as item
 import numpy as np
 
 from cases import Belt, Case, CoulombFriction, Load, PerfectlyRough, Unilateral
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
 
 from ..common.flights import BEYOND, Follower
 from ..interface import Setting

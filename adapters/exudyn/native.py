@@ -9,8 +9,8 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Gravity, Load, Unilateral
 from cases.contact import start_motion
-from cases.contact_limits import touches_by_features
-from cases.line_or_circle import Circle, Line, as_circle, as_line
+from cases.curves.line_or_circle import Circle, Line, as_circle, as_line
+from cases.scene.contact_limits import touches_by_features
 
 from ..common.facets import round_plate
 from ..interface import Refusal, Setting

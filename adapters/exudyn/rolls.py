@@ -16,9 +16,9 @@ import numpy as np
 import sympy as sp
 
 from cases import Belt, Case, CoulombFriction, Flight, Gravity, Load, Unilateral
-from cases.contact_limits import touches_by_features
+from cases.curves.line_or_circle import Line, as_line
 from cases.derivation import in_one_thread
-from cases.line_or_circle import Line, as_line
+from cases.scene.contact_limits import touches_by_features
 from cases.slip_laws import SLIP_SPEED
 
 from ..interface import Refusal, Setting

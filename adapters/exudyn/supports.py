@@ -10,9 +10,9 @@ import numpy as np
 
 from cases import Case, Gravity, Load, PerfectlyRough, State, Trajectory
 from cases.contact import start_motion
-from cases.contact_pairs import PairCase, pairs
-from cases.corner import Corner
-from cases.line_or_circle import as_circle, as_line
+from cases.curves.corner import Corner
+from cases.curves.line_or_circle import as_circle, as_line
+from cases.scene.contact_pairs import PairCase, pairs
 
 from ..common import support_contacts
 from ..interface import Refusal, Setting

@@ -11,8 +11,8 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Gravity, Load, PerfectlyRough, Unilateral
 from cases.contact import MotionPoint, belt_speed, start_motion
-from cases.line_or_circle import Circle
-from cases.mechanics import gravity as gravity_of
+from cases.curves.line_or_circle import Circle
+from cases.motion.mechanics import gravity as gravity_of
 
 from ..common.facets import round_plate
 from ..interface import Setting

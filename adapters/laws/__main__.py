@@ -8,8 +8,8 @@ from collections import Counter
 from collections.abc import Sequence
 
 from cases import BadValue
-from cases.command_line import Parser, program, status
 from cases.errors import unknown_name
+from cases.files.command_line import Parser, program, status
 
 HELP = """\
 ADAPTER is the name of an adapter (of the suite, or of an installed package in the entry-point group

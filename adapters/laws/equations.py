@@ -22,7 +22,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Load, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import follow, slip_velocity
 from cases.errors import DoesNotFit
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
 
 from .runs import LawRun, Route, ease, hold
 

@@ -14,7 +14,7 @@ from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
 from cases import CaseError
-from cases.owned_folder import TemporaryFolder
+from cases.files.owned_folder import TemporaryFolder
 
 from .. import gate
 from ..interface import ReturnsOnce, returns_once

@@ -16,7 +16,7 @@ import numpy as np
 
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, NotSupported, Start, Trajectory, Unilateral
 from cases.contact import follow, pose, slip_velocity, start_motion
-from cases.mechanics import energy, energy_growth, gravity
+from cases.motion.mechanics import energy, energy_growth, gravity
 
 from .equations import equations_of_motion
 from .runs import LawRun, MissingQuantity, Route, ease, hold

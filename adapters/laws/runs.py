@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from cases import Case, Load, NotSupported, Plate, Trajectory
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
 
 from ..interface import Setting, other_laws, refusal
 from .scenes import Draw, draw

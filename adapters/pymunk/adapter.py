@@ -32,8 +32,8 @@ from cases import (
     Unilateral,
 )
 from cases.contact import start_motion
-from cases.contact_limits import touches_by_features
 from cases.moving_frame import relative_case
+from cases.scene.contact_limits import touches_by_features
 
 from ..common import driven_tracks, facets, half_steps, plates_in_steps, support_contacts
 from ..interface import EngineFailure, Refusal, Setting

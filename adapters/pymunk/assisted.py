@@ -18,7 +18,7 @@ from pymunk import Arbiter, ContactPoint, ContactPointSet, Vec2d
 
 from cases import Belt, Case, CoulombFriction, Load, Unilateral
 from cases.contact import Contact, MotionPoint, start_motion
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
 
 from ..common.flights import BEYOND, Follower
 from ..interface import Setting

@@ -8,10 +8,10 @@ from math import sqrt
 import pymunk
 
 from cases import Case, Impact, Plate
-from cases.free_plates import plates_of, start_poses
-from cases.line_or_circle import as_line
-from cases.mechanics import gravity
-from cases.polygon_features import circles
+from cases.contact.polygon_features import circles
+from cases.curves.line_or_circle import as_line
+from cases.motion.mechanics import gravity
+from cases.scene.free_plates import plates_of, start_poses
 
 from ..common import facets
 from ..interface import Setting

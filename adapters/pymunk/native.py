@@ -28,9 +28,9 @@ import pymunk
 from pymunk import Vec2d
 
 from cases import Belt, Case, Chain, CoulombFriction, Curve, Drive, Impact, NotSupported, PerfectlyRough
+from cases.curves.line_or_circle import Circle, Line, as_circle, as_line
 from cases.effects import Effect, one
-from cases.line_or_circle import Circle, Line, as_circle, as_line
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
 
 from ..common.driven_tracks import PrescribedSteps
 from ..common.facets import (

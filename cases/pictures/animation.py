@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from ..errors import BadValue, choice, positive
-from ..owned_folder import atomic_path
+from ..files.owned_folder import atomic_path
 from . import MADE_BY, drawn_scene, layout
 from .layout import DrawnScene
 from .plots import LABELS, MODE_WORDS, mark_transitions

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..chain import Chain
 from ..curves import Curve
-from ..line_or_circle import as_line
+from ..curves.chain import Chain
+from ..curves.line_or_circle import as_line
 
 # Corners of the polygon that shows a plate: the chords of a circle then deviate from it by 1/1,000 of its radius.
 CORNERS = 73

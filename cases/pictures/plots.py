@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.colors import is_color_like
 from matplotlib.lines import Line2D
 
-from ..chain import Chain
 from ..curves import Curve
+from ..curves.chain import Chain
 from ..errors import BadValue, choice
 from . import drawn_scene
 from .layout import DrawnScene, Instant, free_plates, instants

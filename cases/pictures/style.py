@@ -12,7 +12,7 @@ import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..owned_folder import atomic_path
+from ..files.owned_folder import atomic_path
 
 # Colours of a scene. The plate is slate like the reference's curves, because by default its motion is the reference's.
 # Forces are amber, which is no solver's colour.

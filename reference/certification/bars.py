@@ -16,9 +16,9 @@ import numpy as np
 
 from cases import Case, Chain, Curve
 from cases.contact import velocity
-from cases.contact_limits import touches_by_features
-from cases.corner import turning
-from cases.geometry import piece_at
+from cases.contact.geometry import piece_at
+from cases.curves.corner import turning
+from cases.scene.contact_limits import touches_by_features
 
 from .witnesses import EPS, FINEST, FREE, Witness, components, perturb, quantities
 

@@ -14,7 +14,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from cases import Case, CaseError, Mode, owned_folder
+from cases import Case, CaseError, Mode
+from cases.files import owned_folder
 
 from .bars import Bar
 from .certificate import Certificate, certify

@@ -16,11 +16,11 @@ import numpy as np
 
 from cases import Case, Flight, Mode, NotSupported, Trajectory, Transition
 from cases.contact import start_motion
-from cases.contact_limits import limitation, touches_by_features
-from cases.free_plates import names_of
-from cases.limits import Scope, limit
+from cases.motion.trajectory import CONTACT
 from cases.moving_frame import in_fixed_frame, relative_case
-from cases.trajectory import CONTACT
+from cases.scene.contact_limits import limitation, touches_by_features
+from cases.scene.free_plates import names_of
+from cases.scene.limits import Scope, limit
 
 from .. import solve
 from ..minimal.integrators import taylor

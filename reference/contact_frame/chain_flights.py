@@ -12,10 +12,10 @@ from math import hypot
 import numpy as np
 
 from cases import DoesNotFit
-from cases.corner import Corner
-from cases.overlap import span
-from cases.piece_case import PieceCase, pieces_at
-from cases.piece_contact import Chains, Entry, find_from
+from cases.contact.overlap_search import span
+from cases.contact.piece_contact import Chains, Entry, find_from
+from cases.curves.corner import Corner
+from cases.scene.piece_case import PieceCase, pieces_at
 
 from .equations import ContactScene
 from .flight import FlightCourse

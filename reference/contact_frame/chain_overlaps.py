@@ -9,11 +9,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cases import Case, Chain, DoesNotFit
-from cases.corner import Corner
-from cases.element import Element
-from cases.overlap import span
-from cases.piece_case import PieceCase
-from cases.piece_contact import Chains, Entry, entry_time, excludes_second, piece_gap
+from cases.contact.overlap_search import span
+from cases.contact.piece_contact import Chains, Entry, entry_time, excludes_second, piece_gap
+from cases.curves.corner import Corner
+from cases.curves.element import Element
+from cases.scene.piece_case import PieceCase
 
 from .sampling import bodies_in_contact
 

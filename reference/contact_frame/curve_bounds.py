@@ -1,7 +1,7 @@
 """Bounds on the curvature and speed of a curve between two parameters, for the second formulation.
 
-A few samples bound a function only within one piece that resolves it (`cases.features`). Over a longer range the bounds
-are those of all its pieces: ripples finer than the samples would be missed.
+A few samples bound a function only within one piece that resolves it (`cases.formulas.features`). Over a longer range
+the bounds are those of all its pieces: ripples finer than the samples would be missed.
 """
 
 from __future__ import annotations

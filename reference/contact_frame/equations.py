@@ -20,9 +20,9 @@ import numpy as np
 
 from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, PerfectlyRough, RollingResistance, Unilateral
 from cases.contact import pose
-from cases.corner import Corner
+from cases.curves.corner import Corner
 from cases.own_effects import own_effects
-from cases.piece_case import PieceCase
+from cases.scene.piece_case import PieceCase
 
 from .drive import DriveLoad
 from .loads import load_scales, slip_scales

@@ -7,7 +7,7 @@ from math import hypot, inf, sqrt
 import numpy as np
 
 from cases import Flight, Impact, Mode, Transition
-from cases.piece_case import corners_meet, has_pieces, lies_flat
+from cases.scene.piece_case import corners_meet, has_pieces, lies_flat
 
 from . import bouncing, chain_flights, flight, impact, short_flights
 from .bouncing import Bounce

@@ -14,11 +14,12 @@ from math import exp, inf, log
 
 import numpy as np
 
-from cases import CoulombFriction, Load, formula_symbols
-from cases import late_sympy as sp
+from cases import CoulombFriction, Load
 from cases.derivation import in_one_thread
 from cases.effects import checked_quantities
-from cases.expression_code import ON_ARRAYS, function_of
+from cases.formulas import formula_symbols
+from cases.formulas import late_sympy as sp
+from cases.formulas.expression_code import ON_ARRAYS, function_of
 
 # A step changes an argument by at most this part of the function's length: `dips` supposes short steps.
 QUARTER = 0.25

@@ -9,7 +9,7 @@ import numpy as np
 
 from cases import Case, Drive, Transition
 from cases.contact import pose
-from cases.piece_case import PieceCase
+from cases.scene.piece_case import PieceCase
 
 from .bouncing import Bounce
 from .coulomb_law import decide

@@ -8,7 +8,7 @@ import numpy as np
 
 from cases import Case
 from cases.contact import belt_speed, pose
-from cases.piece_case import PieceCase
+from cases.scene.piece_case import PieceCase
 
 
 def bodies_in_contact(case: Case, times: np.ndarray, z: np.ndarray, turns: int) -> np.ndarray:

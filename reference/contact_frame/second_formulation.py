@@ -18,9 +18,9 @@ from scipy.integrate import solve_ivp
 
 from cases import Case, CaseError, Mode, Transition
 from cases.contact import clearance, start_motion
-from cases.corner import Corner
+from cases.curves.corner import Corner
 from cases.own_effects import ContactEffect
-from cases.piece_case import PieceCase, corner_on_corner, has_pieces, is_concave, neighbour, pieces_at
+from cases.scene.piece_case import PieceCase, corner_on_corner, has_pieces, is_concave, neighbour, pieces_at
 
 from ..time_limit import check_time
 from . import flight_guards

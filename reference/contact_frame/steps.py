@@ -1,7 +1,7 @@
 """Steps of the second formulation: limited by the motion's time scale, and never past a feature.
 
-A step that passes a feature of track, outline or load (`cases.features`) is repeated with half its length, as often as
-necessary: slow and simple on purpose.
+A step that passes a feature of track, outline or load (`cases.formulas.features`) is repeated with half its length, as
+often as necessary: slow and simple on purpose.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from math import inf, pi
 import numpy as np
 from scipy.integrate import DOP853
 
-from cases.features import Features
+from cases.formulas.features import Features
 
 from .dips import PhaseDips
 

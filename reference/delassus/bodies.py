@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case
-from cases.corner import Corner
+from cases.curves.corner import Corner
 
 from .contacts import PlateDynamics, friction_of
 

@@ -10,10 +10,10 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Case, Curve, Impact, Mode, NotSupported, Plate, Start, Transition
-from cases.free_plates import PlateContact, parameter, plate_contacts, plates_of, start_poses
+from cases.contact.polygon_features import size_of_plate
 from cases.library import hill
-from cases.limits import without_certificate
-from cases.polygon_features import size_of_plate
+from cases.scene.free_plates import PlateContact, parameter, plate_contacts, plates_of, start_poses
+from cases.scene.limits import without_certificate
 
 from .bodies import FIXED, ContactOfBodies, _frame
 from .contacts import PairState, PlateDynamics, pair_at

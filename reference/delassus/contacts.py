@@ -11,7 +11,7 @@ import numpy as np
 
 from cases import Belt, Case, CoulombFriction, DoesNotFit, Gravity, Load, PerfectlyRough, RollingResistance
 from cases.contact import find
-from cases.contact_pairs import PairCase
+from cases.scene.contact_pairs import PairCase
 
 from ..contact_frame.drive import DriveLoad
 

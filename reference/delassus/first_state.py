@@ -9,9 +9,9 @@ import numpy as np
 
 from cases import Case, Mode, Transition
 from cases.contact import start_motion
-from cases.contact_limits import has_features
-from cases.contact_pairs import WatchedPair, pairs, pairs_in_pose
-from cases.trajectory import CONTACT
+from cases.motion.trajectory import CONTACT
+from cases.scene.contact_limits import has_features
+from cases.scene.contact_pairs import WatchedPair, pairs, pairs_in_pose
 
 from ..contact_frame.drive import in_fixed_frame
 from .contacts import all_pairs, friction_of, is_watched_always, on_surface, pair_at

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from cases import Case, DoesNotFit
-from cases.contact_pairs import PairCase, pairs
-from cases.overlap import first_overlap
+from cases.contact.overlap_search import first_overlap
+from cases.scene.contact_pairs import PairCase, pairs
 
 from ..contact_frame.dips import Dips
 from .contacts import all_pairs, is_watched_always, pair_at

@@ -8,7 +8,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Mode
-from cases.contact_pairs import PairCase
+from cases.scene.contact_pairs import PairCase
 
 from .complementarity import least_rate, solutions
 from .contacts import (

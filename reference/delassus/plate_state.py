@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from cases import Belt, Case, Drive, Mode
-from cases.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
+from cases.scene.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
 
 from ..contact_frame.drive import case_at_rest, in_track_frame, load_of_drive
 from .contacts import PairState, PlateDynamics, on_surface, open_pair_at, pair_at

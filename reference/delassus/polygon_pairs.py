@@ -14,12 +14,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases import Curve, Plate
-from cases.chain import Chain
-from cases.corner import Corner, Edge
-from cases.element import Element
-from cases.free_plates import PlateContact, parameter
+from cases.contact.polygon_features import is_polygon
+from cases.curves.chain import Chain
+from cases.curves.corner import Corner, Edge
+from cases.curves.element import Element
 from cases.library import hill
-from cases.polygon_features import is_polygon
+from cases.scene.free_plates import PlateContact, parameter
 
 from .bodies import ContactOfBodies, _frame
 from .contacts import PairState, pair_at

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Transition
-from cases.instants import one_per_instant
+from cases.motion.instants import one_per_instant
 
 # Impacts that close with less than this part of the largest closing speed are small: they are listed only if they do
 # not come to an end (the definition in `cases.Transition`).

@@ -8,10 +8,10 @@ from functools import lru_cache
 from typing import ClassVar
 
 from cases import Case, Gravity, Load
-from cases import late_sympy as sp
 from cases.derivation import derived
 from cases.effects import checked_quantities
-from cases.expression_graph import ZERO, Node, symbol
+from cases.formulas import late_sympy as sp
+from cases.formulas.expression_graph import ZERO, Node, symbol
 
 from .lifted_formulas import LiftedFormulas, constant_values, effect_of, lift
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from cases import Belt, Case, formula_symbols
-from cases import late_sympy as sp
-from cases.expression_graph import ZERO, Node
+from cases import Belt, Case
+from cases.formulas import formula_symbols
+from cases.formulas import late_sympy as sp
+from cases.formulas.expression_graph import ZERO, Node
 
 from .lifted_formulas import LiftedFormulas, NumberedLaw, constant_values, effect_of, lift
 

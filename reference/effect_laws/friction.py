@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any, ClassVar
 
-from cases import Case, CoulombFriction, Mode, PerfectlyRough, formula_symbols
+from cases import Case, CoulombFriction, Mode, PerfectlyRough
 from cases.effects import checked_quantities
-from cases.expression_graph import ONE, ZERO, Node, from_sympy, symbol
-from cases.features import singular_arguments
+from cases.formulas import formula_symbols
+from cases.formulas.expression_graph import ONE, ZERO, Node, from_sympy, symbol
+from cases.formulas.features import singular_arguments
 
 from .lifted_formulas import Conditions, LiftedFormulas, NumberedLaw, constant_values, effect_of, lift
 

@@ -8,10 +8,10 @@ from functools import lru_cache
 from typing import NamedTuple, TypeVar
 
 from cases import Case
-from cases import late_sympy as sp
 from cases.derivation import in_one_thread
-from cases.expression_graph import Node, from_sympy, symbol
-from cases.expressions import constants, lift_constants
+from cases.formulas import late_sympy as sp
+from cases.formulas.expression_graph import Node, from_sympy, symbol
+from cases.formulas.expressions import constants, lift_constants
 
 Conditions = dict[str, Node]
 

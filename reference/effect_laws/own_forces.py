@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from cases import Case, formula_symbols
-from cases.expression_graph import Node
+from cases import Case
+from cases.formulas import formula_symbols
+from cases.formulas.expression_graph import Node
 from cases.own_effects import own_effects
 
 from .lifted_formulas import Conditions, LiftedFormulas, constant_values, lift

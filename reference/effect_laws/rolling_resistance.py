@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from cases import Case, RollingResistance
-from cases.expression_graph import ONE, ZERO, Node, symbol
+from cases.formulas.expression_graph import ONE, ZERO, Node, symbol
 
 from .lifted_formulas import Conditions, NumberedLaw, effect_of
 

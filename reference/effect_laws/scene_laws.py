@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from cases import Belt, Case, Load, Unilateral
-from cases.expression_graph import ONE, ZERO, Node, symbol
-from cases.formula_symbols import NAMES
+from cases.formulas.expression_graph import ONE, ZERO, Node, symbol
+from cases.formulas.formula_symbols import NAMES
 
 from .applied_forces import AppliedLoad, Weight, applied_forces
 from .belt import FixedSurface, surface_of

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases import Case, Chain, Gravity, Impact, Transition, Unilateral
-from cases.free_plates import loads_of, names_of, plates_of
-from cases.overlap import span
-from cases.piece_contact import excludes_second
-from cases.supports import TRACK
-from cases.trajectory import CONTACT
+from cases.contact.overlap_search import span
+from cases.contact.piece_contact import excludes_second
+from cases.motion.trajectory import CONTACT
+from cases.scene.free_plates import loads_of, names_of, plates_of
+from cases.scene.supports import TRACK
 
 from ..curvature_proof import fits
 from ..scales import force_scale, load_acceleration, speed_scale

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cases import BadValue, Case, Trajectory
-from cases.free_plates import plates_of
 from cases.moving_frame import in_track_frame, relative_case
+from cases.scene.free_plates import plates_of
 
 from ..endings import CAUSES
 from . import laws, penetration

@@ -9,12 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, Gravity, Impact, Load, Mode, Transition, Unilateral, formula_symbols
-from cases.expression_code import ON_ARRAYS, function_of
-from cases.free_plates import loads_of, names_of, plates_of
+from cases import Case, Gravity, Impact, Load, Mode, Transition, Unilateral
+from cases.formulas import formula_symbols
+from cases.formulas.expression_code import ON_ARRAYS, function_of
+from cases.motion.trajectory import CONTACT
 from cases.own_effects import ContactEffect, own_effects
-from cases.supports import has_belt
-from cases.trajectory import CONTACT
+from cases.scene.free_plates import loads_of, names_of, plates_of
+from cases.scene.supports import has_belt
 
 from ..endings import CAUSES
 from ..scales import force_scale, speed_scale

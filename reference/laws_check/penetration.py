@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases import Case, Chain, Curve, Plate
-from cases.free_plates import names_of, plates_of
-from cases.line_or_circle import as_line
-from cases.overlap import deepest_overlap, first_overlap
-from cases.supports import TRACK
+from cases.contact.overlap_search import deepest_overlap, first_overlap
+from cases.curves.line_or_circle import as_line
+from cases.scene.free_plates import names_of, plates_of
+from cases.scene.supports import TRACK
 
 from .samples import PlateSamples
 

@@ -25,12 +25,12 @@ from cases import (
     Trajectory,
     Transition,
 )
-from cases.corner import Piece
+from cases.curves.corner import Piece
 from cases.effects import Effect, one
-from cases.free_plates import names_of, plates_of
+from cases.motion.trajectory import CONTACT
 from cases.moving_surface import Belt
-from cases.supports import TRACK, base_of, effects_at
-from cases.trajectory import CONTACT
+from cases.scene.free_plates import names_of, plates_of
+from cases.scene.supports import TRACK, base_of, effects_at
 
 from ..endings import CAUSES
 

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Curve, Plate
-from cases.corner import Corner, Piece
+from cases.curves.corner import Corner, Piece
+from cases.curves.pieces import CurvePart
 from cases.derivation import in_one_thread
-from cases.expression_graph import ZERO, Node, in_order, sqrt, substitute, symbol
-from cases.formula_symbols import NAMES
-from cases.pieces import CurvePart
+from cases.formulas.expression_graph import ZERO, Node, in_order, sqrt, substitute, symbol
+from cases.formulas.formula_symbols import NAMES
 
 from ..effect_laws import Laws, laws
 from ..effect_laws.applied_forces import MASS

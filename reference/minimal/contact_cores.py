@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from cases import Case
-from cases.corner import Corner, Piece
+from cases.curves.corner import Corner, Piece
 
 from .boxes import STRAIGHT, Cores
 from .curve_pieces import BEND_HIGH, BEND_LOW, TURN, piece_bounds

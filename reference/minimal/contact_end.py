@@ -8,7 +8,7 @@ import numpy as np
 
 from cases import Case, Flight, Impact
 from cases.contact import clearance
-from cases.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
+from cases.scene.piece_case import PieceCase, corner_on_corner, is_concave, neighbour
 
 from ..effect_laws import laws
 from ..effect_laws.own_forces import OWN_END, own_ending, own_force_values

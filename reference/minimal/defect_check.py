@@ -1,9 +1,9 @@
 """Checks of a finished step: the part of it that may be accepted.
 
 An integrator computes a step from derivatives at its start, and these do not show a bump ahead (of a curve or a load).
-The features of curves, and of loads in time, are known (`cases.features`): a step ends where a finer piece begins. A
-load in place or velocity is sampled along the step itself (`load_check`). A step is also halved if its dense output, in
-which events are searched, does not satisfy the equations.
+The features of curves, and of loads in time, are known (`cases.formulas.features`): a step ends where a finer piece
+begins. A load in place or velocity is sampled along the step itself (`load_check`). A step is also halved if its dense
+output, in which events are searched, does not satisfy the equations.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
-from cases.features import Features
+from cases.formulas.features import Features
 
 from .load_check import Course, resolved_part
 from .modes import Phase

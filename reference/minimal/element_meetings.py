@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Curve
-from cases.corner import Corner
-from cases.element import Element
-from cases.geometry import angle_on
+from cases.contact.geometry import angle_on
+from cases.curves.corner import Corner
+from cases.curves.element import Element
 
 from .boxes import Cores, Geometry
 from .curve_pieces import Pieces, ReversedPieces

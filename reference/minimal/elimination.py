@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from cases.expression_graph import ONE, ZERO, Node, substitute, symbol
+from cases.formulas.expression_graph import ONE, ZERO, Node, substitute, symbol
 
 from ..effect_laws.belt import Surface
 from .frames import Frame

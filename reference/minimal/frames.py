@@ -7,9 +7,9 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import NamedTuple
 
+from cases.curves.jets import S as _S
 from cases.derivation import in_one_thread
-from cases.expression_graph import ZERO, Node, call, derivatives, from_sympy, node, sqrt, substitute, symbol
-from cases.jets import S as _S
+from cases.formulas.expression_graph import ZERO, Node, call, derivatives, from_sympy, node, sqrt, substitute, symbol
 
 from .tangent_algebra import TooLong, from_node, operations
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from cases import Case
 from cases.contact import Contact, belt_speed, pose
-from cases.overlap import span
+from cases.contact.overlap_search import span
 
 from ..curvature_proof import Room, room
 from ..effect_laws import laws

@@ -16,12 +16,12 @@ from typing import NamedTuple
 
 from cases import Belt, Case, Curve, Load, Mode, Plate, Start
 from cases.contact import belt_speed, pose, start_motion, velocity
-from cases.corner import Corner
-from cases.features import Features
-from cases.geometry import MotionPoint
-from cases.geometry import velocity as velocity_on
-from cases.piece_case import PieceCase, has_pieces, neighbour, pieces_at
-from cases.pieces import CurvePart
+from cases.contact.geometry import MotionPoint
+from cases.contact.geometry import velocity as velocity_on
+from cases.curves.corner import Corner
+from cases.curves.pieces import CurvePart
+from cases.formulas.features import Features
+from cases.scene.piece_case import PieceCase, has_pieces, neighbour, pieces_at
 
 from ..effect_laws import Laws, laws
 from ..effect_laws.friction import SLIP_SIGN, STICKING

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases.piece_case import PieceCase
+from cases.scene.piece_case import PieceCase
 
 from ..endings import COMPLETION, Ending
 from .integrators.segment import Segment

@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from cases.expression_graph import Node, call
-from cases.expression_graph import sqrt as sqrt_of_node
+from cases.formulas.expression_graph import Node, call
+from cases.formulas.expression_graph import sqrt as sqrt_of_node
 
 from ..scales import EPS as EPS  # the equations' modules read it here
 

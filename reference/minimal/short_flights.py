@@ -18,7 +18,7 @@ from .gap import Look, Looks, state
 from .integrators.segment import Segment
 
 # Until the first look the plate moves by this part of its size, at most, and the pair by this part of a piece in which
-# the curves are polynomials of some degree (`cases.features`).
+# the curves are polynomials of some degree (`cases.formulas.features`).
 CLOSE, PIECE = 1 / 16, 1 / 4
 # The first look of a flight from the track is one step after its start, then a quarter of it and so on, until the gap
 # grows. Below this part of the step positions do not resolve the gap: there is no flight.

@@ -11,8 +11,8 @@ from itertools import islice
 from typing import NamedTuple
 
 from cases.derivation import derived
-from cases.expression_code import ON_ARRAYS, ON_FLOATS, python_function
-from cases.expression_graph import ARITHMETIC, ZERO, Node, in_order, node, symbol
+from cases.formulas.expression_code import ON_ARRAYS, ON_FLOATS, python_function
+from cases.formulas.expression_graph import ARITHMETIC, ZERO, Node, in_order, node, symbol
 
 from . import series
 from .elimination import Elimination, T

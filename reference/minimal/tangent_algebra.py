@@ -11,7 +11,7 @@ from collections.abc import Container, Iterable, Mapping
 from fractions import Fraction
 from math import isqrt
 
-from cases.expression_graph import ONE, ZERO, Node, call, derivatives, in_order, node
+from cases.formulas.expression_graph import ONE, ZERO, Node, call, derivatives, in_order, node
 
 # A sum of more products is not multiplied out: those of lines, circles and ellipses have up to six.
 MOST_PRODUCTS = 16

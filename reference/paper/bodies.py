@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Mode
-from cases.corner import Corner
+from cases.curves.corner import Corner
 from cases.moving_surface import TrackPlace
 
 from .augmented import (

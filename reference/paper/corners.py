@@ -21,8 +21,8 @@ import numpy as np
 
 from cases import Mode
 from cases.contact import belt_speed, pose
-from cases.corner import Corner, turning
-from cases.piece_case import PieceCase
+from cases.curves.corner import Corner, turning
+from cases.scene.piece_case import PieceCase
 
 from .augmented import (
     WITHOUT_SLIP,

@@ -13,8 +13,9 @@ from pathlib import Path
 from types import MappingProxyType
 
 import cases
-from cases import Case, NotSupported, owned_folder
-from cases.command_line import status
+from cases import Case, NotSupported
+from cases.files import owned_folder
+from cases.files.command_line import status
 
 from .record import Proof
 

@@ -8,8 +8,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from cases import BadValue, NotSupported, lookup, owned_folder
-from cases.command_line import PROGRAMS, Parser, program, status
+from cases import BadValue, NotSupported, lookup
+from cases.files import owned_folder
+from cases.files.command_line import PROGRAMS, Parser, program, status
 
 # As the module of the console command's subcommand.
 COMMAND = "reference.proofs.command"

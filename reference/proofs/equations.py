@@ -38,7 +38,7 @@ from flint import arb, arb_series, fmpq
 
 from cases import Mode
 from cases.effects import MOTION
-from cases.expressions import PARAMETER
+from cases.formulas.expressions import PARAMETER
 
 from .formulas import Formula, as_series, constant
 from .scene import Pair, Scene

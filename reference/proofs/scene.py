@@ -32,7 +32,7 @@ from cases import (
     Unilateral,
 )
 from cases.effects import MOTION
-from cases.expressions import PARAMETER
+from cases.formulas.expressions import PARAMETER
 
 Pair = tuple[sp.Expr, sp.Expr]
 # The largest denominator of an inertia's share of m r², and the roundings that lie between it and the double.

@@ -22,7 +22,7 @@ import sympy as sp
 from flint import arb, arb_series, ctx
 
 from cases import Curve
-from cases.expressions import PARAMETER
+from cases.formulas.expressions import PARAMETER
 
 from .equations import CurveSeries, number
 from .formulas import Formula

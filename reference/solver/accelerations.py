@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Mode, formula_symbols
-from cases.free_plates import loads_of
+from cases import Case, Mode
+from cases.formulas import formula_symbols
+from cases.scene.free_plates import loads_of
 
 from ..effect_laws.friction import SLIP_SIGN, STICKING
 from ..effect_laws.own_forces import changes_in_time, own_force_values

@@ -9,9 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from cases import Case, Mode, State, Transition
-from cases.couples import couples
-from cases.free_plates import names_of
-from cases.trajectory import CONTACT, ContactColumns
+from cases.motion.trajectory import CONTACT, ContactColumns
+from cases.scene.couples import couples
+from cases.scene.free_plates import names_of
 
 from ..effect_laws.friction import STICKING
 from ..minimal.integrators.segment import Segment, blocks

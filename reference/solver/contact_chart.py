@@ -13,10 +13,10 @@ import numpy as np
 
 from cases import Case, Mode, Transition
 from cases.contact import pose, start_motion
-from cases.couples import couples
-from cases.overlap import span
-from cases.piece_case import PieceCase, _piece_case, lies_flat
-from cases.piece_contact import excludes_second
+from cases.contact.overlap_search import span
+from cases.contact.piece_contact import excludes_second
+from cases.scene.couples import couples
+from cases.scene.piece_case import PieceCase, _piece_case, lies_flat
 
 from ..curvature_proof import fits
 from ..endings import CAUSES, FLAT, OFF, Ending, second_place

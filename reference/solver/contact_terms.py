@@ -10,7 +10,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Any, NamedTuple
 
-from cases.expression_graph import ONE, ZERO, Node, call, node, sqrt, symbol
+from cases.formulas.expression_graph import ONE, ZERO, Node, call, node, sqrt, symbol
 
 from ..effect_laws.belt import FixedSurface
 from ..effect_laws.friction import Frictionless

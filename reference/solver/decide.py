@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Mode
-from cases.corner import Corner
+from cases.curves.corner import Corner
 
 from ..effect_laws.friction import STICKING
 from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of

@@ -19,7 +19,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from cases import Transition
-from cases.instants import one_per_instant
+from cases.motion.instants import one_per_instant
 
 from ..minimal.bouncing import APART, LISTING_PART, MOST, extrapolate
 

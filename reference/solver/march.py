@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from cases import Case, DoesNotFit, Transition
-from cases.contact_limits import is_general_case, touches_by_features
-from cases.piece_case import has_pieces
-from cases.trajectory import CONTACT
+from cases.motion.trajectory import CONTACT
+from cases.scene.contact_limits import is_general_case, touches_by_features
+from cases.scene.piece_case import has_pieces
 
 from ..endings import (
     ACCUMULATION,

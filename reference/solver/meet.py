@@ -14,11 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, DoesNotFit
-from cases.corner import Corner
-from cases.couples import Couple, couples
-from cases.element import Element
-from cases.geometry import find
-from cases.piece_case import PieceCase, _piece_case, neighbour
+from cases.contact.geometry import find
+from cases.curves.corner import Corner
+from cases.curves.element import Element
+from cases.scene.couples import Couple, couples
+from cases.scene.piece_case import PieceCase, _piece_case, neighbour
 
 from ..minimal.boxes import Cores
 from ..minimal.element_meetings import ElementSearch, fine

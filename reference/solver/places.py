@@ -16,12 +16,12 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, Mode, geometry
-from cases.contact import belt_speed, start_motion
-from cases.corner import Corner, Piece
-from cases.couples import Couple
-from cases.free_plates import start_poses
-from cases.piece_case import PieceCase
+from cases import Case, Mode
+from cases.contact import belt_speed, geometry, start_motion
+from cases.curves.corner import Corner, Piece
+from cases.scene.couples import Couple
+from cases.scene.free_plates import start_poses
+from cases.scene.piece_case import PieceCase
 
 from ..effect_laws import Laws, laws
 from ..effect_laws.restitution import restitution

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case
-from cases.free_plates import loads_of, plates_of
+from cases.scene.free_plates import loads_of, plates_of
 
 from ..effect_laws.applied_forces import weight
 from ..effect_laws.own_forces import own_force_values

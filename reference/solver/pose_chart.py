@@ -10,9 +10,9 @@ import numpy as np
 
 from cases import Belt, Case, Mode, Transition
 from cases.contact import belt_speed, clearance
-from cases.contact_limits import has_features
-from cases.free_plates import plates_of
-from cases.piece_case import LEVEL, PieceCase, corner_on_corner, corners_meet, is_concave, neighbour
+from cases.scene.contact_limits import has_features
+from cases.scene.free_plates import plates_of
+from cases.scene.piece_case import LEVEL, PieceCase, corner_on_corner, corners_meet, is_concave, neighbour
 
 from ..effect_laws.friction import STICKING
 from ..endings import (
@@ -43,7 +43,7 @@ from .touching import touching_contacts
 from .watched_plates import Watch
 
 # A plate that came to lie flat touches with all contacts within this part of its size: a side counts as flat within a
-# turn of 1e-11 (`cases.piece_case.LEVEL`).
+# turn of 1e-11 (`cases.scene.piece_case.LEVEL`).
 MEETS = 1e-11
 # Guards of a rotation of plates against each other, which belong to all their contacts.
 OF_ROTATION = ("turn", "couple_forward", "couple_backward")

@@ -9,10 +9,10 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from cases import Case, Curve, Mode
-from cases.corner import Corner, Piece
-from cases.couples import couples
-from cases.free_plates import loads_of, plates_of
-from cases.piece_case import PieceCase, _piece_case, neighbour
+from cases.curves.corner import Corner, Piece
+from cases.scene.couples import couples
+from cases.scene.free_plates import loads_of, plates_of
+from cases.scene.piece_case import PieceCase, _piece_case, neighbour
 
 from ..effect_laws import laws
 from ..effect_laws.applied_forces import applied_load

@@ -8,7 +8,7 @@ from math import inf
 import numpy as np
 
 from cases import Case
-from cases.free_plates import loads_of
+from cases.scene.free_plates import loads_of
 
 from ..minimal.integrators.segment import Segment
 from ..scales import EPS

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cases.piece_case import PieceCase
+from cases.scene.piece_case import PieceCase
 
 from ..minimal.boxes import Cores
 from ..minimal.contact_cores import cores

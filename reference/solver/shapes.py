@@ -15,9 +15,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from cases import Curve
-from cases.corner import Corner, Piece
-from cases.line_or_circle import as_circle, as_line
-from cases.piece_case import PieceCase
+from cases.curves.corner import Corner, Piece
+from cases.curves.line_or_circle import as_circle, as_line
+from cases.scene.piece_case import PieceCase
 
 from ..minimal.windows import Windows, derivative, windows
 from ..scales import TOUCHES

@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from cases.derivation import in_one_thread
-from cases.expression_graph import ONE, ZERO, Node, node, substitute, symbol
+from cases.formulas.expression_graph import ONE, ZERO, Node, node, substitute, symbol
 
 from ..effect_laws import Laws
 from ..effect_laws.applied_forces import MASS, AppliedLoad

@@ -9,14 +9,14 @@ from typing import cast
 import numpy as np
 
 from cases import Case, Chain, Curve, DoesNotFit
-from cases.corner import Corner, Piece
-from cases.couples import Couple, couples
-from cases.element import Element
-from cases.geometry import bends, find
-from cases.nearest import nearest_samples
-from cases.overlap import OVERLAPS
-from cases.piece_case import PieceCase, _piece_case
-from cases.supports import is_straight
+from cases.contact.geometry import bends, find
+from cases.contact.nearest import nearest_samples
+from cases.contact.overlap_search import OVERLAPS
+from cases.curves.corner import Corner, Piece
+from cases.curves.element import Element
+from cases.scene.couples import Couple, couples
+from cases.scene.piece_case import PieceCase, _piece_case
+from cases.scene.supports import is_straight
 
 from ..curvature_proof import curvatures
 from ..scales import TOUCHES

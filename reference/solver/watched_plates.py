@@ -9,10 +9,10 @@ from math import inf, prod
 import numpy as np
 
 from cases import Case, Mode
-from cases.chain import Chain
-from cases.corner import Corner
-from cases.piece_case import PieceCase
-from cases.supports import TRACK
+from cases.curves.chain import Chain
+from cases.curves.corner import Corner
+from cases.scene.piece_case import PieceCase
+from cases.scene.supports import TRACK
 
 from ..effect_laws.restitution import creates_energy, impact_law
 from ..endings import (

@@ -1,6 +1,7 @@
 """The geometry of many contacts at once: curves of one structure, with different sizes in each scenario.
 
-The formulas are those of `cases.geometry`, which has them for one pair of curves; here all arrays have shape (n,).
+The formulas are those of `cases.contact.geometry`, which has them for one pair of curves; here all arrays have shape
+(n,).
 """
 
 from __future__ import annotations
@@ -43,7 +44,8 @@ def slip_and_spin(track: CurvePoints, outline: CurvePoints, u1, u2) -> tuple[np.
 
 
 def energy(track: CurvePoints, outline: CurvePoints, slip, omega, pull: tuple, mass, inertia) -> np.ndarray:
-    """Kinetic energy and potential of gravity `pull` (m/s², by component), J, as `cases.mechanics.energy` counts it."""
+    """Kinetic energy and potential of gravity `pull` (m/s², by component), J, as `cases.motion.mechanics.energy` counts
+    it."""
     # The tangents agree (6), so that their angle is the plate's; the centre lies off the contact by (5).
     c, s = track.tx * outline.tx + track.ty * outline.ty, track.ty * outline.tx - track.tx * outline.ty
     rx, ry = c * outline.x - s * outline.y, s * outline.x + c * outline.y
@@ -55,7 +57,7 @@ def energy(track: CurvePoints, outline: CurvePoints, slip, omega, pull: tuple, m
 def level_parameters(track: Curve, outline: Curve, xi1: np.ndarray) -> np.ndarray:
     """The outline's parameters at which θ = 0 for contacts at `xi1`, NaN where there is none or more than one.
 
-    `cases.geometry.level_parameter` for many places of one track: Newton's method from a table.
+    `cases.contact.geometry.level_parameter` for many places of one track: Newton's method from a table.
     """
     low, high = outline.span
     grid = np.linspace(low, high, 721)

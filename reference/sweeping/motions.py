@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Mode, Transition
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
 
 from ..endings import BROKEN_LAW
 from ..solve import best_method, initial_value_problem

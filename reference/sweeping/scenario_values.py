@@ -30,11 +30,11 @@ from cases import (
     RollingResistance,
 )
 from cases.contact import start_motion
-from cases.expressions import constants
-from cases.overlap import deepest_overlap, first_overlap, span
+from cases.contact.overlap_search import deepest_overlap, first_overlap, span
+from cases.formulas.expressions import constants
 from cases.own_effects import own_effects
-from cases.piece_case import has_pieces
-from cases.supports import has_slip_law
+from cases.scene.piece_case import has_pieces
+from cases.scene.supports import has_slip_law
 
 from ..curvature_proof import fits
 from ..effect_laws import laws

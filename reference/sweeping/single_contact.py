@@ -11,14 +11,15 @@ from functools import lru_cache
 import numpy as np
 
 from cases import Case, Curve, Gravity, Load
-from cases.geometry import pose
-from cases.overlap import first_overlap
+from cases.contact.geometry import pose
+from cases.contact.overlap_search import first_overlap
 
 from ..curvature_proof import fits
 from .geometry import energy, places
 from .scenario_values import ScenarioGroup
 
-# Places along a track at which a disc is tested: a hundredth of the usual track, as `cases.overlap` samples it.
+# Places along a track at which a disc is tested: a hundredth of the usual track, as `cases.contact.overlap_search`
+# samples it.
 TRACK_SAMPLES = 2000
 
 

@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from cases import Case, Drive, Mode, Trajectory, mechanics
+from cases import Case, Drive, Mode, Trajectory
 from cases.contact import track_place
+from cases.motion import mechanics
 from cases.own_effects import own_effects
 
 from . import doubts

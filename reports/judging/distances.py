@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cases import Case, State, Trajectory
-from cases.mechanics import energy, kinetic_energy
-from cases.sampled_contacts import SampledPlates
+from cases.motion.mechanics import energy, kinetic_energy
+from cases.motion.sampled_contacts import SampledPlates
 
 # The square of a larger number is close to the largest double, or overflows.
 _LARGEST_SQUARE_ROOT = 1e150

@@ -8,7 +8,7 @@ import numpy as np
 
 from cases import Belt, Case, CoulombFriction, Drive, RollingResistance, Trajectory, Unilateral
 from cases.contact import belt_speed
-from cases.mechanics import applied_forces, energy, gravity, kinetic_energy
+from cases.motion.mechanics import applied_forces, energy, gravity, kinetic_energy
 
 from .distances import even_samples
 

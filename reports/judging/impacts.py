@@ -14,11 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Mode, State, Trajectory, Transition, mechanics
+from cases import Case, Mode, State, Trajectory, Transition
 from cases.contact import track_place
-from cases.free_plates import POSE
-from cases.mechanics import kinetic_energy
-from cases.nearest import nearest
+from cases.contact.nearest import nearest
+from cases.motion import mechanics
+from cases.motion.mechanics import kinetic_energy
+from cases.scene.free_plates import POSE
 
 from . import doubts
 from .ledger import LedgerRow

@@ -15,9 +15,9 @@ import numpy as np
 import reference
 from cases import Belt, Case, CaseError, CoulombFriction, Mode, RollingResistance, Trajectory
 from cases.contact import start_motion
-from cases.free_plates import names_of, start_poses
-from cases.sampled_contacts import SampledPlates
-from cases.trajectory import EVEN_TIMES
+from cases.motion.sampled_contacts import SampledPlates
+from cases.motion.trajectory import EVEN_TIMES
+from cases.scene.free_plates import names_of, start_poses
 
 
 def frictionless(case: Case) -> Trajectory:

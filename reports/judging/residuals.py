@@ -25,11 +25,11 @@ from cases import (
     PerfectlyRough,
     Trajectory,
     Unilateral,
-    mechanics,
 )
 from cases.contact import start_motion
+from cases.motion import mechanics
+from cases.motion.trajectory import State
 from cases.own_effects import ContactEffect, own_effects
-from cases.trajectory import State
 
 # Effects included in the balance of energy: a conservative force, friction, and a bound that does no work.
 _ENERGY_EFFECTS = (Gravity, CoulombFriction, Unilateral, Belt, Drive, ContactEffect)

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Mode, Trajectory, Transition
-from cases.supports import effects_at
-from cases.trajectory import CONTACT
+from cases.motion.trajectory import CONTACT
+from cases.scene.supports import effects_at
 
 from . import ledger
 from .distances import differences

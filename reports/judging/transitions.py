@@ -17,21 +17,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import (
-    Case,
-    CoulombFriction,
-    Effect,
-    Mode,
-    PerfectlyRough,
-    State,
-    Trajectory,
-    Transition,
-    mechanics,
-)
-from cases.contact_limits import touches_by_features
+from cases import Case, CoulombFriction, Effect, Mode, PerfectlyRough, State, Trajectory, Transition
+from cases.contact.nearest import nearest
 from cases.effects import one as one_effect
-from cases.nearest import nearest
-from cases.supports import has_rolling_resistance
+from cases.motion import mechanics
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.supports import has_rolling_resistance
 
 from . import slip_phases
 from .slip_phases import Reading

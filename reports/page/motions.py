@@ -21,7 +21,7 @@ import numpy as np
 import cases
 from cases import Case, Curve, Mode
 from cases.pictures.layout import along_line, support_parameters, visible
-from cases.supports import TRACK, base_of
+from cases.scene.supports import TRACK, base_of
 
 from ..judging.grades import percent
 from ..running import per_solver

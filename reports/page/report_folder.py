@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from cases.owned_folder import OwnedFolder
+from cases.files.owned_folder import OwnedFolder
 
 MADE_BY = "slip-to-roll report"
 PAGE, MANIFEST, HISTORY = "index.html", "manifest.json", "history.md"

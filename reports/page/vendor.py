@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.command_line import status
-from cases.owned_folder import write
+from cases.files.command_line import status
+from cases.files.owned_folder import write
 
 FOLDER = Path(__file__).parent / "vendor"
 PACKAGES, VERSIONS = FOLDER / "packages.json", FOLDER / "vendored.json"

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import cases
 from adapters.common import motion_table
-from cases import BadValue, Case, CaseError, UnknownName, user_files
+from cases import BadValue, Case, CaseError, UnknownName
+from cases.files import user_files
 
 from . import external_motions
 from .external_motions import External

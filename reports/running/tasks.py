@@ -16,7 +16,8 @@ import numpy as np
 import cases
 import reference
 from adapters import Setting, gate, other_laws, our_part, refusal, refusal_kind, refusal_of_several_contacts
-from cases import Case, CaseError, Impact, NotSupported, Trajectory, Transition, owned_folder
+from cases import Case, CaseError, Impact, NotSupported, Trajectory, Transition
+from cases.files import owned_folder
 from reference.certification import Certificate, NotCertified, contradiction, is_within_bars, stored_or_new
 
 from ..judging import claims, distances, grades, impacts, ledger, several_contacts, transitions, validation

@@ -11,8 +11,9 @@ import numpy as np
 
 from adapters import Setting
 from adapters.common.motion_table import of_plate
-from cases import Case, Trajectory, owned_folder
-from cases.free_plates import POSE
+from cases import Case, Trajectory
+from cases.files import owned_folder
+from cases.scene.free_plates import POSE
 
 from . import reference_adapter
 from .clocked_run import run_on_clock

@@ -23,8 +23,9 @@ from pathlib import Path
 from packaging.requirements import Requirement
 from packaging.version import InvalidVersion, Version
 
-from cases import BadValue, owned_folder
+from cases import BadValue
 from cases.errors import UnknownName
+from cases.files import owned_folder
 
 from . import cache_folder
 from .names import REFERENCE, legible

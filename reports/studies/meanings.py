@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from cases.command_line import status
+from cases.files.command_line import status
 
 from ..analysis.columns import Table
 from ..drawing.figure_files import FigureEntry

@@ -13,7 +13,7 @@ import pyarrow as pa
 from pyarrow import parquet
 
 from cases import BadValue
-from cases.owned_folder import OwnedFolder
+from cases.files.owned_folder import OwnedFolder
 
 RECORD = "sweep.json"
 _PART = re.compile(r"part-(\d{12})\.parquet")

@@ -28,9 +28,9 @@ from cases import (
     curves,
 )
 from cases.contact import start_motion
+from cases.curves.line_or_circle import as_line
 from cases.effects import MOTION
-from cases.line_or_circle import as_line
-from cases.sampled_contacts import SampledPlates
+from cases.motion.sampled_contacts import SampledPlates
 from cases.slip_laws import SLIP_SPEED
 
 # Samples of a motion, about as many as an engine's steps in a scene of the laws.

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from cases import Case, CoulombFriction, FreePlate, Impact, Plate, Trajectory
-from cases.free_plates import names_of
-from cases.sampled_contacts import SampledPlates
+from cases.motion.sampled_contacts import SampledPlates
+from cases.scene.free_plates import names_of
 
 from .mutants import Mutant, case_mutant, effect, of_case
 

@@ -13,7 +13,7 @@ import reference
 from adapters import EngineFailure, engine, gate, other_laws, refusal
 from adapters.common.plate_contacts import with_plates
 from cases import Case, CoulombFriction, Curve, FreePlate, Mode, StartPose, Support
-from cases.free_plates import names_of, plates_of
+from cases.scene.free_plates import names_of, plates_of
 from reports.judging import several_contacts
 from reports.judging.distances import differences
 from reports.running.tasks import find_truth, perform

@@ -23,8 +23,8 @@ from cases import (
     Unilateral,
 )
 from cases.contact import start_motion
-from cases.line_or_circle import as_line
-from cases.mechanics import gravity
+from cases.curves.line_or_circle import as_line
+from cases.motion.mechanics import gravity
 
 from . import mutant_list
 from .mutants import Hashable, load, osculating

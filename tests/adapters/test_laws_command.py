@@ -21,7 +21,7 @@ import numpy as np
 from adapters import Setting
 from cases import CoulombFriction, Gravity, Trajectory
 from cases.contact import start_motion
-from cases.line_or_circle import as_line
+from cases.curves.line_or_circle import as_line
 
 NAME = "formula"
 routes = ("native",)

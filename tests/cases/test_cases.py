@@ -28,8 +28,8 @@ from cases import (
 )
 from cases import curves as c
 from cases.contact import find, follow, overlap, pose, slip_velocity, start_motion
+from cases.curves.line_or_circle import as_circle, as_line
 from cases.library import line
-from cases.line_or_circle import as_circle, as_line
 from reference import METHODS, simulate
 from tests.scenes.elliptic import ellipse, elliptic_scenes
 

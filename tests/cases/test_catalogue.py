@@ -12,9 +12,9 @@ import cases
 import reference
 from cases import Case, Chain, Drive, Flight, Load, Mode
 from cases.contact import overlap, start_motion
-from cases.contact_limits import touches_by_features
-from cases.supports import has_belt
-from cases.trajectory import CONTACT
+from cases.motion.trajectory import CONTACT
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.supports import has_belt
 from reference import contact_frame
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
 from tests.authorities.facts import Basis

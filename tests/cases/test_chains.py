@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases import BadCurve, BadValue, Chain, Curve, NotSupported, Outline, Plate, arc, library
-from cases.area import area_inside
-from cases.chain import translate
-from cases.corner import Corner, Edge
+from cases.curves.area import area_inside
+from cases.curves.chain import translate
+from cases.curves.corner import Corner, Edge
 from tests.scenes.elliptic import examples
 
 SQUARE = [(0, 0), (2, 0), (2, 1), (0, 1)]

@@ -15,8 +15,9 @@ import pytest
 
 import cases
 import reference
-from cases import command_line, lookup, owned_folder, registry, search_path, trial
+from cases import lookup, registry
 from cases.commands import TEMPLATE, main
+from cases.files import command_line, owned_folder, search_path, trial
 from reference import narration
 from reports import animate, build, compare, options, show, sweep
 

@@ -10,10 +10,12 @@ import sympy as sp
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from cases import BadValue, Curve, features, library, parametrisation
-from cases.corner import Edge
-from cases.expression_code import ON_ARRAYS, ON_FLOATS, python_function
-from cases.expression_graph import (
+from cases import BadValue, Curve, library
+from cases.curves import parametrisation
+from cases.curves.corner import Edge
+from cases.formulas import features
+from cases.formulas.expression_code import ON_ARRAYS, ON_FLOATS, python_function
+from cases.formulas.expression_graph import (
     ONE,
     ZERO,
     call,
@@ -25,8 +27,8 @@ from cases.expression_graph import (
     substitute,
     symbol,
 )
-from cases.expressions import PARAMETER, constants, lift_constants
-from cases.formulas import parse
+from cases.formulas.expressions import PARAMETER, constants, lift_constants
+from cases.formulas.formula_text import parse
 from tests.scenes.elliptic import examples
 
 S, C = PARAMETER, sp.Symbol("c0", positive=True)

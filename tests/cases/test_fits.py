@@ -8,7 +8,7 @@ import sympy as sp
 
 import reference
 from cases import BadValue, Belt, CoulombFriction, Drive, Load, fit_friction, fit_waves
-from cases.effect_formulas import formula_in
+from cases.formulas.effect_formulas import formula_in
 from cases.moving_surface import TIME
 from tests.scenes.moving import on_line
 from tests.scenes.slip_laws import sliding_disc

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cases import Mode, Transition
-from cases.instants import one_per_instant
+from cases.motion.instants import one_per_instant
 
 FLIGHT, ROLL, SLIP, SLIDE = Mode.FLIGHT, Mode.ROLL, Mode.SLIP_FORWARD, Mode.SLIDE
 

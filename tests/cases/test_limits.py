@@ -40,8 +40,8 @@ from cases import (
 )
 from cases.curves import cos, sin
 from cases.library import line
-from cases.limits import LIMITS, Reason, Scope, as_sentence, limit, without_certificate
-from cases.limits_page import as_page, in_three_lines
+from cases.scene.limits import LIMITS, Reason, Scope, as_sentence, limit, without_certificate
+from cases.scene.limits_page import as_page, in_three_lines
 from reference import delassus
 from reference.narration import check
 
@@ -199,8 +199,10 @@ def test_a_certified_case_has_no_limit(name):
 
 def test_the_page_and_the_readme_have_the_limits_of_the_table():
     page = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
-    assert page == f"{as_page()}\n", "python -m cases.limits_page > docs/limits.md"
-    assert in_three_lines() in (ROOT / "README.md").read_text(encoding="utf-8"), "give README cases.limits_page's lines"
+    assert page == f"{as_page()}\n", "python -m cases.scene.limits_page > docs/limits.md"
+    assert in_three_lines() in (ROOT / "README.md").read_text(encoding="utf-8"), (
+        "give README cases.scene.limits_page's lines"
+    )
 
 
 def test_a_reason_by_mechanics_names_no_code():

@@ -12,7 +12,7 @@ import pytest
 import cases
 from cases import Case, Curve, Gravity, Plate, Start, Unilateral, disc, library
 from cases.curves import cos, sin
-from cases.mechanics import energy, energy_growth, gravity, kinetic_energy
+from cases.motion.mechanics import energy, energy_growth, gravity, kinetic_energy
 
 
 def ellipse(a: float, b: float) -> Plate:

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import reference
-from cases import Case, Curve, DoesNotFit, Flight, Gravity, Plate, Start, Unilateral, disc, library, pair_search
-from cases.contact import find, start_motion
-from cases.curve_samples import SampleStretches
-from cases.nearest import nearest
+from cases import Case, Curve, DoesNotFit, Flight, Gravity, Plate, Start, Unilateral, disc, library
+from cases.contact import find, pair_search, start_motion
+from cases.contact.nearest import nearest
+from cases.curves.curve_samples import SampleStretches
 from tests.scenes.ripples import rippled
 
 

@@ -16,8 +16,9 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from cases import BadValue, owned_folder
-from cases.owned_folder import LIST, OwnedFolder, TemporaryFolder
+from cases import BadValue
+from cases.files import owned_folder
+from cases.files.owned_folder import LIST, OwnedFolder, TemporaryFolder
 
 from ..full_disk import full_disk
 

@@ -8,10 +8,10 @@ import pytest
 import reference
 from cases import Case, CoulombFriction, Curve, DoesNotFit, Flight, Gravity, Impact, Plate, Start, Unilateral, library
 from cases import contact as contacts
-from cases import nearest as search
+from cases.contact import nearest as search
+from cases.contact.nearest import nearest
 from cases.curves import cos, exp
 from cases.curves import sin as sine
-from cases.nearest import nearest
 from reference.contact_frame.equations import ContactScene
 from reference.minimal import gap, meetings
 

@@ -22,9 +22,9 @@ from cases import (
     disc,
 )
 from cases.contact import start_motion
+from cases.contact.nearest import nearest
+from cases.contact.overlap_search import deepest_overlap, first_overlap
 from cases.library import circle, ellipse, line
-from cases.nearest import nearest
-from cases.overlap import deepest_overlap, first_overlap
 
 FLYING = (Gravity(9.81), Unilateral(), Flight())
 

@@ -19,7 +19,7 @@ import numpy as np
 
 import reference
 from cases import Case, CaseError, Trajectory
-from cases.limits import LIMITS
+from cases.scene.limits import LIMITS
 
 from .build import scene
 from .confirm import contradictions

@@ -79,7 +79,7 @@ def test_each_class_and_column_exists_at_its_home():
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("`cases/case_class.py`", "`cases/question.py`"),
+        ("`cases/scene/case_class.py`", "`cases/question.py`"),
         ("`Transition`", "`Change`"),
         ("`Case.track`", "`Case.rail`"),
         ("`off_doubt`", "`sureness`"),

@@ -23,7 +23,7 @@ from cases import (
     Unilateral,
     disc,
 )
-from cases.expression_graph import in_order
+from cases.formulas.expression_graph import in_order
 from cases.library import circle, line
 from cases.moving_frame import relative_case
 from reference.minimal import contact_end, flight_end

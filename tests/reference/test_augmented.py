@@ -26,8 +26,8 @@ from cases import (
 )
 from cases.contact import velocity
 from cases.library import circle, line
-from cases.piece_case import has_pieces
-from cases.trajectory import State
+from cases.motion.trajectory import State
+from cases.scene.piece_case import has_pieces
 from reference.augmented_integrator import ContactQuantities, LiteralSystem
 from reference.minimal.elimination import Elimination
 from reference.minimal.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning

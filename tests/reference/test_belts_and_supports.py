@@ -30,9 +30,9 @@ from cases import (
     disc,
 )
 from cases.contact import belt_speed, start_motion
-from cases.contact_pairs import contact_case
 from cases.library import line
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
+from cases.scene.contact_pairs import contact_case
 from reference.certification.witnesses import _by_second
 from reference.solver import columns
 from tests.scenes.motions import work_done

@@ -24,7 +24,7 @@ from cases import (
     Unilateral,
     library,
 )
-from cases.contact_limits import touches_by_features
+from cases.scene.contact_limits import touches_by_features
 from tests.scenes.agreement import check_several_contacts
 
 G = 9.81

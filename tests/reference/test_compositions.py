@@ -35,7 +35,7 @@ from cases import (
     disc,
 )
 from cases import curves as c
-from cases.corner import Edge
+from cases.curves.corner import Edge
 from cases.library import circle, line
 
 G = 9.81

@@ -23,7 +23,7 @@ from cases import (
     library,
 )
 from cases.contact import pose
-from cases.trajectory import CONTACT
+from cases.motion.trajectory import CONTACT
 from reference import contact_frame
 from tests.reference.test_corners import over_an_edge
 from tests.scenes.corners import random_throw

@@ -21,8 +21,8 @@ from cases import (
     library,
     load,
 )
-from cases.corner import Corner
-from cases.piece_case import PieceCase
+from cases.curves.corner import Corner
+from cases.scene.piece_case import PieceCase
 from reference.contact_frame.equations import ContactPhase, ContactScene
 from reference.minimal.modes import full_state
 from reference.paper.corners import solve_at_corner

@@ -10,7 +10,8 @@ import pytest
 
 import cases
 import reference
-from cases import State, geometry
+from cases import State
+from cases.contact import geometry
 from reference import solve
 from reference.minimal import modes
 from reference.minimal.integrators import taylor

@@ -28,10 +28,10 @@ from cases import (
     Unilateral,
     disc,
 )  # fmt: skip
-from cases.contact_limits import touches_by_features
-from cases.contact_pairs import pairs
 from cases.library import circle, line
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
+from cases.scene.contact_limits import touches_by_features
+from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
 from tests.scenes.supports import INELASTIC, G, agree, bowl, events, hill, simulated
 

@@ -12,7 +12,7 @@ import reference
 from adapters import lookup
 from cases import Belt, Case, CoulombFriction, Flight, Gravity, Impact, Load, Mode, StartPose, Support, Unilateral, disc
 from cases.library import line
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
 from tests.scenes.still_plates import random_scene
 from tests.scenes.supports import agree, compare_with_matrix, events, simulated
 

@@ -6,7 +6,7 @@ import sympy as sp
 
 from cases import Case, CoulombFriction, Curve, DoesNotFit, Gravity, Load, Plate, Start, Unilateral, disc
 from cases import curves as c
-from cases.expression_graph import from_sympy, symbol
+from cases.formulas.expression_graph import from_sympy, symbol
 from cases.library import line, superellipse
 from reference import simulate
 from reference.minimal.integrators import taylor

@@ -6,9 +6,9 @@ import pytest
 import cases
 from cases import Chain, Curve
 from cases import curves as c
-from cases.expression_code import ON_FLOATS, python_function
-from cases.expression_graph import symbol
-from cases.expressions import PARAMETER
+from cases.formulas.expression_code import ON_FLOATS, python_function
+from cases.formulas.expression_graph import symbol
+from cases.formulas.expressions import PARAMETER
 from cases.library import circle, ellipse, line
 from reference.minimal.frames import Frame, frame
 from reference.minimal.tangent_algebra import from_node, operations, shorter

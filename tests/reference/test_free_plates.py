@@ -259,7 +259,8 @@ def test_a_contact_that_opens_just_before_another_one_closes_is_not_struck_at_on
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [75, 96])
 def test_impacts_at_one_instant_are_listed_alike_whether_they_are_found_together_or_not(seed):
-    """One formulation finds them one after the other (`cases.instants`). In 75 hops of 1e-12 m end 1e-8 s apart."""
+    """One formulation finds them one after the other (`cases.motion.instants`). In 75 hops of 1e-12 m end 1e-8 s
+    apart."""
     one, other = reference.simulate(random_scene(seed), rtol=1e-12), bodies_motion(random_scene(seed))
     assert [(e.contact, e.before, e.after) for e in one.transitions] == [
         (e.contact, e.before, e.after) for e in other.transitions

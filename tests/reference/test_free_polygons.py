@@ -28,9 +28,9 @@ from cases import (
     Unilateral,
     disc,
 )
-from cases.free_plates import gap_of, plate_contacts, plates_of, start_poses
+from cases.contact.polygon_features import region_of, regions
 from cases.library import line
-from cases.polygon_features import region_of, regions
+from cases.scene.free_plates import gap_of, plate_contacts, plates_of, start_poses
 from reference.certification import certify
 from reference.delassus import bodies_motion, polygon_pairs
 from reference.paper.bodies import BodyContact, solve_bodies

@@ -23,10 +23,10 @@ from cases import (
     Unilateral,
     library,
 )
-from cases.contact_pairs import pairs
-from cases.corner import Edge
-from cases.outline import arc
-from cases.outline_features import arc_ranges, features
+from cases.contact.outline_features import arc_ranges, features
+from cases.curves.corner import Edge
+from cases.curves.outline import arc
+from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
 from tests.scenes.agreement import check_several_contacts
 

@@ -10,7 +10,7 @@ import cases
 import reference
 from cases import Case, Flight, Gravity, Impact, Mode, Start, Unilateral, disc
 from cases.library import line
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
 from reference import contact_frame
 
 G = 9.81

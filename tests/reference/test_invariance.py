@@ -12,7 +12,7 @@ import cases
 import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
 from cases import curves as c
-from cases.expressions import PARAMETER
+from cases.formulas.expressions import PARAMETER
 from reference.minimal.integrators import taylor
 from tests.scenes.elliptic import elliptic_scenes, examples, numbers
 

@@ -32,7 +32,7 @@ from cases import (
     disc,
 )
 from cases.library import line
-from cases.trajectory import ContactColumns
+from cases.motion.trajectory import ContactColumns
 from reference import solve
 from reference.laws_check.samples import of_motion
 

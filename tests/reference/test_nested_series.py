@@ -7,7 +7,7 @@ import pytest
 import reference
 from cases import Case, Impact, Mode, StartPose, Support, disc
 from cases.library import line
-from cases.trajectory import Transition
+from cases.motion.trajectory import Transition
 from reference.certification import certify
 from reference.certification.witnesses import _by_second
 from reference.delassus import bodies_motion

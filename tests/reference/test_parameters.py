@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cases
-from cases.expression_graph import call, sqrt, symbol
+from cases.formulas.expression_graph import call, sqrt, symbol
 from reference.minimal.assembly import _constants
 from reference.minimal.modes import candidates, phase
 from reference.minimal.system import System

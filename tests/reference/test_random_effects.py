@@ -21,7 +21,7 @@ from cases import (
     Unilateral,
 )
 from cases.contact import slip_velocity
-from cases.nearest import nearest
+from cases.contact.nearest import nearest
 from reference import contact_frame
 from tests.reference.test_two_formulations import check_agreement
 from tests.scenes.elliptic import ellipse_in_ellipse, numbers

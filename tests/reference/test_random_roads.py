@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 import cases
 import reference
 from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, disc
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
 from tests.scenes.limits import cpu_limit
 
 G = 9.81

@@ -27,8 +27,8 @@ from cases import (
     disc,
 )  # fmt: skip
 from cases.contact import start_motion
-from cases.contact_pairs import pairs
 from cases.library import line
+from cases.scene.contact_pairs import pairs
 from reference.delassus import complementarity
 from reference.delassus.contacts import PlateDynamics, frictions, pair_at
 from tests.scenes.agreement import check_several_contacts

@@ -28,9 +28,9 @@ from cases import (
 )  # fmt: skip
 from cases import curves as c
 from cases.contact import start_motion
-from cases.contact_pairs import pairs
 from cases.library import line
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
+from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
 from reference.delassus import complementarity
 from reference.delassus.contacts import PlateDynamics, frictions, open_pair_at, pair_at

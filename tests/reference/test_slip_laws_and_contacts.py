@@ -10,7 +10,7 @@ import sympy as sp
 import cases
 from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, Plate, Start, StartPose, Support, Unilateral, disc
 from cases.library import line
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
 from tests.scenes.motions import work_done
 from tests.scenes.several_laws import random_scene
 from tests.scenes.slip_laws import HYPERBOLIC, PEAK, STRIBECK, G

@@ -22,8 +22,8 @@ from cases import (
     disc,
 )  # fmt: skip
 from cases.contact import start_motion
-from cases.contact_pairs import pairs
 from cases.library import ellipse, line
+from cases.scene.contact_pairs import pairs
 from tests.scenes.supports import INELASTIC, G
 
 

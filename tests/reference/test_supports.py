@@ -11,7 +11,7 @@ import cases
 import reference
 from cases import Case, CoulombFriction, Impact, Mode, PerfectlyRough, Start, StartPose, Support, disc
 from cases.library import circle, line, parabola
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
 from tests.scenes.supports import FREE, INELASTIC, G, agree, events
 
 # --- the ladder -------------------------------------------------------------------------------------------------------

@@ -30,7 +30,7 @@ from cases import (
     disc,
 )
 from cases.library import line
-from cases.mechanics import energy
+from cases.motion.mechanics import energy
 from reference.paper.application import rolls_beyond, slip_end
 from reference.sweeping import plan, table
 from reference.sweeping.table import ARROW, BAD

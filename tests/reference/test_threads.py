@@ -18,7 +18,8 @@ import pytest
 
 import cases
 import reference
-from cases import Load, State, Trajectory, features
+from cases import Load, State, Trajectory
+from cases.formulas import features
 from reference.minimal.integrators.pool import IntegratorPool
 from reference.solve import METHODS
 from tests.reference.test_sweep import FAMILIES as SWEPT

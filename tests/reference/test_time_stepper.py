@@ -17,12 +17,12 @@ import pytest
 import cases
 import reference
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, StartPose, Support, Unilateral, disc
-from cases.corner import Corner
-from cases.free_plates import names_of, plates_of, start_poses
+from cases.contact.outline_features import features
+from cases.curves.corner import Corner
+from cases.curves.line_or_circle import as_circle, as_line
 from cases.library import line
-from cases.line_or_circle import as_circle, as_line
-from cases.mechanics import gravity
-from cases.outline_features import features
+from cases.motion.mechanics import gravity
+from cases.scene.free_plates import names_of, plates_of, start_poses
 
 # Sweeps of Gauss-Seidel, and the change of an impulse over the largest one at which they end.
 SWEEPS, SETTLED = 20_000, 1e-10

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 import cases
 from adapters import Setting
-from cases.owned_folder import LIST
+from cases.files.owned_folder import LIST
 from reports import build, options
 from reports.analysis import tables
 from reports.drawing import figure_files

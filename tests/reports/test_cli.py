@@ -10,8 +10,8 @@ import pytest
 
 import cases
 from cases import registry
-from cases.command_line import PROGRAMS
 from cases.commands import TEMPLATE
+from cases.files.command_line import PROGRAMS
 from reports import cli
 
 pytestmark = pytest.mark.builds

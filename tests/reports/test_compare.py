@@ -11,7 +11,7 @@ import reference
 from adapters.common import motion_file, motion_table
 from adapters.lookup import engine as adapter_of
 from cases import registry
-from cases.chain import Chain
+from cases.curves.chain import Chain
 from reports import compare, export
 from reports.judging import diagnosis, residuals
 from reports.running import external_motions, tasks

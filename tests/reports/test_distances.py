@@ -7,7 +7,8 @@ import pytest
 
 import cases
 import reference
-from cases import Case, Gravity, State, Trajectory, Unilateral, mechanics
+from cases import Case, Gravity, State, Trajectory, Unilateral
+from cases.motion import mechanics
 from reports.judging import distances
 from tests.scenes.motions import sampled
 

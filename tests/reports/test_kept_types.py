@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as of_numpy
 
 import cases
+import cases.motion.trajectory
 import reports
 from cases import Trajectory
-from cases.trajectory import State
+from cases.motion.trajectory import State
 from reports.running import calls
 from reports.running.storage.result_store import Store
 from reports.studies.stability import measure as stability
@@ -74,7 +75,7 @@ def motions(draw) -> Trajectory:
     columns = {name: draw(of_numpy.arrays(np.float64, (length,), fill=st.nothing())) for name in ("t", *State._fields)}
     rest = {
         f.name: draw(st.from_type(hints[f.name]))
-        for hints in [get_type_hints(Trajectory, vars(cases.trajectory), vars(cases) | {"Case": cases.Case})]
+        for hints in [get_type_hints(Trajectory, vars(cases.motion.trajectory), vars(cases) | {"Case": cases.Case})]
         for f in dataclasses.fields(Trajectory)
         if f.name not in (*columns, "dense", "case", "contact_columns", "plate_columns")
     }

@@ -210,7 +210,7 @@ def test_an_engine_s_key_tells_its_adapter_and_what_judges_it_and_no_other_engin
     judge = source_code.dependency_files(
         "reports.running.tasks", tuple(m.__name__ for m in experiment.TRUTHS_OWN)
     ).keys()
-    assert {"reports.running.tasks", "reports.judging.slip_phases", "cases.trajectory"} <= judge
+    assert {"reports.running.tasks", "reports.judging.slip_phases", "cases.motion.trajectory"} <= judge
     assert not any(name.startswith("reference") for name in judge)
     truth = source_code.dependency_files("reports.running.tasks", ()).keys()
     assert {"reference.solve", "reference.certification.certificate", "reference.minimal.elimination"} <= truth

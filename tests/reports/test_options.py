@@ -10,7 +10,7 @@ import pytest
 
 import cases
 from cases import CaseError, CoulombFriction, Gravity, Start, Unilateral, disc
-from cases.command_line import status
+from cases.files.command_line import status
 from cases.library import line
 from reports import animate, build, cli, compare, deposit, options, show, study, sweep
 
@@ -108,7 +108,7 @@ def test_a_report_that_makes_no_sense_is_refused_before_anything_runs(given, mor
 SCRIPT = """
 from cases import Case, CoulombFriction, Gravity, Start, Unilateral, disc
 from cases.library import line
-from cases.command_line import status
+from cases.files.command_line import status
 from reports.build import report
 
 print("begins")

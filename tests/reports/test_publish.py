@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 import cases
-from cases.owned_folder import LIST, digest
+from cases.files.owned_folder import LIST, digest
 from cases.version import RELEASED
 from reports import compare_builds, options, publish
 from reports.page import report_folder

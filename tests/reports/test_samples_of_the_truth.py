@@ -9,7 +9,7 @@ import pytest
 import cases
 from adapters import Setting
 from adapters.common import motion_file, motion_table
-from cases.free_plates import POSE
+from cases.scene.free_plates import POSE
 from reports import compare
 from reports.running.external_motions import judge_external
 from reports.running.records import Run

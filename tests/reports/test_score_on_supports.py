@@ -13,7 +13,7 @@ import cases
 import reference
 from adapters.common import motion_file
 from cases import Case, CoulombFriction, Mode, Trajectory, Transition
-from cases.sampled_contacts import SampledContacts
+from cases.motion.sampled_contacts import SampledContacts
 from reports.judging import friction_sensitivity, several_contacts
 from reports.judging.grades import Grade, grade
 from reports.judging.null_motions import null_motions, with_friction

@@ -28,8 +28,8 @@ from cases import (
     disc,
 )
 from cases.library import line
-from cases.sampled_contacts import SampledContacts
-from cases.trajectory import ContactColumns
+from cases.motion.sampled_contacts import SampledContacts
+from cases.motion.trajectory import ContactColumns
 from reports.judging import friction_factor, impacts, several_contacts
 from reports.judging.ledger import LedgerRow
 from reports.judging.null_motions import null_motions

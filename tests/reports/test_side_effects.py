@@ -118,7 +118,7 @@ def canary():
 
 @pytest.mark.parametrize(
     "place, name",
-    [("numpy", "hypot"), ("cases.trajectory", "Trajectory.__call__"), ("reference", "simulate")],
+    [("numpy", "hypot"), ("cases.motion.trajectory", "Trajectory.__call__"), ("reference", "simulate")],
 )
 def test_a_replaced_function_is_named(place, name, canary, monkeypatch):
     owner, _, attribute = f"{place}.{name}".rpartition(".")

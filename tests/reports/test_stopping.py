@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from cases.owned_folder import LIST
+from cases.files.owned_folder import LIST
 from reports.page.report_folder import of_report
 
 from .. import fake_adapter
@@ -239,7 +239,7 @@ def whole_build(folder: Path, words: list[str]) -> float:
 IN_A_CALLBACK = """
 import signal, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
-from cases.keyboard_interrupt import say_so
+from cases.files.keyboard_interrupt import say_so
 say_so("a command")
 class Ends:
     def __del__(self):

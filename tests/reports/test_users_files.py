@@ -16,8 +16,8 @@ from hypothesis import HealthCheck, Phase, event, example, given, settings
 from hypothesis import strategies as st
 
 from cases import commands
-from cases.command_line import status
-from cases.owned_folder import LIST
+from cases.files.command_line import status
+from cases.files.owned_folder import LIST
 from cases.pictures import animation
 from reports import animate, build, deposit, export, options, publish, show, study, sweep
 from reports.drawing import figures

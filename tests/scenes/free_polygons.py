@@ -9,7 +9,7 @@ import numpy as np
 from cases import Case, CoulombFriction, Flight, FreePlate, Gravity, Impact, Plate, StartPose, Unilateral, disc
 from cases.curves import Curve
 from cases.library import line
-from cases.supports import Support
+from cases.scene.supports import Support
 
 
 def random_polygon_scene(seed: int, restitution: float = 0.0) -> Case:

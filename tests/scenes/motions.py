@@ -27,12 +27,12 @@ from cases import (
 )
 from cases import curves as c
 from cases.contact import start_motion
-from cases.contact_pairs import contact_case
+from cases.curves.pieces import CurvePieces
 from cases.effects import MOTION
-from cases.expressions import PARAMETER
-from cases.mechanics import contact_power
+from cases.formulas.expressions import PARAMETER
+from cases.motion.mechanics import contact_power
 from cases.moving_surface import TIME
-from cases.pieces import CurvePieces
+from cases.scene.contact_pairs import contact_case
 from cases.slip_laws import SLIP_SPEED
 from reference import solve
 

@@ -13,7 +13,7 @@ import reference
 from cases import Case, CoulombFriction, Load, Mode, State, Trajectory, Transition
 from cases.contact import find, slip_velocity, start_motion
 from cases.effects import MOTION
-from cases.mechanics import gravity
+from cases.motion.mechanics import gravity
 from reports.judging import friction_sensitivity, null_motions
 from reports.judging.friction_factor import friction_factor
 from reports.judging.score import Scale, Score, scale_of, score

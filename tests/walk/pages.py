@@ -218,7 +218,7 @@ WALK = {
             Left("python -m reports.build", WHOLE),
         )
     ),
-    "limits.md": Page((Left("python -m cases.limits_page > docs/limits.md", OF_A_RELEASE),)),
+    "limits.md": Page((Left("python -m cases.scene.limits_page > docs/limits.md", OF_A_RELEASE),)),
     "own_effects.md": Page((Left("python -m adapters.laws", "the form of the command on the page of engines"),)),
     "page.md": Page(
         (

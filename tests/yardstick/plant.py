@@ -174,6 +174,6 @@ def main(words: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    # So that the copy of the tree is removed; `cases.command_line` cannot be imported, the copy's is.
+    # So that the copy of the tree is removed; `cases.files.command_line` cannot be imported, the copy's is.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     sys.exit(main(sys.argv[1:]))

@@ -13,8 +13,8 @@ from typing import Any
 import heyoka as hy
 
 from cases import NotSupported
-from cases import late_sympy as sp
-from cases.expression_graph import Node, in_order
+from cases.formulas import late_sympy as sp
+from cases.formulas.expression_graph import Node, in_order
 
 from ..elimination import T
 from ..system import System

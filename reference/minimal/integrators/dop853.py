@@ -16,7 +16,7 @@ from math import sqrt
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
 
-from cases.supports import has_belt
+from cases.scene.supports import has_belt
 
 from ...effect_laws import laws
 from ...endings import BREAKDOWN

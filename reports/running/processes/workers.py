@@ -26,7 +26,7 @@ from types import ModuleType
 from typing import Any
 
 from adapters.common.supervision import TOO_MUCH_MEMORY
-from cases import owned_folder
+from cases.files import owned_folder
 
 from .. import versions
 from ..names import legible

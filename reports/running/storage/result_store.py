@@ -19,7 +19,8 @@ from math import inf
 from pathlib import Path
 from typing import Any, TypeVar
 
-from cases import UnknownName, owned_folder, user_files
+from cases import UnknownName
+from cases.files import owned_folder, user_files
 
 from ..records import now
 from .fingerprint import Key, digest

@@ -172,7 +172,7 @@ def _middle(ladder: Sequence[Setting]) -> Setting:
 def compiled_size(case: Case) -> tuple[int, int]:
     """Operation count of the case's largest compiled mode of contact (rates and events, each common part counted once),
     and the largest number of events monitored in a mode."""
-    from cases.expression_graph import in_order
+    from cases.formulas.expression_graph import in_order
     from reference.minimal.modes import candidates, phase
 
     systems = [phase(case, regime).system for regime in candidates(case)]

@@ -21,7 +21,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from adapters import Setting
-from cases import Case, Trajectory, mechanics
+from cases import Case, Trajectory
+from cases.motion import mechanics
 
 from ...judging import ledger
 from ...judging.grades import grade

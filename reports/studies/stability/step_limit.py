@@ -11,7 +11,8 @@ from math import isnan, nan, sqrt
 from typing import NamedTuple
 
 from adapters import EngineFailure, Setting
-from cases import Belt, Case, Gravity, Load, Trajectory, mechanics
+from cases import Belt, Case, Gravity, Load, Trajectory
+from cases.motion import mechanics
 
 from ...judging import residuals
 from ...judging.validation import sound

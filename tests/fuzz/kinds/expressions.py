@@ -49,7 +49,7 @@ def draw(chance):
         v = chance.choice(MOTION)
         given = expression(chance, v)
         return f"Load({sp.srepr(given)})", functools.partial(Load, given)
-    from cases.expressions import PARAMETER
+    from cases.formulas.expressions import PARAMETER
 
     given = (PARAMETER, expression(chance, PARAMETER))
     return f"curve {given}", of_curve(given)

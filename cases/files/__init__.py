@@ -1,0 +1,1 @@
+"""Files, folders, command lines and interrupts: what knows no scene."""

@@ -1,0 +1,1 @@
+"""Formulas of authors as expressions, as graphs and as code."""

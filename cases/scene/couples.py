@@ -1,0 +1,98 @@
+"""Couples of a plate and what it may touch: the track, a support, or another plate, whose outline is a moving track.
+
+A couple is a case of its own with one plate and one track, in the frame of the body that the track belongs to. Its
+contacts are those of the elements of both curves (`piece_case`).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..curves import Curve
+from ..curves.backwards import backwards, forwards
+from .case_class import Case
+from .free_plates import names_of, plates_of
+from .start import Start
+from .supports import TRACK, effects_at
+
+
+class PlateBoundary(NamedTuple):
+    """What a plate may touch: its name, its curve with the plate on its left, and the number of the plate that it
+    belongs to (None: it is fixed)."""
+
+    name: str
+    curve: Curve
+    body: int | None
+
+
+class Couple(Case):
+    """One plate of the case `whole` and one boundary; its track is the boundary's curve in its own frame.
+
+    `number`: which of `couples(whole)` it is; `body`: the number of its plate; `base`: that of the plate with the
+    boundary, None if it is fixed; `pair_name`: of its contacts, such as "plate/wall".
+    """
+
+    whole: Case
+    number: int
+    body: int
+    base: int | None
+    pair_name: str
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, Couple) and (self.whole, self.number) == (other.whole, other.number)
+
+    def __hash__(self) -> int:
+        return hash((self.whole, self.number, "couple"))
+
+    def __reduce__(self):
+        return _couple, (self.whole, self.number)
+
+    def relative_pose(self, poses: np.ndarray) -> tuple[Any, Any, Any]:
+        """(x, y, θ) of the plate in the frame of the boundary; `poses` are those of all plates, (3 n,) or (3 n, m)."""
+        x, y, theta = poses[3 * self.body : 3 * self.body + 3]
+        if self.base is None:
+            return x, y, theta
+        u, v, turn = poses[3 * self.base : 3 * self.base + 3]
+        c, s, dx, dy = np.cos(turn), np.sin(turn), x - u, y - v
+        return c * dx + s * dy, c * dy - s * dx, theta - turn
+
+    def whole_xi1(self, xi1):
+        """A parameter of the track as one of the boundary's own curve: of a plate its outline."""
+        if self.base is None:
+            return xi1
+        return forwards(plates_of(self.whole)[self.base].outline, xi1)
+
+
+@lru_cache(maxsize=256)
+def couples(case: Case) -> tuple[Couple, ...]:
+    """Each plate with the track and each support, then with each plate before it."""
+    names, plates, result = names_of(case), plates_of(case), list[Couple]()
+    fixed = [PlateBoundary(TRACK, case.track, None)]
+    fixed += [PlateBoundary(one.name, one.curve, None) for one in case.supports]
+    for body in range(len(plates)):
+        for boundary in fixed:
+            result.append(_make(case, len(result), body, boundary))
+        for other in range(body):
+            own, base = (body, other) if plates[body].radius is not None else (other, body)
+            outline = PlateBoundary(names[base], backwards(plates[base].outline), base)
+            result.append(_make(case, len(result), own, outline))
+    return tuple(result)
+
+
+def _make(whole: Case, number: int, body: int, boundary: PlateBoundary) -> Couple:
+    couple, plate, name = object.__new__(Couple), plates_of(whole)[body], f"{names_of(whole)[body]}/{boundary.name}"
+    values = {field: value for field, value in vars(whole).items() if field in Case.__dataclass_fields__}
+    middle = [0.5 * sum(curve.span) for curve in (boundary.curve, plate.outline)]
+    values |= {"track": boundary.curve, "plate": plate, "effects": effects_at(whole, name)}
+    values |= {"supports": (), "others": (), "pairs": ()}
+    vars(couple).update(
+        values | {"start": Start(*middle)}, whole=whole, number=number, body=body, base=boundary.body, pair_name=name
+    )
+    return couple
+
+
+def _couple(whole: Case, number: int) -> Couple:
+    return couples(whole)[number]

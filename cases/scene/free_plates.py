@@ -1,0 +1,251 @@
+"""Free plates: further plates of a case, each of which moves by itself and touches the others, the track and supports.
+
+Of discs and at most one convex polygon on straight lines without ends the contacts have closed forms: each disc and
+each corner has one with each line in every pose, and each disc with every other plate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import atan2, hypot, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .. import effects as all_effects
+from ..contact.overlap_search import OVERLAPS, overlaps
+from ..contact.polygon_features import (
+    Region,
+    TouchCircle,
+    circles,
+    is_polygon,
+    local_centre,
+    place_in_region,
+    region_of,
+    regions,
+    size_of_plate,
+)
+from ..curves import Curve
+from ..curves.backwards import backwards
+from ..curves.line_or_circle import Line, as_line
+from ..effects import Drive, E, Effect, Load
+from ..errors import BadValue, DoesNotFit, NotSupported
+from .contact_names import FIRST
+from .plate import Plate
+from .start_pose import StartPose
+from .supports import TRACK, check_side, effects_at, is_straight
+
+# Modes are enumerated: four for each contact of plates that touch each other.
+MOST = 8
+# Pose and velocities of a plate, in the order of rows.
+POSE = ("x", "y", "theta", "vx", "vy", "omega")
+
+
+@dataclass(frozen=True)
+class FreePlate:
+    """A further plate of a case: its pose and velocities at time zero, a name for its contacts, such as "upper/plate"
+    or "upper/track", and a load of its own. The Load of the case acts on the case's own plate. Raises BadValue."""
+
+    plate: Plate
+    start: StartPose
+    name: str
+    load: Load | None = None
+
+    def __post_init__(self):
+        if not isinstance(self.plate, Plate) or not isinstance(self.start, StartPose):
+            raise BadValue(
+                f"FreePlate was given {self.plate!r} and {self.start!r}; give a plate such as disc(0.1, 1.0), and "
+                "StartPose(x, y)"
+            )
+        name = self.name
+        is_word = isinstance(name, str) and name.replace("_", "").replace("-", "").isalnum() and len(name) <= 30
+        if not is_word or name in (FIRST, TRACK):
+            raise BadValue(
+                f'the name of a FreePlate is {name!r}; give a word such as "upper" ("{FIRST}" is the case\'s plate)'
+            )
+
+
+class PlateContact(NamedTuple):
+    """A contact that plates may have: its name, the number of its plate (0: the case's plate), that of the plate on
+    whose boundary it lies or that support's line, the effects between them, and the circle of its plate that touches:
+    a disc or a corner. Of the plate on whose boundary it lies: the radius of a disc, m, or the regions around a
+    polygon."""
+
+    name: str
+    body: int
+    base: int | None
+    line: Line | None
+    curve: Curve | None
+    effects: tuple[Effect, ...]
+    circle: TouchCircle
+    base_radius: float = 0.0
+    around: tuple[Region, ...] = ()
+
+    def effect(self, kind: type[E]) -> E | None:
+        """The effect of that kind, or None."""
+        return all_effects.one(self.effects, kind)
+
+
+def plates_of(case: Any) -> tuple[Plate, ...]:
+    """All plates of a case."""
+    return (case.plate, *(other.plate for other in case.others))
+
+
+def loads_of(case: Any) -> tuple[Load | None, ...]:
+    """The loads of all plates."""
+    return (case.effect(Load), *(other.load for other in case.others))
+
+
+def names_of(case: Any) -> tuple[str, ...]:
+    """The names of all plates."""
+    return (FIRST, *(other.name for other in case.others))
+
+
+@lru_cache(maxsize=256)
+def why_not_closed_forms(case: Any) -> str:
+    """Why the contacts of several plates are not those of `plate_contacts`, in a phrase; "" if they are: of discs and
+    at most one convex polygon on straight lines."""
+    polygons = [name for name, plate in zip(names_of(case), plates_of(case), strict=True) if is_polygon(plate)]
+    if len(polygons) > 1:
+        return f"{polygons[0]!r} and {polygons[1]!r} are polygons"
+    for name, plate in zip(names_of(case), plates_of(case), strict=True):
+        angles = np.linspace(0.0, 6.0, 17)
+        is_disc = plate.radius is not None and np.allclose(
+            plate.outline.point(parameter(plate.outline, angles)),
+            plate.radius * np.array([np.cos(angles), np.sin(angles)]),
+            rtol=0.0,
+            atol=1e-12 * plate.radius,
+        )
+        if not is_disc and not is_polygon(plate):
+            return f"{name!r} is no disc and no convex polygon"
+    for name, curve in ((TRACK, case.track), *((s.name, s.curve) for s in case.supports)):
+        if not is_straight(curve):
+            return f"{name!r} is no straight line without ends"
+    return ""
+
+
+@lru_cache(maxsize=256)
+def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
+    """All contacts that the plates of a case may have: with the track, each support, and each other. Those of a
+    polygon's corners with a line are numbered in the outline's order; a disc's with a polygon lies on the polygon.
+    Raises NotSupported for other shapes (`why_not_closed_forms`)."""
+    if reason := why_not_closed_forms(case):
+        raise NotSupported(f"contacts of several plates have closed forms for discs, one polygon and lines; {reason}")
+    names, plates, contacts = names_of(case), plates_of(case), list[PlateContact]()
+    supports = ((TRACK, case.track), *((s.name, s.curve) for s in case.supports))
+    for body, name in enumerate(names):
+        for support, curve in supports:
+            acting = effects_at(case, f"{name}/{support}")
+            for i, circle in enumerate(circles(plates[body])):
+                contact = contact_name(name, support, i + 1)
+                contacts.append(PlateContact(contact, body, None, as_line(curve), curve, acting, circle))
+        for other in range(body):
+            own, base = (body, other) if plates[body].radius is not None else (other, body)
+            (circle,) = circles(plates[own])
+            name, size, around = f"{names[own]}/{names[base]}", size_of_plate(plates[base]), regions(plates[base])
+            contacts.append(PlateContact(name, own, base, None, None, effects_at(case, name), circle, size, around))
+    return tuple(contacts)
+
+
+def contact_name(plate: str, support: str, number: int) -> str:
+    """The name of a contact of a plate with a support: that of its first corner has no number."""
+    return f"{plate}/{support}" if number == 1 else f"{plate}/{support} {number}"
+
+
+def parameter(outline: Curve, angle):
+    """The parameter of a circle about the origin at a polar angle, number or array."""
+    first, rate = _angle_of(outline)
+    return (angle - first) / rate
+
+
+@lru_cache(maxsize=256)
+def _angle_of(outline: Curve) -> tuple[float, float]:
+    """(a, b) of a circle about the origin, run through evenly: its polar angle at the parameter s is a + b s."""
+    x, y = outline.point(0.0)
+    return atan2(y, x), 2.0 * pi / (outline.period or 2.0 * pi)
+
+
+def start_poses(case: Any) -> np.ndarray:
+    """(x, y, θ, vx, vy, ω) of every plate at time zero, as the track sees it, shape (plates, 6)."""
+    first, drive = case.start.motion(case.track, case.plate.outline), case.effect(Drive)
+    own = np.array([_row(s) for s in (first, *(other.start for other in case.others))], dtype=float)
+    if drive is not None:
+        place = drive.at(0.0)
+        x, y, theta, vx, vy, omega = own[1:].T
+        x, y, vx, vy, omega = place.seen_from_track(x, y, vx, vy, omega)
+        own[1:] = np.array([x, y, theta - place.angle, vx, vy, omega]).T
+        own[0, 5] -= place.spin
+    return own
+
+
+def _row(start: Any) -> tuple[float, ...]:
+    return start.x, start.y, start.theta, start.vx, start.vy, start.omega
+
+
+def gap_of(contact: PlateContact, poses: np.ndarray | list[list[float]]) -> float:
+    """The distance between the curves of a contact, m; `poses` (plates, 3 or more) begin with (x, y, θ). Lists are
+    faster than an array."""
+    body, radius = poses[contact.body], contact.circle.radius
+    arm = contact.circle.arm(float(body[2]))
+    x, y = float(body[0]) + arm[0], float(body[1]) + arm[1]
+    if contact.base is not None:
+        base, around = poses[contact.base], contact.around
+        if around:
+            u, v = local_centre(base, x, y)
+            return float(place_in_region(around[int(region_of(around, u, v))], u, v, radius)[0])
+        return hypot(x - float(base[0]), y - float(base[1])) - radius - contact.base_radius
+    line = contact.line
+    assert line is not None
+    (px, py), (tx, ty) = line.point.tolist(), line.direction.tolist()
+    return float((y - py) * tx - (x - px) * ty) - radius
+
+
+def check_others(case: Any) -> None:
+    """Raise BadValue or DoesNotFit for free plates that the case cannot have."""
+    if not isinstance(case.others, tuple):
+        raise BadValue(f'others is {case.others!r}; give a tuple such as (FreePlate(disc(0.1, 1.0), …, "upper"),)')
+    taken = {support.name for support in case.supports}
+    for other in case.others:
+        if not isinstance(other, FreePlate):
+            raise BadValue(f'{other!r} is no FreePlate; give FreePlate(plate, StartPose(x, y), "name")')
+        if other.name in taken:
+            raise BadValue(f"two supports or plates have the name {other.name!r}; give each its own")
+        taken.add(other.name)
+    if not case.others:
+        return
+    for other in case.others:
+        if not other.plate.turns and other.start.omega != 0.0:
+            raise BadValue(
+                f"a plate of infinite inertia does not turn; give omega=0 in the StartPose of {other.name!r}"
+            )
+
+
+def check_places(case: Any) -> None:
+    """Raise DoesNotFit if plates overlap each other or a support where the motion begins."""
+    names, plates, poses = names_of(case), plates_of(case), start_poses(case)
+    for name, (x, y, *_) in zip(names, poses.tolist(), strict=True):
+        for support in case.supports:
+            check_side(support, f"{name!r}", x, y)
+    if not why_not_closed_forms(case):
+        for contact in plate_contacts(case):
+            gap = gap_of(contact, poses)
+            if gap < -OVERLAPS * size_of(poses, tuple(map(size_of_plate, plates))):
+                raise DoesNotFit(f"{contact.name} overlap by {-gap:.6g} m where they begin; give another StartPose")
+        return
+    fixed = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
+    for b, plate in enumerate(plates):
+        pose = poses[b, :3].tolist()
+        for name, curve in fixed:
+            if overlaps(curve, plate.outline, *pose):
+                raise DoesNotFit(f"{names[b]}/{name} overlap where they begin; give another StartPose")
+        for a, base in enumerate(plates[:b]):
+            x, y = local_centre(poses[a], *pose[:2])
+            is_near, theta = hypot(x, y) <= plate.reach + base.reach, pose[2] - float(poses[a, 2])
+            if is_near and overlaps(backwards(base.outline), plate.outline, float(x), float(y), theta):
+                raise DoesNotFit(f"{names[b]}/{names[a]} overlap where they begin; give another StartPose")
+
+
+def size_of(poses: np.ndarray, radii: tuple[float, ...]) -> float:
+    """The size of the poses' numbers, m."""
+    return float(np.abs(poses[:, :2]).max() + max(radii))

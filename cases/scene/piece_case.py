@@ -1,0 +1,147 @@
+"""A case on one pair of pieces: the contact lies on one smooth piece or corner of the track and one of the outline.
+
+On each pair the equations of contact are smooth. A motion goes from pair to pair: where the contact reaches the end of
+a piece, the next piece follows, with the same slip velocity and spin, since position and direction are continuous
+along a chain.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import pi
+from typing import cast
+
+from ..contact.geometry import clearance
+from ..curves import Curve
+from ..curves.chain import Chain
+from ..curves.corner import Corner, Piece
+from ..curves.element import Element
+from .case_class import Case
+from .plate import Plate
+from .start import Start
+
+
+class PieceCase(Case):
+    """A case whose track and outline are one piece each of those of `whole`; contact parameters are the pieces' own.
+
+    `first`, `second`: the elements of track and outline. It is made by `pieces_at` and `neighbour`, not by hand.
+    """
+
+    whole: Case
+    first: Element
+    second: Element
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, PieceCase) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    @property
+    def _key(self) -> tuple[Case, int, int]:
+        return self.whole, self.first.number, self.second.number
+
+    def __reduce__(self):
+        return _piece_case, self._key
+
+    @property
+    def pieces(self) -> tuple[Piece, Piece]:
+        """The pieces of track and outline."""
+        return self.first.piece, self.second.piece
+
+    def to_whole(self, xi1, xi2):
+        """Contact parameters of the pieces as those of the whole curves."""
+        return xi1 + self.first.shift, xi2 + self.second.shift
+
+    @property
+    def turn(self) -> float:
+        """The plate's angle in the whole case less the one that the pieces give, a multiple of 2π."""
+        return 2 * pi * (self.first.turns - self.second.turns)
+
+
+def has_pieces(case: Case) -> bool:
+    """Whether the case's track or outline is a chain."""
+    return isinstance(case.track, Chain) or isinstance(case.plate.outline, Chain)
+
+
+def pieces_at(case: Case, xi1: float, xi2: float) -> PieceCase:
+    """The case on the pieces at two parameters of its curves."""
+    return _piece_case(case, case.track.element_at(xi1).number, case.plate.outline.element_at(xi2).number)
+
+
+def neighbour(case: PieceCase, of_track: bool, step: int) -> PieceCase | None:
+    """The case on the next piece (`step` 1) or the one before (−1) of track or outline; None at an open end."""
+    curve = case.whole.track if of_track else case.whole.plate.outline
+    first, second = case.first.number, case.second.number
+    number = (first if of_track else second) + step
+    if curve.element(number) is None:
+        return None
+    return _piece_case(case.whole, number, second) if of_track else _piece_case(case.whole, first, number)
+
+
+def is_concave(case: PieceCase) -> bool:
+    """Whether the contact would lie in a corner that points away from the other curve: a second contact comes first."""
+    track, outline = case.pieces
+    return (isinstance(track, Corner) and track.turn > 0.0) or (isinstance(outline, Corner) and outline.turn < 0.0)
+
+
+def corner_on_corner(case: PieceCase) -> bool:
+    """Whether both pieces are corners."""
+    return all(isinstance(piece, Corner) for piece in case.pieces)
+
+
+# A plate lies flat where an edge of it and one of the track differ by less than this direction (rad), and touches a
+# corner within this distance (m): the rounding of an angle after some turns, and of a place some metres away.
+LEVEL = 1e-11
+
+
+def lies_flat(case: PieceCase, xi1: float, xi2: float) -> bool:
+    """Whether a plate that touches at these parameters of its pieces lies along its track: on a piece that does not
+    bend more than the track, or at a corner with the direction of such a piece that ends there."""
+    if not any(isinstance(piece, Corner) for piece in case.pieces):
+        return not clearance(*case.pieces, xi1, xi2) > 0.0
+    for i, (piece, s) in enumerate(zip(case.pieces, (xi1, xi2), strict=True)):
+        other = case.pieces[1 - i]
+        if not isinstance(piece, Corner) or isinstance(other, Corner):
+            continue
+        low, high = piece.span
+        for step, distance in ((-1, s - low), (1, high - s)):
+            following = neighbour(case, i == 0, step)
+            if abs(distance) <= LEVEL and following is not None:
+                ends = [xi1, xi2]
+                ends[i] = following.pieces[i].span[0 if step > 0 else 1]
+                if not clearance(*following.pieces, *ends) > 0.0:
+                    return True
+    return False
+
+
+def corners_meet(case: PieceCase, xi1: float, xi2: float) -> bool:
+    """Whether a corner touches a corner at these parameters: also one that touches the end of a piece next to it."""
+    if corner_on_corner(case):
+        return True
+    for i, (piece, s) in enumerate(zip(case.pieces, (xi1, xi2), strict=True)):
+        if isinstance(piece, Corner) or not isinstance(case.pieces[1 - i], Corner):
+            continue
+        low, high = piece.span
+        for step, distance in ((-1, s - low), (1, high - s)):
+            following = neighbour(case, i == 0, step)
+            is_near = abs(distance) * float(piece.speed(s)) <= LEVEL
+            if is_near and following is not None and corner_on_corner(following):
+                return True
+    return False
+
+
+@lru_cache(maxsize=4096)
+def _piece_case(whole: Case, first: int, second: int) -> PieceCase:
+    on_track, on_outline = whole.track.element(first), whole.plate.outline.element(second)
+    assert on_track is not None and on_outline is not None
+    # Corners have the methods of curves that the equations of contact use.
+    track, outline = cast(Curve, on_track.piece), cast(Curve, on_outline.piece)
+    plate, case = object.__new__(Plate), object.__new__(PieceCase)
+    vars(plate).update(outline=outline, mass=whole.plate.mass, inertia=whole.plate.inertia)
+    values = {name: value for name, value in vars(whole).items() if name in Case.__dataclass_fields__}
+    is_whole = whole.track is track and whole.plate.outline is outline
+    begin = whole.start if is_whole else Start(on_track.middle, on_outline.middle)
+    values |= {"track": track, "plate": plate, "start": begin}
+    vars(case).update(values, whole=whole, first=on_track, second=on_outline)
+    return case

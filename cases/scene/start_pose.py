@@ -1,0 +1,122 @@
+"""A start given as a pose: where the plate is and how it moves, instead of where it touches its track."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import hypot, inf, pi
+
+import numpy as np
+
+from ..contact import geometry
+from ..contact.nearest import contacts
+from ..contact.overlap_search import OVERLAPS
+from ..curves import Curve
+from ..curves.chain import Chain
+from ..curves.corner import Edge
+from ..curves.line_or_circle import as_line
+from ..effects import Belt, Drive, Effect, one
+from ..errors import BadValue, DoesNotFit, finite
+from .size_limits import check_belt, check_drive
+from .start import Start
+
+# A gap below this part of the plate's size and place is the rounding of a pose: the plate touches its track. A velocity
+# along the normal below this part of the plate's speed is none.
+TOUCHES = 1e-12
+
+
+@dataclass(frozen=True)
+class StartPose:
+    """The plate's pose and velocities at time zero: centre of mass (m), angle (rad), m/s, rad/s.
+
+    They are those of the fixed frame, also where a Belt or a Drive moves the track. A case stores it as the `Start` of
+    the nearest point of the track: in contact if the gap is rounding, else off the track, which needs Flight. Raises
+    BadValue for values that are no finite numbers.
+    """
+
+    x: float
+    y: float
+    theta: float = 0.0
+    vx: float = 0.0
+    vy: float = 0.0
+    omega: float = 0.0
+
+    def __post_init__(self):
+        for name in ("x", "y", "theta", "vx", "vy", "omega"):
+            object.__setattr__(self, name, finite(f"{name} of StartPose", getattr(self, name)))
+
+
+def as_start(pose: StartPose, track: Curve, outline: Curve, effects: tuple[Effect, ...]) -> Start:
+    """The same start by the contact parameters of the nearest points, with the slip relative to a track that moves by
+    these effects. Raises DoesNotFit where the points are not found, BadValue for a motion without values at t = 0."""
+    belt, drive, seen = one(effects, Belt), one(effects, Drive), pose
+    check_belt(belt)
+    check_drive(drive)
+    if drive is not None:
+        place = drive.at(0.0)
+        x, y, *velocities = place.seen_from_track(pose.x, pose.y, pose.vx, pose.vy, pose.omega)
+        seen = StartPose(x, y, pose.theta - place.angle, *velocities)
+    contact = min(contacts(track, outline, seen.x, seen.y, seen.theta), key=lambda contact: contact.gap, default=None)
+    if contact is None:
+        raise DoesNotFit("the point of the track nearest to the StartPose is not found; give a Start instead")
+    slip, rate = _velocities(seen, track, contact)
+    slip, gap = slip - (belt.at(0.0)[0] if belt else 0.0), contact.gap
+    # What is left of larger numbers that cancel is rounding.
+    size, both = outline.sizes[0], (pose, seen)
+    extent = max(abs(p.x) + abs(p.y) for p in both) + size
+    if -OVERLAPS * extent <= gap <= TOUCHES * extent:
+        gap = 0.0
+    fastest = max(hypot(p.vx, p.vy) + size * abs(p.omega) for p in both)
+    slip, rate = (0.0 if abs(speed) <= TOUCHES * fastest else speed for speed in (slip, rate))
+    angle = float(geometry.pose(track, outline, contact.xi1, contact.xi2)[2]) - seen.theta
+    rounds = round(angle / (2.0 * pi)) * (outline.period or 0.0)  # so that the angle is the given one
+    if gap < 0.0:
+        raise DoesNotFit(f"the plate overlaps its track by {-gap:.6g} m in the StartPose; give another one")
+    return Start(contact.xi1, contact.xi2 + rounds, slip, pose.omega, gap, rate)
+
+
+def _velocities(pose: StartPose, track: Curve, contact: geometry.Contact) -> tuple[float, float]:
+    """The velocities of the outline's point along the track and away from it (m/s)."""
+    place, (tx, ty) = track.point(contact.xi1), track.tangent(contact.xi1)
+    px, py = place[0] - contact.gap * ty, place[1] + contact.gap * tx
+    vx, vy = pose.vx - pose.omega * (py - pose.y), pose.vy + pose.omega * (px - pose.x)
+    return float(vx * tx + vy * ty), float(vy * tx - vx * ty)
+
+
+def from_flat_side(start: Start, track: Curve, outline: Curve) -> Start:
+    """A start on a straight edge of the outline along a straight track, as the same one at the corner where the edge
+    ends; without xi2, one with θ = 0 on such an edge is in its middle. Other starts are returned as they are.
+
+    Raises BadValue for a plate that lies on the edge and turns.
+    """
+    if not isinstance(outline, Chain) or isinstance(track, Chain) or as_line(track) is None:
+        return start
+    speed = float(track.speed(start.xi1))
+    if not np.allclose(track.speed(np.linspace(*track.span, 17)), speed, rtol=TOUCHES):
+        return start
+    xi2 = _middle_of_level_edge(float(track.tangent_angle(start.xi1)), outline) if start.xi2 is None else start.xi2
+    if xi2 is None:
+        return start
+    element = outline.element_at(xi2)
+    end = element.start + element.piece.span[1] - element.piece.span[0]
+    if not isinstance(element.piece, Edge) or xi2 >= end:
+        return start
+    if start.omega != 0.0 and start.in_contact:
+        raise BadValue(
+            f"a plate that lies on a flat side does not turn; give omega=0 in Start, not {start.omega:g}, or the xi2 "
+            "of a corner"
+        )
+    away = end - xi2
+    rate = start.gap_rate + start.omega * away
+    # A joint belongs to the element before it.
+    return replace(start, xi1=start.xi1 + away / speed, xi2=float(np.nextafter(end, inf)), gap_rate=rate)
+
+
+def _middle_of_level_edge(direction: float, outline: Chain) -> float | None:
+    """The middle of the outline's only edge with a direction (rad), in the round in which that angle is θ = 0."""
+    middles = []
+    for element in outline.elements:
+        middle = element.start + 0.5 * (element.piece.span[1] - element.piece.span[0])
+        turns = (float(outline.tangent_angle(middle)) - direction) / (2.0 * pi)
+        if isinstance(element.piece, Edge) and abs(turns - round(turns)) <= TOUCHES:
+            middles.append(middle - round(turns) * (outline.period or 0.0))
+    return middles[0] if len(middles) == 1 else None
