@@ -50,11 +50,12 @@ def nodes(source: str) -> list[ast.AST]:
 
 
 @cache
-def imported(file: Path) -> set[str]:
-    """The modules a file may import, by their full names, wherever in it the import stands."""
+def imported(file: Path, only_at_once: bool = False) -> set[str]:
+    """The modules a file may import, by their full names, wherever in it the import stands; or those alone that are
+    imported with the file itself."""
     package = file.parent.relative_to(ROOT).parts
     found = set()
-    for node in nodes(file.read_text()):
+    for node in ast.parse(file.read_text()).body if only_at_once else nodes(file.read_text()):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -166,6 +167,64 @@ def test_parts_of_the_reference_import_only_what_stands_below_them():
         assert below <= PARTS[part] | {part}, f"{name} imports {below}"
 
 
+# Parts of `cases`, a folder or a module at the top: each may import what stands beside it here, and all may import the
+# errors and the lock. Formulas know no curve, curves no contact, contacts no case, and cases no motion.
+BASE = {"errors", "derivation"}
+CASE_PARTS = {
+    "derivation": set(),
+    "errors": {"derivation"},
+    "version": set(),
+    "fits": set(),
+    "files": set(),
+    "formulas": set(),
+    "curves": {"files", "formulas"},
+    "library": {"curves", "formulas"},
+    "constructions": {"curves", "formulas"},
+    "moving_surface": {"formulas"},
+    "own_effects": {"formulas"},
+    "slip_laws": {"formulas"},
+    "effects": {"formulas", "moving_surface", "own_effects", "slip_laws"},
+    "pictures": {"curves", "files"},
+    "contact": {"curves", "effects", "formulas", "moving_surface"},
+    "scene": {"contact", "curves", "effects", "library", "moving_surface", "own_effects", "pictures"},
+    "motion": {"contact", "effects", "files", "moving_surface", "own_effects", "pictures", "scene"},
+    "moving_frame": {"contact", "effects", "formulas", "motion", "scene"},
+    "catalogue": {"curves", "effects", "library", "moving_surface"},
+    "registry": {"catalogue", "curves", "files", "scene"},
+    "lookup": {"files", "registry", "scene"},
+    "commands": {"files", "lookup", "registry"},
+    "__main__": {"commands"},
+}
+# Arrows against the table, which import nothing when the module itself is imported.
+CASE_PARTS_LATE = {
+    ("curves", "pictures"): "`Curve.plot` imports what draws when it is called",
+    ("contact", "scene"): "the classes Case and Plate, for type checkers alone",
+}
+
+
+def parts_of_cases(only_at_once: bool) -> set[tuple[str, str]]:
+    """The arrows between the parts of `cases`. The package itself has the names of all; the catalogue imports them as
+    a user's file does."""
+    known = modules("cases")
+    return {
+        (name.split(".")[1], other.split(".")[1])
+        for name, file in known.items()
+        for other in imported(file, only_at_once) & known.keys() - {"cases"}
+        if name != "cases" and name.split(".")[1] != other.split(".")[1]
+    }
+
+
+def test_parts_of_cases_import_only_what_stands_below_them():
+    assert {name.split(".")[1] for name in modules("cases") if name != "cases"} == CASE_PARTS.keys()
+    assert list(TopologicalSorter(CASE_PARTS).static_order())
+    arrows = parts_of_cases(only_at_once=False)
+    assert len(arrows) > 70
+    allowed = {(part, other) for part, below in CASE_PARTS.items() for other in below}
+    to_base = {(part, other) for part in CASE_PARTS.keys() - BASE for other in BASE}
+    assert arrows - allowed - to_base == CASE_PARTS_LATE.keys()
+    assert not parts_of_cases(only_at_once=True) & CASE_PARTS_LATE.keys()
+
+
 # --- what is said of it -----------------------------------------------------------------------------------------------
 
 TEXT = (ROOT / "docs" / "architecture.md").read_text()
@@ -243,6 +302,14 @@ def test_the_picture_shows_every_room_in_its_order():
         assert max(map(words.index, upper)) < min(map(words.index, lower))
     folders = {path.name for path in (ROOT / "reports").iterdir() if path.is_dir()} - {"__pycache__"}
     assert folders == set().union(*FLOORS[FLOORS.index({"options"}) + 1 :])
+
+
+def test_the_tree_of_cases_has_every_part_and_the_modules_at_the_top_are_those_of_authors():
+    _, tree, text = TEXT.partition("## Folders of `cases`")[2].partition("\n## ")[0].split("```")
+    assert {word for line in tree.splitlines() for word in line[:58].split()} == CASE_PARTS.keys() - {"__main__"}
+    at_the_top = {part for part in CASE_PARTS if (ROOT / "cases" / f"{part}.py").is_file()}
+    of_authors = {*re.findall(r"`cases\.(\w+)`", text)}
+    assert of_authors == at_the_top - {"__main__", "commands", "lookup", "version"} | {"contact", "curves"}
 
 
 def test_the_way_of_a_case_enters_no_room_twice_but_the_workers():

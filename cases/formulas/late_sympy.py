@@ -1,7 +1,8 @@
 """SymPy, imported when the first of its names is used: what has no formula of a user needs none of it, and it takes
 longer to import than all the rest.
 
-`from . import late_sympy as sp` stands for `import sympy as sp`. Names at the head of a module would import it at once.
+`from cases.formulas import late_sympy as sp` stands for `import sympy as sp`. Names at the head of a
+module would import it at once.
 """
 
 from importlib import import_module
