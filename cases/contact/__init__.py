@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,6 +40,7 @@ __all__ = [
 ]
 
 
+@lru_cache(maxsize=1024)
 def start_motion(case: Case) -> MotionPoint:
     """The case's start as pose, velocities and contact rates."""
     belt, drive, start = case.effect(Belt), case.effect(Drive), case.start

@@ -7,6 +7,7 @@ on a curve with corners opens or reaches an inner corner or a flat side, the mot
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -95,13 +96,19 @@ class ContactChart:
             return excludes_second(track, outline)
         return fits(track, outline, *span(track, np.array([self.whole.start.xi1, *xi1]), self.whole.plate.reach))
 
+    @cached_property
+    def is_alone(self) -> bool:
+        """Whether curvatures exclude a second contact from the start on: everywhere, but on a curved track without
+        ends."""
+        return self.excludes_second(())
+
     def touches_once(self) -> bool:
         """Whether the motion begins with one contact, or in flight."""
         if self.regime == FLIGHT:
             return True
         if isinstance(self.case, PieceCase) and (self.regime is None or lies_flat(self.case, self.y[0], self.y[1])):
             return False
-        return self.excludes_second(()) or len(list(touching_contacts(self.whole, np.array(start_of(self.whole))))) < 2
+        return self.is_alone or len(list(touching_contacts(self.whole, np.array(start_of(self.whole))))) < 2
 
     def phase(self) -> Ending | Departure | None:
         """Simulate one phase and what follows it. Raises Undecidable, DoesNotFit."""
@@ -181,8 +188,10 @@ class ContactChart:
     def _is_alone_in(self, segment: Segment) -> bool:
         """Whether curvatures exclude a second contact in a segment."""
         track = self.whole.track
-        is_open = not isinstance(self.case, PieceCase) and track.domain is None and not track.period
-        return self.excludes_second(segment.states(segment.times)[0].tolist() if is_open else ())
+        is_straight = track.features is None
+        if isinstance(self.case, PieceCase) or track.domain is not None or track.period or is_straight:
+            return self.is_alone
+        return self.excludes_second(segment.states(segment.times)[0].tolist())
 
     @property
     def pair(self) -> PieceCase:
