@@ -167,7 +167,7 @@ def test_parts_of_the_reference_import_only_what_stands_below_them():
         assert below <= PARTS[part] | {part}, f"{name} imports {below}"
 
 
-# Parts of `cases`, a folder or a module at the top: each may import what stands beside it here, and all may import the
+# Parts of `cases`, a folder or a module at the top: each may import the parts in its row, and all may import the
 # errors and the lock. Formulas know no curve, curves no contact, contacts no case, and cases no motion.
 BASE = {"errors", "derivation"}
 CASE_PARTS = {

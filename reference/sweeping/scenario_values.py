@@ -169,9 +169,11 @@ def numbers(case: Case) -> dict[str, float]:
 
 
 def _place(case: Case) -> dict[str, float]:
-    """The numbers of a scenario including ξ₂ and θ."""
-    initial, some = start_motion(case), numbers(case)
-    return some | ({"xi2": initial.xi2, "theta": initial.theta} if some else {})
+    """The numbers of a scenario including ξ₂ and θ; none of a case that goes alone for what it has."""
+    if not (some := numbers(case)):
+        return some
+    initial = start_motion(case)
+    return {**some, "xi2": initial.xi2, "theta": initial.theta}
 
 
 # --- one by one -------------------------------------------------------------------------------------------------------

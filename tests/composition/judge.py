@@ -38,10 +38,11 @@ class OutOfTime(Exception):
 
 def answer_to(seed: int, seconds: float) -> dict[str, Any]:
     """The outcome of the first scene of a seed that begins where it can, or of the last attempt."""
-    outcomes = (answer(draw(seed, attempt), seconds) for attempt in range(ATTEMPTS))
-    return next((one for one in outcomes if one["outcome"] != "rejected" or "limit" in one), None) or answer(
-        draw(seed, ATTEMPTS), seconds
-    )
+    for attempt in range(ATTEMPTS):
+        outcome = answer(draw(seed, attempt), seconds)
+        if outcome["outcome"] != "rejected" or "limit" in outcome:
+            break
+    return outcome
 
 
 def answer(spec: Spec, seconds: float, rtol: float = 1e-10) -> dict[str, Any]:
