@@ -297,6 +297,7 @@ def without_turning(case: Case, y: Sequence[float]) -> tuple[float, ...]:
     return (y[0], y[1], still.xi1_dot, still.xi2_dot, *y[4:])
 
 
+@lru_cache(maxsize=1024)
 def start_state(case: Case) -> tuple[float, ...]:
     """The case's start as a full state, of contact or of flight."""
     start = start_motion(case)

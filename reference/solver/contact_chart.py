@@ -7,7 +7,7 @@ on a curve with corners opens or reaches an inner corner or a flat side, the mot
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -230,9 +230,7 @@ def first_regime(case: Case, y: Sequence[float]) -> Regime | None:
     is decided as at any instant. None if no contact is consistent. Raises Undecidable."""
     if not case.start.in_contact:
         return FLIGHT
-    start = start_motion(case)
-    body = start.x, start.y, start.theta, start.vx, start.vy, start.omega
-    here, weak = start_pieces(case), AT_BOUND * load_scale(case, 0.0, body)
+    here, weak = start_pieces(case), AT_BOUND * _start_scale(case)
     # Eight roundings lie between the start's values and the speeds of the state. A motion so slow that it ends at once
     # leaves no regime; speeds below an event's own error then count as zero, as after events.
     for error in (8 * EPS, LOCATION_ERROR):
@@ -241,3 +239,10 @@ def first_regime(case: Case, y: Sequence[float]) -> Regime | None:
         if regime:
             return regime
     return None
+
+
+@lru_cache(maxsize=1024)
+def _start_scale(case: Case) -> float:
+    """The size of accelerations (m/s²) at the start."""
+    start = start_motion(case)
+    return load_scale(case, 0.0, (start.x, start.y, start.theta, start.vx, start.vy, start.omega))
