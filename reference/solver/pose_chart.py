@@ -35,7 +35,7 @@ from .meet import CoupleMeeting, Meetings
 from .mode_changes import ModeChanges
 from .places import ContactPlace, couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import size, speed
-from .regimes import SolverPhase, SolverRegime, join, solver_phase, split
+from .regimes import SolverPhase, SolverRegime, ends_flat, join, solver_phase, split
 from .rest import first_loss, first_loss_in, looks_at_load
 from .rotations import rigid_pairs
 from .segment_view import view_of
@@ -291,6 +291,8 @@ class PoseChart(ModeChanges):
             return None
         if following is None:
             return ENDS[kind]
+        if ends_flat(watch.pair, of_track, step):  # the side reaches the other curve's end
+            return ENDS[kind.replace("outline", "track") if not of_track else kind.replace("track", "outline")]
         whole = watch.pair.to_whole(*watch.points)
         self.causes[watch.name] = CAUSES["piece"]
         if is_concave(following):  # it comes to the next piece at the same place

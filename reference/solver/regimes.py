@@ -110,14 +110,30 @@ def kind_of(mode: Mode) -> ContactRows:
 
 def ends_of(pair: PieceCase) -> tuple[str, ...]:
     """The ends of both elements, or of their parts, at which a contact passes to the next one. Where that is straight,
-    as the other element is, both lie on each other there, and the contact stays at the corner."""
+    as the other element is, both lie on each other there, and the contact stays at the corner, unless it `ends_flat`.
+    """
     result = list[str]()
     for end, (of_track, step) in PIECE_ENDS.items():
-        piece, following = cast(Piece, pair.pieces[0 if of_track else 1]), neighbour(pair, of_track, step)
-        lies_flat = following is not None and all(is_straight(one) for one in following.pieces)
-        if piece.parts is not None or (piece.ends is not None and not lies_flat):
+        piece = cast(Piece, pair.pieces[0 if of_track else 1])
+        stays = piece.ends is None or (_is_flat_beyond(pair, of_track, step) and not ends_flat(pair, of_track, step))
+        if piece.parts is not None or not stays:
             result.append(end)
     return tuple(result)
+
+
+def ends_flat(pair: PieceCase, of_track: bool, step: int) -> bool:
+    """Whether a straight side lies down there on a straight element that ends on the same side without a neighbour.
+    If the side's next corner does not meet the element first, the side reaches beyond that free end, and the contact
+    with it."""
+    other = cast(Piece, pair.pieces[1 if of_track else 0])
+    is_free = other.ends is not None and neighbour(pair, not of_track, step) is None
+    return is_free and _is_flat_beyond(pair, of_track, step)
+
+
+def _is_flat_beyond(pair: PieceCase, of_track: bool, step: int) -> bool:
+    """Whether both elements are straight where a contact passes to the next one."""
+    following = neighbour(pair, of_track, step)
+    return following is not None and all(is_straight(one) for one in following.pieces)
 
 
 def is_straight(piece: Piece) -> bool:
@@ -154,10 +170,11 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
         forms.append(form)
         values |= form.friction.values(pair, mode) | form.resistance.values(pair, sense) | form.surface.values(pair)
         values |= curve_sizes(track, f"track_{k}_") | curve_sizes(outline, f"outline_{k}_")
-        if regime.at_joint and regime.at_joint[k]:
-            for bound, sign in (("low", -1.0), ("high", 1.0)):
-                for name in (f"track_{k}_{bound}", f"outline_{k}_{bound}"):
-                    values[name] = values.get(name, 0.0) + sign * AT_END
+        for of_track, step in PIECE_ENDS.values():
+            # A contact that stays at a joint, and one of a side that lies flat, are at the end to rounding.
+            if (regime.at_joint and regime.at_joint[k]) or ends_flat(pair, of_track, step):
+                name = f"{'track' if of_track else 'outline'}_{k}_{'high' if step > 0 else 'low'}"
+                values[name] = values.get(name, 0.0) + step * AT_END
         values[f"lost_{k}"] = regime.lost[k] if regime.lost else 0.0
     for b, plate in enumerate(plates):
         values |= {f"w_{b}": 1.0 / plate.mass, f"v_{b}": 1.0 / plate.inertia}

@@ -5,6 +5,7 @@ from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import reference
 from cases import (
@@ -296,6 +297,39 @@ def test_a_magnet_between_two_plates_pulls_both(method):
         if status == "completed":
             assert motion.transitions[0].time == pytest.approx(1.0 / (0.9 * (G + 2.0)), abs=1e-12)
             assert not reference.check(case, motion)
+
+
+@METHOD
+@pytest.mark.parametrize("support", [False, True])
+@pytest.mark.parametrize("corner", [-0.05, -0.3])
+def test_a_side_that_turns_flat_over_the_end_of_a_shelf_reaches_it(corner, support, method):
+    """A box turns about its corner, which slides without friction: by energy, ω² (y′² + I/m)/2 + g y is constant, with
+    its centre at y = (w sin θ + h cos θ)/2. The side is 0.2 m long: from −0.3 its next corner lands on the shelf."""
+    inertia, tilt, spin = (0.2**2 + 0.1**2) / 12.0, 0.4, -1.0
+
+    def height(theta: float) -> tuple[float, float]:
+        return 0.1 * sin(theta) + 0.05 * cos(theta), 0.1 * cos(theta) - 0.05 * sin(theta)
+
+    def energy(theta: float, omega: float) -> float:
+        y, arm = height(theta)
+        return 0.5 * omega**2 * (arm**2 + inertia) + G * y
+
+    def speed(theta: float) -> float:
+        return sqrt(2.0 * (energy(tilt, spin) - energy(theta, 0.0)) / (height(theta)[1] ** 2 + inertia))
+
+    flat = quad(lambda theta: 1.0 / speed(theta), 0.0, tilt, epsabs=1e-14)[0]
+    y, arm = height(tilt)
+    start = StartPose(corner + 0.1 * cos(tilt) - 0.05 * sin(tilt), y, tilt, vy=arm * spin, omega=spin)
+    shelf, wall = Curve(lambda s: (s, 0 * s), (-3.0, 0.0)), Support(Curve(("2.0", "s")), "wall")
+    case = Case(shelf, BOX, INELASTIC, start, 0.5, supports=(wall,) if support else ())
+    motion = reference.simulate(case, method=method)
+    assert not reference.check(case, motion)
+    if corner == -0.05:
+        assert (motion.status, motion.transitions) == ("track_end", ())
+        assert motion.t[-1] == pytest.approx(flat, abs=2e-9)  # a side is flat to 1e-9 rad
+    else:
+        assert motion.status == "completed"
+        assert motion.transitions[0].time == pytest.approx(flat, abs=1e-10)
 
 
 # --- laws -------------------------------------------------------------------------------------------------------------
