@@ -5,7 +5,7 @@ Gravity pulls along −Y."""
 from math import cos, pi
 
 from cases import Belt, Case, CoulombFriction, Curve, Gravity, Load, Plate, StartPose, Support, Unilateral, case, disc
-from cases.catalogue.contact_effects import contact_with_impacts
+from cases.catalogue.common_scenes import case_with_impacts, contact_with_impacts
 from cases.errors import not_negative, positive
 from cases.library import line
 
@@ -25,14 +25,10 @@ def disc_between_belt_and_wall(speed=2.0, mu=0.3, mu_wall=0.4, press=3.0, r=0.5,
     Source: derived: with the friction F₁ of the belt, F₁ (1 − μ μ_wall) = μ (m g + μ_wall press) while both slip.
     Known exactly: it sticks to the belt after m speed/(2 (F₁ (1 − μ_wall) − μ_wall press)).
     """
-    return Case(
-        track=line(),
-        plate=disc(positive("r of disc_between_belt_and_wall", r), m),
-        effects=(*contact_with_impacts(mu, g), Belt(-speed), Load(fx=-press)),
-        start=StartPose(r, r),
-        duration=duration,
-        supports=(Support(line(pi / 2), "wall", (CoulombFriction(mu_wall),)),),
-    )
+    supports = (Support(line(pi / 2), "wall", (CoulombFriction(mu_wall),)),)
+    plate = disc(positive("r of disc_between_belt_and_wall", r), m)
+    start = StartPose(r, r)
+    return case_with_impacts(line(), plate, mu, g, start, duration, Belt(-speed), Load(fx=-press), supports=supports)
 
 
 @case
@@ -43,14 +39,9 @@ def disc_in_v_of_belts(speed=1.5, mu=0.3, incline=pi / 6, r=0.5, m=1.0, g=9.81, 
     Source: derived as for `disc_spinning_in_v`.
     Known exactly: it rolls after speed (1 + μ²) cos α/(2 μ g), as long as μ < tan α.
     """
-    return Case(
-        track=line(incline),
-        plate=disc(r, m),
-        effects=(*contact_with_impacts(mu, g), Belt(speed)),
-        start=StartPose(0.0, r / cos(incline)),
-        duration=duration,
-        supports=(Support(line(-incline), "right", (CoulombFriction(mu), Belt(speed))),),
-    )
+    supports = (Support(line(-incline), "right", (CoulombFriction(mu), Belt(speed))),)
+    start = StartPose(0.0, r / cos(incline))
+    return case_with_impacts(line(incline), disc(r, m), mu, g, start, duration, Belt(speed), supports=supports)
 
 
 @case(variants=[dict(), dict(speed=0.8, mu_static=0.0, stiffness=0.0)])

@@ -3,12 +3,12 @@
 from dataclasses import replace
 from math import pi, sqrt
 
-from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Plate, Start, Unilateral, case, disc
+from cases import Curve, Flight, Impact, Plate, case, disc
 from cases import curves as c
+from cases.catalogue.common_scenes import case_on_track, ellipse_plate
+from cases.catalogue.odd_wheels import eccentric, rod_on_tip
 from cases.errors import positive
-from cases.library import circle, ellipse, line
-
-from .odd_wheels import eccentric
+from cases.library import circle, line
 
 
 @case(variants=[dict(e=0.5), dict(e=0.8)])
@@ -19,13 +19,7 @@ def bouncing_disc(e=0.5, mu=0.2, height=0.5, slip=1.0, omega=0.0, r=0.1, m=1.0, 
     Source: the usual bouncing ball, here with friction; derived: each flight lasts e times the one before.
     Known exactly: it comes to rest at sqrt(2 h/g) (1 + e)/(1 − e); the flights are a geometric series.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(e)),
-        start=Start(xi1=0.0, gap=height, slip=slip, omega=omega),
-        duration=duration,
-    )
+    return case_on_track(line(), disc(r, m), mu, g, duration, Flight(), Impact(e), gap=height, slip=slip, omega=omega)
 
 
 @case
@@ -36,13 +30,8 @@ def disc_off_ramp(e=0.3, mu=0.4, speed=1.3, r=0.05, m=1.0, g=9.81, duration=1.5)
     Source: the smooth cousin of the ski jump; posed here.
     Known exactly: each flight's centre runs on a parabola.
     """
-    return Case(
-        track=Curve(lambda s: (s, c.exp(-4.0 * s**2)), domain=(-8, 8)),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(e)),
-        start=Start(xi1=0.0, omega=-speed / r),
-        duration=duration,
-    )
+    track = Curve(lambda s: (s, c.exp(-4.0 * s**2)), domain=(-8, 8))
+    return case_on_track(track, disc(r, m), mu, g, duration, Flight(), Impact(e), omega=-speed / r)
 
 
 @case
@@ -53,13 +42,7 @@ def disc_across_circle(e=0.6, mu=0.3, xi1=0.5, r=0.1, m=1.0, g=9.81, duration=3.
     Source: posed here.
     Known exactly: the fall until the first impact is a parabola inside a circle of radius R − r.
     """
-    return Case(
-        track=circle(1.0),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(e)),
-        start=Start(xi1=xi1),
-        duration=duration,
-    )
+    return case_on_track(circle(1.0), disc(r, m), mu, g, duration, Flight(), Impact(e), xi1=xi1)
 
 
 @case
@@ -71,13 +54,8 @@ def tumbling_ellipse(e=0.4, mu=0.3, height=0.4, omega=4.0, a=0.2, b=0.1, m=1.0, 
     (1992) 635–642 (reference looked up, not the text).
     Known exactly: it lands when its centre is sqrt(a² sin² θ + b² cos² θ) high; no impact adds energy.
     """
-    return Case(
-        track=line(),
-        plate=Plate(ellipse(a, b), m, 0.25 * m * (a * a + b * b)),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(e)),
-        start=Start(xi1=0.0, xi2=-pi / 2, gap=height, omega=omega),
-        duration=duration,
-    )
+    plate = ellipse_plate(a, b, m)
+    return case_on_track(line(), plate, mu, g, duration, Flight(), Impact(e), xi2=-pi / 2, gap=height, omega=omega)
 
 
 @case
@@ -106,13 +84,8 @@ def hopping_hoop(mu=0.6, share=0.7, angle=0.4, push=1.0, e=0.0, r=0.5, m=1.0, g=
     Known exactly: while it rolls, (1 + share cos φ) ω² + share (g/r) cos φ is constant, φ from the top.
     """
     offset = share * r
-    return Case(
-        track=line(),
-        plate=Plate(eccentric(r, offset), m, m * (r**2 - offset**2)),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(e)),
-        start=Start(xi1=0.0, xi2=angle - pi, omega=-push * sqrt(g / r)),
-        duration=duration,
-    )
+    plate = Plate(eccentric(r, offset), m, m * (r**2 - offset**2))
+    return case_on_track(line(), plate, mu, g, duration, Flight(), Impact(e), xi2=angle - pi, omega=-push * sqrt(g / r))
 
 
 @case(variants=[dict(mu=0.1), dict(mu=0.5)])
@@ -128,13 +101,7 @@ def disc_onto_incline(mu=0.5, slope=0.5, height=0.1, r=0.1, m=1.0, g=9.81, durat
     Derived: the impulse m g T cos(slope) of the impact, then the force m g cos(slope), bound friction to μ times them,
     and what brings the rim to rest is a third of the slip's momentum.
     """
-    return Case(
-        track=line(slope),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(0.0)),
-        start=Start(xi1=0.0, gap=height),
-        duration=duration,
-    )
+    return case_on_track(line(slope), disc(r, m), mu, g, duration, Flight(), Impact(0.0), gap=height)
 
 
 @case
@@ -149,10 +116,5 @@ def hopping_rod(mu=1.2, angle=1.0, v0=2.0, omega=4.0, length=1.0, tip=0.001, m=1
     m half² φ̈/3 = −half·N cos φ + μ N (half·sin φ + tip) for a tip that slides towards −X, the rod leaning to +X.
     """
     half, tip = positive("length of hopping_rod", length) / 2, positive("tip of hopping_rod", tip)
-    return Case(
-        track=line(),
-        plate=Plate(eccentric(tip, half), m, m * half**2 / 3),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(0.0)),
-        start=Start(xi1=0.0, xi2=-pi / 2 - angle, slip=-v0, omega=omega),
-        duration=duration,
-    )
+    effects, start = (Flight(), Impact(0.0)), dict(xi2=-pi / 2 - angle, slip=-v0, omega=omega)
+    return case_on_track(line(), rod_on_tip(half, tip, m), mu, g, duration, *effects, **start)

@@ -2,8 +2,8 @@
 
 from math import cos, pi, sin
 
-from cases import Case, CoulombFriction, Drive, Gravity, Plate, Start, StartPose, Unilateral, case, moving_surface
-from cases.catalogue.contact_effects import contact_with_impacts
+from cases import Drive, Plate, StartPose, case, moving_surface
+from cases.catalogue.common_scenes import case_on_track, case_with_impacts
 from cases.curves import sin as sin_of
 from cases.errors import positive
 from cases.library import line
@@ -20,13 +20,8 @@ def sliding_box(mu=0.3, slope=0.0, v=1.0, width=0.4, height=0.2, m=1.0, g=9.81, 
     """
     half = 0.5 * positive("width of sliding_box", width)
     high = 0.5 * positive("height of sliding_box", height)
-    return Case(
-        track=line(slope),
-        plate=Plate.rectangle(2 * half, 2 * high, m),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(high * sin(slope), high * cos(slope), -slope, v * cos(slope), -v * sin(slope)),
-        duration=duration,
-    )
+    start = StartPose(high * sin(slope), high * cos(slope), -slope, v * cos(slope), -v * sin(slope))
+    return case_with_impacts(line(slope), Plate.rectangle(2 * half, 2 * high, m), mu, g, start, duration)
 
 
 @case(variants=[dict(), dict(tilt=-0.5, drop=0.3, slope=0.2, mu=0.15)])
@@ -37,13 +32,9 @@ def dropped_box(tilt=0.3, drop=0.2, slope=0.0, mu=0.9, width=0.4, height=0.2, m=
     Source: derived by the angular momentum about the corner, and the energy. The last variant slides on.
     Known exactly: where the corner sticks, and without friction, the box lies down at a time by quadrature.
     """
-    return Case(
-        track=line(slope),
-        plate=Plate.rectangle(positive("width of dropped_box", width), positive("height of dropped_box", height), m),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(0.0, positive("drop of dropped_box", drop), tilt),
-        duration=duration,
-    )
+    plate = Plate.rectangle(positive("width of dropped_box", width), positive("height of dropped_box", height), m)
+    start = StartPose(0.0, positive("drop of dropped_box", drop), tilt)
+    return case_with_impacts(line(slope), plate, mu, g, start, duration)
 
 
 @case(variants=[dict(), dict(mu=0.8, width=0.075)])
@@ -55,13 +46,10 @@ def box_on_shaken_table(amplitude=0.05, rate=9.0, mu=0.2, width=0.4, height=0.2,
     Known exactly: with a = amplitude rate² it rests until a sin(rate t) = min(μ, width/height) g.
     """
     high = 0.5 * positive("height of box_on_shaken_table", height)
-    return Case(
-        track=line(),
-        plate=Plate.rectangle(positive("width of box_on_shaken_table", width), 2 * high, m),
-        effects=(*contact_with_impacts(mu, g), Drive(x=amplitude * sin_of(rate * moving_surface.TIME))),
-        start=StartPose(0.0, high, 0.0, amplitude * rate),
-        duration=duration,
-    )
+    plate = Plate.rectangle(positive("width of box_on_shaken_table", width), 2 * high, m)
+    start = StartPose(0.0, high, 0.0, amplitude * rate)
+    drive = Drive(x=amplitude * sin_of(rate * moving_surface.TIME))
+    return case_with_impacts(line(), plate, mu, g, start, duration, drive)
 
 
 @case(variants=[dict(), dict(mu=0.5)])
@@ -75,10 +63,4 @@ def half_disc_rocking(tilt=1.2, mu=0.3, r=0.2, m=1.0, g=9.81, duration=1.5):
     contact; J = m r² (1/2 − (4/(3π))²).
     """
     plate = Plate.half_disc(positive("r of half_disc_rocking", r), m)
-    return Case(
-        track=line(),
-        plate=plate,
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=plate.outline.span[0] + pi / 2 + tilt),
-        duration=duration,
-    )
+    return case_on_track(line(), plate, mu, g, duration, xi2=plate.outline.span[0] + pi / 2 + tilt)

@@ -2,9 +2,10 @@
 
 from math import pi
 
-from cases import Belt, Case, CoulombFriction, Gravity, Plate, Start, Unilateral, case, disc, moving_surface
+from cases import Belt, case, disc, moving_surface
+from cases.catalogue.common_scenes import case_on_track, ellipse_plate
 from cases.curves import sin
-from cases.library import circle, ellipse, line
+from cases.library import circle, line
 
 
 @case(variants=[dict(), dict(speed=-2.0, mu=0.4)])
@@ -15,13 +16,7 @@ def disc_on_conveyor(speed=1.0, mu=0.1, r=0.1, m=1.0, g=9.81, duration=2.0):
     Source: posed here; derived: friction μ m g gives the speed μ g t and slip 3 μ g t − speed (J = m r²/2).
     Known exactly: it rolls after |speed|/(3 μ g), at a third of the belt's speed, and then needs no friction.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Belt(speed), Unilateral()),
-        start=Start(xi1=0.0, slip=-speed),
-        duration=duration,
-    )
+    return case_on_track(line(), disc(r, m), mu, g, duration, Belt(speed), slip=-speed)
 
 
 @case
@@ -32,13 +27,7 @@ def disc_in_drum(speed=2.0, mu=0.3, R=1.0, r=0.1, m=1.0, g=9.81, duration=4.0):
     Source: posed here.
     Known exactly: while it rolls, a belt of constant speed changes nothing: a pendulum of length 3 (R − r)/2.
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Belt(speed), Unilateral()),
-        start=Start(xi1=-pi / 2, slip=-speed),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(r, m), mu, g, duration, Belt(speed), xi1=-pi / 2, slip=-speed)
 
 
 @case
@@ -48,10 +37,5 @@ def ellipse_on_surging_belt(mean=0.5, surge=1.5, rate=4.0, mu=0.2, a=0.1, b=0.07
     Why: a belt whose acceleration alone makes the plate slip, under a plate that rocks.
     Source: posed here.
     """
-    return Case(
-        track=line(),
-        plate=Plate(ellipse(a, b), m, m * (a * a + b * b) / 4),
-        effects=(Gravity(g), CoulombFriction(mu), Belt(mean + surge * sin(rate * moving_surface.TIME)), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2),
-        duration=duration,
-    )
+    belt = Belt(mean + surge * sin(rate * moving_surface.TIME))
+    return case_on_track(line(), ellipse_plate(a, b, m), mu, g, duration, belt, xi2=-pi / 2)

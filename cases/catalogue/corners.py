@@ -1,7 +1,8 @@
 """Edges and corners: a disc that rolls off a table, a block that rocks on a hill, a Reuleaux wheel. Gravity pulls along
 −Y."""
 
-from cases import Case, Chain, CoulombFriction, Gravity, Plate, Start, Unilateral, case, disc
+from cases import Chain, Plate, case, disc
+from cases.catalogue.common_scenes import case_on_track
 from cases.errors import positive
 from cases.library import hill, line
 
@@ -17,13 +18,8 @@ def disc_over_edge(mu=0.4, v=0.2, way=0.1, r=0.1, m=1.0, g=9.81, duration=1.5):
     """
     r, v = positive("radius of the disc", r), positive("v of disc_over_edge", v)
     way = positive("way of disc_over_edge", way)
-    return Case(
-        track=Chain.polyline([(-way - 4 * r, 0.0), (0.0, 0.0), (0.0, -4 * r)]),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=4 * r, omega=-v / r),
-        duration=duration,
-    )
+    track = Chain.polyline([(-way - 4 * r, 0.0), (0.0, 0.0), (0.0, -4 * r)])
+    return case_on_track(track, disc(r, m), mu, g, duration, xi1=4 * r, omega=-v / r)
 
 
 @case
@@ -35,13 +31,7 @@ def block_on_hill(mu=0.5, R=1.0, width=0.3, height=0.1, offset=0.1, m=1.0, g=9.8
     with friction and corners is this suite's.
     Known exactly: balanced on top it is stable while height < 2 R. The inertia is m (width² + height²)/12.
     """
-    return Case(
-        track=hill(R),
-        plate=Plate.rectangle(width, height, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=offset),
-        duration=duration,
-    )
+    return case_on_track(hill(R), Plate.rectangle(width, height, m), mu, g, duration, xi1=offset)
 
 
 @case
@@ -52,10 +42,4 @@ def reuleaux_on_slope(mu=0.4, slope=0.1, width=0.3, omega=-5.0, m=1.0, g=9.81, d
     Source: Reuleaux's triangle (known to us, not looked up); the scene is this suite's.
     Known exactly: its width is the same in all directions, its area is (π − √3) width²/2.
     """
-    return Case(
-        track=line(slope),
-        plate=Plate.reuleaux(width, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, omega=omega),
-        duration=duration,
-    )
+    return case_on_track(line(slope), Plate.reuleaux(width, m), mu, g, duration, omega=omega)

@@ -3,8 +3,8 @@
 
 from math import cos, pi, sin, sqrt
 
-from cases import Case, Curve, Outline, Plate, StartPose, Support, case, disc
-from cases.catalogue.contact_effects import contact_with_impacts
+from cases import Curve, Outline, Plate, StartPose, Support, case, disc
+from cases.catalogue.common_scenes import case_with_impacts
 from cases.curves import cos as cosine
 from cases.curves import sin as sine
 from cases.errors import positive
@@ -29,13 +29,8 @@ def rod_in_bowl(angle=0.5, mu=0.0, R=2.0, half=1.0, m=1.0, g=9.81, duration=3.0)
     low = 0.02 * half
     outline = Outline.polygon([(-half, -low), (half, -low), (half, low), (-half, low)])
     depth = sqrt(radius * radius - half * half) - low
-    return Case(
-        track=circle(radius),
-        plate=Plate(outline, m, m * half * half / 3),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(depth * sin(angle), -depth * cos(angle), angle),
-        duration=duration,
-    )
+    start = StartPose(depth * sin(angle), -depth * cos(angle), angle)
+    return case_with_impacts(circle(radius), Plate(outline, m, m * half * half / 3), mu, g, start, duration)
 
 
 @case
@@ -45,13 +40,8 @@ def block_into_bowl(tilt=0.4, omega=1.0, mu=0.2, focus=0.5, width=0.8, height=0.
     Why: landings of corners on a curve with ends, the second one while the first corner slides.
     Source: derived: the time of its first landing is that of a free fall with constant spin.
     """
-    return Case(
-        track=parabola(focus),
-        plate=Plate.rectangle(width, height, m),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(0.2, 3.0 * focus, tilt, omega=omega),
-        duration=duration,
-    )
+    plate = Plate.rectangle(width, height, m)
+    return case_with_impacts(parabola(focus), plate, mu, g, StartPose(0.2, 3.0 * focus, tilt, omega=omega), duration)
 
 
 @case
@@ -64,11 +54,6 @@ def disc_between_hills(tilt=0.3 * pi, mu=0.3, omega=20.0, R=1.0, r=0.5, m=1.0, g
     Known exactly: it stops after r ω₀ (1 + μ²) cos α/(2 μ g), as long as μ < tan α.
     """
     far = (positive("R of disc_between_hills", R) + positive("r of disc_between_hills", r)) * sin(tilt)
-    return Case(
-        track=_hill(R, -far),
-        plate=disc(r, m),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(0.0, far * cos(tilt) / sin(tilt), omega=omega),
-        duration=duration,
-        supports=(Support(_hill(R, far), "right"),),
-    )
+    start = StartPose(0.0, far * cos(tilt) / sin(tilt), omega=omega)
+    track = _hill(R, -far)
+    return case_with_impacts(track, disc(r, m), mu, g, start, duration, supports=(Support(_hill(R, far), "right"),))

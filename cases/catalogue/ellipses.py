@@ -11,12 +11,9 @@ with ω² = g (q − b)/(k² + b²), 1/q = 1/ρ + 1/ρ′, k² = (a² + b²)/4, 
 
 from math import pi
 
-from cases import Case, CoulombFriction, Gravity, Plate, Start, Unilateral, case
-from cases.library import circle, ellipse, hill, line
-
-
-def _ellipse(a: float, b: float, m: float) -> Plate:
-    return Plate(ellipse(a, b), m, m * (a * a + b * b) / 4)
+from cases import case
+from cases.catalogue.common_scenes import case_on_track, ellipse_plate
+from cases.library import circle, hill, line
 
 
 @case(variants=[dict(mu=0.05), dict(mu=1.0)])
@@ -25,13 +22,7 @@ def ellipse_on_line(mu=1.0, tilt=0.6, a=0.3, b=0.2, m=1.0, g=9.81, duration=2.0)
 
     Source: derived above. Small swings that roll have ω² = 4 g (a² − b²)/(b (a² + 5 b²)).
     """
-    return Case(
-        track=line(),
-        plate=_ellipse(a, b, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 + tilt),
-        duration=duration,
-    )
+    return case_on_track(line(), ellipse_plate(a, b, m), mu, g, duration, xi2=-pi / 2 + tilt)
 
 
 @case
@@ -41,13 +32,7 @@ def ellipse_on_ice(tilt=0.6, a=0.3, b=0.2, m=1.0, g=9.81, duration=2.0):
     Source: derived above. Known exactly: x is constant and energy is; small swings have
     ω² = 4 g (a² − b²)/(b (a² + b²)).
     """
-    return Case(
-        track=line(),
-        plate=_ellipse(a, b, m),
-        effects=(Gravity(g), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 + tilt),
-        duration=duration,
-    )
+    return case_on_track(line(), ellipse_plate(a, b, m), None, g, duration, xi2=-pi / 2 + tilt)
 
 
 @case
@@ -56,13 +41,7 @@ def ellipse_on_incline(slope=0.2, mu=0.08, tilt=0.2, a=0.2, b=0.17, m=1.0, g=9.8
 
     Source: this suite's; a plate of changing radius on Galileo's plane.
     """
-    return Case(
-        track=line(slope),
-        plate=_ellipse(a, b, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 + tilt),
-        duration=duration,
-    )
+    return case_on_track(line(slope), ellipse_plate(a, b, m), mu, g, duration, xi2=-pi / 2 + tilt)
 
 
 @case
@@ -71,13 +50,7 @@ def ellipse_in_circle(mu=0.2, xi1=-2.4, tilt=0.3, R=1.0, a=0.3, b=0.2, m=1.0, g=
 
     Source: Ogaru & Pandrea, sections 2 to 4.1, whose equations are written for any two curves.
     """
-    return Case(
-        track=circle(R),
-        plate=_ellipse(a, b, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=xi1, xi2=-pi / 2 + tilt),
-        duration=duration,
-    )
+    return case_on_track(circle(R), ellipse_plate(a, b, m), mu, g, duration, xi1=xi1, xi2=-pi / 2 + tilt)
 
 
 @case
@@ -86,10 +59,4 @@ def ellipse_on_hill(mu=1.0, tilt=0.3, R=1.0, a=0.3, b=0.2, m=1.0, g=9.81, durati
 
     Source: derived above. It falls off if 1/b < b/a² + 1/R.
     """
-    return Case(
-        track=hill(R),
-        plate=_ellipse(a, b, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 + tilt),
-        duration=duration,
-    )
+    return case_on_track(hill(R), ellipse_plate(a, b, m), mu, g, duration, xi2=-pi / 2 + tilt)

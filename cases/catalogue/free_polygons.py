@@ -2,8 +2,8 @@
 
 from math import atan, cos, sin
 
-from cases import Case, FreePlate, Plate, StartPose, case, disc
-from cases.catalogue.contact_effects import contact_with_impacts
+from cases import FreePlate, Plate, StartPose, case, disc
+from cases.catalogue.common_scenes import case_with_impacts
 from cases.errors import positive
 from cases.library import line
 
@@ -22,14 +22,8 @@ def disc_on_free_wedge(mu=0.0, width=2.0, height=1.0, r=0.1, m_wedge=3.0, m=1.0,
     high = positive("r of disc_on_free_wedge", r)
     # The centroid is a third of both sides from the right angle; the disc touches a quarter of the slope from the top.
     place = StartPose(0.25 * w + high * sin(angle), 0.75 * h + high * cos(angle))
-    return Case(
-        track=line(),
-        plate=wedge,
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(w / 3.0, h / 3.0),
-        duration=duration,
-        others=(FreePlate(disc(r, m), place, "disc"),),
-    )
+    start = StartPose(w / 3.0, h / 3.0)
+    return case_with_impacts(line(), wedge, mu, g, start, duration, others=(FreePlate(disc(r, m), place, "disc"),))
 
 
 @case(variants=[dict(), dict(speed=1.5)])
@@ -43,14 +37,9 @@ def disc_off_free_block(mu=0.3, speed=0.5, width=1.0, height=0.4, r=0.1, m_block
     w, h = positive("width of disc_off_free_block", width), positive("height of disc_off_free_block", height)
     high = positive("r of disc_off_free_block", r)
     place = StartPose(0.25 * w, h + high, vx=speed, omega=-speed / high)
-    return Case(
-        track=line(),
-        plate=Plate.rectangle(w, h, m_block),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(0.0, 0.5 * h),
-        duration=duration,
-        others=(FreePlate(disc(r, m), place, "disc"),),
-    )
+    others = (FreePlate(disc(r, m), place, "disc"),)
+    start = StartPose(0.0, 0.5 * h)
+    return case_with_impacts(line(), Plate.rectangle(w, h, m_block), mu, g, start, duration, others=others)
 
 
 @case(variants=[dict()])
@@ -74,11 +63,6 @@ def disc_pushes_block(
             along * cos(angle) + above * sin(angle), above * cos(angle) - along * sin(angle), theta, omega=omega
         )
 
-    return Case(
-        track=line(angle),
-        plate=Plate.rectangle(w, h, m_block),
-        effects=contact_with_impacts(mu, g),
-        start=pose_on_slope(0.0, 0.5 * h, theta=-angle),
-        duration=duration,
-        others=(FreePlate(disc(r, m), pose_on_slope(-0.5 * w - high, high, omega=-spin), "disc"),),
-    )
+    others = (FreePlate(disc(r, m), pose_on_slope(-0.5 * w - high, high, omega=-spin), "disc"),)
+    start = pose_on_slope(0.0, 0.5 * h, theta=-angle)
+    return case_with_impacts(line(angle), Plate.rectangle(w, h, m_block), mu, g, start, duration, others=others)

@@ -2,8 +2,9 @@
 
 from math import pi, sin, sqrt
 
-from cases import Case, CoulombFriction, Gravity, Plate, Start, Unilateral, case, disc
-from cases.catalogue.odd_wheels import eccentric
+from cases import Case, CoulombFriction, Gravity, Start, Unilateral, case, disc
+from cases.catalogue.common_scenes import case_on_track
+from cases.catalogue.odd_wheels import unbalanced_wheel
 from cases.errors import positive
 from cases.library import circle, line
 
@@ -21,13 +22,7 @@ def at_any_size(length=1.0, mass=1.0, mu=0.2, g=9.81):
     Known exactly: all times are those of `disc_in_circle` times √(length/1 m); ξ₁ and ξ₂ are the same.
     """
     R = positive("length of at_any_size", length)
-    return Case(
-        track=circle(R),
-        plate=disc(0.1 * R, mass),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=-pi),
-        duration=2.5 * sqrt(R),
-    )
+    return case_on_track(circle(R), disc(0.1 * R, mass), mu, g, 2.5 * sqrt(R), xi1=-pi)
 
 
 @case(
@@ -71,13 +66,7 @@ def limping_wheel(slope=0.03, mu=0.3, e=0.07, omega=-13.0, r=0.1, m=1.0, g=9.81,
     Source: this suite's, after the loaded hoop of Maritz & Theron, Am. J. Phys. 80 (2012, known to us, not looked up).
     Known exactly: energy lost = work of friction; while it rolls, (J + m d²) ω²/2 + m g y is constant.
     """
-    return Case(
-        track=line(slope),
-        plate=Plate(eccentric(r, e), m, 0.5 * m * r**2),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2, omega=omega),
-        duration=duration,
-    )
+    return case_on_track(line(slope), unbalanced_wheel(r, e, m), mu, g, duration, xi2=-pi / 2, omega=omega)
 
 
 @case(
@@ -94,10 +83,4 @@ def rocking_to_rest(slope=0.02, mu=0.05, e=0.03, omega=-6.0, r=0.1, m=1.0, g=9.8
     Source: this suite's.
     Known exactly: energy lost = work of friction.
     """
-    return Case(
-        track=line(slope),
-        plate=Plate(eccentric(r, e), m, 0.5 * m * r**2),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2, omega=omega),
-        duration=duration,
-    )
+    return case_on_track(line(slope), unbalanced_wheel(r, e, m), mu, g, duration, xi2=-pi / 2, omega=omega)

@@ -2,10 +2,11 @@
 
 from math import pi
 
-from cases import Case, CoulombFriction, Gravity, Plate, Start, Unilateral, case, disc
-from cases.catalogue.odd_wheels import eccentric
+from cases import case, disc
+from cases.catalogue.common_scenes import case_on_track, ellipse_plate
+from cases.catalogue.odd_wheels import rod_on_tip
 from cases.errors import positive
-from cases.library import circle, ellipse, line
+from cases.library import circle, line
 
 
 @case(
@@ -20,13 +21,7 @@ def long_slide(mu=1e-6, v0=1.0, r=0.1, m=1.0, g=9.81):
     Known exactly: it rolls from t = v0/(3 μ g) on, at 2 v0/3, after 5 v0²/(18 μ g). The case lasts a tenth longer.
     """
     positive("mu of long_slide", mu)
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, slip=positive("v0 of long_slide", v0)),
-        duration=1.1 * v0 / (3.0 * mu * g),
-    )
+    return case_on_track(line(), disc(r, m), mu, g, 1.1 * v0 / (3.0 * mu * g), slip=positive("v0 of long_slide", v0))
 
 
 @case(
@@ -39,13 +34,7 @@ def nearly_smooth(mu=1e-6, amplitude=1.0, R=1.0, r=0.1, m=1.0, g=9.81, duration=
     Source: the paper's application, Ogaru & Pandrea 4.2, in the limit of small μ₀.
     Known exactly: as μ → 0 a pendulum of length R − r, the slip reversing where it turns.
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=-pi / 2 - amplitude),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(r, m), mu, g, duration, xi1=-pi / 2 - amplitude)
 
 
 @case(
@@ -59,13 +48,7 @@ def sticky_ellipse(mu=3.0, a=0.15, b=0.1, slip=-1.0, omega=0.0, tilt=0.4, m=1.0,
     Source: this suite's.
     Known exactly: 1 + (h_t² − h_t h_n k)m/J, with h the arm to the contact and k = ∓μ, must stay positive.
     """
-    return Case(
-        track=line(),
-        plate=Plate(ellipse(a, b), m, m * (a * a + b * b) / 4),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 + tilt, slip=slip, omega=omega),
-        duration=duration,
-    )
+    return case_on_track(line(), ellipse_plate(a, b, m), mu, g, duration, xi2=-pi / 2 + tilt, slip=slip, omega=omega)
 
 
 @case(
@@ -83,10 +66,4 @@ def rod_into_the_paradox(mu=2.0, angle=0.1, omega=5.0, v0=10.0, length=1.0, tip=
     μ = 4/3, atan 2 alone at 4/3 (for tip → 0).
     """
     half, tip = positive("length of rod_into_the_paradox", length) / 2, positive("tip of rod_into_the_paradox", tip)
-    return Case(
-        track=line(),
-        plate=Plate(eccentric(tip, half), m, m * half**2 / 3),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 - angle, slip=-v0, omega=omega),
-        duration=duration,
-    )
+    return case_on_track(line(), rod_on_tip(half, tip, m), mu, g, duration, xi2=-pi / 2 - angle, slip=-v0, omega=omega)

@@ -2,7 +2,8 @@
 
 from math import pi, sqrt
 
-from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral, case, disc
+from cases import Curve, Plate, case, disc
+from cases.catalogue.common_scenes import case_on_track, ellipse_plate
 from cases.errors import positive
 from cases.library import circle, cosine, ellipse, hill, line, superellipse
 
@@ -20,13 +21,7 @@ def nearly_conforming(gap=1e-4, mu=0.2, R=1.0, g=9.81):
     Known exactly: all times are those of `disc_in_circle` times √((R − r)/0.9 m).
     """
     r = positive("R of nearly_conforming", R) * (1 - gap)
-    return Case(
-        track=circle(R),
-        plate=disc(r, 1.0),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=-pi),
-        duration=2.5 * sqrt((R - r) / 0.9),
-    )
+    return case_on_track(circle(R), disc(r, 1.0), mu, g, 2.5 * sqrt((R - r) / 0.9), xi1=-pi)
 
 
 @case(
@@ -42,13 +37,7 @@ def tightest_fit(gap=1e-4, mu=0.2, amplitude=0.5, a=0.6, b=1.0, m=1.0, g=9.81, d
     Known exactly: where the plate fits, its centre's path has the radius ρ − r.
     """
     r = a * a / b * (1 - gap)
-    return Case(
-        track=ellipse(a, b),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=-pi / 2 - amplitude),
-        duration=duration,
-    )
+    return case_on_track(ellipse(a, b), disc(r, m), mu, g, duration, xi1=-pi / 2 - amplitude)
 
 
 @case(
@@ -63,13 +52,7 @@ def sliver(mu=0.1, tilt=0.02, slip=0.0, omega=0.0, a=0.5, b=0.01, m=1.0, g=9.81,
     Source: this suite's; a flat stone.
     Known exactly: the curvature is b/a² = 0.04 1/m on the flat side and a/b² = 5000 1/m at the ends.
     """
-    return Case(
-        track=line(),
-        plate=Plate(ellipse(a, b), m, m * (a * a + b * b) / 4),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 + tilt, slip=slip, omega=omega),
-        duration=duration,
-    )
+    return case_on_track(line(), ellipse_plate(a, b, m), mu, g, duration, xi2=-pi / 2 + tilt, slip=slip, omega=omega)
 
 
 @case(
@@ -84,13 +67,8 @@ def flat_sided(exponent=8.0, mu=0.6, tilt=0.3, R=1.0, a=0.2, b=0.15, m=1.0, g=9.
     Source: Lamé's curve, Piet Hein's superellipse (known to us, not looked up); the scene is this suite's.
     Known exactly: at the middle of a side the curvature and its derivative vanish for every exponent above 3.
     """
-    return Case(
-        track=hill(R),
-        plate=Plate(superellipse(a, b, int(exponent)), m, m * (a * a + b * b) / 3),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 + tilt),
-        duration=duration,
-    )
+    plate = Plate(superellipse(a, b, int(exponent)), m, m * (a * a + b * b) / 3)
+    return case_on_track(hill(R), plate, mu, g, duration, xi2=-pi / 2 + tilt)
 
 
 @case(
@@ -104,13 +82,8 @@ def over_inflections(mu=0.05, depth=0.05, wavenumber=4.0, speed=0.6, a=0.1, b=0.
     Source: this suite's; the road is its standard corrugation.
     Known exactly: the inflections lie where cos(wavenumber·x) = 0.
     """
-    return Case(
-        track=cosine(depth, wavenumber),
-        plate=Plate(ellipse(a, b), m, m * (a * a + b * b) / 4),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=-1.5, xi2=-pi / 2 + 0.2, slip=speed),
-        duration=duration,
-    )
+    plate = ellipse_plate(a, b, m)
+    return case_on_track(cosine(depth, wavenumber), plate, mu, g, duration, xi1=-1.5, xi2=-pi / 2 + 0.2, slip=speed)
 
 
 @case(
@@ -125,10 +98,4 @@ def released_at_an_inflection(power=3.0, slope=0.5, mu=0.1, r=0.1, m=1.0, g=9.81
     Known exactly: at the start it moves as on an incline: it slips for slope > 3 μ, with N = m g cos(atan slope).
     """
     n = int(power)
-    return Case(
-        track=Curve(lambda s: (s, -slope * s + s**n), domain=(-1.5, 1.2)),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0),
-        duration=duration,
-    )
+    return case_on_track(Curve(lambda s: (s, -slope * s + s**n), domain=(-1.5, 1.2)), disc(r, m), mu, g, duration)

@@ -4,9 +4,10 @@ from math import pi, sqrt
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Gravity, Plate, Start, Unilateral, case, disc
+from cases import case, disc
+from cases.catalogue.common_scenes import case_on_track, ellipse_plate
 from cases.errors import positive
-from cases.library import circle, ellipse, line
+from cases.library import circle, line
 
 
 @case(
@@ -21,13 +22,7 @@ def degenerate_release(mu=0.3, tilt=0.0, a=0.15, b=0.1, R=1.0, m=1.0, g=9.81, du
     Source: posed here; Ogaru & Pandrea, 4.2, have the disc in the circle and do not say where it starts.
     Known exactly: at rest with a vertical tangent N = 0 and N' = 0, whatever the plate.
     """
-    return Case(
-        track=circle(R),
-        plate=Plate(ellipse(a, b), m, m * (a * a + b * b) / 4),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=tilt),
-        duration=duration,
-    )
+    return case_on_track(circle(R), ellipse_plate(a, b, m), mu, g, duration, xi2=tilt)
 
 
 @case(
@@ -44,13 +39,8 @@ def almost_rolling(slip=1e-17, speed=1.0, slope=0.1, mu=0.2, r=0.1, m=1.0, g=9.8
     Known exactly: it rolls with acceleration (2/3) g sin(slope); a slip of 1e-12 m/s ends after
     slip/(3 μ g cos(slope) ∓ g sin(slope)).
     """
-    return Case(
-        track=line(slope),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, slip=slip, omega=-speed / positive("r of almost_rolling", r)),
-        duration=duration,
-    )
+    spin = -speed / positive("r of almost_rolling", r)
+    return case_on_track(line(slope), disc(r, m), mu, g, duration, slip=slip, omega=spin)
 
 
 def touching_slip_velocity(mu: float, R: float, r: float, g: float, xi1: float, rate: float) -> float:
@@ -95,13 +85,7 @@ def touching_slip(above=1e-9, mu=0.05, rate=-2.0, R=1.0, r=0.1, m=1.0, g=9.81, d
     """
     xi1 = -pi / 2 + 0.6
     slip = touching_slip_velocity(mu, R, r, g, xi1, rate) + above
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=xi1, slip=slip, omega=(slip - (R - r) * rate) / r),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(r, m), mu, g, duration, xi1=xi1, slip=slip, omega=(slip - (R - r) * rate) / r)
 
 
 @case(
@@ -116,13 +100,7 @@ def balanced_on_its_tip(a=0.2, b=0.1, mu=0.5, m=1.0, g=9.81, duration=1.0):
     Source: Routh, Elementary Rigid Dynamics (known to us, not looked up); the ellipse is this suite's.
     Known exactly: it stays; what disturbs it grows as e^(λt), λ² = g (a − b²/a)/(a² + (a² + b²)/4) while it rolls.
     """
-    return Case(
-        track=line(),
-        plate=Plate(ellipse(a, b), m, m * (a * a + b * b) / 4),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=0.0),
-        duration=duration,
-    )
+    return case_on_track(line(), ellipse_plate(a, b, m), mu, g, duration, xi2=0.0)
 
 
 @case(
@@ -136,13 +114,7 @@ def incline_at_the_cone(part=1e-9, slope=0.3, r=0.1, m=1.0, g=9.81, duration=1.0
     Source: derived (rolling takes a third of m g sin(slope), so tan(slope) ≤ 3 μ), at its threshold.
     Known exactly: rolling with (2/3) g sin(slope), or slipping with g (sin(slope) − μ cos(slope)).
     """
-    return Case(
-        track=line(slope),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(float(np.tan(slope)) / 3 * (1 + part)), Unilateral()),
-        start=Start(xi1=0.0),
-        duration=duration,
-    )
+    return case_on_track(line(slope), disc(r, m), float(np.tan(slope)) / 3 * (1 + part), g, duration)
 
 
 @case(
@@ -157,13 +129,8 @@ def pendulum_at_the_cone(part=1e-9, amplitude=0.8, R=1.0, r=0.1, m=1.0, g=9.81, 
     Source: derived, the rolling pendulum at the threshold of slip.
     Known exactly: |T|/N is largest at rest, tan(amplitude)/3; period 4 √(3(R − r)/(2g)) K(sin²(amplitude/2)).
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(float(np.tan(amplitude)) / 3 * (1 + part)), Unilateral()),
-        start=Start(xi1=-pi / 2 - amplitude),
-        duration=duration,
-    )
+    mu = float(np.tan(amplitude)) / 3 * (1 + part)
+    return case_on_track(circle(R), disc(r, m), mu, g, duration, xi1=-pi / 2 - amplitude)
 
 
 @case(
@@ -178,10 +145,4 @@ def grazing_loop(part=1e-9, R=1.0, r=0.1, m=1.0, g=9.81, duration=2.5):
     Known exactly: at the top N = 5 part·m g; below the threshold it leaves where cos φ = −1 − 5 part/3, φ from the
     bottom.
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), Unilateral()),
-        start=Start(xi1=-pi / 2, slip=sqrt(5 * g * (R - r) * (1 + part))),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(r, m), None, g, duration, xi1=-pi / 2, slip=sqrt(5 * g * (R - r) * (1 + part)))

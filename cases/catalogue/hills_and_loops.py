@@ -2,7 +2,8 @@
 
 from math import cos, pi, sqrt
 
-from cases import Case, CoulombFriction, Gravity, Start, Unilateral, case, disc
+from cases import case, disc
+from cases.catalogue.common_scenes import case_on_track
 from cases.library import circle, hill
 
 
@@ -15,13 +16,7 @@ def disc_sliding_off_hill(angle=0.3, R=1.0, r=0.1, m=1.0, g=9.81, duration=2.0):
     Known exactly: it leaves at cos φ = 2/3.
     """
     speed = sqrt(2 * g * (R + r) * (1 - cos(angle)))
-    return Case(
-        track=hill(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), Unilateral()),
-        start=Start(xi1=angle, slip=speed),
-        duration=duration,
-    )
+    return case_on_track(hill(R), disc(r, m), None, g, duration, xi1=angle, slip=speed)
 
 
 @case
@@ -35,13 +30,7 @@ def disc_rolling_off_hill(mu=0.3, angle=0.3, shape=0.5, R=1.0, r=0.1, m=1.0, g=9
     friction) and 4/7 (disc that always rolls; 10/17 as a sphere).
     """
     speed = sqrt(2 * g * (R + r) * (1 - cos(angle)) / (1 + shape))
-    return Case(
-        track=hill(R),
-        plate=disc(r, m, shape * m * r**2),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=angle, omega=-speed / r),
-        duration=duration,
-    )
+    return case_on_track(hill(R), disc(r, m, shape * m * r**2), mu, g, duration, xi1=angle, omega=-speed / r)
 
 
 @case(variants=[dict(ratio=4.9), dict(ratio=5.1)])
@@ -53,13 +42,7 @@ def sliding_loop(ratio=5.1, R=1.0, r=0.1, m=1.0, g=9.81, duration=1.5):
     Known exactly: it goes round for ratio ≥ 5; below (and above 2) it leaves at the angle φ from the bottom with
     cos φ = (2 − ratio)/3. Bottom and top differ by 6 m g in normal force.
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), Unilateral()),
-        start=Start(xi1=-pi / 2, slip=sqrt(ratio * g * (R - r))),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(r, m), None, g, duration, xi1=-pi / 2, slip=sqrt(ratio * g * (R - r)))
 
 
 @case(variants=[dict(ratio=3.5), dict(ratio=5.0)])
@@ -70,10 +53,4 @@ def rolling_loop(ratio=5.0, mu=0.5, R=1.0, r=0.1, m=1.0, g=9.81, duration=1.5):
     Known exactly: while it rolls N = m g (ratio − 4/3 + (7/3) cos φ), so 11/3 is critical for a disc; a slower one
     slips before it leaves, where sin φ = 3 μ (ratio − 4/3 + (7/3) cos φ).
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=-pi / 2, omega=-sqrt(ratio * g * (R - r)) / r),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(r, m), mu, g, duration, xi1=-pi / 2, omega=-sqrt(ratio * g * (R - r)) / r)

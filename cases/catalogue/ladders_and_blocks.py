@@ -3,19 +3,8 @@
 
 from math import cos, pi, sin
 
-from cases import (
-    Case,
-    CoulombFriction,
-    Curve,
-    Outline,
-    Plate,
-    StartPose,
-    Support,
-    arc,
-    case,
-    disc,
-)
-from cases.catalogue.contact_effects import contact_with_impacts
+from cases import CoulombFriction, Curve, Outline, Plate, StartPose, Support, arc, case, disc
+from cases.catalogue.common_scenes import case_with_impacts
 from cases.errors import not_negative, positive
 from cases.library import line
 
@@ -49,14 +38,9 @@ def ladder_at_wall(angle=1.2, mu=0.0, mu_wall=0.0, half=1.0, m=1.0, g=9.81, dura
     """
     half = positive("half of ladder_at_wall", half)
     own = (CoulombFriction(mu_wall),) if not_negative("mu_wall", mu_wall) else ()
-    return Case(
-        track=line(),
-        plate=_rod(half, 0.02 * half, m),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(half * cos(angle), half * sin(angle), pi - angle),
-        duration=duration,
-        supports=(Support(line(pi / 2), "wall", own),),
-    )
+    start = StartPose(half * cos(angle), half * sin(angle), pi - angle)
+    plate = _rod(half, 0.02 * half, m)
+    return case_with_impacts(line(), plate, mu, g, start, duration, supports=(Support(line(pi / 2), "wall", own),))
 
 
 @case
@@ -68,14 +52,9 @@ def round_ladder_at_wall(angle=1.2, half=1.0, radius=0.05, m=1.0, g=9.81, durati
     Known exactly: it leaves the wall where sin θ = (2/3) sin θ₀, at the time of the ladder with sharp ends.
     """
     half, radius = positive("half of round_ladder_at_wall", half), positive("radius of round_ladder_at_wall", radius)
-    return Case(
-        track=line(),
-        plate=_capsule(half, radius, m),
-        effects=contact_with_impacts(0.0, g),
-        start=StartPose(radius + half * cos(angle), radius + half * sin(angle), pi - angle),
-        duration=duration,
-        supports=(Support(line(pi / 2), "wall"),),
-    )
+    start = StartPose(radius + half * cos(angle), radius + half * sin(angle), pi - angle)
+    plate = _capsule(half, radius, m)
+    return case_with_impacts(line(), plate, 0.0, g, start, duration, supports=(Support(line(pi / 2), "wall"),))
 
 
 @case(variants=[dict(slope=0.3, mu=0.2), dict(slope=0.6, mu=0.9), dict(slope=0.6, mu=0.52)])
@@ -88,14 +67,10 @@ def block_on_incline(slope=0.3, mu=0.2, width=1.0, height=2.0, m=1.0, g=9.81, du
     """
     half = 0.5 * positive("width of block_on_incline", width)
     high = 0.5 * positive("height of block_on_incline", height)
-    return Case(
-        track=line(slope),
-        plate=Plate.rectangle(2 * half, 2 * high, m),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(high * sin(slope), high * cos(slope), -slope),
-        duration=duration,
-        supports=(_stop(10 * high * cos(slope), -10 * high * sin(slope), slope),),
-    )
+    supports = (_stop(10 * high * cos(slope), -10 * high * sin(slope), slope),)
+    start = StartPose(high * sin(slope), high * cos(slope), -slope)
+    plate = Plate.rectangle(2 * half, 2 * high, m)
+    return case_with_impacts(line(slope), plate, mu, g, start, duration, supports=supports)
 
 
 @case(variants=[dict(), dict(slenderness=1.0, height=0.5, duration=0.5)])
@@ -111,14 +86,9 @@ def rocking_block(tilt=0.1, slenderness=0.25, height=2.0, mu=2.0, m=1.0, g=9.81,
     half = high * positive("slenderness of rocking_block", slenderness)
     # It stands on its lower left corner, which is at the origin less half its width.
     x, y = cos(tilt) * half - sin(tilt) * high, sin(tilt) * half + cos(tilt) * high
-    return Case(
-        track=line(),
-        plate=Plate.rectangle(2 * half, 2 * high, m),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(x - half, y, tilt),
-        duration=duration,
-        supports=(_stop(5 * high, 0.0, 0.0),),
-    )
+    plate = Plate.rectangle(2 * half, 2 * high, m)
+    supports = (_stop(5 * high, 0.0, 0.0),)
+    return case_with_impacts(line(), plate, mu, g, StartPose(x - half, y, tilt), duration, supports=supports)
 
 
 @case
@@ -129,11 +99,6 @@ def disc_spinning_in_v(incline=pi / 6, mu=0.3, omega=20.0, r=0.5, m=1.0, g=9.81,
     Source: derived: friction μN at both contacts, S (1 + μ²) cos α = m g for the sum S of the normal forces.
     Known exactly: it stops after r ω₀ (1 + μ²) cos α/(2 μ g), as long as μ < tan α.
     """
-    return Case(
-        track=line(incline),
-        plate=disc(r, m),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(0.0, r / cos(incline), omega=omega),
-        duration=duration,
-        supports=(Support(line(-incline), "right"),),
-    )
+    start = StartPose(0.0, r / cos(incline), omega=omega)
+    supports = (Support(line(-incline), "right"),)
+    return case_with_impacts(line(incline), disc(r, m), mu, g, start, duration, supports=supports)

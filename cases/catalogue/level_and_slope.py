@@ -1,6 +1,7 @@
 """Discs on straight tracks: bowling and the inclined plane. `shape` is J/(m r²): ½ disc, 1 hoop, ⅖ as a sphere's."""
 
-from cases import Case, CoulombFriction, Gravity, Start, Unilateral, case, disc
+from cases import case, disc
+from cases.catalogue.common_scenes import case_on_track
 from cases.errors import positive
 from cases.library import line
 
@@ -16,13 +17,7 @@ def disc_on_line(v0=1.0, mu=0.1, r=0.1, m=1.0, g=9.81):
     positive("mu of disc_on_line", mu)
     positive("v0 of disc_on_line", v0)
     positive("g of disc_on_line", g)
-    return Case(
-        track=line(),
-        plate=disc(radius=r, mass=m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, slip=v0),
-        duration=2.0 * v0 / (3.0 * mu * g),
-    )
+    return case_on_track(line(), disc(radius=r, mass=m), mu, g, 2.0 * v0 / (3.0 * mu * g), slip=v0)
 
 
 @case(
@@ -44,13 +39,8 @@ def thrown_with_spin(v0=1.0, backspin=0.0, shape=0.5, mu=0.2, r=0.1, m=1.0, g=9.
     """
     slip = positive("v0 of thrown_with_spin", v0) + backspin
     positive("mu of thrown_with_spin", mu), positive("shape of thrown_with_spin", shape)
-    return Case(
-        track=line(),
-        plate=disc(r, m, shape * m * r**2),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, slip=slip, omega=backspin / r),
-        duration=2.0 * abs(slip) / (mu * g * (1.0 + 1.0 / shape)),
-    )
+    plate, duration = disc(r, m, shape * m * r**2), 2.0 * abs(slip) / (mu * g * (1.0 + 1.0 / shape))
+    return case_on_track(line(), plate, mu, g, duration, slip=slip, omega=backspin / r)
 
 
 @case(variants=[dict(slope=0.2), dict(slope=0.29), dict(slope=0.3), dict(slope=0.4)])
@@ -62,10 +52,4 @@ def disc_on_incline(slope=0.2, mu=0.1, shape=0.5, r=0.1, m=1.0, g=9.81, duration
     Known exactly: it rolls if tan(slope) ≤ 3 μ, with acceleration (2/3) g sin(slope); else it slips with
     g (sin(slope) − μ cos(slope)). For μ = 0.1 the two part at 0.29146 rad. In general tan(slope) ≤ μ (1 + 1/shape).
     """
-    return Case(
-        track=line(slope),
-        plate=disc(r, m, shape * m * r**2),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0),
-        duration=duration,
-    )
+    return case_on_track(line(slope), disc(r, m, shape * m * r**2), mu, g, duration)

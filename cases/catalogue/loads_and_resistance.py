@@ -2,18 +2,8 @@
 
 from math import pi, sqrt
 
-from cases import (
-    Case,
-    CoulombFriction,
-    Gravity,
-    Load,
-    PerfectlyRough,
-    RollingResistance,
-    Start,
-    Unilateral,
-    case,
-    disc,
-)
+from cases import Case, CoulombFriction, Gravity, Load, PerfectlyRough, RollingResistance, Start, case, disc
+from cases.catalogue.common_scenes import case_on_track
 from cases.library import circle, cosine, line
 
 
@@ -25,13 +15,7 @@ def disc_rolling_to_rest(v0=1.0, mu=0.3, arm=0.005, r=0.1, m=1.0, g=9.81, durati
     Source: Popov, Contact Mechanics and Friction (2010, known to us, not looked up); derived from the law as stated.
     Known exactly: it rolls after v0/(g (3 μ − 2 arm/r)), then slows down by (2/3) g arm/r and stops.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), RollingResistance(arm), Unilateral()),
-        start=Start(xi1=0.0, slip=v0),
-        duration=duration,
-    )
+    return case_on_track(line(), disc(r, m), mu, g, duration, RollingResistance(arm), slip=v0)
 
 
 @case
@@ -42,13 +26,7 @@ def disc_in_sticky_valley(arm=0.01, mu=0.5, xi1=-0.6, r=0.1, m=1.0, g=9.81, dura
     Source: posed here.
     Known exactly: it stops where |tan of the slope| is at most arm/r.
     """
-    return Case(
-        track=cosine(0.1, 2.0),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), RollingResistance(arm), Unilateral()),
-        start=Start(xi1=xi1),
-        duration=duration,
-    )
+    return case_on_track(cosine(0.1, 2.0), disc(r, m), mu, g, duration, RollingResistance(arm), xi1=xi1)
 
 
 @case
@@ -59,13 +37,7 @@ def disc_on_spring(k=40.0, mu=0.1, stretch=0.2, r=0.1, m=1.0, g=9.81, duration=3
     Source: posed here; textbook oscillator.
     Known exactly: while it rolls, ω² = 2 k/(3 m); it rolls while k |x|/3 is at most μ m g.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=(Gravity(g), Load(fx=f"-{k}*x"), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=stretch),
-        duration=duration,
-    )
+    return case_on_track(line(), disc(r, m), mu, g, duration, Load(fx=f"-{k}*x"), xi1=stretch)
 
 
 @case
@@ -76,13 +48,7 @@ def driven_disc(torque=0.4, frequency=6.0, mu=0.15, r=0.1, m=1.0, g=9.81, durati
     Source: posed here.
     Known exactly: while it rolls, friction is two thirds of the moment over r: it slips beyond (3/2) μ m g r.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=(Gravity(g), Load(moment=f"-{torque}*sin({frequency}*t)"), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0),
-        duration=duration,
-    )
+    return case_on_track(line(), disc(r, m), mu, g, duration, Load(moment=f"-{torque}*sin({frequency}*t)"))
 
 
 @case

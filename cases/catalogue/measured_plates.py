@@ -3,7 +3,8 @@
 from functools import lru_cache
 from pathlib import Path
 
-from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral, case
+from cases import Curve, Plate, case
+from cases.catalogue.common_scenes import case_on_track
 from cases.library import line
 
 # How far the file's points may be from the outline, m: their last digit is 0.1 mm.
@@ -25,10 +26,4 @@ def pebble_on_incline(mu=0.1, slope=0.15, omega=-4.0, m=1.0, g=9.81, duration=1.
     Source: this suite; the points are made to look measured, in pebble.csv in the same folder.
     """
     plate = _homogeneous(Path(__file__).with_name("pebble.csv"), m)
-    return Case(
-        track=line(slope),
-        plate=plate,
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=0.75 * plate.outline.span[1], omega=omega),
-        duration=duration,
-    )
+    return case_on_track(line(slope), plate, mu, g, duration, xi2=0.75 * plate.outline.span[1], omega=omega)

@@ -2,7 +2,8 @@
 
 from math import pi
 
-from cases import Case, CoulombFriction, Drive, Flight, Gravity, Impact, Start, Unilateral, case, disc, moving_surface
+from cases import Drive, Flight, Impact, case, disc, moving_surface
+from cases.catalogue.common_scenes import case_on_track
 from cases.curves import sin
 from cases.library import circle, line
 
@@ -15,13 +16,7 @@ def disc_on_accelerated_plate(jerk=4.0, mu=0.2, r=0.1, m=1.0, g=9.81, duration=2
     Source: derived: rolling on a plate of acceleration a takes m a/3 of friction and gives the disc a/3 (J = m r²/2).
     Known exactly: it rolls until jerk t = 3 mu g, with a third of the plate's acceleration.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Drive(x=jerk * moving_surface.TIME**3 / 6), Unilateral()),
-        start=Start(xi1=0.0),
-        duration=duration,
-    )
+    return case_on_track(line(), disc(r, m), mu, g, duration, Drive(x=jerk * moving_surface.TIME**3 / 6))
 
 
 @case
@@ -32,13 +27,7 @@ def disc_on_shaken_table(amplitude=0.05, rate=12.0, mu=0.2, r=0.1, m=1.0, g=9.81
     Source: posed here.
     Known exactly: where it rolls its acceleration is a third of the table's; it slips where that exceeds 3 mu g.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Drive(x=amplitude * sin(rate * moving_surface.TIME)), Unilateral()),
-        start=Start(xi1=0.0),
-        duration=duration,
-    )
+    return case_on_track(line(), disc(r, m), mu, g, duration, Drive(x=amplitude * sin(rate * moving_surface.TIME)))
 
 
 @case
@@ -49,13 +38,8 @@ def disc_in_swinging_bowl(swing=0.4, rate=3.0, mu=0.1, R=1.0, r=0.1, m=1.0, g=9.
     Source: posed here.
     Known exactly: the bowl's shape never changes, so it is a belt of speed R swing rate cos(rate t).
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Drive(angle=swing * sin(rate * moving_surface.TIME)), Unilateral()),
-        start=Start(xi1=-pi / 2 + 0.5),
-        duration=duration,
-    )
+    drive = Drive(angle=swing * sin(rate * moving_surface.TIME))
+    return case_on_track(circle(R), disc(r, m), mu, g, duration, drive, xi1=-pi / 2 + 0.5)
 
 
 @case
@@ -66,12 +50,5 @@ def disc_on_bouncing_table(amplitude=0.02, rate=30.0, e=0.4, mu=0.2, v0=0.5, r=0
     Source: posed here; the bouncing ball on a vibrating table is known to us, not looked up.
     Known exactly: it first lifts off where amplitude rate² sin(rate t) = g.
     """
-    effects = (
-        Gravity(g),
-        CoulombFriction(mu),
-        Unilateral(),
-        Flight(),
-        Impact(e),
-        Drive(y=amplitude * sin(rate * moving_surface.TIME)),
-    )
-    return Case(track=line(), plate=disc(r, m), effects=effects, start=Start(xi1=0.0, slip=v0), duration=duration)
+    drive = Drive(y=amplitude * sin(rate * moving_surface.TIME))
+    return case_on_track(line(), disc(r, m), mu, g, duration, Flight(), Impact(e), drive, slip=v0)

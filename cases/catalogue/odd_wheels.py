@@ -2,8 +2,9 @@
 
 from math import atan, cos, pi, sinh, sqrt
 
-from cases import Case, CoulombFriction, Curve, Gravity, Plate, Start, Unilateral, case
+from cases import Curve, Plate, case
 from cases import curves as c
+from cases.catalogue.common_scenes import case_on_track
 from cases.errors import positive
 from cases.library import catenary_hill, hill, line, logarithmic_spiral, rounded_polygon, superellipse
 
@@ -12,6 +13,16 @@ def eccentric(radius: float, eccentricity: float) -> Curve:
     """A circle whose centre lies at −eccentricity on the plate's own x axis."""
     r, e = positive("radius of the wheel", radius), positive("eccentricity of the wheel", eccentricity)
     return Curve(lambda s: (r * c.cos(s) - e, r * c.sin(s)))
+
+
+def unbalanced_wheel(r: float, e: float, m: float) -> Plate:
+    """A wheel of radius r with its centre of mass at the distance e from its axle, and J = m r²/2 about that."""
+    return Plate(eccentric(r, e), m, 0.5 * m * r**2)
+
+
+def rod_on_tip(half: float, tip: float, m: float) -> Plate:
+    """A slender rod of length 2·half that touches with a round tip of that radius."""
+    return Plate(eccentric(tip, half), m, m * half**2 / 3)
 
 
 @case
@@ -23,13 +34,7 @@ def eccentric_disc_on_line(mu=0.1, e=0.03, omega=-6.0, r=0.1, m=1.0, g=9.81, dur
     derived: a rolling plate turns about its contact point, and friction does no work.
     Known exactly: while it rolls, (J + m d²) ω²/2 + m g y is constant, d being its distance from the contact point.
     """
-    return Case(
-        track=line(),
-        plate=Plate(eccentric(r, e), m, 0.5 * m * r**2),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2, omega=omega),
-        duration=duration,
-    )
+    return case_on_track(line(), unbalanced_wheel(r, e, m), mu, g, duration, xi2=-pi / 2, omega=omega)
 
 
 @case
@@ -45,13 +50,8 @@ def littlewood_hoop(mu=0.2, share=0.8, angle=0.4, r=0.5, m=1.0, g=9.81, duration
     """
     spin = sqrt(g / r * share * (1 - cos(angle)) / (1 + share * cos(angle)))
     e = share * r
-    return Case(
-        track=line(),
-        plate=Plate(eccentric(r, e), m, m * (r**2 - e**2)),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=angle - pi, omega=-spin),
-        duration=duration,
-    )
+    plate = Plate(eccentric(r, e), m, m * (r**2 - e**2))
+    return case_on_track(line(), plate, mu, g, duration, xi2=angle - pi, omega=-spin)
 
 
 @case
@@ -62,13 +62,8 @@ def superellipse_on_hill(mu=0.6, tilt=0.15, R=1.0, a=0.2, b=0.15, m=1.0, g=9.81,
     Source: Lamé's curve, Piet Hein's superellipse (known to us, not looked up); the scene is this suite's.
     Known exactly: its area is 4 a b Γ(5/4)²/Γ(3/2). The inertia is (a² + b²)/3 of the box around it.
     """
-    return Case(
-        track=hill(R),
-        plate=Plate(superellipse(a, b), m, m * (a * a + b * b) / 3),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 + tilt),
-        duration=duration,
-    )
+    plate = Plate(superellipse(a, b), m, m * (a * a + b * b) / 3)
+    return case_on_track(hill(R), plate, mu, g, duration, xi2=-pi / 2 + tilt)
 
 
 @case
@@ -80,13 +75,8 @@ def rounded_triangle_on_line(mu=0.3, sharpness=0.8, omega=-8.0, r=0.1, m=1.0, g=
     looked up). Derived: the perimeter is the integral of h + h″ over all directions.
     Known exactly: while it rolls, (J + m (h² + h′²)) ω²/2 + m g h is constant.
     """
-    return Case(
-        track=line(),
-        plate=Plate(rounded_polygon(r, 3, sharpness), m, 0.5 * m * r**2),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 + 0.3, omega=omega),
-        duration=duration,
-    )
+    plate = Plate(rounded_polygon(r, 3, sharpness), m, 0.5 * m * r**2)
+    return case_on_track(line(), plate, mu, g, duration, xi2=-pi / 2 + 0.3, omega=omega)
 
 
 @case
@@ -100,13 +90,8 @@ def straight_edge_on_catenary(omega=-2.0, xi1=-0.1, mu=2.0, h=0.2, m=1.0, g=9.81
     """
     h = positive("h of straight_edge_on_catenary", h)
     # The edge has rolled from the top of the road, so both have been passed over by the same length.
-    return Case(
-        track=catenary_hill(h, reach=h),
-        plate=Plate(Curve(lambda s: (s, -h), domain=(-h, h)), m, m * (2 * h) ** 2 / 6),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=xi1, xi2=h * sinh(xi1 / h), omega=omega),
-        duration=duration,
-    )
+    plate = Plate(Curve(lambda s: (s, -h), domain=(-h, h)), m, m * (2 * h) ** 2 / 6)
+    return case_on_track(catenary_hill(h, reach=h), plate, mu, g, duration, xi1=xi1, xi2=h * sinh(xi1 / h), omega=omega)
 
 
 @case
@@ -118,13 +103,8 @@ def spiral_on_incline(growth=0.2, omega=-5.0, mu=0.5, start=0.1, m=1.0, g=9.81, 
     radius, and the radius meets the incline at one angle.
     Known exactly: y of the centre of mass is constant while it rolls, and (J + m d²) ω² is. J = m·start²/2.
     """
-    return Case(
-        track=line(atan(growth)),
-        plate=Plate(logarithmic_spiral(start, growth), m, 0.5 * m * start**2),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-1.2, omega=omega),
-        duration=duration,
-    )
+    plate = Plate(logarithmic_spiral(start, growth), m, 0.5 * m * start**2)
+    return case_on_track(line(atan(growth)), plate, mu, g, duration, xi2=-1.2, omega=omega)
 
 
 @case(variants=[dict(mu=0.5), dict(mu=1.2)])
@@ -139,10 +119,4 @@ def sliding_rod(mu=0.5, angle=1.2, v0=2.0, length=1.0, tip=0.001, m=1.0, g=9.81,
     appears at μ = 4/3, tan φ = 2 (tip → 0).
     """
     half, tip = positive("length of sliding_rod", length) / 2, positive("tip of sliding_rod", tip)
-    return Case(
-        track=line(),
-        plate=Plate(eccentric(tip, half), m, m * half**2 / 3),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, xi2=-pi / 2 - angle, slip=-v0),
-        duration=duration,
-    )
+    return case_on_track(line(), rod_on_tip(half, tip, m), mu, g, duration, xi2=-pi / 2 - angle, slip=-v0)

@@ -2,7 +2,8 @@
 
 from math import pi
 
-from cases import Case, CoulombFriction, Gravity, Start, Unilateral, case, disc
+from cases import Case, CoulombFriction, Start, Unilateral, case, disc
+from cases.catalogue.common_scenes import case_on_track
 from cases.library import circle, cycloid
 
 
@@ -14,13 +15,7 @@ def frictionless_pendulum(amplitude=1.0, R=1.0, r=0.1, m=1.0, g=9.81, duration=2
     Source: Landau & Lifshitz, Mechanics (known to us, not looked up); derived from energy.
     Known exactly: period 4 √((R − r)/g) K(sin²(amplitude/2)); at the bottom N = m g (3 − 2 cos amplitude).
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), Unilateral()),
-        start=Start(xi1=-pi / 2 - amplitude),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(r, m), None, g, duration, xi1=-pi / 2 - amplitude)
 
 
 @case
@@ -31,13 +26,7 @@ def rolling_pendulum(amplitude=1.0, mu=1.0, R=1.0, r=0.1, m=1.0, g=9.81, duratio
     Source: Landau & Lifshitz, Mechanics (known to us, not looked up); derived from energy.
     Known exactly: period 4 √(3(R − r)/(2g)) K(sin²(amplitude/2)), while tan(amplitude) ≤ 3 μ.
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=-pi / 2 - amplitude),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(r, m), mu, g, duration, xi1=-pi / 2 - amplitude)
 
 
 @case
@@ -49,13 +38,7 @@ def cardano_disc(amplitude=1.0, mu=1.0, R=1.0, m=1.0, g=9.81, duration=1.5):
     line.
     Known exactly: the rim point that touches at the start stays on the track's diameter through that place.
     """
-    return Case(
-        track=circle(R),
-        plate=disc(R / 2, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=-pi / 2 - amplitude),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(R / 2, m), mu, g, duration, xi1=-pi / 2 - amplitude)
 
 
 @case(variants=[dict(s0=-0.5), dict(s0=-2.0)])
@@ -67,13 +50,7 @@ def cycloidal_pendulum(s0=-2.0, a=0.25, r=0.1, m=1.0, g=9.81, duration=2.2):
     arc.
     Known exactly: period 4π √(a/g), for every s0.
     """
-    return Case(
-        track=cycloid(a, offset=r),
-        plate=disc(r, m),
-        effects=(Gravity(g), Unilateral()),
-        start=Start(xi1=s0),
-        duration=duration,
-    )
+    return case_on_track(cycloid(a, offset=r), disc(r, m), None, g, duration, xi1=s0)
 
 
 @case
@@ -83,13 +60,7 @@ def rolling_on_cycloid(s0=-1.0, mu=0.5, a=0.25, r=0.1, m=1.0, g=9.81, duration=2
     Source: derived, Huygens' property with the rolling disc's mass 3m/2 along the path.
     Known exactly: period 4π √(3a/(2g)), for every s0 from which it rolls.
     """
-    return Case(
-        track=cycloid(a, offset=r),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=s0),
-        duration=duration,
-    )
+    return case_on_track(cycloid(a, offset=r), disc(r, m), mu, g, duration, xi1=s0)
 
 
 @case

@@ -2,7 +2,8 @@
 
 from math import pi, tan
 
-from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Start, Unilateral, case, disc
+from cases import Curve, Flight, Impact, case, disc
+from cases.catalogue.common_scenes import case_on_track
 from cases.curves import sqrt
 
 
@@ -19,10 +20,5 @@ def disc_rocking_in_groove(incline=pi / 9, rounding=0.01, mu=1.0, r=0.5, m=1.0, 
     Source: posed here; derived: angular momentum about the new contact.
     Known exactly: every hand-over multiplies the spin by (1 + 2 cos 2α)/3, α the flanks' incline at the contacts.
     """
-    return Case(
-        track=_groove(incline, rounding),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral(), Flight(), Impact(0.0, "moreau")),
-        start=Start(xi1=-1.2 * r),
-        duration=duration,
-    )
+    track = _groove(incline, rounding)
+    return case_on_track(track, disc(r, m), mu, g, duration, Flight(), Impact(0.0, "moreau"), xi1=-1.2 * r)

@@ -2,8 +2,8 @@
 
 from math import cos, inf, sin, sqrt
 
-from cases import Case, FreePlate, StartPose, case, disc
-from cases.catalogue.contact_effects import contact_with_impacts
+from cases import FreePlate, StartPose, case, disc
+from cases.catalogue.common_scenes import case_with_impacts
 from cases.errors import not_negative, positive
 from cases.library import line
 
@@ -18,14 +18,7 @@ def disc_on_free_disc(phi=0.3, mu=0.0, r_lower=0.5, r=0.4, m_lower=2.0, m=1.0, g
     """
     far = positive("r_lower of disc_on_free_disc", r_lower) + positive("r of disc_on_free_disc", r)
     upper = FreePlate(disc(r, m), StartPose(far * sin(phi), r_lower + far * cos(phi)), "upper")
-    return Case(
-        track=line(),
-        plate=disc(r_lower, m_lower),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(0.0, r_lower),
-        duration=duration,
-        others=(upper,),
-    )
+    return case_with_impacts(line(), disc(r_lower, m_lower), mu, g, StartPose(0.0, r_lower), duration, others=(upper,))
 
 
 @case
@@ -37,14 +30,8 @@ def disc_on_free_hemisphere(phi=0.3, mu=0.3, r_base=0.5, r=0.4, m_base=2.0, m=1.
     """
     far = positive("r_base of disc_on_free_hemisphere", r_base) + positive("r of disc_on_free_hemisphere", r)
     upper = FreePlate(disc(r, m), StartPose(far * sin(phi), r_base + far * cos(phi)), "upper")
-    return Case(
-        track=line(),
-        plate=disc(r_base, m_base, inertia=inf),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(0.0, r_base),
-        duration=duration,
-        others=(upper,),
-    )
+    start = StartPose(0.0, r_base)
+    return case_with_impacts(line(), disc(r_base, m_base, inertia=inf), mu, g, start, duration, others=(upper,))
 
 
 @case(variants=[dict(), dict(gap=0.0)])
@@ -56,17 +43,9 @@ def row_of_discs(gap=0.01, restitution=1.0, speed=1.0, r=0.1, m=1.0, g=9.81, dur
     Known exactly: 0, 0 and 1 times the speed if the discs are apart; −1/3, 2/3 and 2/3 if they touch, by Moreau's law.
     """
     apart = 2.0 * positive("r of row_of_discs", r) + not_negative("gap of row_of_discs", gap)
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=contact_with_impacts(0.0, g, restitution),
-        start=StartPose(-5.0 * r, r, vx=speed),
-        duration=duration,
-        others=(
-            FreePlate(disc(r, m), StartPose(0.0, r), "second"),
-            FreePlate(disc(r, m), StartPose(apart, r), "third"),
-        ),
-    )
+    others = (FreePlate(disc(r, m), StartPose(0.0, r), "second"), FreePlate(disc(r, m), StartPose(apart, r), "third"))
+    start = StartPose(-5.0 * r, r, vx=speed)
+    return case_with_impacts(line(), disc(r, m), 0.0, g, start, duration, restitution=restitution, others=others)
 
 
 @case(variants=[dict(), dict(mu=0.08)])
@@ -78,14 +57,8 @@ def pile_of_discs(mu=0.3, r=0.5, m=1.0, g=9.81, duration=1.0):
     Known exactly: it rests if mu ≥ 2 − √3 between the discs and (2 − √3)/3 at the floor.
     """
     r = positive("r of pile_of_discs", r)
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=contact_with_impacts(mu, g),
-        start=StartPose(-r, r),
-        duration=duration,
-        others=(
-            FreePlate(disc(r, m), StartPose(r, r), "second"),
-            FreePlate(disc(r, m), StartPose(0.0, (1.0 + sqrt(3.0)) * r), "upper"),
-        ),
+    others = (
+        FreePlate(disc(r, m), StartPose(r, r), "second"),
+        FreePlate(disc(r, m), StartPose(0.0, (1.0 + sqrt(3.0)) * r), "upper"),
     )
+    return case_with_impacts(line(), disc(r, m), mu, g, StartPose(-r, r), duration, others=others)

@@ -2,7 +2,8 @@
 
 from math import inf, pi
 
-from cases import Belt, Case, CoulombFriction, Gravity, Load, Start, Unilateral, case, disc, effects
+from cases import Belt, Case, CoulombFriction, Load, Start, Unilateral, case, disc, effects
+from cases.catalogue.common_scenes import case_on_track
 from cases.library import circle, line
 
 # Slopes (rad) and coefficients of a grid, on both sides of tan(slope) = mu.
@@ -17,13 +18,7 @@ def block_on_ramp(v0=1.0, slope=0.0, mu=0.25, r=0.1, m=1.0, g=9.81, duration=1.5
     Source: Galileo's incline with Coulomb's law; derived: v̇ = −g (sin slope + mu cos slope).
     Known exactly: it stops after v0/(g (sin slope + mu cos slope)); on the level at v0²/(2 mu g).
     """
-    return Case(
-        track=line(-slope),
-        plate=disc(r, m, inf),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=0.0, slip=v0),
-        duration=duration,
-    )
+    return case_on_track(line(-slope), disc(r, m, inf), mu, g, duration, slip=v0)
 
 
 @case
@@ -51,13 +46,7 @@ def slider_on_spring(k=40.0, mu=0.1, stretch=0.5, r=0.1, m=1.0, g=9.81, duration
     Source: textbook oscillator with dry friction; derived.
     Known exactly: it turns every π √(m/k), each time nearer by 2 mu m g/k, and rests where k |x| ≤ mu m g.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m, inf),
-        effects=(Gravity(g), CoulombFriction(mu), Load(fx=-k * effects.MOTION[1]), Unilateral()),
-        start=Start(xi1=stretch),
-        duration=duration,
-    )
+    return case_on_track(line(), disc(r, m, inf), mu, g, duration, Load(fx=-k * effects.MOTION[1]), xi1=stretch)
 
 
 @case
@@ -67,13 +56,7 @@ def particle_in_bowl(mu=0.15, xi1=-0.3, R=1.0, r=0.1, m=1.0, g=9.81, duration=4.
     Why: the paper's scene without rotation: the normal force depends on speed and place.
     Source: derived: u = φ̇² obeys du/dφ ± 2 mu u = …, linear, in each half swing.
     """
-    return Case(
-        track=circle(R),
-        plate=disc(r, m, inf),
-        effects=(Gravity(g), CoulombFriction(mu), Unilateral()),
-        start=Start(xi1=xi1),
-        duration=duration,
-    )
+    return case_on_track(circle(R), disc(r, m, inf), mu, g, duration, xi1=xi1)
 
 
 @case
@@ -84,16 +67,5 @@ def slider_on_belt(speed=0.2, k=40.0, mu=0.2, mu_static=0.4, r=0.1, m=1.0, g=9.8
     Source: known to us from texts on friction oscillators, not looked up; derived.
     Known exactly: the slip phase is a half swing about mu m g/k, the stick phase ends at mu_static m g/k.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m, inf),
-        effects=(
-            Gravity(g),
-            CoulombFriction(mu, mu_static),
-            Load(fx=-k * effects.MOTION[1]),
-            Belt(speed),
-            Unilateral(),
-        ),
-        start=Start(xi1=pi / 100, slip=0.0),
-        duration=duration,
-    )
+    load, friction = Load(fx=-k * effects.MOTION[1]), CoulombFriction(mu, mu_static)
+    return case_on_track(line(), disc(r, m, inf), friction, g, duration, load, Belt(speed), xi1=pi / 100)

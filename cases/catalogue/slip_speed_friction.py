@@ -2,7 +2,8 @@
 
 from math import inf
 
-from cases import Belt, Case, CoulombFriction, Gravity, Load, Start, Unilateral, case, disc, effects
+from cases import Belt, Load, case, disc, effects
+from cases.catalogue.common_scenes import case_on_track
 from cases.library import line
 
 
@@ -14,13 +15,8 @@ def stribeck_disc(v0=1.0, low=0.1, more=0.1, width=0.05, viscous=0.02, r=0.1, m=
     Source: Pennestrì et al. 2016, Nonlinear Dyn. 83, 1785 (abstract looked up), compare such laws; posed here.
     Known exactly: it rolls after the integral of dv/(3 mu(v) g) from 0 to v0.
     """
-    return Case(
-        track=line(),
-        plate=disc(r, m),
-        effects=(Gravity(g), CoulombFriction(f"{low!r} + {more!r}*exp(-v/{width!r}) + {viscous!r}*v"), Unilateral()),
-        start=Start(xi1=0.0, slip=v0),
-        duration=duration,
-    )
+    law = f"{low!r} + {more!r}*exp(-v/{width!r}) + {viscous!r}*v"
+    return case_on_track(line(), disc(r, m), law, g, duration, slip=v0)
 
 
 @case
@@ -33,14 +29,8 @@ def slider_on_belt_falling_law(
     Source: posed here after the oscillator of Dieci & Lopez (2009, known to us, not looked up).
     Known exactly: the first slip begins where the spring holds (low + more) m g, at stretch (low + more) m g/k.
     """
-    law = CoulombFriction(f"{low!r} + {more!r}/(1 + v/{width!r})")
-    return Case(
-        track=line(),
-        plate=disc(r, m, inf),
-        effects=(Gravity(g), law, Load(fx=-k * effects.MOTION[1]), Belt(speed), Unilateral()),
-        start=Start(xi1=0.0),
-        duration=duration,
-    )
+    law = f"{low!r} + {more!r}/(1 + v/{width!r})"
+    return case_on_track(line(), disc(r, m, inf), law, g, duration, Load(fx=-k * effects.MOTION[1]), Belt(speed))
 
 
 @case
@@ -51,10 +41,4 @@ def block_on_viscous_ramp(v0=1.0, slope=0.5, mu=0.2, viscous=0.2, r=0.1, m=1.0, 
     Source: Galileo's incline; derived: v̇ = −g (sin slope ± (mu + viscous |v|) cos slope).
     Known exactly: exponentials in t; down the ramp the speed tends to (tan slope − mu)/viscous.
     """
-    return Case(
-        track=line(-slope),
-        plate=disc(r, m, inf),
-        effects=(Gravity(g), CoulombFriction(f"{mu!r} + {viscous!r}*v"), Unilateral()),
-        start=Start(xi1=0.0, slip=v0),
-        duration=duration,
-    )
+    return case_on_track(line(-slope), disc(r, m, inf), f"{mu!r} + {viscous!r}*v", g, duration, slip=v0)

@@ -4,13 +4,9 @@ Known exactly for each (derived: (3/2) s″ = −g s/(ρ − r) for the centre's
 near the bottom, where the radius of curvature is ρ, swings with 2π √(3(ρ − r)/(2g)) in the limit of small swings.
 """
 
-from cases import Case, CoulombFriction, Curve, Gravity, Start, Unilateral, case, disc
+from cases import case, disc
+from cases.catalogue.common_scenes import case_on_track
 from cases.library import catenary, cosine, ellipse, parabola, trochoid
-
-
-def _let_go(track: Curve, xi1: float, mu: float, r: float, m: float, g: float, duration: float) -> Case:
-    effects = (Gravity(g), CoulombFriction(mu), Unilateral())
-    return Case(track=track, plate=disc(r, m), effects=effects, start=Start(xi1=xi1), duration=duration)
 
 
 @case
@@ -19,7 +15,7 @@ def disc_in_ellipse(xi1=-2.8, mu=0.1, a=1.0, b=0.6, r=0.1, m=1.0, g=9.81, durati
 
     Source: posed here. ρ = a²/b.
     """
-    return _let_go(ellipse(a, b), xi1, mu, r, m, g, duration)
+    return case_on_track(ellipse(a, b), disc(r, m), mu, g, duration, xi1=xi1)
 
 
 @case
@@ -28,7 +24,7 @@ def disc_in_parabola(xi1=-0.8, mu=0.15, focus=0.4, r=0.1, m=1.0, g=9.81, duratio
 
     Source: this suite's; a particle on a parabola, here with size and friction. ρ = 2·focus.
     """
-    return _let_go(parabola(focus), xi1, mu, r, m, g, duration)
+    return case_on_track(parabola(focus), disc(r, m), mu, g, duration, xi1=xi1)
 
 
 @case
@@ -37,7 +33,7 @@ def disc_in_cosine(xi1=-1.0, mu=0.1, depth=0.3, wavenumber=2.0, r=0.1, m=1.0, g=
 
     Source: this suite's standard corrugated track. ρ = 1/(depth·wavenumber²).
     """
-    return _let_go(cosine(depth, wavenumber), xi1, mu, r, m, g, duration)
+    return case_on_track(cosine(depth, wavenumber), disc(r, m), mu, g, duration, xi1=xi1)
 
 
 @case
@@ -46,7 +42,7 @@ def disc_in_catenary(xi1=-0.7, mu=0.1, a=0.5, r=0.1, m=1.0, g=9.81, duration=2.0
 
     Source: this suite's. ρ = a, derived from y″ = 1/a at the bottom.
     """
-    return _let_go(catenary(a), xi1, mu, r, m, g, duration)
+    return case_on_track(catenary(a), disc(r, m), mu, g, duration, xi1=xi1)
 
 
 @case
@@ -55,4 +51,4 @@ def disc_on_trochoid(xi1=-2.0, mu=0.1, a=0.5, arm=0.3, r=0.1, m=1.0, g=9.81, dur
 
     Source: this suite's. ρ = (a + arm)²/arm, derived from x′ = a + arm and y″ = arm at the bottom.
     """
-    return _let_go(trochoid(a, arm), xi1, mu, r, m, g, duration)
+    return case_on_track(trochoid(a, arm), disc(r, m), mu, g, duration, xi1=xi1)
