@@ -7,36 +7,19 @@ bends to its left: a plate can touch where its outline's curvature exceeds the t
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from math import atan2, floor, hypot, isfinite, nan
 from typing import Any, Self, TypeVar
 
 import numpy as np
 
 from ..derivation import derived, in_one_thread
-from ..errors import (
-    BadCurve,
-    BadValue,
-    CaseError,
-    NotSupported,
-    between,
-    boolean,
-    finite,
-    instance,
-    numbers,
-    point,
-    positive,
-    real,
-    whole,
-)
-from ..formulas import expressions, features, formula_symbols
+from ..errors import BadCurve, BadValue, NotSupported, between, boolean, instance, positive, whole
+from ..formulas import expressions, formula_symbols
 from ..formulas import late_sympy as sp
 from ..formulas.expression_graph import (
     Node,
-    derivatives,
     from_sympy,
     integral_depth,
     lift_numbers,
@@ -46,12 +29,11 @@ from ..formulas.expression_graph import (
 )
 from ..formulas.expressions import __getattr__ as __getattr__
 from ..formulas.expressions import acos, asin, atan, cos, cosh, exp, integral, log, sin, sinh, sqrt, tan, tanh
-from . import curve_formula, parametrisation, point_sources
-from . import curve_tables as tables
+from . import curve_formula, point_sources
 from .curve_checks import check_regular, check_simple
-from .element import OneElement
-from .jets import S, Structure, jet_function
+from .jets import S, Structure
 from .pieces import CurvePart, CurvePieces
+from .plane_curve import PlaneCurve
 from .splines import spline
 
 __all__ = [
@@ -74,16 +56,12 @@ __all__ = [
 
 T = TypeVar("T")
 
-# The range looked at when a curve without a domain has no period, in units in which it changes: a hundred of them
-# either way would already overflow a cosh; ten are what a drawing shows.
-UNBOUNDED_SPAN = (-10.0, 10.0)
-
 # A closed curve's pieces are counted in whole numbers that doubles have.
 MOST_PIECES = 2**53
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Curve(OneElement):
+class Curve(PlaneCurve):
     """A smooth plane curve s ↦ (X(s), Y(s)), in metres.
 
     `function` takes a SymPy symbol and returns a pair of expressions made with the functions of `cases.curves`
@@ -223,7 +201,7 @@ class Curve(OneElement):
 
         return plot(self, None if points is None else point_sources.as_points(points))
 
-    # --- evaluation -------------------------------------------------------------------------------------------------
+    # --- its formulas ------------------------------------------------------------------------------------------------
 
     @derived
     def structure(self) -> Structure:
@@ -265,233 +243,6 @@ class Curve(OneElement):
             return self
         low, high = (-MOST_PIECES, MOST_PIECES) if self.parts.period else (0, self.parts.count - 1)
         return self.parts.part(whole("number of the piece", number, low, high))
-
-    @derived
-    def _jet(self) -> Callable:
-        if self.parts is not None:
-            at = self.parts.jet
-            return lambda s, constants: at(s)
-        return jet_function(self.structure, on_arrays=False)
-
-    @derived
-    def _jets(self) -> Callable:
-        return jet_function(self.structure, on_arrays=True)
-
-    def jet(self, s: float) -> tuple[float, ...]:
-        """(x, y, x_p, y_p, x_s, y_s, x_t, y_t) at one parameter: position and the first three derivatives. Raises
-        BadValue where the formula has no value that fits a double."""
-        number = s if isinstance(s, float) else finite("parameter of a curve", s)
-        function, constants = self._jet, self.constants
-        try:
-            return function(number, constants)
-        except CaseError:
-            raise
-        except (ArithmeticError, ValueError) as problem:
-            raise BadValue(f"the curve has no place at the parameter {number:g} ({problem}); give another") from None
-
-    def jets(self, s) -> np.ndarray:
-        """The same for an array of parameters, shape (8, n)."""
-        s = np.atleast_1d(numbers("parameters of a curve", s))
-        if self.parts is not None:
-            return self.parts.jets(s)
-        jets = np.empty((8, *s.shape))
-        for row, values in zip(jets, self._jets(s, self.constants), strict=True):
-            row[...] = values  # a constant one is a number
-        return jets
-
-    def jets_of(self, s: Any, constants: tuple) -> list:
-        """The same rows for curves of this structure with sizes of their own, each of the parameters' shape (n,); a
-        constant row may be a number. Parameters may be anything that NumPy's functions take, such as intervals; of a
-        curve in pieces they are arrays, and it has no sizes."""
-        if self.parts is not None:
-            return list(self.parts.jets(s))
-        return self._jets(s, constants)
-
-    def point(self, s) -> np.ndarray:
-        """Position, shape (2,) for a number, (2, n) for an array."""
-        return np.array(self.jet(s)[:2]) if _is_number(s) else self.jets(s)[:2]
-
-    def tangent(self, s) -> np.ndarray:
-        """Unit tangent, shape (2,) for a number, (2, n) for an array."""
-        d = np.array(self.jet(s)[2:4]) if _is_number(s) else self.jets(s)[2:4]
-        return d / np.hypot(d[0], d[1])
-
-    def normal(self, s) -> np.ndarray:
-        """Left unit normal U·tangent, shape (2,) for a number, (2, n) for an array."""
-        t = self.tangent(s)
-        return np.array([-t[1], t[0]])
-
-    def speed(self, s):
-        """|R_p| in metres per unit of the parameter."""
-        if _is_number(s):
-            return hypot(*self.jet(s)[2:4])
-        return np.hypot(*self.jets(s)[2:4])
-
-    def curvature(self, s):
-        """Signed curvature in 1/m, positive where the curve bends to its left."""
-        _, _, xp, yp, xs, ys, _, _ = self.jet(s) if _is_number(s) else self.jets(s)
-        return (xp * ys - yp * xs) / np.hypot(xp, yp) ** 3
-
-    def length(self, low: float, high: float) -> float:
-        """The length of the curve between two parameters, m, to a part in a thousand or so: what samples need."""
-        return float(tables.lengths(self, finite("low", low), finite("high", high))[1][-1])
-
-    def even(self, low: float, high: float, count: int) -> np.ndarray:
-        """So many parameters from `low` to `high` at nearly even distances along the curve."""
-        count = whole("count of parameters", count, 1, tables.MOST_ANGLES)
-        grid, lengths = tables.lengths(self, finite("low", low), finite("high", high))
-        return np.interp(np.linspace(0.0, lengths[-1], count), lengths, grid)
-
-    @derived
-    def sizes(self) -> tuple[float, float]:
-        """The largest distance from the origin, and that or the smallest radius of curvature if it is smaller, m."""
-        return tables.sizes(self)
-
-    # --- the curve as a whole ---------------------------------------------------------------------------------------
-
-    @property
-    def ends(self) -> tuple[float, float] | None:
-        """The parameters of both ends of the curve; None if it is closed, or has no domain."""
-        return None if self.period else self.domain
-
-    @derived
-    def period(self) -> float | None:
-        """The parameter's period of a closed curve, else None.
-
-        A curve with a domain is closed if position and three derivatives agree at both ends; one without a domain if
-        its formulas have a common period: the shortest part of that after which it repeats itself (looked at in a few
-        places, to rounding).
-        """
-        if self.parts is not None:
-            return self.parts.period
-        return tables.period(self)
-
-    @derived
-    def unit(self) -> float:
-        """How much of the parameter makes the curve change: what windows and samples of a curve without ends count in.
-
-        A period over 2π for a closed curve.
-        """
-        if self.domain is not None or self.period:
-            low, high = self.span
-            return (high - low) / (2 * np.pi)
-        places = parametrisation.places(self.centres)
-        with np.errstate(all="ignore"):
-            return parametrisation.unit(places, self.jets(places))
-
-    @derived
-    def span(self) -> tuple[float, float]:
-        """A range of the parameter that shows the whole curve (one turn of a closed one)."""
-        if self.domain is not None:
-            return self.domain
-        if self.period:
-            return 0.0, self.period
-        low, high = UNBOUNDED_SPAN
-        return low * self.unit, high * self.unit
-
-    @derived
-    def centres(self) -> tuple[float, ...]:
-        """Special points of the formula: centres of bumps and steps, poles, knots."""
-        return features.centres(self.rows, S) if self.parts is None else self.parts.breaks[1:-1]
-
-    @derived
-    def features(self) -> features.Features | None:
-        """Where its curvature and speed change, and how finely; None for a straight line run through evenly."""
-        if self.parts is not None:
-            return features.Features.of_edges(self.parts.edges, bool(self.period))
-        if not any(S in slope.symbols for slope in derivatives(self.structure[0], S)):
-            return None
-        return tables.features_of(self)
-
-    def tangent_angle(self, s):
-        """Direction of the tangent in radians, continuous along the curve (it gains 2π in each turn of a closed one).
-
-        For a number or an array; this is what makes the plate's rotation θ a function of (ξ₁, ξ₂) alone, by (6).
-        """
-        if _is_number(s):
-            number = real(s) or 0.0
-            return self._angle_of(number, *self.jet(number)[2:4])
-        s = numbers("parameters of a curve", s)
-        return self._angles_of(s, self.jets(s)[2:4])
-
-    def place(self, s) -> tuple[Any, Any]:
-        """`point` (of a number: a pair of numbers) and `tangent_angle` from one evaluation."""
-        if _is_number(s):
-            number = real(s) or 0.0
-            x, y, xp, yp = self.jet(number)[:4]
-            return (x, y), self._angle_of(number, xp, yp)
-        s = numbers("parameters of a curve", s)
-        jets = self.jets(s)
-        return jets[:2], self._angles_of(s, jets[2:4])
-
-    def _angle_of(self, s: float, xp: float, yp: float) -> float:
-        """The tangent's direction where the curve runs along (xp, yp)."""
-        angle, near = atan2(yp, xp), self._rough_tangent_angle_at(s)
-        turns = (near - angle) / (2 * np.pi)
-        return angle + 2 * np.pi * round(turns) if isfinite(turns) else nan
-
-    def _angles_of(self, s: np.ndarray, d: np.ndarray) -> np.ndarray:
-        """The same for arrays."""
-        principal = np.arctan2(d[1], d[0]).reshape(s.shape)
-        rough = self._rough_tangent_angle(s)
-        return principal + 2 * np.pi * np.round((rough - principal) / (2 * np.pi))
-
-    def _rough_tangent_angle(self, s: np.ndarray) -> np.ndarray:
-        """The continuous tangent angle to within much less than half a turn, from a table."""
-        if self.period:
-            start = self.span[0]
-            turns = np.floor((s - start) / self.period)
-            grid, angles = self.angle_table(self.span)
-            return np.interp(s - turns * self.period, grid, angles) + turns * (angles[-1] - angles[0])
-        low, high = self.span
-        if self.domain is None and s.size:
-            while s.min() < low or s.max() > high:
-                low, high = 2 * low, 2 * high
-        grid, angles = self.angle_table((low, high))
-        return np.interp(s, grid, angles)
-
-    def _rough_tangent_angle_at(self, s: float) -> float:
-        """The same at one parameter, without arrays, which take ten times as long."""
-        low, high = self.span
-        turns = 0
-        if not isfinite(s) or (not self.period and self.domain is None and not low <= s <= high):
-            return float(self._rough_tangent_angle(np.asarray(s)))
-        if self.period:
-            turns = floor((s - low) / self.period)
-            s -= turns * self.period
-        grid, angles = self._angle_lists
-        after = bisect_right(grid, s)
-        if after == 0 or after == len(grid):  # only by rounding, or outside the domain
-            angle = angles[0 if after == 0 else -1]
-        else:
-            slope = (angles[after] - angles[after - 1]) / (grid[after] - grid[after - 1])
-            angle = slope * (s - grid[after - 1]) + angles[after - 1]
-        return angle + turns * (angles[-1] - angles[0]) if self.period else angle
-
-    @derived
-    def _angle_lists(self) -> tuple[list[float], list[float]]:
-        grid, angles = self.angle_table(self.span)
-        return grid.tolist(), angles.tolist()
-
-    def angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-        """Parameters on that range, and the tangent's continuous angle there: what `tangent_angle` counts turns by."""
-        return self._angle_table(point("range of the parameter", span))
-
-    @lru_cache(maxsize=64)  # noqa: B019 - curves are few, small and live as long as their case
-    def _angle_table(self, span: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-        return tables.angles(self, span)
-
-
-def _is_number(s) -> bool:
-    """Whether it is one parameter, not an array of them; the most common type is tested first. Raises BadValue for
-    what is no number."""
-    if isinstance(s, float):
-        return True
-    if np.ndim(s):
-        return False
-    if real(s) is None:
-        raise BadValue(f"the parameter of a curve is {s!r}; give a number or an array")
-    return True
 
 
 @in_one_thread

@@ -17,8 +17,7 @@ from ..derivation import derived
 from ..errors import BadCurve, BadValue, NotSupported, between, boolean, finite, numbers, whole
 from . import Curve
 from .corner import Corner, Edge, Piece
-from .curve_tables import MOST_ANGLES
-from .element import MOST, Element
+from .element import MOST, Element, OneElement
 
 # Positions and directions where pieces meet, relative to the chain's size and in rad: the rounding of a few operations
 # with sines and cosines. Two pieces that turn by less than the second meet without a corner.
@@ -212,11 +211,6 @@ class Chain(Curve):
         """Unit tangent, shape (2,) for a number, (2, n) for an array."""
         return self._evaluate(s, lambda element, local: element.piece.tangent(local), 2)
 
-    def normal(self, s) -> np.ndarray:
-        """Left unit normal, shape (2,) for a number, (2, n) for an array."""
-        tangent = self.tangent(s)
-        return np.array([-tangent[1], tangent[0]])
-
     def speed(self, s):
         """Metres per unit of the parameter: zero at a corner."""
         return self._number(s, lambda element, local: element.piece.speed(local))
@@ -234,9 +228,7 @@ class Chain(Curve):
             angle = angle + 2 * pi * self.rotation * np.floor((s - low) / (high - low))
         return angle if np.ndim(s) else float(angle)
 
-    def place(self, s) -> tuple[np.ndarray, Any]:
-        """`point` and `tangent_angle`."""
-        return self.point(s), self.tangent_angle(s)
+    place = OneElement.place
 
     def _number(self, s, function: Callable[[Element, np.ndarray], Any]):
         row = self._evaluate(s, function, 1)[0]
@@ -258,20 +250,13 @@ class Chain(Curve):
             places += [value + element.shift for value in _divided(element.piece, low, high, longest_turn)[:-1]]
         return np.array([*places, self.span[1]])
 
-    def length(self, low: float, high: float) -> float:
-        """The length of the chain between two parameters, m."""
+    def _lengths(self, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters between two that resolve the chain, and the length from the first to each, m."""
         grid = self._grid(low, high)
-        return float(np.hypot(*np.diff(self.point(grid), axis=1)).sum())
-
-    def even(self, low: float, high: float, count: int) -> np.ndarray:
-        """So many parameters from `low` to `high` at nearly even distances along the chain."""
-        count, grid = whole("count of parameters", count, 1, MOST_ANGLES), self._grid(low, high)
-        lengths = np.insert(np.cumsum(np.hypot(*np.diff(self.point(grid), axis=1))), 0, 0.0)
-        return np.interp(np.linspace(0.0, lengths[-1], count), lengths, grid)
+        return grid, np.insert(np.cumsum(np.hypot(*np.diff(self.point(grid), axis=1))), 0, 0.0)
 
     def _grid(self, low: float, high: float) -> np.ndarray:
         """Parameters between two that resolve the chain: the vertices of each round, and a few between them."""
-        low, high = finite("low", low), finite("high", high)
         vertices, (first, last) = self.vertices(0.01), self.span
         if self.is_closed and (high - low) / (last - first) * len(vertices) > MOST:
             raise BadValue(f"from {low:g} to {high:g} are too many rounds of the chain; give fewer")

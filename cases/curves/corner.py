@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import hypot, inf
-from typing import Any
 
 import numpy as np
 
@@ -51,15 +50,7 @@ class Corner(OneElement):
         """The range of its parameter, rad."""
         return 0.0, abs(self.turn)
 
-    @property
-    def span(self) -> tuple[float, float]:
-        """The same."""
-        return self.domain
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """The same."""
-        return self.domain
+    span = ends = domain
 
     @property
     def constants(self) -> tuple[float, float, float]:
@@ -83,19 +74,10 @@ class Corner(OneElement):
         s = np.asarray(s, dtype=float)
         return np.array([np.full(s.shape, self.x), np.full(s.shape, self.y)])
 
-    def place(self, s) -> tuple[np.ndarray, Any]:
-        """`point` and `tangent_angle`."""
-        return self.point(s), self.tangent_angle(s)
-
     def tangent(self, s) -> np.ndarray:
         """Unit tangent, shape (2,) for a number, (2, n) for an array."""
         angle = self.tangent_angle(s)
         return np.array([np.cos(angle), np.sin(angle)])
-
-    def normal(self, s) -> np.ndarray:
-        """Left unit normal, shape (2,) for a number, (2, n) for an array."""
-        tangent = self.tangent(s)
-        return np.array([-tangent[1], tangent[0]])
 
     def speed(self, s):
         """Zero: the point does not move."""

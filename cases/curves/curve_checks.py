@@ -6,14 +6,13 @@ apart than the curve's speed explains.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import BadCurve
 from ..formulas import features
-from . import curve_tables
-from .curve_tables import SAMPLES, corners, least_turning, total_turning
+from .plane_curve import SAMPLES, PlaneCurve
 
 # Distance from a special point of the formula, in spans: a jump shows as a step there, a smooth curve has none.
 SIDE_DISTANCE = 1e-9
@@ -39,21 +38,7 @@ CROSSES = "crosses itself"
 TOGETHER = 1e-9
 
 
-class CurveToCheck(curve_tables.CurveFormula, Protocol):
-    """The interface of `cases.curves.Curve` that these checks use."""
-
-    @property
-    def centres(self) -> tuple[float, ...]: ...
-    @property
-    def may_cross(self) -> bool: ...
-    @property
-    def domain(self) -> tuple[float, float] | None: ...
-    @property
-    def period(self) -> float | None: ...
-    def tangent_angle(self, s): ...
-
-
-def check_regular(curve: CurveToCheck) -> None:
+def check_regular(curve: PlaneCurve) -> None:
     """Raise BadCurve where the curve or a derivative is not finite, jumps, or has zero speed."""
     low, high = curve.domain or (0.0, curve.period or 2 * np.pi * curve.unit)
     _check_changes(curve, *curve.span)
@@ -73,7 +58,7 @@ def check_regular(curve: CurveToCheck) -> None:
     _check_jumps(curve, places, jets[:2], speed)
 
 
-def _check_changes(curve: CurveToCheck, low: float, high: float) -> None:
+def _check_changes(curve: PlaneCurve, low: float, high: float) -> None:
     """Raise BadCurve if the curve changes direction or speed more often than the tables of its features can hold.
 
     Of |R_s|/|R_p| (per unit of the parameter) over uneven samples the median counts: few sharp bends do not move it.
@@ -93,7 +78,7 @@ def _check_changes(curve: CurveToCheck, low: float, high: float) -> None:
         )
 
 
-def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
+def _places(curve: PlaneCurve, low: float, high: float) -> np.ndarray:
     """Even samples, and the special points of the formula with both sides of each."""
     centres = np.array(curve.centres)
     shift = SIDE_DISTANCE * (high - low)
@@ -101,7 +86,7 @@ def _places(curve: CurveToCheck, low: float, high: float) -> np.ndarray:
     return features.union(np.linspace(low, high, SAMPLES), centres[(centres > low) & (centres < high)])
 
 
-def _check_speed(curve: CurveToCheck, s: np.ndarray, speed: np.ndarray, index: int, what: str, sign: float) -> None:
+def _check_speed(curve: PlaneCurve, s: np.ndarray, speed: np.ndarray, index: int, what: str, sign: float) -> None:
     """Raise BadCurve if the speed goes to zero (sign 1) or to infinity (sign −1) near the sample `index`."""
     typical = np.partition(speed, len(speed) // 2)[len(speed) // 2]  # `np.median` imports masked arrays
     if not 0.0 < typical < np.inf:
@@ -122,7 +107,7 @@ def _check_speed(curve: CurveToCheck, s: np.ndarray, speed: np.ndarray, index: i
         raise BadCurve(f"the curve {what} near s = {minimum.x:.6g}; give a domain that leaves it out")
 
 
-def _check_jumps(curve: CurveToCheck, s: np.ndarray, points: np.ndarray, speed: np.ndarray) -> None:
+def _check_jumps(curve: PlaneCurve, s: np.ndarray, points: np.ndarray, speed: np.ndarray) -> None:
     """Raise BadCurve if two neighbouring samples stay apart as their parameters approach each other."""
     chords = np.hypot(*np.diff(points, axis=1))
     bound = np.diff(s) * np.maximum(speed[1:], speed[:-1])
@@ -145,7 +130,7 @@ def _check_jumps(curve: CurveToCheck, s: np.ndarray, points: np.ndarray, speed: 
 # --- curves that meet themselves --------------------------------------------------------------------------------------
 
 
-def check_simple(curve: CurveToCheck) -> None:
+def check_simple(curve: PlaneCurve) -> None:
     """Raise BadCurve if the curve crosses itself or runs over itself.
 
     A closed curve that does neither turns once (Hopf's theorem of turning tangents: not looked up). A curve without
@@ -153,9 +138,11 @@ def check_simple(curve: CurveToCheck) -> None:
     """
     if curve.may_cross:
         return
-    turning = least_turning(curve, 2 * MOST_SIDES)
+    with np.errstate(all="ignore"):  # a lower bound of the total turn: between even samples it is less than half a turn
+        _, _, xp, yp, *_ = curve.jets(np.linspace(*curve.span, 2 * MOST_SIDES + 1))
+        turning = float(np.abs(np.angle(np.exp(1j * np.diff(np.arctan2(yp, xp))))).sum())
     if not turning > 2 * MOST_SIDES:  # else the tables would take seconds
-        turning = total_turning(curve)
+        turning = float(np.abs(np.diff(curve.angle_table(curve.span)[1])).sum())
     if not np.isfinite(turning):
         return
     low, high = curve.span
@@ -177,7 +164,7 @@ def check_simple(curve: CurveToCheck) -> None:
         return
     sides = int(min(MOST_SIDES, max(FEWEST_SIDES, SIDES_A_RADIAN * turning)))
     # So that symmetric curves do not cross exactly at two corners.
-    grid = corners(curve, sides, offset=0.37 if curve.period else 0.0)
+    grid = _corners(curve, sides, offset=0.37 if curve.period else 0.0)
     meeting = _meeting(curve, grid)
     if meeting:
         how, first, second = meeting
@@ -187,7 +174,23 @@ def check_simple(curve: CurveToCheck) -> None:
         raise BadCurve(f"{crossing}; {allowed}give a shorter domain")
 
 
-def _meeting(curve: CurveToCheck, grid: np.ndarray) -> tuple[str, float, float] | None:
+def _corners(curve: PlaneCurve, count: int, offset: float) -> np.ndarray:
+    """Parameters of the corners of a polygon of `count` sides along the whole curve, denser where it bends.
+
+    For a closed curve the first corner is shifted by the fraction `offset` of a side.
+    """
+    grid, angle = curve.angle_table(curve.span)
+    steps = np.hypot(*np.diff(curve.point(grid), axis=1))
+    turns = np.abs(np.diff(angle))
+    # Half of the sides are distributed by length, half by turning.
+    parts = np.insert(np.cumsum(steps / steps.sum() + turns / max(float(turns.sum()), 1e-300)), 0, 0.0)
+    values = np.interp((np.arange(count + 1) + offset) / count * parts[-1], parts, grid)
+    if offset:
+        values[-1] = values[0] + (grid[-1] - grid[0])
+    return values
+
+
+def _meeting(curve: PlaneCurve, grid: np.ndarray) -> tuple[str, float, float] | None:
     """How, and at which two parameters, the curve meets itself; None if it does not."""
     polygon = _Polygon.of(curve, grid)
     if polygon is None:
@@ -221,7 +224,7 @@ class _Polygon(NamedTuple):
     turns: np.ndarray
 
     @classmethod
-    def of(cls, curve: CurveToCheck, grid: np.ndarray) -> _Polygon | None:
+    def of(cls, curve: PlaneCurve, grid: np.ndarray) -> _Polygon | None:
         """The polygon with corners at those parameters; None where it has no finite sides."""
         points, angles = curve.point(grid).T, curve.tangent_angle(grid)
         a, b = points[:-1], points[1:]
@@ -245,7 +248,7 @@ class _Polygon(NamedTuple):
 
 
 def _crosses(
-    curve: CurveToCheck, one: tuple[float, float], other: tuple[float, float], ends: tuple[float, float]
+    curve: PlaneCurve, one: tuple[float, float], other: tuple[float, float], ends: tuple[float, float]
 ) -> bool:
     """Whether two stretches of a curve cross whose chords do: close stretches may cross only as polygons.
 
@@ -270,7 +273,7 @@ def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
     return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
 
 
-def _together(curve: CurveToCheck, s: np.ndarray, low: np.ndarray, high: np.ndarray, size: float) -> np.ndarray:
+def _together(curve: PlaneCurve, s: np.ndarray, low: np.ndarray, high: np.ndarray, size: float) -> np.ndarray:
     """Which of the curve's points at s (n,) lie on the curve between two later parameters, each with its own (n,)."""
     here, width = curve.point(s), high - low
     low, high, away = low - 0.5 * width, high + 0.5 * width, np.zeros_like(s)

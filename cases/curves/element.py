@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..errors import finite, whole
 
 # Most rounds of a closed chain by which elements are counted, and most vertices of rounds whose length is summed.
@@ -47,6 +49,27 @@ class Element(NamedTuple):
 
 class OneElement:
     """A smooth curve, or a corner, which is its own only element."""
+
+    def point(self, s) -> np.ndarray:
+        """Position, shape (2,) for a number, (2, n) for an array."""
+        raise NotImplementedError
+
+    def tangent(self, s) -> np.ndarray:
+        """Unit tangent, shape (2,) for a number, (2, n) for an array."""
+        raise NotImplementedError
+
+    def tangent_angle(self, s):
+        """Direction of the tangent in radians."""
+        raise NotImplementedError
+
+    def normal(self, s) -> np.ndarray:
+        """Left unit normal U·tangent, shape (2,) for a number, (2, n) for an array."""
+        tangent = self.tangent(s)
+        return np.array([-tangent[1], tangent[0]])
+
+    def place(self, s) -> tuple[Any, Any]:
+        """`point` and `tangent_angle`."""
+        return self.point(s), self.tangent_angle(s)
 
     @property
     def elements(self) -> tuple[Element, ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from ..errors import BadCurve, BadValue
 from ..formulas import formula_symbols
 from ..formulas import late_sympy as sp
 from ..formulas.expressions import lift_constants
-from ..formulas.features import Features
+from . import Curve
 from .jets import Structure
 from .pieces import CurvePieces
 
@@ -20,26 +19,7 @@ from .pieces import CurvePieces
 MEETING = 1e-9
 
 
-class OpenCurve(Protocol):
-    """The interface of `cases.curves.Curve` that a piece has."""
-
-    @property
-    def domain(self) -> tuple[float, float] | None: ...
-    @property
-    def period(self) -> float | None: ...
-    @property
-    def parts(self) -> CurvePieces | None: ...
-    @property
-    def expression(self) -> tuple[sp.Expr, sp.Expr]: ...
-    @property
-    def constants(self) -> tuple[float, ...]: ...
-    @property
-    def features(self) -> Features | None: ...
-    def jet(self, s: float): ...
-    def point(self, s) -> np.ndarray: ...
-
-
-def matched(curves: Sequence[OpenCurve]) -> CurvePieces:
+def matched(curves: Sequence[Curve]) -> CurvePieces:
     """The pieces of a curve that runs through all of some curves, in order; closed if its ends meet.
 
     Its parameter runs on from piece to piece, as long as each one's own. Raises BadValue or BadCurve.
@@ -75,7 +55,7 @@ def matched(curves: Sequence[OpenCurve]) -> CurvePieces:
     )  # fmt: skip
 
 
-def _shifted(curve: OpenCurve) -> Structure:
+def _shifted(curve: Curve) -> Structure:
     """The curve's structure with an origin for its parameter."""
     (x, y), symbols = lift_constants(curve.expression)
     origin = sp.Symbol("q0", real=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
@@ -12,17 +12,7 @@ from .style import FORCE, TRACK, Picture, apply_style
 SAMPLES = 2001
 
 
-class DrawnCurve(Protocol):
-    """The interface of `cases.Curve` that a figure uses."""
-
-    @property
-    def span(self) -> tuple[float, float]: ...
-    @property
-    def residual(self) -> float | None: ...
-    def point(self, s) -> np.ndarray: ...
-
-
-def plot(curve: DrawnCurve, points: np.ndarray | None = None) -> Picture:
+def plot(curve: Any, points: np.ndarray | None = None) -> Picture:
     """The curve, the points given, and their largest distance from it in the title."""
     with apply_style():
         figure = Picture(figsize=(5.0, 3.2), layout="constrained")
@@ -31,11 +21,12 @@ def plot(curve: DrawnCurve, points: np.ndarray | None = None) -> Picture:
     return figure
 
 
-def draw(ax, curve: DrawnCurve, points: np.ndarray | None = None) -> None:
-    """Draw a curve into axes, with the points given."""
+def draw(ax, curve: Any, points: np.ndarray | None = None) -> None:
+    """Draw a `cases.Curve` into axes, with the points given."""
     if points is not None:
         ax.plot(*points.T, linestyle="none", marker=".", markersize=3, color=FORCE)
-    ax.plot(*curve.point(np.linspace(*curve.span, SAMPLES)), color=TRACK)
+    low, high = curve.span
+    ax.plot(*curve.point(np.linspace(low, high, SAMPLES)), color=TRACK)
     ax.set_aspect("equal")
     ax.locator_params(nbins=5)
     ax.set_xlabel("X / m")

@@ -13,7 +13,7 @@ import reference
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Load, Start, Unilateral, disc
 from cases.contact import start_motion
 from cases.curves import cos, exp, sin, tanh
-from cases.curves.curve_tables import features_of
+from cases.curves.plane_curve import features_of
 from cases.library import line
 from reference import contact_frame, solve
 from reference.certification.truth_file import stored_or_new
