@@ -48,7 +48,7 @@ RUN_INTERFACES = re.compile(
 # Folders of one room that hold the same parts of different things: each engine, each study, each way to solve.
 PARALLEL = re.compile(
     r"adapters/\w+/\w+\.py|reports/studies/.*\.py|reports/study\.py|"
-    r"reference/(minimal|contact_frame|proofs|proof_checker|paper|sweeping)/.*\.py"
+    r"reference/(minimal|witness|proofs|proof_checker|paper|sweeping)/.*\.py"
 )
 # It shares no code with the suite, so it has classes of its own for the same things.
 INDEPENDENT = "reference/proof_checker/"

@@ -28,11 +28,12 @@ from ..contact.polygon_features import (
 )
 from ..curves import Curve
 from ..curves.backwards import backwards
+from ..curves.chain import Chain
 from ..curves.line_or_circle import Line, as_line
 from ..effects import Drive, E, Effect, Load
 from ..errors import BadValue, DoesNotFit, NotSupported
 from .contact_names import FIRST
-from .plate import Plate
+from .plate import Plate, is_convex
 from .start_pose import StartPose
 from .supports import TRACK, check_side, effects_at, is_straight
 
@@ -123,6 +124,16 @@ def why_not_closed_forms(case: Any) -> str:
         if not is_straight(curve):
             return f"{name!r} is no straight line without ends"
     return ""
+
+
+def why_not_convex(case: Any) -> str:
+    """Why several plates are no smooth convex outlines on straight lines, nor those of `plate_contacts`, in a phrase;
+    "" if they are."""
+    if any(isinstance(plate.outline, Chain) or not is_convex(plate.outline) for plate in plates_of(case)):
+        return why_not_closed_forms(case)
+    curves = ((TRACK, case.track), *((s.name, s.curve) for s in case.supports))
+    bent = next((name for name, curve in curves if not is_straight(curve)), "")
+    return f"{bent!r} is no straight line without ends" if bent else ""
 
 
 @lru_cache(maxsize=256)

@@ -17,9 +17,9 @@ from ..curves.corner import Corner
 from ..effects import Belt, CoulombFriction, Drive, Flight, Impact, PerfectlyRough, RollingResistance, Unilateral
 from ..errors import BadValue, DoesNotFit
 from ..own_effects import own_effects
-from .free_plates import MOST, loads_of, why_not_closed_forms
+from .free_plates import MOST, why_not_convex
 from .pair_effects import of_pair
-from .supports import has_belt, has_rolling_resistance, is_hill, is_hollow, is_straight
+from .supports import has_rolling_resistance, is_hill, is_hollow, is_straight
 
 
 class Scope(StrEnum):
@@ -57,20 +57,6 @@ class Limit(NamedTuple):
         """Whether a sentence is that of this limit, of any case."""
         parts = re.split(r"\{0?\}", self.sentence)
         return re.fullmatch("[^;]+".join(map(re.escape, parts)), sentence) is not None
-
-
-def _uncertified_with_plates(case: Any) -> str:
-    if not case.others:
-        return ""
-    parts = {
-        "a Load": any(loads_of(case)),
-        "a Drive": case.effect(Drive) is not None,
-        "a Belt": has_belt(case),
-        "RollingResistance": has_rolling_resistance(case),
-        "pairs": bool(case.pairs),
-        "no Impact": case.effect(Impact) is None,
-    }
-    return next((name for name, is_there in parts.items() if is_there), "")
 
 
 def _curves(case: Any) -> tuple[Any, ...]:
@@ -216,14 +202,6 @@ LIMITS = (
     ),
     Limit(
         Scope.EFFECTS,
-        "several plates with a Load, Drive, Belt, RollingResistance or pairs, or without Impact",
-        _uncertified_with_plates,
-        "several plates have {}; give a case without",
-        Reason.NOT_BUILT,
-        "the second formulation of several plates has gravity, friction and impacts",
-    ),
-    Limit(
-        Scope.EFFECTS,
         "an effect of a package",
         _own,
         "{} acts at several contacts; leave it out",
@@ -231,20 +209,12 @@ LIMITS = (
         "the second formulation has such effects at one contact",
     ),
     Limit(
-        Scope.EFFECTS,
-        "RollingResistance of a plate with corners",
-        lambda case: _has_corners(case) and has_rolling_resistance(case),
-        "a plate with corners has RollingResistance; give a smooth outline or leave RollingResistance out",
-        Reason.NOT_BUILT,
-        "the second formulation has the couple of smooth outlines",
-    ),
-    Limit(
         Scope.SHAPES,
-        "several plates that are no discs and one convex polygon on straight lines",
-        lambda case: case.others and why_not_closed_forms(case),
-        "{}; give discs and at most one convex polygon on straight lines",
+        "several plates that are no smooth convex outlines, or discs and one convex polygon, on straight lines",
+        lambda case: case.others and why_not_convex(case),
+        "{}; give smooth convex outlines, or discs and at most one convex polygon, on straight lines",
         Reason.NOT_BUILT,
-        "the second formulation has contacts with closed forms only",
+        "elsewhere the nearest points of two plates are not unique, and the second formulation watches one pair each",
     ),
     Limit(
         Scope.SHAPES,
@@ -259,14 +229,6 @@ LIMITS = (
         "a track or support with corners",
         lambda case: _is_by_curves(case) and any(isinstance(curve, Chain) for curve in _curves(case)),
         "a curve has corners; give a line as track and its other parts as supports",
-        Reason.NOT_BUILT,
-        _PARTS,
-    ),
-    Limit(
-        Scope.SHAPES,
-        "supports, and a curve through points or in pieces",
-        lambda case: bool(case.supports) and not case.others and _in_parts(case),
-        "a curve has parts; give curves by formulas",
         Reason.NOT_BUILT,
         _PARTS,
     ),
@@ -318,11 +280,6 @@ def _has_edge(curve: Any) -> bool:
     return isinstance(curve, Chain) and any(
         isinstance(one.piece, Corner) and one.piece.turn < 0.0 for one in curve.elements
     )
-
-
-def _in_parts(case: Any) -> bool:
-    curves = (*_curves(case), case.plate.outline)
-    return any(curve.parts is not None for curve in curves if not isinstance(curve, Chain))
 
 
 def limit(case: Any, scope: Scope) -> str:

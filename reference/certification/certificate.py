@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cases import Case, CaseError, Drive, Mode
+from cases import Case, CaseError, Mode
 
 from ..endings import BROKEN_LAW
-from ..laws_check import BrokenLaw, check, overlaps
+from ..laws_check import check
 from ..time_limit import OutOfTime, cpu_limit
 from .bars import METHOD_ULPS, Bar, Shares, ambiguity, bar, roundings, shares
 from .proof_kind import kinds
@@ -34,8 +34,6 @@ COARSEST = 1e-3
 
 # CPU seconds for the motions from states moved by roundings.
 MOST_S = 200
-# Instants at which the poses of the second formulation are looked at.
-POSES = 400
 
 
 class NotCertified(CaseError):
@@ -102,7 +100,7 @@ def _certificate(
     case: Case, able: list[Witness], missing: list[str], times: np.ndarray, moves: Shares, rounding: float
 ) -> Certificate:
     centre = able[0]
-    states = [witness.states(times) for witness in able]
+    states = [witness.states(times) for witness in able if witness.motion is not None]
     sample_roundings = roundings(case, centre, times, rounding)
     gyration = case.plate.gyration
     transitions = []
@@ -156,22 +154,12 @@ def _check_events(case: Case, able: list[Witness], moves: Shares, method: str) -
 
 
 def _faults(case: Case, able: list[Witness]) -> str:
-    """Which witness breaks which law, where and when; "" if none does. Of the second formulation overlaps are seen."""
+    """Which motion of a witness breaks which law, where and when; "" if none does."""
     parts = []
     for one in able:
-        laws = check(case, one.motion) if one.motion is not None else _overlaps(case, one)
+        laws = check(case, one.motion) if one.motion is not None else ()
         parts += [f"{one.name} breaks a law, {laws[0]}"] if laws else []
     return "; ".join([*parts, "please report the scene"]) if parts else ""
-
-
-def _overlaps(case: Case, witness: Witness) -> tuple[BrokenLaw, ...]:
-    """The overlaps of a motion of which poses are known."""
-    if case.effect(Drive) is not None:  # its track moves
-        return ()
-    times = np.linspace(0.0, witness.end, POSES)
-    states = witness.states(times)
-    names = ["", *(f" of {other.name}" for other in case.others)]
-    return overlaps(case, times, [[states[f"{q}{name}"] for q in ("x", "y", "theta")] for name in names])
 
 
 def _contradiction(one: Witness, other: Witness) -> str:
@@ -203,11 +191,12 @@ def _check_bars(case: Case, certificate: Certificate, able: list[Witness], moves
         i = int(np.argmax([one.bar for one in bars]))
         if bars[i].bar > limit:
             t = certificate.times[i]
-            values = [float(witness.states(np.array([t]))[quantity][0]) for witness in able]
+            some = [witness for witness in able if witness.motion is not None]
+            values = [float(witness.states(np.array([t]))[quantity][0]) for witness in some]
             far = int(np.argmax(np.abs(np.array(values) - values[0])))
             precision = (
                 f"{quantity} at {t:.4g} s is known to {bars[i].bar:.2g} {unit} only, more than {limit:.2g} {unit}"
             )
-            values_text = f"{able[0].name} finds {values[0]:.9g}, {able[far].name} {values[far]:.9g}"
+            values_text = f"{some[0].name} finds {values[0]:.9g}, {some[far].name} {values[far]:.9g}"
             fault = _conditioning(moves, bool(moves.samples[quantity][i] > 0.1 * limit))
             raise NotCertified(f"{case.label}: {precision}, a thousandth of the plate ({values_text}); {fault}")

@@ -7,20 +7,14 @@ each phase, where the state is stored in doubles.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import lru_cache
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Flight, Mode, NotSupported, Trajectory, Transition
-from cases.contact import start_motion
-from cases.motion.trajectory import CONTACT
+from cases import Case, Flight, NotSupported, Trajectory, Transition
 from cases.moving_frame import in_fixed_frame, relative_case
-from cases.scene.contact_limits import limitation, touches_by_features
-from cases.scene.free_plates import names_of
-from cases.scene.limits import Scope, limit
+from cases.scene.contact_limits import touches_by_features
 
 from .. import solve
 from ..minimal.integrators import taylor
@@ -31,8 +25,6 @@ QUANTITIES = ("x", "y", "theta", "slip", "omega")
 FREE = ("x", "y", "theta", "omega")
 EPS = float(np.finfo(float).eps)
 
-# Least number of steps of the second formulation: with 300 its errors are 1e-14, with the default 60 up to 1e-11.
-STEPS_PER_TURN = 300
 SECOND = "contact frame"
 # The witness with the fewest steps is the first of these that is available.
 QUICKEST = ("taylor 1e-10", "dop853 1e-13")
@@ -47,15 +39,18 @@ MOST_S = 100
 
 
 class Witness(NamedTuple):
-    """One solution: its transitions, status, end of the motion, and states at any times, by quantity (those of the
-    first formulation include the contact's parameters); `motion`: that of the first formulation."""
+    """One solution: its transitions, status and end of the motion; of the first formulation also the motion."""
 
     name: str
     transitions: Sequence[Transition]
     status: str
     end: float
-    states: Callable[[np.ndarray], dict[str, np.ndarray]]
     motion: Trajectory | None = None
+
+    def states(self, times: np.ndarray) -> dict[str, np.ndarray]:
+        """States of the motion at any times, by quantity, with the contact's parameters."""
+        assert self.motion is not None
+        return states_of(self.motion, np.minimum(times, self.motion.t[-1]))
 
     @property
     def events(self):
@@ -119,10 +114,7 @@ def _by_first(case: Case, name: str, method: str, rtol: float) -> Witness:
 
 
 def _witness(name: str, motion: Trajectory) -> Witness:
-    def states(times):
-        return states_of(motion, np.minimum(times, motion.t[-1]))
-
-    return Witness(name, motion.transitions, motion.status, float(motion.t[-1]), states, motion)
+    return Witness(name, motion.transitions, motion.status, float(motion.t[-1]), motion)
 
 
 def quantities(case: Case) -> tuple[str, ...]:
@@ -141,129 +133,10 @@ def states_of(motion: Trajectory, times: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def _by_second(case: Case, name: str, rtol: float) -> Witness:
-    from .. import (
-        contact_frame,
-        delassus,
-    )  # SciPy's integrators and trees are slow to import, and stored truth needs no witness
+    from ..witness import predict  # SciPy's integrators are slow to import, and stored truth needs no witness
 
-    if case.others:
-        return _plates_witness(case, name, rtol)
-    if touches_by_features(case):
-        return _supports_witness(case, name, rtol)
-    if not limitation(case) and delassus.touches_at_start(case):
-        return _from_touches(case, name, rtol)
-    answer = contact_frame.solve(case, rtol=rtol, steps_per_turn=STEPS_PER_TURN, overlaps=True)
-    if answer.status == contact_frame.STOPS["elsewhere"] and not limitation(case):
-        return _by_delassus(case, name, rtol, answer)
-
-    def states(times):
-        # Beyond a second contact the equations may be singular; if there was none, the search is not repeated.
-        again = answer.status == contact_frame.STOPS["elsewhere"]
-        motions = contact_frame.solve(
-            case, rtol=rtol, times=times, steps_per_turn=STEPS_PER_TURN, overlaps=again
-        ).motions
-        return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
-
-    return Witness(name, answer.transitions, answer.status, answer.end, states)
-
-
-def _from_touches(case: Case, name: str, rtol: float) -> Witness:
-    """The second formulation of a plate that touches its track in several places in its start."""
-    from .. import delassus
-
-    begin = start_motion(case)
-    body = np.array([begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega])
-    mode = delassus.mode_of(case, begin.slip, begin.omega)
-    witness = _several_witness(case, name, rtol, (), (0.0, body, (begin.xi1, begin.xi2), mode))
-    if _has_several_contacts(case):
-        return witness
-    # The other contacts open at once, and a contact that is the only one has no name.
-    unnamed = (replace(event, contact="") if event.contact == CONTACT else event for event in witness.transitions)
-    return witness._replace(transitions=tuple(unnamed))
-
-
-def _by_delassus(case: Case, name: str, rtol: float, first) -> Witness:
-    """The second formulation with the motion after a second contact."""
-    from .. import contact_frame, delassus
-
-    end = first.end
-    # Where impacts come to rest at the end, a run that is asked for states before it simulates more of them, and may
-    # end by roundings earlier.
-    ends = [end, _just_before(end)]
-    last = contact_frame.solve(case, rtol=rtol, times=ends, steps_per_turn=STEPS_PER_TURN, until=end)
-    column = int(np.isnan(last.motions[0, 0]))
-    states, motions = last.states[:, column], last.motions[:6, column]
-    before = tuple(replace(event, contact=CONTACT) for event in first.transitions)
-    slip, omega = float(states[3]), float(states[2])
-    mode = before[-1].after if before else delassus.mode_of(case, slip, omega)
-    place = float(states[0]), float(states[1])
-    own = None if np.isnan(place[0]) else place  # in flight
-    mode = Mode.FLIGHT if own is None else mode
-    return _several_witness(case, name, rtol, before, (end, motions, own, mode))
-
-
-def _supports_witness(case: Case, name: str, rtol: float) -> Witness:
-    """The second formulation of a case whose contacts are pairs of a support and a feature. Raises NotSupported for
-    effects that it does not have."""
-    if reason := limit(case, Scope.EFFECTS):
-        raise NotSupported(reason)
-    from .. import contact_frame, delassus
-
-    answer = delassus.from_start(case, rtol)
-
-    def states(times):
-        motions = delassus.from_start(case, rtol, np.asarray(times, dtype=float)).motions
-        return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
-
-    return Witness(name, answer.transitions, answer.status, answer.end, states)
-
-
-def _plates_witness(case: Case, name: str, rtol: float) -> Witness:
-    """The second formulation of several plates."""
-    from .. import delassus
-
-    answer = delassus.bodies_motion(case, rtol)
-
-    def states(times):
-        *rows, slip = delassus.bodies_motion(case, rtol, np.asarray(times, dtype=float)).motions
-        half, values = len(rows) // 2, {"slip": slip}
-        for b, name in enumerate(names_of(case)):
-            own = (*rows[3 * b : 3 * b + 3], rows[half + 3 * b + 2])
-            values |= {q if b == 0 else f"{q} of {name}": row for q, row in zip(FREE, own, strict=True)}
-        return values
-
-    return Witness(name, answer.transitions, answer.status, answer.end, states)
-
-
-def _several_witness(case: Case, name: str, rtol: float, before: tuple[Transition, ...], state) -> Witness:
-    """The second formulation from `state` on: time, (x, y, θ, vx, vy, ω), pair of points and mode of the contact."""
-    from .. import contact_frame, delassus
-
-    end, body, own, mode = state
-
-    def go_on(times: Sequence[float]) -> delassus.SeveralMotion:
-        return delassus.continue_motion(case, end, body, own, mode, rtol, times)
-
-    answer = go_on(())
-
-    def states(times):
-        times = np.asarray(times, dtype=float)
-        if answer.end <= end:  # an impact whose outcome is not unique: there are states before it only
-            times = np.minimum(times, _just_before(end))
-        motions, is_before = go_on(times).motions, times < end
-        if is_before.any():
-            early = contact_frame.solve(
-                case, rtol=rtol, times=times[is_before], steps_per_turn=STEPS_PER_TURN, until=end
-            )
-            motions[:, is_before] = early.motions
-        return {q: motions[contact_frame.MOTION.index(q)] for q in QUANTITIES}
-
-    return Witness(name, (*before, *answer.transitions), answer.status, answer.end, states)
-
-
-def _just_before(end: float) -> float:
-    """A time (s) that a motion reaches which ends at `end` in another run: runs differ by roundings."""
-    return end - 64 * EPS * max(end, 1.0)
+    answer = predict(case, rtol)
+    return Witness(name, answer.transitions, answer.status, answer.end)
 
 
 # --- the same motion from a perturbed state ---------------------------------------------------------------------------
@@ -293,16 +166,6 @@ def perturb(case: Case, component: int, roundings: float, method: str) -> Witnes
     motion = solve.as_trajectory(relative, *solve.solve_motion(relative, rtol, integrate_perturbation, None, case))
     motion = motion if relative is case else in_fixed_frame(case, motion)
     return _witness(f"component {component} moved by {roundings:g} roundings", motion)
-
-
-@lru_cache(maxsize=64)
-def _has_several_contacts(case: Case) -> bool:
-    """Whether a motion goes on after a second contact."""
-    try:
-        motion = solve.simulate(case)
-    except NotSupported:  # by the default method of this machine
-        motion = solve.simulate(case, method="dop853")
-    return len(motion.contact_names) > 1
 
 
 def _shift(now: Phase, y: Sequence[float], component: int, roundings: float) -> tuple[float, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,8 @@ from cases.scene.free_plates import plates_of
 from ..endings import CAUSES
 from . import laws, penetration
 from .laws import Defects, Joins
-from .samples import ContactInstants, MotionSamples, PlateSamples, of_motion, parameters_near, steps_of
-from .tolerances import EXACT, part_of
+from .samples import ContactInstants, MotionSamples, of_motion, steps_of
+from .tolerances import part_of
 
 OVERLAP = "no overlap"
 # Steps whose forces five instants do not resolve are divided into so many parts, so many times: the worst of them.
@@ -145,18 +145,6 @@ def _is_listed(samples: MotionSamples, sudden: Joins, steps: np.ndarray) -> np.n
     last = rests[np.searchsorted(rests, others)]
     start = samples.start[steps]
     return ~((start[:, None] >= first) & (start[:, None] < last)).any(axis=1)
-
-
-def overlaps(case: Case, times: np.ndarray, poses: Sequence[Sequence[np.ndarray]]) -> tuple[BrokenLaw, ...]:
-    """The overlaps of plates whose poses (x, y, θ) at some times are known, of a track at rest."""
-    nothing = np.zeros(times.shape)
-    plates = [PlateSamples(x + 1j * y, np.exp(1j * theta), 0j * nothing, nothing, theta) for x, y, theta in poses]
-    size = max(float(np.abs(p.place).max()) + plate.reach for p, plate in zip(plates, plates_of(case), strict=True))
-    near = {name: np.array(values) for name, values in parameters_near(case, ()).items()}
-    every = [
-        Defects(OVERLAP, d.pair, d.times, d.depths, size, "m") for d in penetration.depths(case, times, plates, near)
-    ]
-    return worst_first([one for defects in every if (one := worst(defects, EXACT))])
 
 
 def worst(defects: Defects, part: float) -> BrokenLaw | None:

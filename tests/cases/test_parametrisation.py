@@ -12,8 +12,8 @@ from cases.contact import nearest as search
 from cases.contact.nearest import nearest
 from cases.curves import cos, exp
 from cases.curves import sin as sine
-from reference.contact_frame.equations import ContactScene
 from reference.minimal import gap, meetings
+from reference.witness.equations import ContactScene
 
 ELLIPSE = library.ellipse(0.2, 0.1)
 TRACKS = {

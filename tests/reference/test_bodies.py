@@ -13,10 +13,9 @@ from scipy.optimize import brentq
 
 from cases import Case, Curve, Mode, Plate
 from cases.library import ellipse
-from reference.delassus import complementarity
-from reference.delassus.bodies import BodiesSystem, ContactOfBodies, bodies_system
 from reference.paper.bodies import BodyContact, solve_bodies
-from tests.scenes.piles import BOTH, STILL, G, Pile, body, on_top, random_pile
+from reference.witness import complementarity
+from tests.scenes.piles import BOTH, STILL, ContactSystem, G, Pile, body, case_of, contact_system, on_top, random_pile
 
 # --- two discs --------------------------------------------------------------------------------------------------------
 
@@ -189,13 +188,13 @@ def test_a_pile_of_three_discs_needs_two_coefficients_of_friction():
 # --- both formulations ------------------------------------------------------------------------------------------------
 
 
-def _problem(system: BodiesSystem):
+def _problem(system: ContactSystem):
     count = len(system.mu)
     slips = [None if abs(v) < STILL else float(np.sign(v)) for v in system.velocities[count:]]
     return system.delassus, system.free, slips, system.mu, system.stick
 
 
-def _enumerate(pile: Pile, system: BodiesSystem) -> list[np.ndarray]:
+def _enumerate(pile: Pile, system: ContactSystem) -> list[np.ndarray]:
     """The accelerations of all consistent modes by the paper's matrix, each motion once."""
     count, motions = len(system.mu), list[np.ndarray]()
     bias = system.free - system.rows @ (system.inverse * system.torsor)
@@ -287,13 +286,13 @@ def test_bodies_need_not_be_round():
         carried = base_velocity + spins[0] * np.array([-point[1], point[0]]) + tangent
         velocity = carried - spins[1] * np.array([-arm[1], arm[0]])
         states = [(0.0, 0.0, base_angle, *base_velocity, spins[0]), (*centre, angle, *velocity, spins[1])]
-        system = bodies_system([body(lower), body(upper)], [ContactOfBodies(pair, xi1, xi2, 1, 0)], 0.0, states)
+        system = contact_system(case_of([upper, lower], [(1, 0)], [0.3]), states[::-1], [(1, 0)])
         assert system.velocities == pytest.approx([0.0, 1.0], abs=1e-12)
         normal_force = -system.free[0] / (system.delassus[0] @ (1.0, -0.3))
         rate = np.array(_rates(pair, xi1, xi2, spins[1] - spins[0], 1.0))
         contact = BodyContact(pair, Mode.SLIP_FORWARD, (xi1, xi2, *rate), 1, 0)
         literal = solve_bodies([body(lower), body(upper)], [contact], [(0.0, *state) for state in states])
-        expected = system.accelerations(normal_force * np.array([1.0, -0.3]))
+        expected = system.accelerations(normal_force * np.array([1.0, -0.3]))[::-1]
         assert literal.q1_ddot == pytest.approx(expected, rel=1e-10, abs=1e-10)
         momentum = 2.0 * literal.q1_ddot[0, :2] + literal.q1_ddot[1, :2]
         assert momentum == pytest.approx([0.0, -3.0 * G], abs=1e-10)

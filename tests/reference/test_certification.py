@@ -13,14 +13,14 @@ from cases import curves as c
 from cases.effects import MOTION
 from cases.library import line
 from reference import __main__ as command
-from reference import contact_frame, simulate
+from reference import simulate, witness
 from reference.__main__ import main
 from reference.certification import certificate as certification
 from reference.certification import rebuild, truth_file, witnesses
 from reference.certification.certificate import Certificate, NotCertified, certify
-from reference.contact_frame import steps
 from reference.minimal.integrators import taylor
 from reference.solver import march
+from reference.witness import steps
 from tests.authorities.many_digits import STATES, TIMES, computed
 
 GROUND = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
@@ -127,15 +127,17 @@ def test_one_witness_alone_certifies_nothing(monkeypatch):
         certify(BOWLED)
 
 
-def disagreeing(monkeypatch, change) -> str:
-    """What the certificate says where the last witness of a disc on a line says something else."""
+def disagreeing(monkeypatch, change, number: int = -1) -> str:
+    """What the certificate says where one witness of a disc on a line, the last one, says something else."""
     able, missing = witnesses.witnesses(BOWLED)
-    monkeypatch.setattr(certification, "witnesses", lambda case: ([*able[:-1], change(able[-1])], missing))
+    every = [*able]
+    every[number] = change(able[number])
+    monkeypatch.setattr(certification, "witnesses", lambda case: (every, missing))
     with pytest.raises(NotCertified) as error:
         certify(BOWLED)
     text = str(error.value)
     assert "\n" not in text and "ill-conditioned" not in text
-    assert able[0].name in text and able[-1].name in text and "one of the two may be wrong" in text
+    assert able[0].name in text and able[number].name in text and "one of the two may be wrong" in text
     return text
 
 
@@ -160,10 +162,11 @@ def test_an_end_with_a_wider_bar_than_a_transition_may_have_makes_no_certificate
 def test_a_bar_that_is_no_use_makes_no_certificate(monkeypatch):
     """A place that is known to a hundredth of the plate only."""
 
-    def elsewhere(witness):
-        return witness._replace(states=lambda times: witness.states(times) | {"x": witness.states(times)["x"] + 0.002})
+    class Elsewhere(witnesses.Witness):
+        def states(self, times):
+            return super().states(times) | {"x": super().states(times)["x"] + 0.002}
 
-    text = disagreeing(monkeypatch, elsewhere)
+    text = disagreeing(monkeypatch, lambda witness: Elsewhere(*witness), number=-2)
     assert "a thousandth of the plate" in text and "0.002 m" in text
 
 
@@ -184,7 +187,7 @@ def wide_disc() -> Case:
 def test_a_second_contact_is_seen_by_both_formulations():
     """A disc too wide for a valley's bottom touches both flanks with its centre above the bottom."""
     case = wide_disc()
-    first, second = simulate(case, rtol=1e-13), contact_frame.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
+    first, second = simulate(case, rtol=1e-13), witness.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
     assert first.status == second.status == "second_contact"
     assert second.end == pytest.approx(first.t[-1], abs=1e-11)
 
@@ -201,7 +204,7 @@ def test_a_second_contact_is_seen_by_both_formulations():
 )
 def test_a_plate_that_fits_meets_its_track_nowhere_else(label):
     case = cases.load(label)
-    assert contact_frame.solve(case, overlaps=True).status == "completed"
+    assert witness.solve(case, overlaps=True).status == "completed"
 
 
 @pytest.mark.slow

@@ -23,10 +23,10 @@ from cases import (
 )
 from cases.curves.corner import Corner
 from cases.scene.piece_case import PieceCase
-from reference.contact_frame.equations import ContactPhase, ContactScene
 from reference.minimal.modes import full_state
 from reference.paper.corners import solve_at_corner
 from reference.solve import INTEGRATORS, solve_motion
+from reference.witness.equations import ContactPhase, ContactScene
 
 # All three are a few dozen operations on numbers of one size.
 ROUNDING = 1e-11

@@ -5,7 +5,7 @@ import pytest
 
 from cases import Curve
 from cases.library import circle, line
-from reference.contact_frame.curve_bounds import CurveBounds
+from reference.witness.curve_bounds import CurveBounds
 
 # Functions, since making them takes half a second in each process that collects tests.
 CURVES = {

@@ -1,7 +1,7 @@
 """Plates on curved supports: discs between circles, rods and blocks in bowls, against exact motions."""
 
 from functools import cache
-from math import acos, asin, atan, cos, hypot, sin, sqrt
+from math import acos, asin, atan, cos, hypot, pi, sin, sqrt
 
 import mpmath as mp
 import numpy as np
@@ -28,11 +28,13 @@ from cases import (
     Unilateral,
     disc,
 )  # fmt: skip
-from cases.library import circle, line
+from cases.library import circle, ellipse, line
 from cases.motion.mechanics import energy
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
+from tests.scenes import second as second_states
+from tests.scenes.agreement import check_several_contacts
 from tests.scenes.supports import INELASTIC, G, agree, bowl, events, hill, simulated
 
 # --- discs between circles --------------------------------------------------------------------------------------------
@@ -180,7 +182,7 @@ def test_a_rod_without_friction_in_a_bowl_is_a_physical_pendulum(angle, method):
     period = 4.0 * float(mp.ellipk(mp.sin(mp.mpf(angle) / 2) ** 2)) / sqrt(G * DEPTH / (HALF**2 / 3.0 + DEPTH**2))
     times = np.array([0.25, 0.5, 1.0]) * period
     if method == "second":
-        theta = _by_second(case, "second", 1e-13).states(times)["theta"]
+        theta = second_states.poses(case, times)[2]
     else:
         motion = reference.simulate(case, 1e-14, method)
         theta = motion(times).theta
@@ -314,7 +316,7 @@ def test_a_plank_rocks_on_a_hill_with_the_period_of_a_quadrature(method):
         np.array([0.25, 0.5, 1.0, 1.25]) * period,
     )
     if method == "second":
-        theta = _by_second(case, "second", 1e-13).states(times)["theta"]
+        theta = second_states.poses(case, times)[2]
     else:
         theta = reference.simulate(case, 1e-14, method)(times).theta
     assert theta == pytest.approx([0.0, 0.4, -0.4, 0.0], abs=1e-11)
@@ -383,3 +385,18 @@ def test_a_plate_that_begins_in_a_support_is_rejected_in_one_line(track, plate, 
     with pytest.raises((BadValue, DoesNotFit), match=message) as output:
         Case(track, plate, INELASTIC, StartPose(0.0, 1.0), 1.0, supports=(Support(support, "wall"),))
     assert "\n" not in str(output.value)
+
+
+# --- curves through points --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("e", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "plate", [disc(0.3, 1.0), pytest.param(Plate(ellipse(0.3, 0.2), 1.0, 0.05), marks=pytest.mark.slow)]
+)
+def test_both_formulations_agree_on_a_curve_through_points_next_to_a_wall(plate, e):
+    """A plate falls into a parabola through points every metre, slides over their knots, and hits the wall at x = 0."""
+    track = Curve.spline([(x, 0.05 * x * x) for x in range(-8, 9)])
+    effects = (Gravity(G), Unilateral(), Flight(), Impact(e, "moreau"), CoulombFriction(0.5))
+    wall = Support(line(pi / 2), "wall")
+    check_several_contacts(Case(track, plate, effects, StartPose(2.0, 0.9, vx=-1.0), 2.0, supports=(wall,)))

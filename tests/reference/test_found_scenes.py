@@ -22,7 +22,7 @@ from cases import (
     Unilateral,
 )
 from cases.library import circle, ellipse
-from reference import contact_frame
+from reference import witness
 from reference.minimal.integrators import dop853, taylor
 from reference.solver.regimes import PairKey, SolverRegime, solver_phase
 from tests.reference.test_random_effects import check_physics, with_effects
@@ -351,7 +351,7 @@ def test_a_slip_that_vanishes_by_a_factor_of_its_own_when_bouncing_ends():
     plate = Plate(ellipse(0.11915, 0.0754368), 1.0, 0.0057611)
     start = Start(-1.31919, 2.68877, slip=-0.957172, omega=1.85368, gap=0.0177468, gap_rate=0.0190041)
     case = Case(circle(1.0), plate, effects, start, 0.2)
-    motion, second = reference.simulate(case, rtol=1e-13), contact_frame.solve(case, rtol=1e-13)
+    motion, second = reference.simulate(case, rtol=1e-13), witness.solve(case, rtol=1e-13)
     modes = [(t.before, t.after) for t in motion.transitions]
     assert modes == [(t.before, t.after) for t in second.transitions] and modes[-1] == (Mode.FLIGHT, Mode.ROLL)
     # By stepping through all bounces down to 2e-7 m/s, and Aitken's Δ² twice. Both formulations' roundings: 3e-14 s.

@@ -13,26 +13,34 @@ import reference
 from adapters.interface import refusal
 from cases import (
     BadValue,
+    Belt,
     Case,
     CoulombFriction,
     Curve,
     DoesNotFit,
+    Drive,
     Flight,
     FreePlate,
     Gravity,
     Impact,
+    Load,
     Mode,
     NotSupported,
+    Pair,
+    Plate,
+    RollingResistance,
     StartPose,
     Support,
     Unilateral,
     UnknownName,
     disc,
 )
-from cases.library import line
+from cases.library import ellipse, line
 from reference.certification import certify
-from reference.delassus import bodies_motion
 from reference.solver import columns as plate_columns
+from reference.witness import predict
+from tests.scenes import second as second_states
+from tests.scenes.agreement import check_several_contacts
 
 G = 9.81
 
@@ -199,7 +207,7 @@ def test_both_formulations_agree_in_one_impact():
 def _compare(case: Case, method: str | None = None) -> None:
     one = reference.simulate(case, rtol=1e-12, method=method)
     times = np.linspace(0.0, float(one.t[-1]), 7)[1:] - 1e-3  # off the impacts, where velocities jump
-    other = bodies_motion(case, times=times)
+    other, there = predict(case), second_states.poses(case, times)
     assert [(t.contact, t.before, t.after) for t in one.transitions] == [
         (t.contact, t.before, t.after) for t in other.transitions
     ]
@@ -208,7 +216,7 @@ def _compare(case: Case, method: str | None = None) -> None:
     assert [t.time for t in one.transitions] == pytest.approx([t.time for t in other.transitions], abs=5e-11)
     for b, plate in enumerate(one.plate_names):
         own = one.plate(plate)(times)
-        assert np.array([own.x, own.y, own.theta]) == pytest.approx(other.motions[3 * b : 3 * b + 3], abs=2e-10)
+        assert np.array([own.x, own.y, own.theta]) == pytest.approx(there[3 * b : 3 * b + 3], abs=2e-10)
 
 
 def random_scene(seed: int) -> Case:
@@ -242,18 +250,86 @@ def test_both_formulations_agree_in_random_scenes(seed):
     _compare(random_scene(seed))
 
 
+def with_effects(seed: int) -> Case:
+    """A disc, perhaps one on it, and one that comes towards it: loads, a driven track, a belt, or rolling resistance; a
+    pair with its own friction, and cases that end at the first impact."""
+    numbers = np.random.default_rng(seed)
+    mu, e, kind = numbers.choice([0.0, 0.2, 0.6]), numbers.choice([0.0, 0.3]), numbers.integers(0, 4)
+    effects = [Gravity(G), Unilateral(), Flight(), *((CoulombFriction(float(mu)),) if mu else ())]
+    effects += [Impact(float(e), "moreau")] if numbers.random() < 0.8 else []
+    size, rate = numbers.uniform(0.01, 0.1), numbers.uniform(2.0, 9.0)
+    effects += [Load(fx=f"{20.0 * size}*sin({rate}*t)")] if kind == 0 else []
+    effects += [Drive(x=f"{size}*sin({rate}*t)", y=f"{0.3 * size}*(1 - cos({rate}*t))")] if kind == 1 else []
+    effects += [Belt(float(numbers.uniform(-2.0, 2.0)))] if kind == 2 and mu else []
+    effects += [RollingResistance(0.2 * float(size))] if kind == 3 and mu else []
+    radii, phi = numbers.uniform(0.2, 0.5, 3).tolist(), float(numbers.uniform(-0.6, 0.6))
+    own = Load(fx=f"{numbers.uniform(-2.0, 2.0)}*t") if numbers.random() < 0.3 else None
+    far, others = radii[0] + radii[1], list[FreePlate]()
+    if numbers.random() < 0.6:
+        at = StartPose(far * sin(phi), radii[0] + far * cos(phi), omega=float(numbers.uniform(-2.0, 2.0)))
+        others.append(FreePlate(disc(radii[1], 1.3), at, "upper", own))
+    at = StartPose(float(numbers.uniform(1.2, 1.6)), radii[2], vx=float(numbers.uniform(-1.0, 0.0)))
+    others.append(FreePlate(disc(radii[2], 0.8), at, "next"))
+    pairs = (Pair("next/plate", (CoulombFriction(float(numbers.uniform(0.05, 0.8))),)),) if seed % 2 else ()
+    start = StartPose(0.0, radii[0], vx=float(numbers.uniform(-1.0, 1.0)))
+    return Case(line(), disc(radii[0], 1.0), tuple(effects), start, 0.8, others=tuple(others), pairs=pairs)
+
+
+QUICK = (
+    3,
+    5,
+    19,
+    22,
+)  # a load and a landing without Impact, a load, a driven track, a belt; all but the last with a pair
+
+
+@pytest.mark.parametrize(
+    "seed", [*QUICK, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(30) if seed not in QUICK)]
+)
+def test_both_formulations_agree_with_loads_drives_belts_resistance_and_pairs(seed):
+    check_several_contacts(with_effects(seed))
+
+
+def test_a_motion_of_plates_under_loads_is_certified():
+    certificate = certify(with_effects(5))
+    assert len(certificate.transitions) == 5 and "contact frame 1e-13" in certificate.witnesses
+    assert max(time.bar for *_, time, _ in certificate.transitions) < 1e-12
+
+
+def of_shapes(seed: int) -> Case:
+    """A disc and an ellipse or a block that fall on a plane, one on the other; they do not bounce."""
+    numbers = np.random.default_rng(seed)
+    mu = numbers.choice([0.0, 0.3, 0.8])
+    kinds = numbers.choice([(0, 1), (0, 3), (1, 0), (2, 1), (2, 3), (3, 2), (3, 0)]).tolist()
+    a, b, mass, inertia = numbers.uniform((0.3, 0.2, 0.5, 0.02), (0.5, 0.3, 2.0, 0.06)).tolist()
+    shapes = Plate(ellipse(a, b), mass, inertia), disc(b, mass), Plate.rectangle(2 * a, 2 * b, mass), disc(a, 1.0)
+    lower, upper = (shapes[kind] for kind in kinds)
+    effects = Gravity(G), Unilateral(), Flight(), Impact(0.0), *((CoulombFriction(float(mu)),) if mu else ())
+    x, theta, vx, angle, spin = numbers.uniform(-0.4, 0.4, 5).tolist()
+    at = StartPose(x, 2 * lower.reach + upper.reach + 0.1, angle, omega=2 * spin)
+    start = StartPose(0.0, lower.reach + 0.02, theta, vx=vx)
+    return Case(line(), lower, effects, start, 0.9, others=(FreePlate(upper, at, "upper"),))
+
+
+@pytest.mark.parametrize(
+    "seed", [1, 4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 2, 3, *range(5, 24)))]
+)
+def test_both_formulations_agree_for_smooth_plates_and_a_polygon(seed):
+    check_several_contacts(of_shapes(seed))
+
+
 @pytest.mark.slow
 def test_a_contact_that_opens_just_before_another_one_closes_is_not_struck_at_once():
     """Its gap is rounding in a first step that is shortened to some microseconds."""
     case, times = random_scene(96), np.array([0.7, 0.9])
-    one, other = reference.simulate(case, rtol=1e-12), bodies_motion(case, times=times)
+    one, other, there = reference.simulate(case, rtol=1e-12), predict(case), second_states.poses(case, times)
     assert one.status == other.status == "completed"
     for ours, theirs in zip(one.transitions[-3:], other.transitions[-3:], strict=True):
         assert (ours.contact, ours.after) == (theirs.contact, theirs.after)
         assert ours.time == pytest.approx(theirs.time, abs=5e-11)
     for b, plate in enumerate(one.plate_names):
         own = one.plate(plate)(times)
-        assert np.array([own.x, own.y, own.theta]) == pytest.approx(other.motions[3 * b : 3 * b + 3], abs=2e-10)
+        assert np.array([own.x, own.y, own.theta]) == pytest.approx(there[3 * b : 3 * b + 3], abs=2e-10)
 
 
 @pytest.mark.slow
@@ -261,7 +337,7 @@ def test_a_contact_that_opens_just_before_another_one_closes_is_not_struck_at_on
 def test_impacts_at_one_instant_are_listed_alike_whether_they_are_found_together_or_not(seed):
     """One formulation finds them one after the other (`cases.motion.instants`). In 75 hops of 1e-12 m end 1e-8 s
     apart."""
-    one, other = reference.simulate(random_scene(seed), rtol=1e-12), bodies_motion(random_scene(seed))
+    one, other = reference.simulate(random_scene(seed), rtol=1e-12), predict(random_scene(seed))
     assert [(e.contact, e.before, e.after) for e in one.transitions] == [
         (e.contact, e.before, e.after) for e in other.transitions
     ]
@@ -271,7 +347,7 @@ def test_impacts_at_one_instant_are_listed_alike_whether_they_are_found_together
 @pytest.mark.slow
 def test_a_disc_that_rocks_between_two_others_ends_at_the_limit_of_four_impacts():
     """Each is 0.0088 of the one before; the last hops are some 1e-12 m high, and rounding is 1e-9 s of their times."""
-    one, other = reference.simulate(random_scene(230), rtol=1e-12), bodies_motion(random_scene(230))
+    one, other = reference.simulate(random_scene(230), rtol=1e-12), predict(random_scene(230))
     assert [(e.contact, e.before, e.after) for e in one.transitions] == [
         (e.contact, e.before, e.after) for e in other.transitions
     ]
@@ -284,7 +360,7 @@ def test_formulations_differ_by_less_than_a_rounding_of_the_start_changes(seed):
     """Contacts that close slowly: 1e-15 m/s at the start change the times by 1e-9 and 2e-10 s."""
     case, times = random_scene(seed), lambda motion: np.array([e.time for e in motion.transitions])
     upper = case.others[0]
-    exact, other = reference.simulate(case, rtol=1e-12), bodies_motion(case)
+    exact, other = reference.simulate(case, rtol=1e-12), predict(case)
     changed = [
         replace(case, others=(replace(upper, start=replace(upper.start, vx=upper.start.vx + off)), *case.others[1:]))
         for off in (1e-15, -1e-15)
@@ -298,7 +374,7 @@ def test_contacts_that_close_at_once_are_one_instant_however_slowly_one_of_them_
     # A disc is lifted off another one of its radius and falls back after 2 v/g. Neither has a horizontal acceleration,
     # and both have one horizontal velocity: the gap between them is that of a rise h, h²/(2 D), and closes with h.
     case = replace(random_scene(249), duration=0.143)
-    one, other = reference.simulate(case, rtol=1e-12), bodies_motion(case)
+    one, other = reference.simulate(case, rtol=1e-12), predict(case)
     assert [(e.contact, e.before, e.after) for e in one.transitions] == [
         (e.contact, e.before, e.after) for e in other.transitions
     ]
@@ -315,7 +391,7 @@ def test_contacts_that_close_at_once_are_one_instant_however_slowly_one_of_them_
 def test_hops_that_other_contacts_forces_end_are_compared_with_rounding_by_their_acceleration():
     """A disc leaves another one with 2.9e-8 m/s, and its contact with the track drives it back: a hop of 3e-16 m. The
     first formulation went on for one hop more, to an end at which the discs slip for 7e-8 s."""
-    one, other = reference.simulate(random_scene(282), rtol=1e-12), bodies_motion(random_scene(282))
+    one, other = reference.simulate(random_scene(282), rtol=1e-12), predict(random_scene(282))
     assert one.status == other.status == "completed"
     assert [(e.contact, e.before, e.after) for e in one.transitions] == [
         (e.contact, e.before, e.after) for e in other.transitions
@@ -329,7 +405,7 @@ def test_hops_that_other_contacts_forces_end_are_compared_with_rounding_by_their
 @pytest.mark.slow
 def test_impacts_that_accumulate_without_a_known_end_are_reported():
     """A disc rattles between ground and another disc, which bounces on the ground itself."""
-    one, other = reference.simulate(random_scene(124)), bodies_motion(random_scene(124))
+    one, other = reference.simulate(random_scene(124)), predict(random_scene(124))
     assert one.status == other.status == "accumulation" and "follow each other ever faster" in one.reason
     assert one.t[-1] == pytest.approx(other.end, abs=1e-4)
 

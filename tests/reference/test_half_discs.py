@@ -28,6 +28,7 @@ from cases.curves.corner import Edge
 from cases.curves.outline import arc
 from cases.scene.contact_pairs import pairs
 from reference.certification.witnesses import _by_second
+from tests.scenes import second as second_states
 from tests.scenes.agreement import check_several_contacts
 
 G, R = 9.81, 0.2
@@ -147,7 +148,7 @@ def test_a_plate_tips_over_its_corner_and_rolls_on_its_arc(method):
         assert (motion(time).x, motion(time).y) == pytest.approx(expected, abs=1e-11)
     second = _by_second(case, "second", 1e-13)
     assert second.status == "completed" and second.transitions == ()
-    assert second.states(np.array([0.75]))["theta"][0] == pytest.approx(float(motion(0.75).theta), abs=1e-10)
+    assert second_states.poses(case, [0.75])[2, 0] == pytest.approx(float(motion(0.75).theta), abs=1e-10)
 
 
 # --- the ranges of arcs -----------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import reference
 from cases import Case, Flight, Gravity, Impact, Mode, Start, Unilateral, disc
 from cases.library import line
 from cases.motion.mechanics import energy
-from reference import contact_frame
+from reference import witness
 
 G = 9.81
 IMPACT = (Mode.FLIGHT, Mode.FLIGHT)
@@ -22,7 +22,7 @@ def first(case: Case):
 
 
 def second(case: Case):
-    return contact_frame.solve(case, rtol=1e-13)
+    return witness.solve(case, rtol=1e-13)
 
 
 FORMULATIONS = pytest.mark.parametrize("solve", [first, second])

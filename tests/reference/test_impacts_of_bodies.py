@@ -5,16 +5,15 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from reference.delassus import complementarity
-from reference.delassus.bodies import BodiesSystem
 from reference.solver.impact import Inertia, NoImpact, impact_of_all
-from tests.scenes.piles import Pile, random_pile
+from reference.witness import complementarity
+from tests.scenes.piles import ContactSystem, Pile, random_pile
 
 
 class Touch:
     """What the law of impact needs of a contact."""
 
-    def __init__(self, system: BodiesSystem, k: int, restitution: float):
+    def __init__(self, system: ContactSystem, k: int, restitution: float):
         self.lift_row, self.slip_row = system.rows[k], system.rows[len(system.mu) + k]
         self.restitution = restitution
 

@@ -23,9 +23,9 @@ from cases import (
 )
 from cases.contact import start_motion
 from cases.library import line
-from reference import contact_frame
-from reference.contact_frame import pairs
-from reference.contact_frame.equations import ContactScene
+from reference import witness
+from reference.witness import pairs
+from reference.witness.equations import ContactScene
 from tests.scenes.ripples import FLYING, G, over_ripples
 
 pytestmark = pytest.mark.taylor
@@ -36,7 +36,7 @@ def first(case: Case) -> float:
 
 
 def second(case: Case) -> float:
-    return contact_frame.solve(case, rtol=1e-13).transitions[0].time
+    return witness.solve(case, rtol=1e-13).transitions[0].time
 
 
 FORMULATIONS = pytest.mark.parametrize("solve", [first, second], ids=["first", "second"])
@@ -126,7 +126,7 @@ def test_a_disc_that_flies_past_a_crest_touches_it_or_not_by_a_hundredth_of_a_na
     start = Start(-0.2, gap=height + above, slip=3.0)
     case = Case(track, disc(0.1, 1.0), FLYING, start, 0.2)
     if above > 0.0:
-        assert reference.simulate(case).transitions == () == contact_frame.solve(case, rtol=1e-13).transitions
+        assert reference.simulate(case).transitions == () == witness.solve(case, rtol=1e-13).transitions
         return
     with mp.workdps(40):
         h, w, r, up = mp.mpf(height), mp.mpf(wide), mp.mpf("0.1"), mp.mpf(height) + mp.mpf("0.1") + mp.mpf(above)
@@ -207,7 +207,7 @@ def end_in_poses(case: Case) -> tuple[str, float]:
 
 
 def second_end(case: Case) -> tuple[str, float]:
-    answer = contact_frame.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
+    answer = witness.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
     return answer.status, answer.end
 
 

@@ -22,14 +22,14 @@ import reference
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Mode, PerfectlyRough, Plate, Start, Unilateral
 from cases import curves as c
 from cases.library import line
-from reference import contact_frame
+from tests.scenes import second as second_states
 
 G, R = 9.81, 0.5
 GRIP = (Gravity(G), Unilateral())
 
 
 def solve(case: Case, times=()):
-    return contact_frame.solve(case, rtol=1e-13, times=times)
+    return second_states.solve(case, rtol=1e-13, times=times)
 
 
 def check_against_the_first_formulation(case: Case, answer) -> None:

@@ -13,11 +13,11 @@ import reference
 from cases import BadValue, Case, CoulombFriction, Flight, Gravity, Impact, PerfectlyRough, Plate, Start, Unilateral
 from cases import RollingResistance as Resistance
 from cases.library import ellipse, line
-from reference import contact_frame
-from reference.contact_frame.equations import ContactScene
-from reference.contact_frame.impact import hit
+from reference import witness
 from reference.minimal.impact import ContactVelocity, Law, collide, energy, law_of
 from reference.solver.impact import Inertia, impact_of_all
+from reference.witness.equations import ContactScene
+from reference.witness.impact import hit
 from tests.scenes.elliptic import numbers
 
 FLYING = (Gravity(9.81), Unilateral(), Flight())
@@ -199,7 +199,7 @@ def by_moreau(case: Case) -> Case:
 @pytest.mark.parametrize("name", ["tumbling_ellipse", "disc_off_ramp", "bouncing_disc", "hopping_hoop"])
 def test_both_formulations_agree_in_whole_motions(name):
     case = by_moreau(cases.load(name))
-    one, other = reference.simulate(case, rtol=1e-12), contact_frame.solve(case, rtol=1e-12)
+    one, other = reference.simulate(case, rtol=1e-12), witness.solve(case, rtol=1e-12)
     assert [(t.before, t.after) for t in one.transitions] == [(t.before, t.after) for t in other.transitions]
     assert [t.time for t in one.transitions] == pytest.approx([t.time for t in other.transitions], abs=1e-8)
 
@@ -217,7 +217,7 @@ def test_a_restitution_that_creates_energy_goes_on_as_engines_do():
     place = ContactScene(case).place(0.0, -2.9)
     law, before = law_of(case, place.arm_t, place.arm_n, 0.96), ContactVelocity(0.96, -2.7, -0.14)
     assert energy(law, collide(law, before)) > energy(law, before)
-    assert (reference.simulate(case).status, contact_frame.solve(case, rtol=1e-13).status) == ("completed", "completed")
+    assert (reference.simulate(case).status, witness.solve(case, rtol=1e-13).status) == ("completed", "completed")
 
 
 def test_another_name_of_a_law_is_refused():

@@ -10,7 +10,7 @@ from cases.library import line
 from cases.motion.trajectory import Transition
 from reference.certification import certify
 from reference.certification.witnesses import _by_second
-from reference.delassus import bodies_motion
+from reference.witness import predict
 from tests.reference.test_free_plates import random_scene
 from tests.scenes.supports import FREE, G, agree, random_case, slow, with_restitution
 
@@ -85,7 +85,7 @@ def test_series_may_end_where_the_motion_is_not_computed_any_more():
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [2, 88, 183])
 def test_discs_that_rattle_on_a_third_one_come_to_rest(seed):
-    one, other = reference.simulate(random_scene(seed), rtol=1e-12), bodies_motion(random_scene(seed))
+    one, other = reference.simulate(random_scene(seed), rtol=1e-12), predict(random_scene(seed))
     assert one.status == other.status == "completed"
     assert [(t.contact, t.before, t.after) for t in one.transitions] == [
         (t.contact, t.before, t.after) for t in other.transitions
@@ -97,7 +97,7 @@ def test_discs_that_rattle_on_a_third_one_come_to_rest(seed):
 def test_a_series_ends_at_an_impact_that_others_follow_at_the_same_instant():
     """A disc rattles between two others and the track. Where it hits the track for the fourth time in the series, the
     gaps of the next impacts are rounding; the second formulation looked for the end after those, and went on."""
-    one, other = reference.simulate(random_scene(268), rtol=1e-12), bodies_motion(random_scene(268))
+    one, other = reference.simulate(random_scene(268), rtol=1e-12), predict(random_scene(268))
     assert one.status == other.status == "completed" and len(one.transitions) == 52
     assert [(t.contact, t.before, t.after) for t in one.transitions] == [
         (t.contact, t.before, t.after) for t in other.transitions

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import reference
-from reference import contact_frame
+from reference import witness
 from tests.reference.test_atlas import within
 from tests.reference.test_two_formulations import ill_conditioned, sequence
 from tests.scenes.hard import KINDS, hard_scene
@@ -23,7 +23,7 @@ def check(case) -> str:
         assert np.all(np.isfinite(getattr(ours, name))), name
     for looks in (60, 2000):
         with within(PATIENCE):
-            theirs = contact_frame.solve(case, rtol=1e-12, steps_per_turn=looks)
+            theirs = witness.solve(case, rtol=1e-12, steps_per_turn=looks)
         # The second formulation sees events at its steps' ends only; a closer look costs more and misses less.
         if (sequence(theirs.transitions), theirs.status) == (sequence(ours.transitions), ours.status):
             return ""

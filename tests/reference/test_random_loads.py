@@ -8,7 +8,7 @@ import reference
 from cases import Case, Gravity, Load, Start, Unilateral, disc
 from cases.contact import start_motion
 from cases.library import line
-from reference import contact_frame
+from reference import witness
 from tests.scenes.limits import cpu_limit
 from tests.scenes.loads import ALONG, G, by_hand, distance, growth, scene
 
@@ -58,8 +58,8 @@ def check(seed: int, second: bool = False) -> None:
 
 def by_second(case, rtol: float) -> tuple[str, float, list[float]]:
     """Status, end (s) and state there by the second formulation."""
-    answer = contact_frame.solve(case, rtol=rtol)
-    last = contact_frame.solve(case, rtol=rtol, times=[answer.end]).motions[: len(NAMES), 0]
+    answer = witness.solve(case, rtol=rtol)
+    last = np.array(answer.last.motion[: len(NAMES)])
     return answer.status, answer.end, last.tolist()
 
 

@@ -20,6 +20,7 @@ from cases import (
     Impact,
     Load,
     Mode,
+    Plate,
     RollingResistance,
     StartPose,
     Support,
@@ -29,8 +30,8 @@ from cases import (
 from cases.contact import start_motion
 from cases.library import line
 from cases.scene.contact_pairs import pairs
-from reference.delassus import complementarity
-from reference.delassus.contacts import PlateDynamics, frictions, pair_at
+from reference.witness import complementarity
+from reference.witness.contacts import PlateDynamics, frictions, pair_at
 from tests.scenes.agreement import check_several_contacts
 from tests.scenes.decisions import accelerations_of, decision_in
 from tests.scenes.rolling_resistance import random_scene
@@ -305,3 +306,24 @@ def test_adapters_reject_rolling_resistance_on_supports_in_one_sentence(of_wall)
             assert one_only.endswith("several contacts with rolling resistance.") or "several places" in one_only
             count += 1
     assert count
+
+
+# --- plates with corners ----------------------------------------------------------------------------------------------
+
+WALL = Support(line(pi / 2), "wall")
+MORE = (0.1, 0.0, 0.005), (0.1, 0.3, 0.03), (0.5, 0.3, 0.005)
+# A block that lands on a corner and then on its side, on an incline; one that slides against a wall; a half disc.
+CORNERS = {
+    "incline": (line(-0.2), Plate.rectangle(1.0, 0.6, 1.0), StartPose(0.0, 0.9, 0.3, omega=1.0), ()),
+    "wall": (line(), Plate.rectangle(1.0, 0.6, 1.0), StartPose(2.0, 0.9, 0.3, vx=-2.0, omega=1.0), (WALL,)),
+    "half disc": (line(-0.1), Plate.half_disc(0.5, 1.0), StartPose(0.0, 0.9, 0.3, omega=1.0), ()),
+}
+
+
+@pytest.mark.parametrize("mu, e, arm", [(0.5, 0.0, 0.03), *(pytest.param(*m, marks=pytest.mark.slow) for m in MORE)])
+@pytest.mark.parametrize("name", CORNERS)
+def test_both_formulations_agree_for_corners_that_resist_rolling(name, mu, e, arm):
+    """Two corners on a line prevent a rotation by themselves: what they share with the couple is open."""
+    track, plate, start, supports = CORNERS[name]
+    effects = (*INELASTIC[:3], Impact(e, "moreau"), *surface(mu, arm))
+    check_several_contacts(Case(track, plate, effects, start, 1.5, supports=supports))

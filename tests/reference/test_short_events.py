@@ -14,14 +14,14 @@ from scipy.special import ellipk
 import cases
 import reference
 from cases import Flight, Impact, Mode, Start
-from reference import contact_frame
-from reference.contact_frame.dips import SHORTEST, excursion
+from reference import witness
+from reference.witness.dips import SHORTEST, excursion
 
 G = 9.81
 
 
 def solve(case, **options):
-    return contact_frame.solve(case, rtol=1e-13, **options)
+    return witness.solve(case, rtol=1e-13, **options)
 
 
 # --- the first step ---------------------------------------------------------------------------------------------------

@@ -26,8 +26,8 @@ from cases import (
     disc,
 )
 from cases.library import line
-from reference import delassus
-from reference.contact_frame import second_formulation
+from reference import witness
+from reference.witness import second_formulation
 from tests.scenes.ties import KINDS, tie
 
 G = 9.81
@@ -102,7 +102,7 @@ def test_second_formulation_has_no_unit_of_mass(factor):
     """The disc that rocks in a groove, with several contacts, hits at the same times whatever its mass is."""
     case = cases.select("disc_rocking_in_groove")[0]
     heavier = replace(case.plate, mass=case.plate.mass * factor, inertia=case.plate.inertia * factor)
-    usual, scaled = (delassus.from_start(replace(case, plate=plate), 1e-13) for plate in (case.plate, heavier))
+    usual, scaled = (witness.predict(replace(case, plate=plate), 1e-13) for plate in (case.plate, heavier))
     assert scaled.status == usual.status == "completed"
     times = [[change.time for change in motion.transitions] for motion in (usual, scaled)]
     assert times[1] == pytest.approx(times[0], abs=1e-12)

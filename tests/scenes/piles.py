@@ -1,14 +1,32 @@
 """Piles of discs at an instant, for the paper's matrix and for the contacts' frames."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 from math import atan2, cos, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Curve, Gravity, Mode, Plate, Start, Unilateral, disc
+from cases import (
+    Case,
+    CoulombFriction,
+    Curve,
+    Flight,
+    FreePlate,
+    Gravity,
+    Mode,
+    Pair,
+    Plate,
+    Start,
+    StartPose,
+    Unilateral,
+    disc,
+)
 from cases.library import hill, line
-from reference.delassus.bodies import BodiesSystem, ContactOfBodies, bodies_system
+from cases.scene.couples import couples
 from reference.paper.bodies import BodiesSolution, BodyContact, solve_bodies
+from reference.witness.contacts import PlateDynamics, frictions, pair_at
+from reference.witness.watched_pairs import watched_pairs
 
 G = 9.81
 LINE = line()
@@ -22,6 +40,53 @@ def body(plate: Plate, track: Curve = LINE, mu: float = 0.0, down: float = -pi /
     return Case(track, plate, (Gravity(G, down), Unilateral(), *friction), Start(0.0, 0.0), 1.0)
 
 
+class ContactSystem(NamedTuple):
+    """The K contacts of n plates in their frames, first all normals, then all tangents: rows (2K, 3n) of the velocities
+    of gap and slip, these velocities, the Delassus matrix, the rates without contact forces; inverse masses and loads
+    (3n,); coefficients of friction (K,) with slip and without."""
+
+    rows: np.ndarray
+    velocities: np.ndarray
+    delassus: np.ndarray
+    free: np.ndarray
+    inverse: np.ndarray
+    torsor: np.ndarray
+    mu: np.ndarray
+    stick: np.ndarray
+
+    def accelerations(self, forces: np.ndarray) -> np.ndarray:
+        """Accelerations (n, 3) with those contact forces (N₁ … N_K, T₁ … T_K), N."""
+        return np.asarray(self.inverse * (self.torsor + self.rows.T @ forces)).reshape(-1, 3)
+
+
+def case_of(plates: Sequence[Plate], contacts, mus: Sequence[float], down: float = -pi / 2) -> Case:
+    """Plates with friction at `contacts`, (base, plate), base None for the floor. It begins with the plates apart."""
+    names = ("plate", *(f"plate{i}" for i in range(1, len(plates))))
+    pairs = tuple(
+        Pair(f"{names[own]}/{'track' if base is None else names[base]}", (CoulombFriction(mu),))
+        for (base, own), mu in zip(contacts, mus, strict=True) if mu
+    )  # fmt: skip
+    poses = [StartPose(10.0 * i, 5.0) for i in range(len(plates))]
+    others = tuple(map(FreePlate, plates[1:], poses[1:], names[1:]))
+    return Case(LINE, plates[0], (Gravity(G, down), Unilateral(), Flight()), poses[0], 1.0, others=others, pairs=pairs)
+
+
+def contact_system(case: Case, states, contacts) -> ContactSystem:
+    """The second formulation's system of a case in these states, with closed contacts (base, plate)."""
+    values = np.array([value for part in (slice(0, 3), slice(3, 6)) for state in states for value in state[part]])
+    closed = []
+    for place in contacts:
+        (couple,) = (one for one in couples(case) if (one.base, one.body) == place)
+        ((pair, near),) = watched_pairs(couple, values[: len(values) // 2])
+        closed.append(pair_at(pair, values, near))
+    dynamics = PlateDynamics(case)
+    delassus, rows = dynamics.delassus(closed)
+    return ContactSystem(
+        rows, rows @ values[len(values) // 2 :], delassus, dynamics.free_rates(0.0, values, closed, rows),
+        dynamics.inverse, dynamics.torsor(0.0, values), *frictions(closed),
+    )  # fmt: skip
+
+
 class Pile:
     """Discs (radius, mass, x, y, vx, vy, ω) with closed contacts: (base, body), base None: the level floor y = 0."""
 
@@ -31,6 +96,7 @@ class Pile:
         self.states = [(x, y, 0.3 * i, vx, vy, omega) for i, (_, _, x, y, vx, vy, omega) in enumerate(discs)]
         self.bodies = [body(plate, down=down) for plate in self.plates]
         self.contacts, self.mus, self.radii = contacts, mus, [r for r, *_ in discs]
+        self.case = case_of(self.plates, contacts, mus, down)
 
     def pair(self, k: int) -> Case:
         base, own = self.contacts[k]
@@ -56,13 +122,9 @@ class Pile:
         ]  # fmt: skip
         return solve_bodies(self.bodies, contacts, [(0.0, *state) for state in self.states])
 
-    def frames(self) -> BodiesSystem:
+    def frames(self) -> ContactSystem:
         """The contacts' frames."""
-        contacts = [
-            ContactOfBodies(self.pair(k), *self.parameters(k)[:2], own, base)
-            for k, (base, own) in enumerate(self.contacts)
-        ]
-        return bodies_system(self.bodies, contacts, 0.0, self.states)
+        return contact_system(self.case, self.states, self.contacts)
 
 
 def on_top(phi: float, spins=(0.0, 0.0), speed: float = 0.0, rate: float = 0.0, masses=(1.0, 1.0), radii=(0.5, 0.4)):

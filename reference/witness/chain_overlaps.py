@@ -15,7 +15,7 @@ from cases.curves.corner import Corner
 from cases.curves.element import Element
 from cases.scene.piece_case import PieceCase
 
-from .sampling import bodies_in_contact
+from .plate_motion import bodies_in_contact
 
 # Between two samples of a step the plate moves by this part of its size, and at most MOST samples are taken.
 STEP, MOST = 0.02, 2000
@@ -42,6 +42,8 @@ class ChainOverlaps:
         self.corners = _free_corners(pieces)
         self.gaps: list[float] = []
         self.time: float | None = None
+        self.state: list[float] | None = None  # (ξ₁, ξ₂, ω, v) then
+        self.steps: list[tuple[float, Callable[[np.ndarray], np.ndarray]]] = []
         self.start: float | None = None
         self.step = 0.0
 
@@ -54,11 +56,22 @@ class ChainOverlaps:
         """Search a step; `z_at` maps times to (ξ₁, ξ₂, ω, v) on the pieces, shape (4, n)."""
         if self.skip or self.time is not None:
             return
+        self.steps.append((start, z_at))
+        self._look(z_at, start, end)
+        if self.time is not None:
+            self.state = self._at(self.time).tolist()
+
+    def _at(self, t: float) -> np.ndarray:
+        """(ξ₁, ξ₂, ω, v) at a time in one of the steps."""
+        z_at = next((z_at for start, z_at in reversed(self.steps) if start <= t), self.steps[0][1])
+        return z_at(np.array([t]))[:, 0]
+
+    def _look(self, z_at: Callable[[np.ndarray], np.ndarray], start: float, end: float) -> None:
         self.step = start
         self.start = start if self.start is None else self.start
 
         def pose(t: float) -> tuple[float, float, float]:
-            x, y, theta = bodies_in_contact(self.pieces, np.array([t]), z_at(np.array([t])), 0)[:3, 0].tolist()
+            x, y, theta = bodies_in_contact(self.pieces, np.array([t]), self._at(t)[:, None], 0)[:3, 0].tolist()
             return x, y, theta
 
         both = np.array([start, end])

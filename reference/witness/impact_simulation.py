@@ -9,12 +9,14 @@ import numpy as np
 from cases import Case, Impact
 
 from ..time_limit import check_time
-from .contacts import PairState, friction_of, resists
+from .complementarity import MOVES
+from .contacts import PairState, Sides, friction_of, resisting_sides
 from .impact_laws import velocities
 from .integration import EPS, DenseStep, PhaseIntegration
 from .phase import SeveralContactPhase, WatchedContact
-from .plate_state import MOVES, TOUCHES, SimulationEnd
+from .plate_state import TOUCHES, SimulationEnd
 from .small_impacts import SMALL_IMPACT, TURNS, ImpactRecord
+from .watched_pairs import groups
 
 # Small impacts are extrapolated to their end where the plate moves by less than this part of its size until then.
 SMALL_HOP = 1e-9
@@ -22,6 +24,8 @@ SMALL_HOP = 1e-9
 ENDS = 1e-3
 # Impacts of which no cubic shows the end are over where no hop is higher than this part of the plate's size.
 LOWEST = 1e-12
+# Bouncing with a fixed ratio ends far above this part of the largest speed; slower rebounds have no known end.
+ACCUMULATES = 1e-7
 # Impacts at one instant that follow from each other, at contacts whose gap is below this part of the plate's size: its
 # rounding.
 MOST_IMPACTS, NO_GAP = 50, 64 * EPS
@@ -67,7 +71,7 @@ class ImpactSimulation(PhaseIntegration):
             return
         effect = self.case.effect(Impact)
         if effect is None:
-            raise SimulationEnd("second_contact")
+            raise SimulationEnd("landing" if self.case.others else "second_contact")
         velocity, stuck = self.velocities_after(effect, [now[k] for k in places_hit])
         if effect.law == "newton":
             turns = self.dynamics.inverse > 0.0
@@ -78,7 +82,7 @@ class ImpactSimulation(PhaseIntegration):
         names, closers = (frozenset(self.contacts[k].name for k in those) for those in (places_hit, closing))
         record = ImpactRecord(self.t, max(-now[k].lift for k in closing), names, closers, self.body.copy())
         self.impacts.count(record)
-        self.turns = self.is_turning(velocity, [now[k] for k in places_hit], small)
+        self.still = self.still_in([now[k] for k in places_hit], velocity, small)
         self.touching, self.stuck, tiny = set(), set(), False
         for i, k in enumerate(places_hit):
             name, lift = self.contacts[k].name, float(now[k].lift_row @ velocity)
@@ -92,13 +96,24 @@ class ImpactSimulation(PhaseIntegration):
                 self.stuck.add(name)
         self.impacts.at_rest |= tiny
 
-    def is_turning(self, velocity: np.ndarray, some: Sequence[PairState], none: float) -> bool:
-        """Whether these contacts leave a rotation; none is below that speed (m/s) at the radius of gyration."""
-        return not resists(some) or abs(float(self.dynamics.turning_row @ velocity)) > none
+    def still_in(self, some: Sequence[PairState], velocity: np.ndarray, none: float) -> set[Sides]:
+        """The plates whose rotation these contacts resist and that have none: below that speed (m/s) at the radius of
+        gyration."""
+        sides = resisting_sides(some)
+        return {p.sides for p in some if p.sides in sides and abs(float(p.turning_row @ velocity)) <= none}
 
     def velocities_after(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
         """Velocities after an impact at some contacts, and which of these do not slip."""
-        return velocities(self, effect, some)
+        before, small = self.body.copy(), MOVES * self.speed
+        stuck = [abs(pair.slip) <= small for pair in some]
+        for group in groups([pair.contact for pair in some]):
+            if all(some[i].lift >= -small for i in group):
+                continue
+            self.body[self.half :], sticks = velocities(self, effect, [some[i] for i in group])
+            for i, sticking in zip(group, sticks, strict=True):
+                stuck[i] = sticking
+        velocity, self.body = self.body[self.half :].copy(), before
+        return velocity, stuck
 
     def pull(self, pair: PairState) -> float:
         """The acceleration of the load towards a contact's support, m/s²."""
@@ -151,8 +166,16 @@ class ImpactSimulation(PhaseIntegration):
             self.strike_all(self.pairs())
 
     def end_bouncing(self) -> None:
-        """Go to the end of small impacts of which no series shows the end, where their hops are rounding."""
+        """Go to the end of small impacts of which no series shows the end, where their hops are rounding. A motion of
+        several plates ends where impacts follow each other ever faster, and no end of them is found."""
         last = self.impacts.strikes[-1] if self.impacts.strikes else None
+        self.end_hops(last)
+        if self.case.others and last is not None and last.time == self.t and last.names - self.touching:
+            if last.closing < ACCUMULATES * self.speed:
+                raise SimulationEnd("accumulation")
+
+    def end_hops(self, last: ImpactRecord | None) -> None:
+        """Go to the end of hops that are rounding, the last impact of which is given."""
         if last is None or last.time != self.t or not self.impacts.small:
             return
         size = self.size()
@@ -191,7 +214,7 @@ class ImpactSimulation(PhaseIntegration):
             if c.name in self.touching and abs(pair.slip) <= noise and friction_of(pair.contact)[1] > 0.0
         }  # fmt: skip
         some = [pair for c, pair in zip(self.contacts, self.pairs(), strict=True) if c.name in self.touching]
-        self.turns = self.is_turning(self.body[self.half :], some, noise)
+        self.still = self.still_in(some, self.body[self.half :], noise)
         self.hold()
         if end > self.t:
             start, after = self.t, self.body.copy()

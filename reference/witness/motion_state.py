@@ -5,17 +5,14 @@ from __future__ import annotations
 from math import pi
 from typing import NamedTuple
 
-import numpy as np
-
 from cases import Case, Drive, Transition
 from cases.contact import pose
 from cases.scene.piece_case import PieceCase
 
 from .bouncing import Bounce
 from .coulomb_law import decide
-from .drive import case_at_rest, load_of_drive
+from .drive import case_at_rest, loads_of_drive
 from .equations import ContactPhase, ContactScene
-from .sampling import Record
 from .steps import WorkBudget
 from .surroundings import Surroundings
 
@@ -68,16 +65,16 @@ class EndState(NamedTuple):
 class MotionState:
     """One motion during its simulation: the transitions and bounces so far, and the time."""
 
-    def __init__(self, case: Case, rtol: float, times: np.ndarray, steps_per_turn: int, until: float, overlaps: bool):
+    def __init__(self, case: Case, rtol: float, steps_per_turn: int, until: float, overlaps: bool):
         drive = case.effect(Drive)
-        self.drive_load = load_of_drive(case)
+        self.drive_load = next(iter(loads_of_drive(case)), None)
         if drive:
             case = case_at_rest(case, drive)
         self.case, self.scene = case, ContactScene(case, self.drive_load)
         # An open outline has no inside and is only the contact arc.
         self.overlaps = overlaps and bool(case.plate.outline.period)
         self.rtol, self.steps_per_turn, self.end = max(rtol, 1e-13), steps_per_turn, min(case.duration, until)
-        self.record = Record(case, times)
+        self.last: ContactState | FlightState | None = None  # the state at the end of a motion
         self.t, self.work = 0.0, WorkBudget()
         self.transitions: list[Transition] = []
         self.bounces: list[Bounce] = []

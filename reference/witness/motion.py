@@ -10,17 +10,28 @@ import numpy as np
 from cases import Belt, Case, DoesNotFit, Flight, Mode, Transition
 
 from ..time_limit import check_time
-from .complementarity import least_rate, solutions
-from .contacts import PairState, friction_of, frictions, is_rough, is_watched_always, resists
+from .complementarity import MOVES, least_rate, pressing_forces, slips_at_rough_contact, solutions
+from .contacts import (
+    PairState,
+    Sides,
+    friction_of,
+    frictions,
+    is_rough,
+    is_watched_always,
+    on_whole_curves,
+    resisting_sides,
+)
 from .impact_simulation import ImpactSimulation
 from .integration import EPS, FORGOTTEN, DenseStep
-from .phase import CURVE_ENDS, NO_RATE, ROTATION, STICKS, SeveralContactPhase
-from .plate_state import MOVES, TOUCHES, SimulationEnd
-from .rough_contacts import pressing_forces, slips_at_rough_contact
+from .phase import CURVE_ENDS, NO_RATE, STICKS, SeveralContactPhase, rotation_name
+from .plate_state import TOUCHES, SimulationEnd
+from .watched_pairs import common_slips, groups, sides_of
 
 MOST_PHASES = 5_000
 # Forces that have just reached their limit are compared after this part of the motion's time scale.
 AHEAD = 1e-6
+# Accelerations below this part of the load are roundings of an equilibrium.
+BALANCED = 1e-10
 # Looks at a load in time while it may end a rest.
 REST_LOOKS = 200
 
@@ -32,7 +43,8 @@ class Simulation(ImpactSimulation):
         super().__init__(case, t, body, rtol)
         self.begins: dict[str, float] = {}
         self.leaving: set[str] = set()
-        self.rotation: int | None = None
+        self.rotation: dict[Sides, int] = {}  # the sense of a rotation that is resisted; 0: it is prevented
+        self.names: set[str] = set()  # contacts that have been closed
         self.is_start, self.goes_on = t == 0.0, False
 
     # --- phases -------------------------------------------------------------------------------------------------------
@@ -53,48 +65,95 @@ class Simulation(ImpactSimulation):
     def same_modes(self) -> SeveralContactPhase:
         """The phase that continues after an open contact is no longer watched."""
         self.goes_on = False
-        return SeveralContactPhase(self.dynamics, self.contacts, turn=self.rotation)
+        return SeveralContactPhase(self.dynamics, self.contacts, turns=self.rotation)
 
     def decide(self) -> SeveralContactPhase:
         """The modes that follow, from the complementarity of forces and accelerations at the touched contacts."""
         now = self.pairs()
+        if self.case.others:
+            return self.decide_by_groups(now)
         modes = self.next_modes(now)
         if self.is_carried(now, modes):
             contacts = [c._replace(mode=modes.get(k, Mode.FLIGHT)) for k, c in enumerate(self.contacts)]
-            if self.start(SeveralContactPhase(self.dynamics, contacts, is_carried=True, turn=self.rotation)):
+            if self.start(SeveralContactPhase(self.dynamics, contacts, is_carried=True, turns=self.rotation)):
                 modes = self.next_modes(now)
-        sticking, turning = (
-            [k for k, m in modes.items() if m in STICKS],
-            [self.dynamics.turning_row] * (self.rotation == 0),
-        )
-        rank = np.linalg.matrix_rank(
-            np.array([now[k].lift_row for k in modes] + [now[k].slip_row for k in sticking] + turning)
-            / self.dynamics.units * self.dynamics.moves,
-            tol=1e-9,
-        ) if modes else 0  # fmt: skip
-        count, most = len(modes) + len(sticking) + len(turning), int(self.dynamics.moves.sum())
-        if rank < min(count, most):  # they hold one point, about which the plate turns: the matrix is singular
+        sticking, turning = [k for k, m in modes.items() if m in STICKS], self.turning_rows(now, self.still_sides())
+        rows = [now[k].lift_row for k in modes] + [now[k].slip_row for k in sticking]
+        rank, all_rank = (self.rank(some) for some in (rows, rows + turning))
+        # Two corners on a line prevent a rotation by themselves: what they share with a couple is open.
+        is_shared = bool(turning) and all_rank == rank
+        count, most = len(rows) + len(turning) * (not is_shared), int(self.dynamics.moves.sum())
+        if all_rank < min(count, most):  # they hold one point, about which the plate turns: the matrix is singular
             raise SimulationEnd("breakdown")
+        rank, count = all_rank, len(rows) + len(turning)
+        is_carried = self.is_carried(now, modes) or (is_shared and rank < most)
         rests = rank == most and count > 2 and not _is_on_belt(now, modes) and not self.body[self.half :].any()
+        goes_on = frozenset(c.name for c, pair in zip(self.contacts, now, strict=True) if self.bounces_on(c, pair))
+        self.begin(modes, goes_on)
+        if not modes and self.case.effect(Flight) is None:
+            raise SimulationEnd("lift_off")
+        return SeveralContactPhase(self.dynamics, self.contacts, rests, is_carried, self.rotation)
+
+    def begin(self, modes: dict[int, Mode], goes_on: frozenset[str] = frozenset()) -> None:
+        """Begin a phase in these modes, by the places of contacts; those that change are listed."""
         changes = []
         for k, contact in enumerate(self.contacts):
             mode = modes.get(k, Mode.FLIGHT)
             if mode is not contact.mode or (mode is Mode.FLIGHT and contact.name in self.struck):
-                xi1, xi2 = contact.pair
-                changes.append(
-                    Transition(
-                        self.t, contact.mode, mode, xi1, float(contact.case.whole_xi2(xi2)), contact=contact.name
-                    )
-                )
+                place = on_whole_curves(contact.case, contact.pair)
+                changes.append(Transition(self.t, contact.mode, mode, *place, contact=contact.name))
             self.contacts[k] = contact._replace(mode=mode)
-        goes_on = frozenset(c.name for c, pair in zip(self.contacts, now, strict=True) if self.bounces_on(c, pair))
+        self.names |= {contact.name for contact in self.contacts if contact.is_closed}
         self.impacts.list_changes(self.t, [] if self.is_start else changes, goes_on)  # a start's modes are no changes
-        self.is_start = False
-        self.beginning = set(self.begins)
-        self.begins, self.leaving, self.struck, self.stuck, self.turns = {}, set(), set(), set(), True
-        if not modes and self.case.effect(Flight) is None:
-            raise SimulationEnd("lift_off")
-        return SeveralContactPhase(self.dynamics, self.contacts, rests, self.is_carried(now, modes), self.rotation)
+        self.is_start, self.beginning = False, set(self.begins)
+        self.begins, self.leaving, self.struck, self.stuck, self.still = {}, set(), set(), set(), set()
+
+    def decide_by_groups(self, now: Sequence[PairState]) -> SeveralContactPhase:
+        """The same for each group of contacts that share plates."""
+        modes, resting, is_carried = dict[int, Mode](), set[int](), False
+        self.rotation = {}
+        touching = [k for k, contact in enumerate(self.contacts) if contact.name in self.touching]
+        for group in groups([self.contacts[k].case for k in touching]):
+            every = [touching[i] for i in group]
+            closed = [k for k in every if self.contacts[k].name not in self.leaving]
+            chosen, forces = self.modes(now, closed, every)
+            modes |= chosen
+            plates = set().union(*(sides_of(self.contacts[k].case) for k in every))
+            places = closed if len(forces) in (2 * len(closed), 3 * len(closed)) else every
+            is_balanced = self.is_balanced(now, places, forces, plates)
+            if is_balanced and self.dynamics.is_constant:
+                resting |= plates
+                continue
+            rows = [now[k].lift_row for k in chosen] + [now[k].slip_row for k, m in chosen.items() if m in STICKS]
+            rows += self.turning_rows([now[k] for k in chosen], self.still_sides())
+            shared = common_slips([now[k].contact for k, m in chosen.items() if m in STICKS])
+            less = len(rows) - self.rank(rows)
+            if less > shared and not is_balanced:
+                raise SimulationEnd("breakdown")
+            is_carried |= less > 0
+        self.begin(modes)
+        return SeveralContactPhase(self.dynamics, self.contacts, False, is_carried, self.rotation, frozenset(resting))
+
+    def is_balanced(self, now: Sequence[PairState], closed: list[int], forces: np.ndarray, plates: set[int]) -> bool:
+        """Whether these plates are still, and the forces at the contacts balance the load."""
+        parts = [3 * b + i for b in plates for i in range(3)]
+        if self.body[self.half :][parts].any():
+            return False
+        some = [now[k] for k in closed]
+        _, rows = self.dynamics.delassus(some)
+        load = self.dynamics.inverse * self.dynamics.torsor(self.t, self.body)
+        acceleration = load + self.dynamics.inverse * (rows.T @ forces if len(rows) else 0.0)
+        size = float(np.abs(load * self.dynamics.units).max())
+        return bool(np.abs((acceleration * self.dynamics.units)[parts]).max() <= BALANCED * size)
+
+    def rank(self, rows: list[np.ndarray]) -> int:
+        """How many of some rows of velocities are independent."""
+        scale = self.dynamics.moves / self.dynamics.units
+        return int(np.linalg.matrix_rank(np.array(rows) * scale, tol=1e-9)) if rows else 0
+
+    def still_sides(self) -> set[Sides]:
+        """The plates that contacts prevent from turning against each other."""
+        return {sides for sides, sense in self.rotation.items() if sense == 0}
 
     def next_modes(self, now: Sequence[PairState]) -> dict[int, Mode]:
         """The modes of the contacts that stay closed, by their places."""
@@ -103,7 +162,7 @@ class Simulation(ImpactSimulation):
 
     def is_carried(self, now: Sequence[PairState], modes: dict[int, Mode]) -> bool:
         """Whether contacts in these modes, some of them on belts, have more rows than the plate velocities."""
-        count = len(modes) + sum(mode in STICKS for mode in modes.values()) + (self.rotation == 0)
+        count = len(modes) + sum(mode in STICKS for mode in modes.values()) + len(self.still_sides())
         return _is_on_belt(now, modes) and count > int(self.dynamics.moves.sum())
 
     def modes(
@@ -130,7 +189,7 @@ class Simulation(ImpactSimulation):
 
     def solution(self, now: Sequence[PairState], closed: list[int]) -> tuple[dict[int, Mode], np.ndarray] | None:
         """The modes of the contacts that stay closed, by their places, and the forces; None without a solution."""
-        self.rotation = None
+        self.rotation = {sides: v for sides, v in self.rotation.items() if sides not in {now[k].sides for k in closed}}
         if not closed:
             return {}, np.zeros(0)
         some = [now[k] for k in closed]
@@ -142,7 +201,7 @@ class Simulation(ImpactSimulation):
         delassus, rows = self.dynamics.delassus(some)
         free = self.dynamics.free_rates(self.t, self.body, some, rows)
         mu, stick = frictions(some)
-        slips += [self.sense_of_rotation() for _ in range(len(mu) - len(some))]
+        slips += [self.sense_of_rotation(pair) for pair in some[: len(mu) - len(some)]]
         rough = np.array([is_rough(pair.contact) for pair in some])
         answers = [
             one
@@ -174,18 +233,18 @@ class Simulation(ImpactSimulation):
                 rate = float(rates[len(closed) + i])
                 sign = float(np.sign(rate)) if abs(rate) > MOVES * scale and not is_rough(some[i].contact) else 0.0
             modes[k] = Mode.ROLL if sign == 0.0 else Mode.SLIP_FORWARD if sign > 0.0 else Mode.SLIP_BACKWARD
-        if resists([now[k] for k in modes]):
-            rate = float(rates[-1])
-            self.rotation = int(slips[-1] or (np.sign(rate) if abs(rate) > MOVES * scale else 0.0))
-        if self.rotation == 0:
-            modes = {k: Mode.REST if mode is Mode.ROLL else mode for k, mode in modes.items()}
-        return modes, force
+        for i, k in enumerate(closed):
+            if k in modes and now[k].sides in resisting_sides([now[j] for j in modes]):
+                rate, sense = float(rates[2 * len(closed) + i]), slips[len(closed) + i]
+                self.rotation[now[k].sides] = int(sense or (np.sign(rate) if abs(rate) > MOVES * scale else 0.0))
+        return {k: Mode.REST if mode is Mode.ROLL and self.rotation.get(now[k].sides) == 0 else mode
+                for k, mode in modes.items()}, force  # fmt: skip
 
-    def sense_of_rotation(self) -> float | None:
-        """The sign of the plate's rotation; None if it has none, and rolling resistance may prevent one."""
-        rotation = float(self.dynamics.turning_row @ self.body[self.half :])
+    def sense_of_rotation(self, pair: PairState) -> float | None:
+        """The sign of the rotation of a contact's plates; None if there is none, and resistance may prevent one."""
+        rotation = float(pair.turning_row @ self.body[self.half :])
         still = abs(rotation) <= MOVES * self.speed
-        return self.begins.get(ROTATION, None if still else float(np.sign(rotation)))
+        return self.begins.get(rotation_name(pair.sides), None if still else float(np.sign(rotation)))
 
     def phase(self, phase: SeveralContactPhase) -> None:
         """Integrate until an event, and apply it."""
@@ -202,7 +261,7 @@ class Simulation(ImpactSimulation):
             if tiny:  # the other contacts' forces drive the plate back
                 self.touching = {c.name for c in self.contacts if c.is_closed} | tiny
                 self.stuck = {c.name for c in self.contacts if c.mode in STICKS}
-                self.turns = phase.turn != 0
+                self.still = self.still_sides()
                 self.impacts.at_rest = True
                 end, body = self.impacts.low_end(self.t, self.body, frozenset(self.touching))
                 if self.t < end < self.case.duration:
@@ -210,11 +269,7 @@ class Simulation(ImpactSimulation):
                     self.come_to_rest(end, body, names, noise)
                 self.settle()
                 return
-        while True:
-            hit_guards = self.integrate(phase)
-            if hit_guards != ["retry"]:
-                break
-        self.apply(phase, hit_guards)
+        self.apply(phase, self.integrate(phase))
 
     # --- events -------------------------------------------------------------------------------------------------------
 
@@ -226,11 +281,10 @@ class Simulation(ImpactSimulation):
         self.contacts = [c._replace(pair=near.get(c.name, c.pair)) for c in self.contacts]
         self.touching = {c.name for c in self.contacts if c.is_closed} | new
         self.stuck = {c.name for c in self.contacts if c.mode in STICKS}
-        self.turns = phase.turn != 0
+        self.still = self.still_sides()
         kinds = {kind for kind, _ in guards}
-        for kind in CURVE_ENDS:
-            if kind in kinds:
-                raise SimulationEnd(kind)
+        for kind in kinds & {*CURVE_ENDS}:
+            raise SimulationEnd(kind)
         if kinds == {"forget"}:
             self.contacts = [c for c in self.contacts if c.is_closed or is_watched_always(c.case)]
             self.settle()
@@ -244,7 +298,7 @@ class Simulation(ImpactSimulation):
             if kind == "normal":
                 self.leaving.add(name)
             if kind == "rotation":
-                self.turns = False
+                self.still |= {sides for sides in phase.turns if rotation_name(sides) == name}
             if kind in ("cone+", "cone-", "couple+", "couple-"):
                 # Friction at its bound along the tangent begins a slip against it, and a couple a rotation.
                 self.begins[name] = 1.0 if kind.endswith("+") else -1.0
@@ -310,7 +364,7 @@ class Simulation(ImpactSimulation):
             return least_rate(delassus, free, slips, mu, stick, every, NO_RATE) > NO_RATE
 
         last = None
-        if self.dynamics.load is not None:
+        if not self.dynamics.is_constant:
             before = self.t
             for look in np.linspace(self.t, end, REST_LOOKS)[1:].tolist():
                 if moves(look):
@@ -329,7 +383,7 @@ class Simulation(ImpactSimulation):
                 break
         self.stretches.append(DenseStep(self.t, high, lambda t: still, phase))
         self.t, self.touching = high, {c.name for c in self.contacts if c.is_closed}
-        self.stuck, self.turns = set(self.touching), phase.turn != 0
+        self.stuck, self.still = set(self.touching), self.still_sides()
         self.start(phase)
 
 

@@ -1,6 +1,6 @@
 """Velocities after an impact at one contact or several, by the laws of Newton, Poisson and Moreau.
 
-One contact alone is hit as in `contact_frame.impact`; the first formulation's laws are in `minimal.impact`.
+One contact alone is hit as in `impact`; the first formulation's laws are in `minimal.impact`.
 """
 
 from __future__ import annotations
@@ -11,31 +11,34 @@ import numpy as np
 
 from cases import Impact
 
-from ..contact_frame.equations import ContactScene
-from ..contact_frame.impact import ImpactWithoutSolution, creates_energy, hit
-from .complementarity import refine_solution, solutions
+from .complementarity import MOVES, refine_solution, solutions
 from .contacts import ROUGH, PairState, PlateDynamics, frictions, surfaces
-from .plate_state import MOVES, PlateState, SimulationEnd
+from .equations import ContactScene
+from .impact import ImpactWithoutSolution, creates_energy, hit
+from .plate_state import PlateState, SimulationEnd
 
 
 def velocities(state: PlateState, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
-    """Velocities after an impact, and which contacts do not slip."""
+    """Velocities after an impact of contacts that share plates, and which of them do not slip: by Routh's construction
+    where one plate touches what is fixed in one place, else by the law for whole impulses."""
     velocity, laws = state.body[state.half :], [pair.contact.effect(Impact) for pair in some]
     restitution = np.array([law.restitution if law else 0.0 for law in laws])
-    if len(some) == 1:
-        law = laws[0]
+    own, base = some[0].sides
+    if len(some) == 1 and base is None:
+        law, plate = laws[0], slice(3 * own, 3 * own + 3)
         assert law is not None
         pair, scene = some[0], ContactScene(some[0].contact)
         q = scene.place(pair.xi1, pair.xi2)
         try:
-            result = hit(scene, law, q, pair.slip, pair.lift, float(velocity[2]))
+            result = hit(scene, law, q, pair.slip, pair.lift, float(velocity[plate][2]))
         except ImpactWithoutSolution:
             raise SimulationEnd("paradox") from None
         if effect.law == "newton" and creates_energy(result):
             raise SimulationEnd("energy_gain")
-        rows = np.array([pair.slip_row, pair.lift_row, [0.0, 0.0, 1.0]])
-        after = np.array([result.slip + pair.surface, result.lift, result.spin])
-        return np.linalg.solve(rows, after), [result.slip == 0.0]
+        rows = np.array([pair.slip_row[plate], pair.lift_row[plate], [0.0, 0.0, 1.0]])
+        after = velocity.copy()
+        after[plate] = np.linalg.solve(rows, [result.slip + pair.surface, result.lift, result.spin])
+        return after, [result.slip == 0.0]
     return by_whole_impulses(state, effect, some, restitution)
 
 

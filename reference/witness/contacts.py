@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import singledispatch
 from math import cos, hypot, sin
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, CoulombFriction, DoesNotFit, Gravity, Load, PerfectlyRough, RollingResistance
+from cases import Belt, Case, CoulombFriction, DoesNotFit, Gravity, PerfectlyRough, RollingResistance
 from cases.contact import find
 from cases.scene.contact_pairs import PairCase
+from cases.scene.free_plates import loads_of, plates_of
+from cases.scene.piece_case import PieceCase
 
-from ..contact_frame.drive import DriveLoad
+from .drive import DriveLoad
 
 # Pairs of nearest points with a gap below this part of the plate's reach are looked for among samples of the track.
 NEAR, SAMPLES = 0.3, 240
@@ -24,12 +25,18 @@ APART = 1e-6
 BEHIND = 0.3
 
 
+# The numbers of the plates at a contact: the plate, and that on whose boundary it lies, None on what does not move.
+Sides = tuple[int, int | None]
+# A feature of a plate on a support, or elements of a couple of several plates.
+AnyPair = PairCase | PieceCase
+
+
 class PairState(NamedTuple):
     """A contact in its frame: its pair, parameters, gap (m), lift and slip velocity (m/s), their rows in (vx, vy, ω),
     their accelerations without that of the plate (m/s²), the rate of ξ₁ (1/s), and the speed of the support's surface
     (m/s), to which the slip is relative (`on_surface`)."""
 
-    contact: PairCase
+    contact: AnyPair
     xi1: float
     xi2: float
     gap: float
@@ -43,6 +50,20 @@ class PairState(NamedTuple):
     surface: float = 0.0
 
     @property
+    def sides(self) -> Sides:
+        """The plates at the contact."""
+        return plates_at(self.contact)
+
+    @property
+    def turning_row(self) -> np.ndarray:
+        """The row of the rotation of the two against each other, in units of the plate's radius of gyration."""
+        row, (own, base) = np.zeros(len(self.lift_row)), self.sides
+        row[3 * own + 2] = self.contact.plate.gyration
+        if base is not None:
+            row[3 * base + 2] = -self.contact.plate.gyration
+        return row
+
+    @property
     def clearance(self) -> float:
         """Curvature of the outline less that of the support at this gap, 1/m; infinite at a corner."""
         bend = float(self.contact.track.curvature(self.xi1))
@@ -50,45 +71,77 @@ class PairState(NamedTuple):
         return own * (1.0 - self.gap * bend) - bend
 
 
-@singledispatch
-def pair_at(pair: Any, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
-    """The pair of nearest points next to `near`; `body` is (x, y, θ, vx, vy, ω). Raises DoesNotFit."""
-    x, y, theta, vx, vy, omega = (float(v) for v in body)
-    contact = find(pair, x, y, theta, near)
-    jet, own = pair.track.jet(contact.xi1), pair.plate.outline.jet(contact.xi2)
-    speed, own_speed = hypot(jet[2], jet[3]), hypot(own[2], own[3])
-    bend = (jet[2] * jet[5] - jet[3] * jet[4]) / speed**3
-    tx, ty = jet[2] / speed, jet[3] / speed
+def plates_at(pair: AnyPair) -> Sides:
+    """The number of a contact's plate, and that of the plate on whose boundary it lies, None on what does not move."""
+    return (pair.whole.body, pair.whole.base) if isinstance(pair, PieceCase) else (0, None)  # type: ignore[attr-defined]
+
+
+def pair_at(pair: AnyPair, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
+    """The pair of nearest points next to `near`; `body`: (x, y, θ) of all plates, then (vx, vy, ω) of all. The frame is
+    that of the boundary: t along it, n = U t to the plate. Raises DoesNotFit.
+
+    The velocities of lift and slip are n·(v_B − v_A) and t·(v_B − v_A) of the points that touch. Their derivatives
+    follow the contact: the frame turns with ψ̇ = ω_A + κ₁ ṡ₁ = ω_B + κ₂ ṡ₂, and the points move along both boundaries
+    with ṡ₁ and ṡ₂ = ṡ₁ − slip; at a corner the point is fixed (derived here).
+    """
+    own, base = plates_at(pair)
+    x, y, theta, vx, vy, omega = _state(body, own)
+    u, v, turn, ux, uy, spin = (0.0,) * 6 if base is None else _state(body, base)
+    c, s = (1.0, 0.0) if base is None else (cos(turn), sin(turn))
+    contact = find(pair, c * (x - u) + s * (y - v), c * (y - v) - s * (x - u), theta - turn, near)
+    jet, outline = pair.track.jet(contact.xi1), pair.plate.outline.jet(contact.xi2)
+    speed, own_speed = hypot(jet[2], jet[3]), hypot(outline[2], outline[3])
+    tx, ty = (jet[2] / speed, jet[3] / speed) if speed else map(float, pair.track.tangent(contact.xi1))
+    tx, ty, px, py = c * tx - s * ty, s * tx + c * ty, c * jet[0] - s * jet[1], s * jet[0] + c * jet[1]
     c, s = cos(theta), sin(theta)
-    rx, ry = c * own[0] - s * own[1], s * own[0] + c * own[1]
-    rt, rn = rx * tx + ry * ty, ry * tx - rx * ty
-    slip_row, lift_row = np.array([tx, ty, -rn]), np.array([-ty, tx, rt])
+    rx, ry = c * outline[0] - s * outline[1], s * outline[0] + c * outline[1]
+    rt, rn, pt, pn = rx * tx + ry * ty, ry * tx - rx * ty, px * tx + py * ty, py * tx - px * ty
+    slip_row, lift_row = np.zeros(len(body) // 2), np.zeros(len(body) // 2)
+    slip_row[3 * own : 3 * own + 3], lift_row[3 * own : 3 * own + 3] = (tx, ty, -rn), (-ty, tx, rt)
     slip, lift = vx * tx + vy * ty - omega * rn, vy * tx - vx * ty + omega * rt
-    # The normals turn together; how fast the points move along their curves follows from slip, spin and gap.
+    if base is not None:
+        slip_row[3 * base : 3 * base + 3], lift_row[3 * base : 3 * base + 3] = (-tx, -ty, pn), (ty, -tx, -pt)
+        slip, lift = slip - (ux * tx + uy * ty - spin * pn), lift - (uy * tx - ux * ty + spin * pt)
+    # The normals turn together; how fast the points move along their curves follows from slip, spins and gap.
+    bend = (jet[2] * jet[5] - jet[3] * jet[4]) / speed**3 if speed else 0.0
+    own_bend = (outline[2] * outline[5] - outline[3] * outline[4]) / own_speed**3 if own_speed else 0.0
     shrink = 1.0 - contact.gap * bend
-    if own_speed == 0.0:  # a corner's point is fixed
-        along, along_own = slip / shrink, 0.0
+    if not speed:
+        along, along_own = 0.0, -slip
+        turning = omega + own_bend * along_own
     else:
-        own_bend = (own[2] * own[5] - own[3] * own[4]) / own_speed**3
-        along = (own_bend * slip - omega) / (own_bend * shrink - bend)
-        along_own = along * shrink - slip
-    turning = bend * along
-    lift_bias = -omega * omega * rn + omega * along_own - turning * slip
-    slip_bias = -omega * omega * rt + turning * lift
-    return PairState(
-        pair, contact.xi1, contact.xi2, contact.gap, lift, slip, lift_row, slip_row, lift_bias, slip_bias, along / speed
-    )
+        along = (own_bend * slip - (omega - spin)) / (own_bend * shrink - bend) if own_speed else slip / shrink
+        along_own = along * shrink - slip if own_speed else 0.0
+        turning = spin + bend * along
+    lift_bias = spin * spin * pn - omega * omega * rn + omega * along_own - spin * along - turning * slip
+    slip_bias = spin * spin * pt - omega * omega * rt + turning * lift
+    rate = along / speed if speed else 0.0
+    return PairState(pair, *contact, lift, slip, lift_row, slip_row, lift_bias, slip_bias, rate)
 
 
-def is_watched_always(pair: PairCase) -> bool:
+def _state(body: Sequence[float] | np.ndarray, plate: int) -> tuple[float, ...]:
+    """(x, y, θ, vx, vy, ω) of one plate."""
+    half, first = len(body) // 2, 3 * plate
+    return (*map(float, body[first : first + 3]), *map(float, body[half + first : half + first + 3]))
+
+
+def on_whole_curves(pair: AnyPair, points: tuple[float, float]) -> tuple[float, float]:
+    """The parameters of a contact on the whole curves: of plates those of their outlines."""
+    if not isinstance(pair, PieceCase):
+        return points[0], float(pair.whole_xi2(points[1]))
+    xi1, xi2 = pair.to_whole(*points)
+    return float(pair.whole.whole_xi1(xi1)), float(xi2)  # type: ignore[attr-defined]
+
+
+def is_watched_always(pair: AnyPair) -> bool:
     """Whether the gap of a pair is watched in all poses; otherwise its contacts are searched for."""
-    return pair.has_unique_points or pair.is_point_on_curve
+    return isinstance(pair, PieceCase) or pair.has_unique_points or pair.is_point_on_curve
 
 
-def open_pair_at(pair: PairCase, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
+def open_pair_at(pair: AnyPair, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
     """The same of an open contact: that of a corner or an arc has the nearest points of the whole curve. Behind the
     curve, or nearest to an end of it, it has its distance as a positive gap: it cannot close there."""
-    if pair.has_unique_points or not pair.is_point_on_curve:
+    if isinstance(pair, PieceCase) or pair.has_unique_points or not pair.is_point_on_curve:
         return pair_at(pair, body, near)
     x, y, theta, *_ = (float(v) for v in body)
     state = pair_at(pair, body, pair.guess(x, y, theta))
@@ -139,18 +192,14 @@ def all_pairs(case: PairCase, body: Sequence[float] | np.ndarray, around: float)
             continue
         if track.ends and not track.ends[0] <= one.xi1 <= track.ends[1]:
             continue
-        if abs(one.gap) > NEAR * reach or not _faces(case, one.xi1, one.xi2, theta):
+        angle = float(track.tangent_angle(one.xi1)) - float(outline.tangent_angle(one.xi2)) - theta
+        bends_more = float(outline.curvature(one.xi2)) > float(track.curvature(one.xi1))
+        if abs(one.gap) > NEAR * reach or cos(angle) <= 0.0 or not bends_more:
             continue
         place = track.point(one.xi1)
         if all(np.hypot(*(place - track.point(xi1))) > APART * reach for xi1, _ in results):
             results.append((one.xi1, one.xi2))
     return results
-
-
-def _faces(case: Case, xi1: float, xi2: float, theta: float) -> bool:
-    """Whether the tangents point in the same direction, and the outline bends more than the track."""
-    angle = float(case.track.tangent_angle(xi1)) - float(case.plate.outline.tangent_angle(xi2)) - theta
-    return cos(angle) > 0.0 and float(case.plate.outline.curvature(xi2)) > float(case.track.curvature(xi1))
 
 
 # In place of the friction of a perfectly rough contact: far beyond any force of the scenes, as Lemke's method needs a
@@ -182,6 +231,11 @@ def resists(contacts: Sequence[PairState]) -> bool:
     return any(resisting_arm(one.contact) for one in contacts)
 
 
+def resisting_sides(contacts: Sequence[PairState]) -> set[Sides]:
+    """The plates whose rotation against each other contacts resist."""
+    return {one.sides for one in contacts if resisting_arm(one.contact)}
+
+
 def frictions(contacts: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
     """The coefficients of friction of all contacts with their slip, and without; where one resists rolling, followed by
     the arms in units of the radius of gyration."""
@@ -193,22 +247,16 @@ def frictions(contacts: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
 
 
 class PlateDynamics:
-    """Mass and applied forces of a case."""
+    """Masses of all plates of a case, and the forces applied to them."""
 
-    def __init__(self, case: Case, drive_load: DriveLoad | None = None):
-        self.case = case
-        self.inverse = 1.0 / np.array([case.plate.mass, case.plate.mass, case.plate.inertia])
-        self.units = np.array([1.0, 1.0, case.plate.gyration])
-        gravity = case.effect(Gravity)
-        self.weight = np.zeros(3)
-        if gravity is not None:
-            self.weight[:2] = case.plate.mass * np.array(gravity.vector)
-        self.load = drive_load or case.effect(Load)
-
-    @property
-    def turning_row(self) -> np.ndarray:
-        """The row of a plate's rotation in (vx, vy, ω), in units of its radius of gyration."""
-        return np.array([0.0, 0.0, self.units[2]])
+    def __init__(self, case: Case, of_drive: Sequence[DriveLoad] = ()):
+        self.case, plates = case, plates_of(case)
+        self.inverse = 1.0 / np.array([part for one in plates for part in (one.mass, one.mass, one.inertia)])
+        self.units = np.array([part for one in plates for part in (1.0, 1.0, one.gyration)])
+        gravity = None if of_drive else case.effect(Gravity)
+        pull = np.array(gravity.vector if gravity is not None else (0.0, 0.0))
+        self.weight = np.concatenate([[*(one.mass * pull), 0.0] for one in plates])
+        self.loads = of_drive or loads_of(case)
 
     @property
     def moves(self) -> np.ndarray:
@@ -216,15 +264,23 @@ class PlateDynamics:
         return self.inverse > 0.0
 
     def torsor(self, t: float, body: Sequence[float] | np.ndarray) -> np.ndarray:
-        """The applied force and moment (N, N, N m)."""
-        if self.load is None:
-            return self.weight
-        return self.weight + np.array(self.load.at(t, *(float(v) for v in body)))
+        """The applied forces and moments (N, N, N m) of all plates."""
+        torsor = self.weight
+        for plate, load in enumerate(self.loads):
+            if load is not None:
+                torsor = torsor.copy()
+                torsor[3 * plate : 3 * plate + 3] += load.at(t, *_state(body, plate))
+        return torsor
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether nothing but weight is applied."""
+        return not any(self.loads)
 
     def delassus(self, pairs: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
         """The Delassus matrix (2K, 2K) of lifts, then slips, and the rows (2K, velocities); where a contact resists
         rolling, followed by the rotation for each contact, in units of the radius of gyration: 3K."""
-        turning = [self.turning_row] * len(pairs) if resists(pairs) else []
+        turning = [p.turning_row for p in pairs] if resists(pairs) else []
         rows = np.array([p.lift_row for p in pairs] + [p.slip_row for p in pairs] + turning)
         rows = rows.reshape(-1, len(self.inverse))
         return rows * self.inverse @ rows.T, rows

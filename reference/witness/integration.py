@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
-from math import inf, pi, sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -13,13 +13,15 @@ from scipy.optimize import brentq
 from cases import Case, DoesNotFit
 from cases.contact.overlap_search import first_overlap
 from cases.scene.contact_pairs import PairCase, pairs
+from cases.scene.free_plates import plates_of
 
-from ..contact_frame.dips import Dips
+from .complementarity import MOVES
 from .contacts import all_pairs, is_watched_always, pair_at
-from .phase import CURVE_ENDS, SeveralContactPhase
-from .plate_state import MOVES, TOUCHES, PlateState, SimulationEnd
+from .dips import Dips
+from .phase import CURVE_ENDS, SIGN, SeveralContactPhase
+from .plate_state import TOUCHES, PlateState, SimulationEnd
 from .small_impacts import ImpactsOnTwoLevels
-from .steps import ResolvingDOP853, slips_allow
+from .steps import FrequencyLimitedDOP853, WorkBudget
 
 EPS = float(np.finfo(float).eps)
 # Guards are evaluated at this many places of each step; steps are at most this part of the plate's turn.
@@ -60,17 +62,17 @@ class PhaseIntegration(PlateState):
         self.impacts = ImpactsOnTwoLevels()
         self.clearances: dict[str, float] = {}
         self.beginning: set[str] = set()
-        self.searched = [pair for pair in pairs(case) if not is_watched_always(pair)]
+        self.searched = [] if case.others else [pair for pair in pairs(case) if not is_watched_always(pair)]
 
     def pace(self, phase: SeveralContactPhase) -> float:
         """How fast the plate moves or begins to, 1/s. From rest a slip may begin without acceleration: speed and
         acceleration are all rounding then, and the load gives the pace that the plate may reach."""
-        size = self.case.plate.gyration
-        speeds = np.abs(self.body[3:]) / np.array([size, size, 1.0])
-        accelerations = np.abs(phase.forces(self.t, self.body).acceleration) / np.array([size, size, 1.0])
-        load = self.dynamics.inverse * self.dynamics.torsor(self.t, self.body) / np.array([size, size, 1.0])
+        lengths = np.array([part for p in plates_of(self.case) for part in (p.gyration, p.gyration, 1.0)])
+        speeds = np.abs(self.body[self.half :]) / lengths
+        accelerations = np.abs(phase.forces(self.t, self.body).acceleration) / lengths
+        load = self.dynamics.inverse * self.dynamics.torsor(self.t, self.body) / lengths
         pace, most = max(float(speeds.max()), sqrt(float(accelerations.max()))), sqrt(float(np.abs(load).max()))
-        return most if pace < AT_REST * most else pace
+        return most if pace < AT_REST * most and not phase.resting else pace
 
     def integrate(self, phase: SeveralContactPhase) -> list[tuple[str, str]]:
         """Integrate to the first zero of a guard; returns the guards that vanish there, none at the end."""
@@ -86,10 +88,10 @@ class PhaseIntegration(PlateState):
         pace = self.pace(phase)
         blind = self.t + (BLIND / pace if pace else 0.0)
         tops = self.tops(phase)
-        solver = ResolvingDOP853(
-            phase.rates, self.t, self.body, end, rtol=self.rtol, atol=1e-2 * self.rtol,
-            max_step=2.0 * pi / (STEPS_PER_TURN * pace) if pace else end, first_step=self.first_step(tops.values()),
-            allows=slips_allow(phase),
+        solver = FrequencyLimitedDOP853(
+            phase.rates, self.t, self.body, end, pace=lambda t, y: pace, steps_per_turn=STEPS_PER_TURN,
+            work=WorkBudget(), load_allows=phase.slips_allow if any(c.mode in SIGN for c in phase.contacts) else None,
+            rtol=self.rtol, atol=1e-2 * self.rtol, first_step=self.first_step(tops.values()),
         )  # fmt: skip
         dips = Dips(blind)
         while solver.status == "running":
@@ -173,14 +175,13 @@ class PhaseIntegration(PlateState):
 
     def is_lost(self, phase: SeveralContactPhase, before: float, look: float, dense) -> bool:
         """Whether an open contact's points are no longer surely the nearest ones: the clearance has fallen, they have
-        moved farther between two looks than their rate allows, or there are none any more. Raises DoesNotFit where a
-        closed contact, or one that is watched always, has none."""
+        moved farther between two looks than their rate allows, or there are none any more."""
+        if all(contact.is_closed or is_watched_always(contact.case) for contact in phase.contacts):
+            return False
         earlier = phase.pairs(before, dense(before))
         try:
             now = phase.pairs(look, dense(look))
         except DoesNotFit:
-            if all(contact.is_closed or is_watched_always(contact.case) for contact in phase.contacts):
-                raise
             phase.closed_pairs(look, dense(look))
             return True
         for contact, was, pair in zip(phase.contacts, earlier, now, strict=True):

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, inf, isfinite, sin
+from math import atan2, cos, hypot, inf, sin
 from typing import NamedTuple
 
 import numpy as np
+
+from cases import DoesNotFit
+from cases.contact import Contact, find
 
 from .equations import ContactScene
 from .plate_motion import Motion
@@ -14,15 +17,6 @@ from .plate_motion import Motion
 # in roundings of a position.
 STEPS, FURTHEST, ENDS = 30, 0.25, 256.0
 EPS = 2.0**-52
-
-
-class PointPair(NamedTuple):
-    """A pair of points where outline and track come close: signed gap (m), parameters, and the gap's rate (m/s)."""
-
-    gap: float
-    xi1: float
-    xi2: float
-    lift: float
 
 
 class PairFrame(NamedTuple):
@@ -67,28 +61,13 @@ def frame(scene: ContactScene, body, xi1: float, xi2: float) -> PairFrame:
     )  # fmt: skip
 
 
-def refine(scene: ContactScene, body, xi1: float, xi2: float, size: float) -> PointPair | None:
-    """The pair next to parameters whose tangents are parallel and whose points are straight above each other, by
-    Newton's method in arc lengths; None if it finds none."""
-    features = scene.track.features
-    for _ in range(STEPS):
-        f = frame(scene, body, xi1, xi2)
-        # d(along) = (κ_track gap − 1) ds_track + cos(angle) ds_outline; d(angle) = −κ_track, κ_outline.
-        a, b = f.bend_track * f.gap - 1.0, cos(f.angle)
-        det = a * f.bend_outline + b * f.bend_track
-        if det == 0.0 or not isfinite(det):
-            return None
-        step1 = (b * f.angle - f.bend_outline * f.along) / det
-        step2 = -(a * f.angle + f.bend_track * f.along) / det
-        longest, furthest = max(abs(step1), abs(step2)), 0.1 * size
-        if features:  # the derivatives in Newton's method are not valid beyond the next feature
-            furthest = min(furthest, f.P * abs(features.clear(xi1, xi1 + size / f.P) - xi1))
-        shorten = min(1.0, furthest / max(longest, 1e-300))
-        xi1, xi2 = xi1 + shorten * step1 / f.P, xi2 + shorten * step2 / f.p
-        if longest <= 1e-13 * size:
-            f = frame(scene, body, xi1, xi2)
-            return PointPair(f.gap, xi1, xi2, f.lift)
-    return None
+def nearest(scene: ContactScene, body, xi1: float, xi2: float) -> Contact | None:
+    """The pair of nearest points next to parameters; None if there is none."""
+    x, y, theta, *_ = body
+    try:
+        return find(scene.case, x, y, theta, (xi1, xi2))
+    except DoesNotFit:
+        return None
 
 
 def meeting(scene: ContactScene, size: float, motion: Motion, time: float, xi1: float, xi2: float) -> Touch | None:

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
 from cases import Belt, Case, Drive, Mode
 from cases.scene.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
+from cases.scene.free_plates import plates_of
+from cases.scene.piece_case import PieceCase
 
-from ..contact_frame.drive import case_at_rest, in_track_frame, load_of_drive
-from .contacts import PairState, PlateDynamics, on_surface, open_pair_at, pair_at
+from .contacts import PairState, PlateDynamics, Sides, on_surface, open_pair_at, pair_at
+from .drive import case_at_rest, in_track_frame, loads_of_drive
 from .phase import WatchedContact
+from .watched_pairs import next_elements
 
-# A contact touches if its gap is below this part of the plate's size; it closes, slips or accelerates if the speed or
-# acceleration exceeds this part of the motion's.
-TOUCHES, MOVES = 1e-12, 1e-10
+# A contact touches if its gap is below this part of the plate's size.
+TOUCHES = 1e-12
 # The names of contacts that have not touched yet begin with this.
 OPEN_NAME = "open "
 
@@ -27,20 +30,20 @@ class SimulationEnd(Exception):
 class PlateState:
     """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip.
 
-    On a driven track all are seen from it, but the `body` that it is made of is in the fixed frame."""
+    On a driven track all are seen from it, but the `body` of one plate that it is made of is in the fixed frame."""
 
     def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray):
-        self.drive, drive_load = case.effect(Drive), load_of_drive(case)
-        if self.drive:
+        self.drive, self.dynamics = case.effect(Drive), PlateDynamics(case, loads_of_drive(case))
+        if self.drive and not case.others:
             case, body = case_at_rest(case, self.drive), in_track_frame(self.drive.at(t), body)
-        self.case, self.dynamics = case, PlateDynamics(case, drive_load)
+        self.case = case
         self.t, self.body = t, np.array(body, dtype=float)
         self.half = len(self.body) // 2  # velocities follow the positions
         self.contacts: list[WatchedContact] = []
         self.speed = 0.0
         self.touching: set[str] = set()
         self.stuck: set[str] = set()
-        self.turns = True  # False where rolling resistance has ended the rotation
+        self.still: set[Sides] = set()  # plates whose rotation against each other rolling resistance has ended
 
     def pairs(self) -> list[PairState]:
         """All contacts in this state; their points are updated."""
@@ -53,7 +56,8 @@ class PlateState:
 
     def size(self) -> float:
         """The size of the poses' numbers, m."""
-        return float(abs(self.body[0]) + abs(self.body[1]) + self.case.plate.reach)
+        centres = np.abs(self.body[: self.half].reshape(-1, 3)[:, :2]).sum(axis=1)
+        return float(max(far + p.reach for far, p in zip(centres, plates_of(self.case), strict=True)))
 
     def surface_speed(self, t: float) -> float:
         """The largest speed of the closed contacts' surfaces at a time (s), m/s: slips are differences from it."""
@@ -76,7 +80,7 @@ class PlateState:
         """Contacts that touch for the first time get their names, in the order of their pairs."""
         for k, contact in enumerate(self.contacts):
             if contact.name in self.touching and contact.name.startswith(OPEN_NAME):
-                name = self.free_name(contact.case)
+                name = self.free_name(cast(PairCase, contact.case))
                 self.contacts[k] = contact._replace(name=name)
                 for names in (self.touching, self.stuck):
                     if contact.name in names:
@@ -88,10 +92,15 @@ class PlateState:
         the feature there, or comes from it, with its name and mode."""
         place = next(k for k, contact in enumerate(self.contacts) if contact.name == name)
         arc = self.contacts[place]
+        if isinstance(arc.case, PieceCase):  # from an edge of a polygon to a corner, or the other way
+            following = next_elements(arc.case, arc.pair)
+            assert following is not None
+            self.contacts[place] = arc._replace(case=following.pair, pair=following.points)
+            return
         number, follower = arc.case.number, arc.case.successor(arc.pair[1])
         xi2 = arc.case.in_round(arc.pair[1], not arc.is_away)
         is_away = arc.case.after_turn(arc.is_away, xi2, pair_at(arc.case, self.body, arc.pair).gap)
-        every = {contact.case.number: contact for contact in self.contacts}
+        every = {cast(PairCase, contact.case).number: contact for contact in self.contacts}
         every[number] = arc._replace(pair=(arc.pair[0], xi2), is_away=is_away)
         x, y, theta = self.body[:3].tolist()
         for pair in pairs(self.case):
@@ -107,7 +116,7 @@ class PlateState:
                 every[giver.number] = old._replace(name=f"{OPEN_NAME}{giver.number}", mode=Mode.FLIGHT)
         if not arc.is_away:
             every[number] = every[number]._replace(name=f"{OPEN_NAME}{number}")
-        facing = facing_pairs([WatchedPair(c.case, c.pair, c.is_away) for c in every.values()])
+        facing = facing_pairs([WatchedPair(cast(PairCase, c.case), c.pair, c.is_away) for c in every.values()])
         self.contacts = [every[one.pair.number] for one in sorted(facing, key=lambda one: one.pair.number)]
 
     def close_gaps(self) -> None:
@@ -120,12 +129,16 @@ class PlateState:
                 step = np.linalg.lstsq(rows, np.array([p.gap for p in some]), rcond=1e-10)[0]
                 self.body[: self.half] -= step / self.dynamics.units
 
+    def turning_rows(self, now: Sequence[PairState], some: set[Sides]) -> list[np.ndarray]:
+        """The rows of the rotations of these plates against each other."""
+        return list({pair.sides: pair.turning_row for pair in now if pair.sides in some}.values())
+
     def hold(self) -> None:
         """No velocity along the rows that are held, relative to the supports' surfaces."""
         now = self.pairs()
         touching = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.touching]
         sticking = [p for p, c in zip(now, self.contacts, strict=True) if c.name in self.stuck & self.touching]
-        turning = [] if self.turns else [self.dynamics.turning_row]
+        turning = self.turning_rows(now, self.still)
         rows = np.array([p.lift_row for p in touching] + [p.slip_row for p in sticking] + turning)
         if not rows.size:
             return

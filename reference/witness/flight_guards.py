@@ -52,8 +52,8 @@ def _short(course: MotionState, leap: LiftOff) -> LandingState | None:
         return None
     if _elsewhere(course, hop, leap):
         return None
-    start, course.t = course.t, course.t + hop.duration
-    course.record.flight(start, course.t, lambda times: hop.bodies(times - start))
+    course.t += hop.duration
+    course.last = FlightState(hop.bodies(np.array([hop.duration]))[:, 0].tolist())
     return LandingState(hop.z, leap.turns, hop.lift)
 
 
@@ -80,9 +80,7 @@ def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
         course.scene, course.surroundings(), course.t, now.body, course.end, course.rtol, course.steps_per_turn, lasts,
         course.work, now.place,
     )  # fmt: skip
-    course.t = path.end
-    for start, until, interpolant in path.pieces:
-        course.record.flight(start, until, interpolant)
+    course.t, course.last = path.end, FlightState(path.body)
     if path.touch is None:
         return EndState("completed" if course.t >= course.end else IN_PROGRESS)
     xi1, xi2, turns = course.unwind(path.touch.body[2], path.touch.xi1, path.touch.xi2)
@@ -182,7 +180,7 @@ def _settle(course: MotionState, z, turns: int) -> ContactState | FlightState | 
 
 
 def _accumulation(course: MotionState, turns: int) -> bouncing.BounceLimit | None:
-    """The limit of ever shorter bounces, if it is precise enough and no output is requested before it; else None."""
+    """The limit of ever shorter bounces, if it is precise enough; else None."""
     limit, last = bouncing.limit(course.bounces), course.bounces[-1]
     if limit is None or not course.t < limit.time < course.end:
         return None
@@ -190,13 +188,6 @@ def _accumulation(course: MotionState, turns: int) -> bouncing.BounceLimit | Non
     fall = sqrt(course.scene.reach / press) if press > 0.0 else 0.0
     if course.t - course.bounces[-2].time > SHORTEST * fall:
         is_precise = limit.error <= max(LIMIT_PRECISION * fall, np.spacing(course.t))
-        if not is_precise or course.record.asks_between(course.t, limit.time):
+        if not is_precise:
             return None
-
-    def settling(times: np.ndarray) -> np.ndarray:
-        # The remaining bounces differ from their limit by less than the resolution.
-        part = (times - last.time) / (limit.time - last.time)
-        return np.array(last.z)[:, None] + np.outer(np.subtract(limit.z, last.z), part)
-
-    course.record.contact(course.t, limit.time, settling, turns, course.pieces)
     return limit

@@ -18,8 +18,8 @@ from cases.curves.corner import Corner
 from cases.scene.piece_case import PieceCase, pieces_at
 
 from .equations import ContactScene
-from .flight import FlightCourse
-from .motion_state import IN_PROGRESS, EndState, LandingState, MotionState
+from .flight import FlightCourse, time_to_move
+from .motion_state import IN_PROGRESS, EndState, FlightState, LandingState, MotionState
 from .short_flights import Hop
 from .steps import WorkLimit
 
@@ -35,7 +35,7 @@ HOP_SAMPLES = 9
 def fly(course: MotionState, body: list[float]) -> LandingState | EndState:
     """Simulate a flight until the plate enters its track anywhere, or to the end of the motion."""
     path = FlightCourse(course.scene, course.t, body, course.end, course.rtol, course.steps_per_turn, course.work)
-    reach, before, start = course.scene.reach, course.t, course.t
+    reach, before, now = course.scene.reach, course.t, body
     chains, middle, spread = _chains(course, 0.0), body, 0.0
     passing = False  # a plate is not stopped by the ends of an open track, and overlaps it while it passes one
     try:
@@ -48,20 +48,20 @@ def fly(course: MotionState, body: list[float]) -> LandingState | EndState:
                 spread = 2.0 * (spread + reach)
                 chains = _chains(course, spread)
             away = float(np.hypot(*(chains.points1 - np.array(now[:2])[:, None])).min()) - chains.reach - chains.longest
-            after = min(before + _time(course, before, now, max(STEP * chains.size, OF_DISTANCE * away)), course.end)
+            way = max(STEP * chains.size, OF_DISTANCE * away)
+            after = min(before + time_to_move(course.scene, before, now, reach, way), course.end)
             after = max(after, float(np.nextafter(before, course.end)))
             entry = chains.entry(*path(after)[:3])
             if entry is not None and not passing:
                 landing = _landing(course, path, *_first(path, chains, entry, before, after))
                 if landing is not None:
-                    _record(course, path, start, course.t)
+                    course.last = FlightState(path(course.t))
                     return landing
             before, passing = after, entry is not None
     except WorkLimit:
-        course.t = before
+        course.t, course.last = before, FlightState(now)
         return EndState(IN_PROGRESS)
-    course.t = course.end
-    _record(course, path, start, course.end)
+    course.t, course.last = course.end, FlightState(path(course.end))
     return EndState("completed")
 
 
@@ -71,16 +71,6 @@ def _chains(course: MotionState, spread: float) -> Chains:
     return Chains(
         case.track, case.plate.outline, *span(case.track, np.array([course.last_xi1]), 4.0 * (reach + spread))
     )
-
-
-def _time(course: MotionState, t: float, body: list[float], way: float) -> float:
-    """The time (s) in which the plate's points cover a distance, with the present speed and acceleration."""
-    scene = course.scene
-    ax, ay, spin = scene.pull(t, body)
-    speed = hypot(body[3], body[4]) + abs(body[5]) * scene.reach
-    pull = hypot(ax, ay) + abs(spin) * scene.m / scene.J * scene.reach
-    root = (speed**2 + 2.0 * pull * way) ** 0.5
-    return 2.0 * way / (speed + root) if root > 0.0 else course.end - t
 
 
 def _first(path: FlightCourse, chains: Chains, entry: Entry, before: float, after: float) -> tuple[float, Entry]:
@@ -123,12 +113,6 @@ def _landing(course: MotionState, path: FlightCourse, time: float, entry: Entry)
         course.scene = ContactScene(pieces, course.drive_load)
     slip -= course.scene.surface(time)[0]
     return LandingState([xi1 - pieces.first.shift, xi2 - pieces.second.shift, body[5], slip], turns, lift)
-
-
-def _record(course: MotionState, path: FlightCourse, start: float, end: float) -> None:
-    for first, last, interpolant in path.pieces:
-        if first < end:
-            course.record.flight(max(first, start), min(last, end), interpolant)
 
 
 def leaves_pieces(course: MotionState, pieces: PieceCase, hop: Hop) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from math import inf, pi
+from math import inf, nan, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -30,12 +30,11 @@ from .coulomb_law import AT_BOUND, leaves, lets_go, soon
 from .dips import PhaseDips
 from .drive import in_fixed_frame
 from .equations import ContactPhase, ContactScene, Forces, rates
-from .knots import KnotEnds
 from .motion_state import IN_PROGRESS, ContactState, EndState, FlightState, LandingState, MotionState
 from .second_contacts import Overlaps
 from .steps import FrequencyLimitedDOP853, StepFailure
 
-# The rows of an answer's `motions`.
+# The names of the numbers of a `LastState.motion`.
 MOTION = ("x", "y", "theta", "vx", "vy", "omega", "slip")
 
 STOPS = {
@@ -68,22 +67,25 @@ JAMMED = 1e-2
 MOST_CHANGES = 5000
 
 
-class SecondMotion(NamedTuple):
-    """The result of the second formulation: transitions, status, end, and the motion at the requested times.
+class LastState(NamedTuple):
+    """The state at the end of a motion: contact parameters and what `MOTION` names, without contact parameters and slip
+    (NaN) in flight. At an impact, values are those after it."""
 
-    `states` has shape (4, n): ξ₁, ξ₂, ω, v; `motions` has shape (7, n), rows as named in `MOTION`. Contact parameters
-    and slip velocity are NaN in flight, all rows after the end of the motion; at an impact, values are those after it.
-    """
+    points: tuple[float, float]
+    motion: tuple[float, ...]
+
+
+class SecondMotion(NamedTuple):
+    """The result of the second formulation: transitions, status, end (s), and the state there."""
 
     transitions: tuple[Transition, ...]
     status: str
     end: float
-    states: np.ndarray
-    motions: np.ndarray
+    last: LastState
 
 
 def solve(
-    case: Case, rtol: float = 1e-10, times=(), steps_per_turn: int = 60, until: float = inf, overlaps: bool = False
+    case: Case, rtol: float = 1e-10, steps_per_turn: int = 60, until: float = inf, overlaps: bool = False
 ) -> SecondMotion:
     """Compute the case's motion by the second formulation, at most until time `until` (s).
 
@@ -97,7 +99,7 @@ def solve(
     try:
         # Otherwise an overflow or an undefined value would continue as inf or NaN.
         with np.errstate(over="raise", invalid="raise", divide="raise"):
-            course = MotionState(case, rtol, np.asarray(times, dtype=float), steps_per_turn, until, overlaps)
+            course = MotionState(case, rtol, steps_per_turn, until, overlaps)
             return _run(course)
     except (StepFailure, CaseError):
         raise
@@ -110,11 +112,13 @@ def solve(
 
 def _run(course: MotionState) -> SecondMotion:
     now: ContactState | FlightState | EndState = _start(course)
-    if isinstance(now, EndState):
-        _at_once(course)
     changes, counted_until = 0, 0.0
     while not isinstance(now, EndState):
         check_time()
+        course.last = now
+        if course.t >= course.end:
+            now = EndState("completed")
+            break
         if course.work.used_up:
             now = EndState(IN_PROGRESS)
             break
@@ -128,27 +132,25 @@ def _run(course: MotionState) -> SecondMotion:
             now = _contact(course, now) if isinstance(now, ContactState) else flight_guards.fly(course, now)
         except TooManyRounds:
             now = EndState(IN_PROGRESS)
-    if not course.record.finite_until(course.t):
+    last = _last(course)
+    if not np.isfinite(last.motion[:6]).all():
         raise StepFailure(
             f"the second formulation's motion is not finite before t = {course.t:.9g} s; give smaller numbers"
         )
-    states, motions = course.record.states, course.record.motions
-    if course.drive_load:
-        place = course.drive_load.drive.at_times(course.record.times)
-        states[2] += place.spin
-        motions[:6] = in_fixed_frame(place, motions[:6])
-    return SecondMotion(tuple(course.transitions), now.status, course.t, states, motions)
+    return SecondMotion(tuple(course.transitions), now.status, course.t, last)
 
 
-def _at_once(course: MotionState) -> None:
-    """Record the start of a motion that ends there."""
-    begin = start_motion(course.case)
-    if course.case.start.in_contact:
-        z = [begin.xi1, begin.xi2, begin.omega, begin.slip]
-        course.record.contact(0.0, 0.0, lambda times: np.outer(z, np.ones_like(times)), 0)
+def _last(course: MotionState) -> LastState:
+    """The last state, in the fixed frame."""
+    now, points, slip = course.last, (nan, nan), nan
+    assert now is not None
+    if isinstance(now, ContactState):
+        points, slip, body = course.on_curves(now.z), now.z[3], course.scene.body(course.t, now.z, now.turns)
     else:
-        body = [begin.x, begin.y, begin.theta, begin.vx, begin.vy, begin.omega]
-        course.record.flight(0.0, 0.0, lambda times: np.outer(body, np.ones_like(times)))
+        body = now.body
+    if course.drive_load:
+        body = in_fixed_frame(course.drive_load.drive.at(course.t), body)
+    return LastState((float(points[0]), float(points[1])), (*map(float, body), float(slip)))
 
 
 def _turn(course: MotionState, now: ContactState | FlightState) -> float:
@@ -168,7 +170,9 @@ def _start(course: MotionState) -> ContactState | FlightState | EndState:
     z = [begin.xi1, begin.xi2, omega, slip]
     if has_pieces(course.case):
         z = _start_on_pieces(course, z)
+    course.last = FlightState(body)
     if course.case.start.in_contact:
+        course.last = ContactState(z, 0, ContactPhase(None, None))
         return course.contact_state(z, 0) or _without_mode(course, z, 0)
     if course.case.start.gap > 0.0:
         return FlightState(body)
@@ -203,20 +207,18 @@ def _without_mode(course: MotionState, z, turns: int) -> FlightState | EndState:
 
 def _contact(course: MotionState, now: ContactState) -> ContactState | FlightState | EndState:
     phase, turns = now.phase, now.turns
-    guards, knots = _guards(course, now), KnotEnds(course.scene, now.z)
-    if knots.any:
-        guards["knot"] = knots.inside
+    guards = _guards(course, now)
     overlaps = _overlaps(course, now)
     if overlaps:
         guards["elsewhere"] = overlaps.before
-    with knots.formulas():
-        solution = _integrate(course, now, guards, overlaps)
+    solution = _integrate(course, now, guards, overlaps)
     course.t, z = float(solution.t[-1]), [float(value) for value in solution.y[:, -1]]
     guard_names = [name for name, hits in zip(guards, solution.t_events, strict=True) if len(hits)]
-    if isinstance(overlaps, ChainOverlaps) and overlaps.time is not None:
-        course.t = min(course.t, overlaps.time)  # a touch may be seen a step after it
+    if isinstance(overlaps, ChainOverlaps) and overlaps.time is not None and overlaps.time <= course.t:
+        course.t, z = overlaps.time, overlaps.state or z  # a touch may be seen a step after it
     if isinstance(overlaps, Overlaps) and (touch := overlaps.by(course.t)):
-        course.t, guard_names = touch.time, ["elsewhere"]
+        course.t, z, guard_names = touch.time, overlaps.state or z, ["elsewhere"]
+    course.last = ContactState([*z], turns, phase)  # `z` is changed where it passes to another piece
     if not guard_names:
         return EndState("completed" if course.t >= course.end else IN_PROGRESS)
     if isinstance(course.scene.case, PieceCase) and not {"painleve", "fit", "elsewhere"} & set(guard_names):
@@ -226,8 +228,6 @@ def _contact(course: MotionState, now: ContactState) -> ContactState | FlightSta
     stop = next((STOPS.get(name, name.removeprefix(OWN)) for name in guard_names if name in STOPS or OWN in name), None)
     if stop:
         return EndState(stop)
-    if guard_names == ["knot"] and knots.beyond(z):
-        return ContactState(z, turns, phase)
     after: ContactState | FlightState | EndState
     if _vanishes(course, phase, guard_names, z, turns):
         if course.scene.laws.stick == inf and not lets_go(course.scene, course.t, z, phase, turns):
@@ -406,7 +406,6 @@ def _integrate(
     solution = solve_ivp(
         lambda t, z: rates(scene, t, z.tolist(), phase, turns), (start, course.end), now.z,
         method=FrequencyLimitedDOP853, rtol=course.rtol, atol=1e-2 * course.rtol, events=events,
-        dense_output=bool(course.record),
         pace=lambda t, z: scene.pace(t, z.tolist(), turns), steps_per_turn=course.steps_per_turn, work=course.work,
         load_allows=_formulas_allow(scene, phase, turns), dips=dips,
         after_step=overlaps.look if overlaps else None, features=scene.in_contact,
@@ -414,15 +413,13 @@ def _integrate(
     usable, end = solution.success or course.work.used_up, float(solution.t[-1])
     if isinstance(overlaps, Overlaps):
         overlaps.finish()
-        if touch := overlaps.by(end):  # later steps are not of the motion
-            course.record.contact(start, touch.time, solution.sol, turns, course.pieces)
+        if overlaps.by(end):  # later steps are not of the motion
             return solution
     if not solution.success and _jams(scene, phase, solution, turns):
         solution.t_events[list(guards).index("painleve")] = solution.t[-1:]
         usable = True
     if not usable or not np.isfinite(solution.y[:, -1]).all():
         raise StepFailure(f"the second formulation stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    course.record.contact(start, end, solution.sol, turns, course.pieces)
     return solution
 
 

@@ -12,9 +12,8 @@ import numpy as np
 
 from cases import Case
 
-from .pairs import Touch, refine
-from .plate_motion import Motion, limits
-from .sampling import bodies_in_contact
+from .pairs import Touch, nearest
+from .plate_motion import Motion, bodies_in_contact, limits
 from .surroundings import Surroundings
 
 # Steps searched together: the search of several takes hardly longer than that of one. They end where the plate has
@@ -38,6 +37,7 @@ class Overlaps:
     def __init__(self, case: Case, around: Surroundings, turns: int):
         self.case, self.around, self.turns = case, around, turns
         self.touch: Touch | None = None
+        self.state: list[float] | None = None  # (ξ₁, ξ₂, ω, v) of the contact then
         self.edges: list[float] = []
         self.waiting: list[States] = []
 
@@ -86,6 +86,8 @@ class Overlaps:
             some, inside = self.around.inside(some, own or self.around.at(first, last))
             rest = some.some(~inside)
             self.touch = self.around.search.first(motion, end, rest, np.full(rest.number, start), self._is_resolved)
+        if self.touch is not None:
+            self.state = self._states(np.array([self.touch.time]))[:, 0].tolist()
         self.waiting = []
 
     def _states(self, times: np.ndarray) -> np.ndarray:
@@ -114,5 +116,5 @@ class Overlaps:
         number = min(max(bisect_right(self.edges, touch.time), 1), len(self.waiting))
         step = self.edges[number] - self.edges[number - 1]
         body = motion.bodies(np.array([touch.time - step]))[:, 0].tolist()
-        pair = refine(self.around.scene, body, touch.xi1, touch.xi2, self.around.size)
+        pair = nearest(self.around.scene, body, touch.xi1, touch.xi2)
         return pair is not None and pair.gap > ROUNDINGS * (self.around.reach + abs(body[0]) + abs(body[1]))

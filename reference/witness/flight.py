@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 
 from .advancement import TooManyRounds
 from .equations import ContactScene
-from .pairs import Touch, polish, refine
+from .pairs import Touch, nearest, polish
 from .plate_motion import Motion, limits
 from .steps import FrequencyLimitedDOP853, StepFailure, WorkBudget, WorkLimit
 from .surroundings import Surroundings
@@ -32,11 +32,11 @@ FIRST, OF_HOP, ROUNDINGS, MOST_TRIES = 1e-3, 0.4, 256 * 2.0**-52, 100
 
 
 class FreeFlight(NamedTuple):
-    """A flight: pieces (start, end, interpolant), its end, and the touch that ended it, if any. A flight that reaches
-    the limit on work ends where its last search began."""
+    """A flight: its end, (x, y, θ, vx, vy, ω) there, and the touch that ended it, if any. A flight that reaches the
+    limit on work ends where its last search began."""
 
-    pieces: list[tuple[float, float, Callable]]
     end: float
+    body: list[float]
     touch: Touch | None
 
 
@@ -125,21 +125,21 @@ def fly(
         if place is not None:
             opening, own = _opening(scene, course, around, t, end, hop, place)
             if own is None:
-                return FreeFlight([], t, Touch(t, list(body), *place, 0.0))
+                return FreeFlight(t, list(body), Touch(t, list(body), *place, 0.0))
         while before < end and not work.used_up:
             work.count += 1
             now = course(before)
             away = around.away(*now[:2])
-            stride = _time(scene, before, now, around.reach, max(FAR * away, STRIDE * around.reach))
+            stride = time_to_move(scene, before, now, around.reach, max(FAR * away, STRIDE * around.reach))
             after = min(max(before + stride, opening, float(np.nextafter(before, end))), end)
             touch = _between(around, course, before, after, opening, own, away)
             if touch is not None:
                 touch = polish(scene, course.exactly, touch, around.size, t)
-                return FreeFlight(_until(course.pieces, touch.time), touch.time, touch)
+                return FreeFlight(touch.time, touch.body, touch)
             before, own = after, None
     except (WorkLimit, TooManyRounds):
         pass
-    return FreeFlight(_until(course.pieces, before), before, None)
+    return FreeFlight(before, course(before), None)
 
 
 def _between(
@@ -178,12 +178,12 @@ def _opening(
 ) -> tuple[float, tuple[float, float] | None]:
     """The time at which the gap of a flight from the track has opened, and the stretch of the track on which no other
     touch is possible until then; None if it does not open."""
-    first = min(_time(scene, t, course(t), around.reach, FIRST * around.reach), OF_HOP * hop, end - t)
+    first = min(time_to_move(scene, t, course(t), around.reach, FIRST * around.reach), OF_HOP * hop, end - t)
     wait, longer = first, True
     for _ in range(MOST_TRIES):
         body = course(t + wait)
         rounding = ROUNDINGS * (around.reach + abs(body[0]) + abs(body[1]))
-        pair = refine(scene, body, *place, around.size)
+        pair = nearest(scene, body, *place)
         gap = pair.gap if pair is not None else -inf
         if pair is not None and (gap > rounding or (longer and t + wait >= end and gap >= -rounding)):
             low, high = sorted((place[0], pair.xi1))
@@ -197,11 +197,7 @@ def _opening(
     return t, None
 
 
-def _until(pieces: list[tuple[float, float, Callable]], end: float) -> list[tuple[float, float, Callable]]:
-    return [(start, min(stop, end), course) for start, stop, course in pieces if start < end]
-
-
-def _time(scene: ContactScene, t: float, body, reach: float, way: float) -> float:
+def time_to_move(scene: ContactScene, t: float, body, reach: float, way: float) -> float:
     """The time (s) in which the plate's points cover a distance, with the present speed and acceleration."""
     ax, ay, spin = scene.pull(t, body)
     speed = hypot(body[3], body[4]) + abs(body[5]) * reach

@@ -111,8 +111,6 @@ class ContactScene:
     def __init__(self, case: Case, drive_load: DriveLoad | None = None):
         self.case = case
         self.track, self.outline = case.track, case.plate.outline
-        # Formulas of the geometry: within a phase those of one piece of a curve in pieces.
-        self.track_jet, self.outline_jet = self.track.jet, self.outline.jet
         self.is_corner = isinstance(self.track, Corner) or isinstance(self.outline, Corner)
         self.m, self.J = case.plate.mass, case.plate.inertia
         gravity, friction = case.effect(Gravity), case.effect(CoulombFriction)
@@ -132,8 +130,7 @@ class ContactScene:
         # Features that a step could pass over: in time, and by the first two rows of a state in contact.
         self.in_time = [(None, load.features)] if load and load.features else []
         self.in_time += [(None, feature) for feature in drive_load.features] if drive_load else []
-        # A phase ends at the knots of a curve in pieces.
-        curves = [(row, curve.features) for row, curve in enumerate((self.track, self.outline)) if not curve.knots]
+        curves = [(row, curve.features) for row, curve in enumerate((self.track, self.outline))]
         belt = [(None, self.belt.features if self.belt else None)]
         self.in_contact = [*self.in_time, *((row, features) for row, features in [*belt, *curves] if features)]
         whole = case.whole.plate.outline if isinstance(case, PieceCase) else self.outline
@@ -183,8 +180,8 @@ class ContactScene:
     def place(self, xi1: float, xi2: float) -> Place:
         if self.is_corner:
             return self._place_at_corner(xi1, xi2)
-        _, _, Xp, Yp, Xs, Ys, _, _ = self.track_jet(xi1)
-        x, y, xp, yp, xs, ys, _, _ = self.outline_jet(xi2)
+        _, _, Xp, Yp, Xs, Ys, _, _ = self.track.jet(xi1)
+        x, y, xp, yp, xs, ys, _, _ = self.outline.jet(xi2)
         P, p = hypot(Xp, Yp), hypot(xp, yp)
         return Place(
             P, p, Xp / P, Yp / P, (Xp * Ys - Yp * Xs) / P**3, (xp * ys - yp * xs) / p**3,

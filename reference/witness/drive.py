@@ -11,8 +11,9 @@ from math import cos, isfinite, sin
 
 import numpy as np
 
-from cases import Case, Drive, Gravity, Load
+from cases import Case, Drive, Gravity, Load, Plate
 from cases.moving_surface import TrackPlace
+from cases.scene.free_plates import loads_of, plates_of
 
 from .loads import load_scales
 from .steps import StepFailure
@@ -44,19 +45,19 @@ def in_track_frame(place: TrackPlace, body) -> list:
 
 
 class DriveLoad:
-    """Force and moment on the plate of a driven case in the track's frame."""
+    """Force and moment on a plate of a driven case, with its load, in the track's frame."""
 
-    def __init__(self, case: Case, drive: Drive):
-        self.case, self.drive = case, drive
-        gravity, load = case.effect(Gravity), case.effect(Load)
-        self.weight = [case.plate.mass * part for part in gravity.vector] if gravity else [0.0, 0.0]
+    def __init__(self, case: Case, drive: Drive, plate: Plate, load: Load | None):
+        self.plate, self.drive = plate, drive
+        gravity = case.effect(Gravity)
+        self.weight = [plate.mass * part for part in gravity.vector] if gravity else [0.0, 0.0]
         self.load = load.at if load else None
         self.features = [feature for feature in (drive.features, load.features if load else None) if feature]
         self._scales = load_scales(load)
 
     def at(self, t: float, *body: float) -> list[float]:
         """(F_x, F_y, M) in N and N m at (x, y, θ, vx, vy, ω) in the track's frame."""
-        place, m, J = self._place(t), self.case.plate.mass, self.case.plate.inertia
+        place, m, J = self._place(t), self.plate.mass, self.plate.inertia
         fx, fy = self.weight
         moment = 0.0
         if self.load:
@@ -87,7 +88,9 @@ class DriveLoad:
         return self._scales.allows(times, *in_fixed_frame(self.drive.at_times(times), bodies))
 
 
-def load_of_drive(case: Case) -> DriveLoad | None:
-    """The load of a driven case; None for a track at rest."""
+def loads_of_drive(case: Case) -> tuple[DriveLoad, ...]:
+    """The loads of all plates of a driven case; none for a track at rest."""
     drive = case.effect(Drive)
-    return DriveLoad(case, drive) if drive else None
+    if drive is None:
+        return ()
+    return tuple(DriveLoad(case, drive, *one) for one in zip(plates_of(case), loads_of(case), strict=True))

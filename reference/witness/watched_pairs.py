@@ -1,0 +1,83 @@
+"""Contacts of several plates: the pairs that are watched, and which of them share plates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Case, Chain, Drive
+from cases.contact import start_motion
+from cases.contact.nearest import nearest_pair
+from cases.curves.corner import Corner
+from cases.scene.couples import Couple
+from cases.scene.free_plates import start_poses
+from cases.scene.piece_case import PieceCase, _piece_case, neighbour
+
+from .contacts import AnyPair, plates_at
+from .drive import in_track_frame
+
+
+def start_of_plates(case: Case) -> np.ndarray:
+    """(x, y, θ) of all plates where a motion begins, then their (vx, vy, ω), as the track sees them."""
+    poses, drive = start_poses(case), case.effect(Drive)
+    poses[0] = start_motion(case)[:6]  # on a belt
+    if drive is not None:
+        poses[0] = in_track_frame(drive.at(0.0), poses[0])
+    return np.concatenate([poses[:, :3].ravel(), poses[:, 3:].ravel()])
+
+
+class NextElements(NamedTuple):
+    """The pair of elements that follows where a contact leaves one of its elements, how far that is in units of the
+    element's width, and the parameters there."""
+
+    distance: float
+    pair: PieceCase
+    points: tuple[float, float]
+
+
+def next_elements(pair: PieceCase, points: tuple[float, float]) -> NextElements | None:
+    """What follows the nearer end of the boundary's element at these parameters of a pair; None if it is a line, or a
+    smooth outline, without ends."""
+    if not isinstance(pair.whole.track, Chain):
+        return None
+    (low, high), s = pair.first.span, points[0]
+    way = -1 if s - low < high - s else 1
+    following = neighbour(pair, True, way)
+    assert following is not None
+    at = following.first.span[0 if way > 0 else 1], points[1]
+    return NextElements(min(s - low, high - s) / (high - low), following, at)
+
+
+def sides_of(pair: AnyPair) -> set[int]:
+    """The numbers of the plates at a contact."""
+    return {side for side in plates_at(pair) if side is not None}
+
+
+def watched_pairs(couple: Couple, poses: np.ndarray) -> list[tuple[PieceCase, tuple[float, float]]]:
+    """The pairs of elements of a couple that are watched, with parameters near their nearest points in some poses: that
+    of each corner of a polygon on a line, or the nearest one of two plates, or of a smooth plate and a line."""
+    track, outline = couple.track, couple.plate.outline
+    if isinstance(outline, Chain) and couple.base is None:
+        corners = [element for element in outline.elements if isinstance(element.piece, Corner)]
+        return [(_piece_case(couple, 0, e.number), (float(track.span[0]), e.middle)) for e in corners]
+    one = nearest_pair(track, outline, *couple.relative_pose(poses), float(sum(track.span)) / 2.0)
+    assert one is not None
+    pair = _piece_case(couple, track.element_at(one.xi1).number, outline.element_at(one.xi2).number)
+    return [(pair, (one.xi1 - pair.first.shift, one.xi2 - pair.second.shift))]
+
+
+def common_slips(pairs: Sequence[AnyPair]) -> int:
+    """How many of some contacts are second corners of a plate on one line: the friction of both is not unique."""
+    lines = [pair.whole for pair in pairs if plates_at(pair)[1] is None]
+    return len(lines) - len(set(lines))
+
+
+def groups(pairs: Sequence[AnyPair]) -> list[list[int]]:
+    """The places of contacts in groups that share plates."""
+    results = list[list[int]]()
+    for k, pair in enumerate(pairs):
+        own = [some for some in results if any(sides_of(pairs[i]) & sides_of(pair) for i in some)]
+        results = [some for some in results if some not in own] + [sorted([k, *(i for some in own for i in some)])]
+    return results
