@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .equations import ContactScene
+from cases import Case
+
 from .plate_motion import Limits
 from .stretches import Stretches, evenly
 
@@ -51,9 +52,9 @@ class TrackDistance:
     diameter (m); bounds on its curvature (1/m): `sharpest` the largest, `bluntest` the smallest or 0, `hollow` the size
     of a negative one or 0; `single`: up to this distance (m) a point outside has a unique nearest outline point."""
 
-    def __init__(self, scene: ContactScene):
-        self.outline, self.radius = scene.outline, scene.case.plate.radius
-        outline = scene.outline
+    def __init__(self, case: Case):
+        outline, self.radius = case.plate.outline, case.plate.radius
+        self.outline = outline
         self.params, _ = evenly(outline, *outline.span, OUTLINE_POINTS)
         if outline.features:
             self.params = np.union1d(self.params, outline.features.nodes(*outline.span))

@@ -134,7 +134,7 @@ def fly(
             after = min(max(before + stride, opening, float(np.nextafter(before, end))), end)
             touch = _between(around, course, before, after, opening, own, away)
             if touch is not None:
-                touch = polish(scene, course.exactly, touch, around.size, t)
+                touch = polish(scene.case, course.exactly, touch, around.size, t)
                 return FreeFlight(touch.time, touch.body, touch)
             before, own = after, None
     except (WorkLimit, TooManyRounds):
@@ -183,7 +183,7 @@ def _opening(
     for _ in range(MOST_TRIES):
         body = course(t + wait)
         rounding = ROUNDINGS * (around.reach + abs(body[0]) + abs(body[1]))
-        pair = nearest(scene, body, *place)
+        pair = nearest(scene.case, body, *place)
         gap = pair.gap if pair is not None else -inf
         if pair is not None and (gap > rounding or (longer and t + wait >= end and gap >= -rounding)):
             low, high = sorted((place[0], pair.xi1))

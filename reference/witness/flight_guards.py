@@ -84,7 +84,7 @@ def _long(course: MotionState, now: FlightState) -> LandingState | EndState:
     if path.touch is None:
         return EndState("completed" if course.t >= course.end else IN_PROGRESS)
     xi1, xi2, turns = course.unwind(path.touch.body[2], path.touch.xi1, path.touch.xi2)
-    contact = frame(course.scene, path.touch.body, xi1, xi2)
+    contact = frame(course.case, path.touch.body, xi1, xi2)
     slip = contact.slip - course.scene.surface(course.t)[0]
     return LandingState([xi1, xi2, path.touch.body[5], slip], turns, contact.lift)
 

@@ -12,8 +12,8 @@ from ..time_limit import check_time
 from .complementarity import MOVES
 from .contacts import PairState, Sides, friction_of, resisting_sides
 from .impact_laws import velocities
-from .integration import EPS, DenseStep, PhaseIntegration
-from .phase import SeveralContactPhase, WatchedContact
+from .integration import EPS, PhaseIntegration
+from .phase import WatchedContact
 from .plate_state import TOUCHES, SimulationEnd
 from .small_impacts import SMALL_IMPACT, TURNS, ImpactRecord
 from .watched_pairs import groups
@@ -216,13 +216,5 @@ class ImpactSimulation(PhaseIntegration):
         some = [pair for c, pair in zip(self.contacts, self.pairs(), strict=True) if c.name in self.touching]
         self.still = self.still_in(some, self.body[self.half :], noise)
         self.hold()
-        if end > self.t:
-            start, after = self.t, self.body.copy()
-
-            def straight(t: float) -> np.ndarray:
-                return before + (after - before) * ((t - start) / (end - start))
-
-            phase = SeveralContactPhase(self.dynamics, self.contacts, not self.body[self.half :].any())
-            self.stretches.append(DenseStep(self.t, end, straight, phase))
         self.t, self.impacts.at_rest = end, True
         return True

@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import inf, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from cases import Case, DoesNotFit
-from cases.contact.overlap_search import first_overlap
-from cases.scene.contact_pairs import PairCase, pairs
+from cases.scene.contact_pairs import pairs
 from cases.scene.free_plates import plates_of
 
+from .advancement import TooManyRounds
 from .complementarity import MOVES
-from .contacts import all_pairs, is_watched_always, pair_at
+from .contacts import AnyPair, is_watched_always, pair_at
 from .dips import Dips
 from .phase import CURVE_ENDS, SIGN, SeveralContactPhase
+from .plate_motion import Motion
 from .plate_state import TOUCHES, PlateState, SimulationEnd
 from .small_impacts import ImpactsOnTwoLevels
 from .steps import FrequencyLimitedDOP853, WorkBudget
+from .touches import Touches
 
 EPS = float(np.finfo(float).eps)
 # Guards are evaluated at this many places of each step; steps are at most this part of the plate's turn.
@@ -43,26 +45,29 @@ AT_REST = 1e-5
 JUMP = 4.0
 
 
+States = Callable[[Any], np.ndarray]
+
+
 class DenseStep(NamedTuple):
-    """A step's dense output with its phase: times from `start` to `end`, s."""
+    """A step's dense output: times from `start` to `end`, s."""
 
     start: float
     end: float
-    states: Callable[[float], np.ndarray]
-    phase: SeveralContactPhase
+    states: States
 
 
 class PhaseIntegration(PlateState):
-    """A plate that is integrated phase by phase, with the dense output of all steps."""
+    """A plate that is integrated phase by phase."""
 
     def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray, rtol: float):
         super().__init__(case, t, body)
         self.rtol, self.steps = max(rtol, 1e-13), 0
-        self.stretches: list[DenseStep] = []
         self.impacts = ImpactsOnTwoLevels()
         self.clearances: dict[str, float] = {}
         self.beginning: set[str] = set()
-        self.searched = [] if case.others else [pair for pair in pairs(case) if not is_watched_always(pair)]
+        searched = [] if case.others else [pair for pair in pairs(self.case) if not is_watched_always(pair)]
+        self.searches = [Touches(pair, self.case.start.xi1) for pair in searched]
+        self.earlier: DenseStep | None = None
 
     def pace(self, phase: SeveralContactPhase) -> float:
         """How fast the plate moves or begins to, 1/s. From rest a slip may begin without acceleration: speed and
@@ -112,8 +117,7 @@ class PhaseIntegration(PlateState):
             for look in looks.tolist():
                 if look > before and self.is_lost(phase, before, look, dense):
                     # At the last look the points were still the nearest ones.
-                    self.stretches.append(DenseStep(solver.t_old, before, dense, phase))
-                    if before > solver.t_old and self.elsewhere(solver.t_old, before, dense):
+                    if before > solver.t_old and self.meets(phase, solver.t_old, before, dense):
                         return [("meeting", "")]
                     self.t, self.body = before, np.array(dense(before))
                     return [("forget", "")]
@@ -131,13 +135,13 @@ class PhaseIntegration(PlateState):
                     if value <= (0.0 if positive[name] else -100.0 * RISEN * scales[name[0]])
                 ]  # fmt: skip
                 if zeros:
-                    return self.locate(phase, dense, before, look, zeros, positive)
+                    return self.locate(phase, dense, (solver.t_old, before, look), zeros, positive)
                 for name, value in values.items():
                     positive[name] |= value > (0.0 if look >= tops.get(name, inf) else RISEN * scales[name[0]])
                 before = look
-            self.stretches.append(DenseStep(solver.t_old, solver.t, dense, phase))
-            if self.elsewhere(solver.t_old, solver.t, dense):
+            if self.meets(phase, solver.t_old, solver.t, dense):
                 return [("meeting", "")]
+            self.earlier = DenseStep(solver.t_old, solver.t, dense)
         self.t, self.body = solver.t, solver.y
         raise SimulationEnd("completed")
 
@@ -193,9 +197,9 @@ class PhaseIntegration(PlateState):
                 return True
         return False
 
-    def locate(self, phase, dense, before: float, look: float, zeros, positive) -> list[tuple[str, str]]:
-        """The earliest zero between two looks."""
-        roots = {}
+    def locate(self, phase, dense, times: tuple[float, float, float], zeros, positive) -> list[tuple[str, str]]:
+        """The earliest zero between the last two of three times: the step's start, and two looks."""
+        roots, (start, before, look) = {}, times
         for name in zeros:
 
             def value(t: float, name=name) -> float:
@@ -204,9 +208,7 @@ class PhaseIntegration(PlateState):
             falls = positive[name] and value(before) > 0.0
             roots[name] = float(brentq(value, before, look, xtol=1e-15, rtol=8.9e-16)) if falls else before
         first = min(roots.values())
-        self.stretches.append(DenseStep(self.stretches[-1].end if self.stretches else self.t, first, dense, phase))
-        self.stretches[-1] = self.stretches[-1]._replace(start=min(self.stretches[-1].start, first))
-        if self.elsewhere(before, first, dense):
+        if self.meets(phase, start, first, dense):
             return [("meeting", "")]
         self.t, self.body = first, dense(first)
         return [name for name, root in roots.items() if root - first <= 1e-11 * max(1.0, first)]
@@ -224,54 +226,43 @@ class PhaseIntegration(PlateState):
 
     # --- contacts at other places -------------------------------------------------------------------------------------
 
-    def elsewhere(self, start: float, end: float, dense) -> bool:
-        """Whether the plate overlaps its track at a place that is not watched; if so, the motion goes back to where it
-        met it, and the contact is added."""
-        looks = np.linspace(start, end, LOOKS + 1)[1:]
-        poses = np.array([dense(t)[:3] for t in looks]).T
-        earliest: tuple[int, PairCase, float] | None = None
-        for case in self.searched:
-            first = next((c.pair[0] for c in self.contacts if c.case is case), case.start.xi1)
-            near = np.full(len(looks), first)
-            overlap = first_overlap(case.track, self.case.plate.outline, poses[0], poses[1], poses[2], near)
-            if overlap is not None and (earliest is None or overlap[0] < earliest[0]):
-                earliest = overlap[0], case, overlap[1]
-        if earliest is None:
+    def meets(self, phase: SeveralContactPhase, start: float, end: float, dense: States) -> bool:
+        """Whether the plate touches a curve in a step at a place that is not watched; if so, the motion goes on from
+        there, and the contact is added."""
+        steps = [DenseStep(start, end, dense)]
+        if self.earlier is not None and self.earlier.end == start:
+            steps.insert(0, self.earlier)
+        motion, touches = Motion(partial(_bodies, steps), np.array([*(one.start for one in steps), end])), []
+        for search in self.searches if end > start else []:
+            mine = [(c.case, near, c.is_closed) for c, near in zip(phase.contacts, phase.near, strict=True)
+                    if c.case == search.case]  # fmt: skip
+            places = partial(_places, dense, [(case, near) for case, near, _ in mine])
+            try:
+                touch = search.first(motion, (start, end), places, any(is_closed for *_, is_closed in mine))
+            except TooManyRounds:
+                raise SimulationEnd("unfinished") from None
+            if touch is not None:
+                touches.append((touch.time, search.case.number, touch, search.case))
+        if not touches:
             return False
-        number, case, xi1 = earliest
-        time = float(looks[number])
-        pair = self.deepest(case, dense(time), xi1)
-        if pair is None:
-            return False
-
-        def gap(t: float) -> float:
-            stretch = next(s for s in reversed(self.stretches) if s.start <= t or s is self.stretches[0])
-            return pair_at(case, stretch.states(t), pair).gap
-
-        after = time
-        for stretch in reversed(self.stretches):
-            if stretch.start < after and gap(stretch.start) > 0.0:
-                root = float(brentq(gap, stretch.start, min(after, stretch.end), xtol=1e-15, rtol=8.9e-16))
-                break
-            after = min(after, stretch.start)
-        else:
-            return False
-        while self.stretches and self.stretches[-1].start >= root:
-            self.stretches.pop()
-        last = self.stretches[-1]
-        self.stretches[-1] = last._replace(end=root)
-        self.impacts.cut(root)
-        self.t, self.body, self.contacts = root, np.array(last.states(root)), list(last.phase.contacts)
-        self.add(case, pair)
+        time, _, touch, case = min(touches)
+        self.t, self.body, self.contacts = time, np.array(dense(time)), list(phase.contacts)
+        self.add(case, (touch.xi1, touch.xi2))
         return True
 
-    def deepest(self, case: PairCase, body: np.ndarray, xi1: float) -> tuple[float, float] | None:
-        """The pair of points at an overlap that is not watched."""
-        known = [pair_at(case, body, contact.pair) for contact in self.contacts if contact.case == case]
-        reach = self.case.plate.reach
-        for pair in all_pairs(case, body, xi1):
-            place = case.track.point(pair[0])
-            is_new = all(np.hypot(*(place - case.track.point(k.xi1))) > 1e-3 * reach for k in known)
-            if is_new and pair_at(case, body, pair).gap < 0.0:
-                return pair
-        return None
+
+def _bodies(steps: Sequence[DenseStep], times: np.ndarray) -> np.ndarray:
+    """(x, y, θ, vx, vy, ω) at times (n,) in one step or two, shape (6, n)."""
+    if len(steps) == 1:
+        return steps[0].states(times)
+    return np.where(times < steps[1].start, steps[0].states(times), steps[1].states(times))
+
+
+def _places(dense: States, contacts: Sequence[tuple[AnyPair, tuple[float, float]]], times: np.ndarray) -> np.ndarray:
+    """The parameters of some contacts at times (n,) of a step, shape (contacts, 2, n), from points near the last."""
+    result = np.empty((len(contacts), 2, len(times)))
+    for i, (case, near) in enumerate(contacts):
+        for k in range(len(times) - 1, -1, -1):
+            near = pair_at(case, dense(float(times[k])), near)[1:3]
+            result[i, :, k] = near
+    return result

@@ -22,7 +22,7 @@ from .contacts import (
     resisting_sides,
 )
 from .impact_simulation import ImpactSimulation
-from .integration import EPS, FORGOTTEN, DenseStep
+from .integration import EPS, FORGOTTEN
 from .phase import CURVE_ENDS, NO_RATE, STICKS, SeveralContactPhase, rotation_name
 from .plate_state import TOUCHES, SimulationEnd
 from .watched_pairs import common_slips, groups, sides_of
@@ -372,7 +372,6 @@ class Simulation(ImpactSimulation):
                     break
                 before = look
         if last is None:
-            self.stretches.append(DenseStep(self.t, end, lambda t: still, phase))
             self.t = end
             raise SimulationEnd("completed")
         low, high = last
@@ -381,7 +380,6 @@ class Simulation(ImpactSimulation):
             low, high = (low, middle) if moves(middle) else (middle, high)
             if middle in (low, high) and high - low <= 4.0 * EPS * high:
                 break
-        self.stretches.append(DenseStep(self.t, high, lambda t: still, phase))
         self.t, self.touching = high, {c.name for c in self.contacts if c.is_closed}
         self.stuck, self.still = set(self.touching), self.still_sides()
         self.start(phase)

@@ -111,5 +111,5 @@ class MotionState:
     def surroundings(self) -> Surroundings:
         """The track in stretches, sampled on first use."""
         if self.around is None:
-            self.around = Surroundings(self.scene, self.last_xi1)
+            self.around = Surroundings(self.scene.case, self.last_xi1)
         return self.around

@@ -7,10 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import DoesNotFit
+from cases import Case, DoesNotFit
 from cases.contact import Contact, find
 
-from .equations import ContactScene
 from .plate_motion import Motion
 
 # Steps of Newton's method; its largest distance from the starting point, in plate's sizes; and its required final error
@@ -45,11 +44,11 @@ class Touch(NamedTuple):
     blur: float
 
 
-def frame(scene: ContactScene, body, xi1: float, xi2: float) -> PairFrame:
+def frame(case: Case, body, xi1: float, xi2: float) -> PairFrame:
     """Position and velocity of the outline's point xi2 relative to the track's point xi1."""
     x, y, theta, vx, vy, w = body
-    X, Y, Xp, Yp, Xs, Ys, _, _ = scene.track.jet(xi1)
-    a, b, ap, bp, as_, bs, _, _ = scene.outline.jet(xi2)
+    X, Y, Xp, Yp, Xs, Ys, _, _ = case.track.jet(xi1)
+    a, b, ap, bp, as_, bs, _, _ = case.plate.outline.jet(xi2)
     P, p, c, s = hypot(Xp, Yp), hypot(ap, bp), cos(theta), sin(theta)
     tx, ty = Xp / P, Yp / P
     rx, ry = c * a - s * b, s * a + c * b
@@ -61,16 +60,16 @@ def frame(scene: ContactScene, body, xi1: float, xi2: float) -> PairFrame:
     )  # fmt: skip
 
 
-def nearest(scene: ContactScene, body, xi1: float, xi2: float) -> Contact | None:
+def nearest(case: Case, body, xi1: float, xi2: float) -> Contact | None:
     """The pair of nearest points next to parameters; None if there is none."""
     x, y, theta, *_ = body
     try:
-        return find(scene.case, x, y, theta, (xi1, xi2))
+        return find(case, x, y, theta, (xi1, xi2))
     except DoesNotFit:
         return None
 
 
-def meeting(scene: ContactScene, size: float, motion: Motion, time: float, xi1: float, xi2: float) -> Touch | None:
+def meeting(case: Case, size: float, motion: Motion, time: float, xi1: float, xi2: float) -> Touch | None:
     """Newton's method for a time and both parameters: the points coincide, the tangents are parallel, and the gap
     closes. None if it ends elsewhere."""
     best: Touch | None = None
@@ -79,7 +78,7 @@ def meeting(scene: ContactScene, size: float, motion: Motion, time: float, xi1: 
         if not (motion.edges[0] <= time <= motion.edges[-1]):
             return None
         body = motion.bodies(np.array([time]))[:, 0].tolist()
-        f = frame(scene, body, xi1, xi2)
+        f = frame(case, body, xi1, xi2)
         miss, rounding = hypot(f.along, f.gap, size * f.angle), EPS * (size + abs(body[0]) + abs(body[1]))
         if miss < smallest:
             blur = 16.0 * rounding / max(abs(f.lift), 1e-300) + 4.0 * float(np.spacing(time))
@@ -106,7 +105,7 @@ def _step(f: PairFrame, spin: float) -> list[float] | None:
     return step.tolist() if np.isfinite(step).all() else None
 
 
-def polish(scene: ContactScene, exactly, touch: Touch, size: float, start: float) -> Touch:
+def polish(case: Case, exactly, touch: Touch, size: float, start: float) -> Touch:
     """Improve a touch with states integrated up to it: dense output is one order less accurate than a step.
 
     `exactly` maps a time from `start` on (s) to the state then.
@@ -116,7 +115,7 @@ def polish(scene: ContactScene, exactly, touch: Touch, size: float, start: float
         if not time >= start:
             break  # by a rounding it lies before the flight
         body = exactly(time)
-        f = frame(scene, body, xi1, xi2)
+        f = frame(case, body, xi1, xi2)
         miss = hypot(f.along, f.gap, size * f.angle)
         if miss >= smallest:
             break  # no better than before: rounding

@@ -116,5 +116,5 @@ class Overlaps:
         number = min(max(bisect_right(self.edges, touch.time), 1), len(self.waiting))
         step = self.edges[number] - self.edges[number - 1]
         body = motion.bodies(np.array([touch.time - step]))[:, 0].tolist()
-        pair = nearest(self.around.scene, body, touch.xi1, touch.xi2)
+        pair = nearest(self.around.case, body, touch.xi1, touch.xi2)
         return pair is not None and pair.gap > ROUNDINGS * (self.around.reach + abs(body[0]) + abs(body[1]))

@@ -151,11 +151,6 @@ class SmallImpacts:
         else:
             self.list_or_keep(changes)
 
-    def cut(self, t: float) -> None:
-        """Forget the changes after a time: the motion goes back to it."""
-        self.ordinary = [change for change in self.ordinary if change.time <= t]
-        self.kept_back = [change for change in self.kept_back if change.time <= t]
-
 
 class ImpactsOnTwoLevels(SmallImpacts):
     """The same where a plate comes to rest, and hits something else from there, ever faster: the first impacts after
@@ -193,7 +188,3 @@ class ImpactsOnTwoLevels(SmallImpacts):
         """Hand the listed changes over to those of the first impacts."""
         self.firsts.list_or_keep(self.ordinary)
         self.ordinary = []
-
-    def cut(self, t: float) -> None:
-        super().cut(t)
-        self.firsts.cut(t)

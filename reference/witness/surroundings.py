@@ -10,12 +10,11 @@ from math import ceil, floor
 import numpy as np
 from scipy.spatial import cKDTree
 
-from cases import Curve
+from cases import Case, Curve
 
 from .advancement import Search
 from .curve_bounds import CurveBounds
 from .distance import TrackDistance
-from .equations import ContactScene
 from .pairs import meeting
 from .steps import StepFailure
 from .stretches import Stretches, between, cut, evenly
@@ -34,14 +33,14 @@ STRAIGHT = 0.5
 
 
 class Surroundings:
-    """Track and plate of a scene, and the searches for where they touch."""
+    """Track and plate of a case, and the searches for where they touch."""
 
-    def __init__(self, scene: ContactScene, xi1: float):
-        self.scene, self.distance = scene, TrackDistance(scene)
+    def __init__(self, case: Case, xi1: float):
+        self.case, self.distance = case, TrackDistance(case)
         self.reach, self.size = self.distance.reach, self.distance.size
-        self.track, self.outline = CurveBounds(scene.track), CurveBounds(scene.outline)
-        self.search = Search(self.track, self.distance, partial(meeting, scene, self.size))
-        track = scene.track
+        self.track, self.outline = CurveBounds(case.track), CurveBounds(case.plate.outline)
+        self.search = Search(self.track, self.distance, partial(meeting, case, self.size))
+        track = case.track
         self.endless = track.domain is None and not track.period
         if self.endless:
             margin = MARGIN * self.size / float(track.speed(xi1))
@@ -50,7 +49,7 @@ class Surroundings:
             self._sample(*track.span)
 
     def _sample(self, low: float, high: float) -> None:
-        track = self.scene.track
+        track = self.case.track
         _, length = evenly(track, low, high, 3)
         if not length <= LONGEST_TRACK * self.size:
             raise StepFailure(
@@ -99,9 +98,9 @@ class Surroundings:
 
     def inside(self, some: Stretches, own: tuple[float, float]) -> tuple[Stretches, np.ndarray]:
         """The stretches divided at the ends of a parameter range, and a mask of those in it."""
-        period, shifts = self.scene.track.period, [0.0]
+        period, shifts = self.case.track.period, [0.0]
         if period:
-            low, high = self.scene.track.span
+            low, high = self.case.track.span
             turns = range(floor((low - own[1]) / period), ceil((high - own[0]) / period) + 1)
             shifts = [period * turn for turn in turns]
         for shift in shifts:
@@ -133,7 +132,7 @@ class Surroundings:
         plate touches nowhere else: the outline bends more than the track there, and both turn little. None if no such
         range is found."""
         lengths = self.reach * 0.5 ** np.arange(1, MOST_TRIES + 1)
-        first, second = _widen(self.scene.track, xi1, lengths), _widen(self.scene.outline, xi2, lengths)
+        first, second = _widen(self.case.track, xi1, lengths), _widen(self.case.plate.outline, xi2, lengths)
         (highest, _, turning), (_, least, more) = self.track.over(*first), self.outline.over(*second)
         alone = (least > np.maximum(highest, 0.0)) & (turning + more < STRAIGHT)
         if not alone.any():
@@ -143,7 +142,7 @@ class Surroundings:
 
     def at(self, low: float, high: float) -> tuple[float, float]:
         """The parameter range that counts as the contact itself if `own` finds none."""
-        first, last = _widen(self.scene.track, (low, high), np.array(SAME * self.size))
+        first, last = _widen(self.case.track, (low, high), np.array(SAME * self.size))
         return float(first), float(last)
 
 

@@ -25,7 +25,6 @@ from cases.contact import start_motion
 from cases.library import line
 from reference import witness
 from reference.witness import pairs
-from reference.witness.equations import ContactScene
 from tests.scenes.ripples import FLYING, G, over_ripples
 
 pytestmark = pytest.mark.taylor
@@ -237,5 +236,5 @@ def test_a_touch_before_the_flight_by_a_rounding_is_not_looked_for_there():
     bodies = {1e-17: [0.0, 0.1 - 1e-10, 0.0, 0.0, -1.0, 0.0]}
     touch = pairs.Touch(1e-17, bodies[1e-17], 0.0, -pi / 2, 1e-16)
     with pytest.raises(KeyError):  # it touched 1e-10 s ago
-        pairs.polish(ContactScene(case), bodies.__getitem__, touch, 0.2, -1.0)
-    assert pairs.polish(ContactScene(case), bodies.__getitem__, touch, 0.2, 0.0) == touch
+        pairs.polish(case, bodies.__getitem__, touch, 0.2, -1.0)
+    assert pairs.polish(case, bodies.__getitem__, touch, 0.2, 0.0) == touch
