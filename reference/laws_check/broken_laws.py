@@ -9,17 +9,17 @@ import numpy as np
 
 from cases import BadValue, Case, Trajectory
 from cases.moving_frame import in_track_frame, relative_case
-from cases.scene.free_plates import plates_of
 
 from ..endings import CAUSES
 from . import laws, penetration
-from .laws import Defects, Joins
+from .contact_check import contact_defects
+from .laws import Defects, Joins, MotionScales
 from .samples import ContactInstants, MotionSamples, of_motion, steps_of
-from .tolerances import part_of
+from .tolerances import AMPLIFIED, CLOSED, MOMENTUM, PARTS
 
 OVERLAP = "no overlap"
-# Steps whose forces five instants do not resolve are divided into so many parts, so many times: the worst of them.
-DIVIDED, DIVISIONS, MOST_DIVIDED = 16, 3, 8
+# Steps whose forces the nodes do not resolve are divided into so many parts, so many times: the worst of them.
+DIVIDED, DIVISIONS, MOST_DIVIDED = 4, 5, 8
 
 
 @dataclass(frozen=True)
@@ -59,21 +59,22 @@ def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLa
     if len(motion.t) < 2:
         return ()
     with np.errstate(all="ignore"):
-        return _broken_by(relative, seen, part_of(rtol))
+        return _broken_by(relative, seen, rtol)
 
 
-def _broken_by(case: Case, motion: Trajectory, part: float) -> tuple[BrokenLaw, ...]:
-    """The laws that a motion breaks, of a case with a track at rest; a defect of this part of its scale is an error. A
-    motion that ends where it begins has no steps, and breaks none."""
+def _broken_by(case: Case, motion: Trajectory, rtol: float) -> tuple[BrokenLaw, ...]:
+    """The laws that a motion breaks, of a case with a track at rest. A motion that ends where it begins has no steps,
+    and breaks none."""
     start, end = steps_of(motion)
     if not len(start):
         return ()
     samples = of_motion(case, motion, start, end)
+    scales = laws.motion_scales(samples)
     results = list[BrokenLaw]()
-    for defects in _motion_defects(samples):
-        if worst(defects, part) and (closer := _closer(case, motion, samples, defects, part)):
+    for defects in _motion_defects(samples, scales):
+        if worst(defects, rtol) and (closer := _closer(case, motion, samples, defects, rtol)):
             results.append(closer)
-    results += [one for defects in _other_defects(samples, part) if (one := worst(defects, part))]
+    results += [one for defects in _other_defects(samples, scales, rtol) if (one := worst(defects, rtol))]
     return worst_first(results)
 
 
@@ -82,10 +83,10 @@ def worst_first(laws: list[BrokenLaw]) -> tuple[BrokenLaw, ...]:
     return tuple(sorted(laws, key=lambda one: (one.law != OVERLAP, one.limit / one.size)))
 
 
-def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, part: float) -> BrokenLaw | None:
-    """The broken law of some steps if it is broken also with more instants: forces may change more quickly than five
-    resolve."""
-    parts, limit = 1, part * np.broadcast_to(defects.scale, defects.sizes.shape)
+def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, rtol: float) -> BrokenLaw | None:
+    """The broken law of some steps if it is broken also with more instants: forces may change more quickly than those
+    of a step resolve."""
+    parts, limit = 1, defects.limit(rtol)
     steps = np.flatnonzero(np.abs(defects.sizes) > limit)
     sizes = defects.sizes[steps]
     for _ in range(DIVISIONS):
@@ -94,45 +95,39 @@ def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Def
         knots = samples.start[steps, None] + samples.length[steps, None] * (np.arange(parts + 1) / parts)
         knots[:, -1] = samples.end[steps]
         again = of_motion(case, motion, knots[:, :-1].ravel(), knots[:, 1:].ravel())
-        one = next(d for d in _motion_defects(again) if (d.law, d.place) == (defects.law, defects.place))
+        scales = laws.motion_scales(again)
+        one = next(d for d in _motion_defects(again, scales) if (d.law, d.place) == (defects.law, defects.place))
         sizes = one.sizes.reshape(-1, parts).sum(axis=1)
         steps, sizes = (values[np.abs(sizes) > limit[steps]] for values in (steps, sizes))
         if not len(steps):
             return None
-    return worst(defects._replace(times=defects.times[steps], sizes=sizes, scale=limit[steps] / part), part)
+    return worst(defects._replace(times=defects.times[steps], sizes=sizes, scale=limit[steps], floor=1.0), 0.0)
 
 
-def _motion_defects(samples: MotionSamples) -> Iterator[Defects]:
+def _motion_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[Defects]:
     """The defects of momenta and rates of poses in each step."""
-    reach = [plate.reach for plate in plates_of(samples.case)]
-    speed = laws.speed_of(samples, reach, laws.acceleration(samples))
-    for one in laws.motion_defects(samples, laws.sums(samples, speed), reach, speed):
+    for one in laws.motion_defects(samples, laws.sums(samples, scales.speed), scales):
         yield one._replace(sizes=np.where(samples.is_straight, 0.0, one.sizes))
 
 
-def _other_defects(samples: MotionSamples, part: float) -> Iterator[Defects]:
-    reach = [plate.reach for plate in plates_of(samples.case)]
-    speed = laws.speed_of(samples, reach, laws.acceleration(samples))
+def _other_defects(samples: MotionSamples, scales: MotionScales, rtol: float) -> Iterator[Defects]:
+    reach, speed = scales.reach, scales.speed
     every = laws.joins(samples)
-    sudden = laws.jumps(every, reach, speed, part)
+    sudden = laws.jumps(every, reach, speed, MOMENTUM + AMPLIFIED * scales.condition.max() + PARTS * rtol)
     for contact in samples.contacts:
         keep = ~samples.is_straight[contact.steps]
         if keep.any():
             law, *rows = contact
             solved = contact if keep.all() else ContactInstants(law, *(row[keep] for row in rows))
-            yield from laws.contact_defects(
-                samples, solved, speed, max(reach), _is_listed(samples, sudden, solved.steps)
-            )
-    last = float(samples.times.max(initial=0.0))
-    turns = [laws.turns_of(one, last) for one in samples.plates]
+            yield from contact_defects(samples, solved, scales, _is_listed(samples, sudden, solved.steps))
+    turns = [laws.turns_of(one, scales.last) for one in samples.plates]
     yield from laws.continuity_defects(samples.case, every, reach, turns)
     if len(sudden.steps):
         closed = {contact.law.name for contact in samples.contacts}
         yield from laws.impact_defects(samples.case, samples.transitions, sudden, closed, reach, speed)
     yield from laws.energy_defects(samples, speed)
-    size = laws.extent_of(samples, reach)
     for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):
-        yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, size, "m")
+        yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, scales.extent, "m", CLOSED)
 
 
 def _is_listed(samples: MotionSamples, sudden: Joins, steps: np.ndarray) -> np.ndarray:
@@ -147,14 +142,13 @@ def _is_listed(samples: MotionSamples, sudden: Joins, steps: np.ndarray) -> np.n
     return ~((start[:, None] >= first) & (start[:, None] < last)).any(axis=1)
 
 
-def worst(defects: Defects, part: float) -> BrokenLaw | None:
+def worst(defects: Defects, rtol: float) -> BrokenLaw | None:
     """The law where it is broken most, if a defect is larger than an error of the motion."""
-    sizes, limit = defects.sizes, part * defects.scale
+    sizes, limits = defects.sizes, defects.limit(rtol)
     if sizes.dtype.kind == "c":
         sizes = np.abs(sizes)
-    if not np.count_nonzero(sizes > limit):
+    if not np.count_nonzero(sizes > limits):
         return None
-    limits = np.broadcast_to(limit, sizes.shape)
     parts = np.where(sizes > limits, sizes / np.maximum(limits, np.finfo(float).tiny), 0.0)
     i = np.unravel_index(int(np.argmax(parts)), parts.shape)
     time, size = float(defects.times[i]), float(sizes[i])

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cases import Case, Gravity, Impact, Load, Mode, Transition, Unilateral
+from cases import Case, Gravity, Impact, Load, Mode, Transition
 from cases.formulas import formula_symbols
 from cases.formulas.expression_code import ON_ARRAYS, function_of
 from cases.motion.trajectory import CONTACT
@@ -19,9 +19,10 @@ from cases.scene.supports import has_belt
 
 from ..endings import CAUSES
 from ..scales import force_scale, speed_scale
+from .chebyshev import WEIGHTS
 from .samples import (
     CREEP,
-    WEIGHTS,
+    MIDDLE,
     ContactInstants,
     ContactLaw,
     MotionSamples,
@@ -29,21 +30,22 @@ from .samples import (
     law_at,
     place_at,
 )
-from .tolerances import EPS, EXACT
+from .tolerances import AMPLIFIED, EPS, EXACT, MOMENTUM, PARTS, POSE
 
 # The sign of the slip in each mode that has one, and the modes without slip.
 SENSE = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 STICKING = (Mode.ROLL, Mode.REST)
 # The name of that law.
 ENERGY = "energy is not created"
-# Eight roundings of an angle, in parts of an error of the motion.
-MANY = 8 * EPS / EXACT
+# Eight roundings of an angle, in parts of what they leave of a pose.
+MANY = 8 * EPS / POSE
 
 
 class Defects(NamedTuple):
     """How far a law is broken: its name, the place, the times (s), sizes in a unit, and their scales, all of one
-    shape or broadcast to it. A defect of a part of its scale is an error of the motion. Negative sizes are none; those
-    of a step are complex, so that they can be added."""
+    shape or broadcast to it. Negative sizes are none; those of a step are complex, so that they can be added. `floor`:
+    the part of the scale that roundings leave; `friction`: μ N at these times, N, for laws that are broken by a part of
+    it."""
 
     law: str
     place: str
@@ -51,6 +53,26 @@ class Defects(NamedTuple):
     sizes: np.ndarray
     scale: np.ndarray | float
     unit: str
+    floor: np.ndarray | float = EXACT
+    friction: np.ndarray | None = None
+
+    def limit(self, rtol: float) -> np.ndarray:
+        """What is no error of a motion of that relative accuracy, of the sizes' shape, in their unit."""
+        return np.broadcast_to((self.floor + PARTS * rtol) * self.scale, self.sizes.shape)
+
+
+class MotionScales(NamedTuple):
+    """The scales of a motion: its speed (m/s), the plates' sizes and the largest of them (m), how far they are from the
+    origin (m), weight and load per mass (m/s²), the last time (s), and the factor by which roundings are amplified in
+    each step, (steps,)."""
+
+    speed: float
+    reach: list[float]
+    size: float
+    extent: float
+    acceleration: float
+    last: float
+    condition: np.ndarray
 
 
 class Sums(NamedTuple):
@@ -69,7 +91,7 @@ def load_on_arrays(load: Load):
 
 
 @lru_cache(maxsize=256)
-def _own(effect: ContactEffect):
+def own_force(effect: ContactEffect):
     """(t, slip, omega) -> [along, across, couple] on arrays."""
     return function_of(formula_symbols.CONTACT, effect.formulas[:3], ON_ARRAYS)
 
@@ -112,7 +134,9 @@ def sums(samples: MotionSamples, speed: float) -> Sums:
         couple = _couple(samples, contact, here, speed)
         force = (contact.friction + 1j * contact.normal) * contact.tangent
         for effect in own_effects(law.effects):
-            along, across, more = _own(effect)(samples.times[here], contact.slip, _relative_spin(samples, law, here))
+            along, across, more = own_force(effect)(
+                samples.times[here], contact.slip, relative_spin(samples, law, here)
+            )
             force = force + (along + 1j * np.asarray(across)) * contact.tangent
             couple = couple + more
         for body, sign in ((law.body, 1.0), (law.base, -1.0)):
@@ -126,51 +150,46 @@ def sums(samples: MotionSamples, speed: float) -> Sums:
 
 def _couple(samples: MotionSamples, contact: ContactInstants, here, speed: float) -> np.ndarray | float:
     """The couple of rolling resistance, N m; NaN where it prevents the rotation, also of a plate that slips."""
-    arm, spin = contact.law.arm, _relative_spin(samples, contact.law, slice(None))
+    arm, spin = contact.law.arm, relative_spin(samples, contact.law, slice(None))
     if not arm:
         return 0.0
-    couple = -np.sign(spin[here][:, 2:3]) * arm * np.abs(contact.normal)
+    couple = -np.sign(spin[here][:, MIDDLE, None]) * arm * np.abs(contact.normal)
     reach = plates_of(samples.case)[contact.law.body].reach
     fastest = max(float(np.abs(spin).max()), speed / reach)  # all spins may be roundings
     couple[(np.abs(spin[here]) <= CREEP * fastest).all(axis=1)] = np.nan
     return couple
 
 
-def _relative_spin(samples: MotionSamples, law: ContactLaw, here) -> np.ndarray:
+def relative_spin(samples: MotionSamples, law: ContactLaw, here) -> np.ndarray:
     """The spin of a plate against what it touches, rad/s."""
     spin = samples.plates[law.body].spin[here]
     return spin if law.base is None else spin - samples.plates[law.base].spin[here]
 
 
-def motion_defects(samples: MotionSamples, total: Sums, reach: list[float], speed: float) -> Iterator[Defects]:
+def motion_defects(samples: MotionSamples, total: Sums, scales: MotionScales) -> Iterator[Defects]:
     """Newton's law, and velocities as rates of poses, over each step: differences of its ends less integrals."""
-    case, length = samples.case, samples.length
+    case, length, speed = samples.case, samples.length, scales.speed
     end = samples.times[:, -1]
     for name, plate, one, force, moment, most, size in zip(
-        names_of(case), plates_of(case), samples.plates, *total, reach, strict=True
+        names_of(case), plates_of(case), samples.plates, *total, scales.reach, strict=True
     ):
         gain = (length / plate.mass) * (force @ WEIGHTS)
         scale = speed + length * most / plate.mass
-        yield Defects("momentum", name, end, one.velocity[:, -1] - one.velocity[:, 0] - gain, scale, "m/s")
+        # The velocity at an instant that is rounded.
+        floor = MOMENTUM + AMPLIFIED * scales.condition + 16 * EPS * end * most / plate.mass / scale
+        yield Defects("momentum", name, end, one.velocity[:, -1] - one.velocity[:, 0] - gain, scale, "m/s", floor)
         if plate.turns:
             spins = (length / plate.inertia) * (moment @ WEIGHTS)
             turning = speed / size + length / plate.inertia * most * size
-            yield Defects(
-                "angular momentum", name, end, one.spin[:, -1] - one.spin[:, 0] - spins + 0j, turning, "rad/s"
-            )
+            off = one.spin[:, -1] - one.spin[:, 0] - spins + 0j
+            yield Defects("angular momentum", name, end, off, turning, "rad/s", floor)
         way = one.place[:, -1] - one.place[:, 0] - length * (one.velocity @ WEIGHTS)
         scale = np.abs(one.place[:, 0]) + size + speed * length
-        yield Defects("velocity is the rate of the place", name, end, way, scale, "m")
+        yield Defects("velocity is the rate of the place", name, end, way, scale, "m", POSE)
         angle = length * (one.spin @ WEIGHTS)
-        off = np.angle(one.turn[:, -1] * one.turn[:, 0].conj() * np.exp(-1j * angle))
-        yield Defects(
-            "spin is the rate of the angle",
-            name,
-            end,
-            off + 0j,
-            turns_of(one, float(samples.times.max(initial=0.0))) + np.abs(angle),
-            "rad",
-        )
+        off = np.angle(one.turn[:, -1] * one.turn[:, 0].conj() * np.exp(-1j * angle)) + 0j
+        scale = turns_of(one, scales.last) + np.abs(angle)
+        yield Defects("spin is the rate of the angle", name, end, off, scale, "rad", POSE)
 
 
 def turns_of(one: PlateSamples, last: float) -> float:
@@ -200,39 +219,15 @@ def contact_laws(
         yield "no friction", abs(friction), "N"
 
 
-def contact_defects(
-    samples: MotionSamples, contact: ContactInstants, speed: float, size: float, is_listed: np.ndarray
-) -> Iterator[Defects]:
-    """Signorini's and Coulomb's laws at a contact, and that it stays closed with the slip that the motion has. In
-    steps that are not listed the modes are not known, and friction lies in its cone."""
-    law, name, times = contact.law, contact.law.name, samples.times[contact.steps]
-    reach = [plate.reach for plate in plates_of(samples.case)]
-    force = largest_force(samples, law, acceleration(samples), speed, extent_of(samples, reach))
-    is_unilateral, is_certain = samples.case.effect(Unilateral) is not None, is_listed[:, None]
-    modes = [mode if listed else None for mode, listed in zip(contact.modes, is_listed.tolist(), strict=True)]
-    for mode in set(modes):
-        here = np.array([other is mode for other in modes])
-        rows = contact.slip[here], contact.normal[here], contact.friction[here]
-        for which, sizes, unit in contact_laws(law, mode, is_unilateral, *rows):
-            yield Defects(which, name, times[here], sizes, speed if unit == "m/s" else force, unit)
-    if contact.point is contact.base:
-        return
-    scale = np.abs(contact.base) + size * turns_of(samples.plates[law.body], float(times.max(initial=0.0)))
-    yield Defects("contact is closed", name, times, np.abs(contact.point - contact.base), scale, "m")
-    moving = (_material(samples, contact, law.body) - _material(samples, contact, law.base)) * contact.tangent.conj()
-    slip = moving.real - (law.belt.at_arrays(times.ravel()).reshape(times.shape) if law.belt else 0.0)
-    yield Defects("contact stays closed", name, times, np.abs(moving.imag), speed, "m/s")
-    yield Defects("slip velocity", name, times, np.where(is_certain, np.abs(slip - contact.slip), 0.0), speed, "m/s")
-
-
-def largest_force(samples: MotionSamples, law: ContactLaw, outer: float, speed: float, extent: float) -> float:
+def force_scale_at(samples: MotionSamples, law: ContactLaw, scales: MotionScales) -> float:
     """The scale of a contact's forces, N: `force_scale` with the forces of all contacts of its plates."""
     largest, bodies = 0.0, {law.body, law.base} - {None}
     for other in samples.contacts:
         if other.law.body in bodies or other.law.base in bodies:
             forces = np.abs(np.array((other.normal, other.friction)))
             largest = max(largest, float(np.fmax.reduce(forces, axis=None, initial=0.0)))
-    return force_scale(largest, plates_of(samples.case)[law.body].mass, outer, speed, extent)
+    mass = plates_of(samples.case)[law.body].mass
+    return force_scale(largest, mass, scales.acceleration, scales.speed, scales.extent)
 
 
 def speed_of(samples: MotionSamples, reach: list[float], outer: float) -> float:
@@ -249,12 +244,49 @@ def speed_of(samples: MotionSamples, reach: list[float], outer: float) -> float:
     return max(*speeds, speed_scale(outer, size)) or size / samples.case.duration
 
 
+def motion_scales(samples: MotionSamples) -> MotionScales:
+    """The scales of a motion."""
+    reach, outer = [plate.reach for plate in plates_of(samples.case)], acceleration(samples)
+    extent, last = extent_of(samples, reach), float(samples.times.max(initial=0.0))
+    speed = speed_of(samples, reach, outer)
+    return MotionScales(speed, reach, max(reach), extent, outer, last, condition_numbers(samples))
+
+
+def condition_numbers(samples: MotionSamples) -> np.ndarray:
+    """How much roundings are amplified in each step, (steps,): by curvatures that nearly agree, and by friction that
+    nearly makes the normal equation singular (Painlevé)."""
+    result = np.ones(len(samples.start))
+    for contact in samples.contacts:
+        law = contact.law
+        below = (
+            -law.track.curvature(contact.xi1.ravel())
+            if law.base is not None
+            else law.track.curvature(contact.xi1.ravel())
+        )
+        above = law.outline.curvature(contact.xi2.ravel())
+        sizes = (np.abs(below) + np.abs(above)) / np.abs(above - below)
+        ratio = np.where(np.isfinite(sizes), sizes, 1.0).reshape(contact.xi1.shape).max(axis=1)
+        along, across = np.zeros(contact.xi1.shape), np.zeros(contact.xi1.shape)
+        for body in (law.body, law.base):
+            if body is not None:
+                plate = plates_of(samples.case)[body]
+                arm = (contact.base - samples.plates[body].place[contact.steps]) * contact.tangent.conj()
+                turn = 1.0 / plate.inertia if plate.turns else 0.0
+                across = across + 1.0 / plate.mass + turn * arm.real**2
+                along = along - turn * arm.real * arm.imag
+        sense = np.array([SENSE.get(mode, 0.0) for mode in contact.modes])[:, None]
+        pull = law.coefficient(contact.slip) * sense * along
+        ratio = np.maximum(ratio, ((across + np.abs(pull)) / np.abs(across - pull)).max(axis=1))
+        result[contact.steps] = np.maximum(result[contact.steps], ratio)
+    return result
+
+
 def extent_of(samples: MotionSamples, reach: list[float]) -> float:
     """How far from the origin plates are, m."""
     return max([float(np.abs(one.place).max()) + r for one, r in zip(samples.plates, reach, strict=True)])
 
 
-def _material(samples: MotionSamples, contact: ContactInstants, body: int | None) -> np.ndarray | complex:
+def material_velocity(samples: MotionSamples, contact: ContactInstants, body: int | None) -> np.ndarray | complex:
     """The velocity of a plate's point at a contact, complex, m/s; 0 of track and supports."""
     if body is None:
         return 0j
@@ -293,8 +325,8 @@ def continuity_defects(case: Case, every: Joins, reach: list[float], turns: Sequ
     change = np.abs(every.after[:, :2] - every.before[:, :2])
     for b, (name, size) in enumerate(zip(names_of(case), reach, strict=True)):
         scale = np.abs(every.after[b, 0]) + size
-        yield Defects("place is continuous", name, every.times, change[b, 0], scale, "m")
-        yield Defects("angle is continuous", name, every.times, change[b, 1], turns[b], "rad")
+        yield Defects("place is continuous", name, every.times, change[b, 0], scale, "m", POSE)
+        yield Defects("angle is continuous", name, every.times, change[b, 1], turns[b], "rad", POSE)
 
 
 def impact_defects(

@@ -1,7 +1,7 @@
-"""A motion as samples: poses, velocities and contacts at five instants of each of its steps.
+"""A motion as samples: poses, velocities and contacts at 25 instants of each of its steps.
 
-A step lies between two knots of a motion's dense output. Its instants are the nodes of Lobatto's quadrature, which has
-both ends: it integrates polynomials of degree seven exactly. Plane vectors are complex numbers.
+A step lies between two knots of a motion's dense output. Its instants are Chebyshev's points, which have both ends.
+Plane vectors are complex numbers.
 """
 
 from __future__ import annotations
@@ -33,11 +33,10 @@ from cases.scene.free_plates import names_of, plates_of
 from cases.scene.supports import TRACK, base_of, effects_at
 
 from ..endings import CAUSES
+from .chebyshev import COUNT, NODES
 
-# Nodes and weights of Lobatto's quadrature on [0, 1].
-_INNER = float(np.sqrt(3.0 / 7.0))
-NODES = 0.5 + 0.5 * np.array([-1.0, -_INNER, 0.0, _INNER, 1.0])
-WEIGHTS = np.array([1 / 20, 49 / 180, 16 / 45, 49 / 180, 1 / 20])
+# The node in the middle of a step.
+MIDDLE = COUNT // 2
 # Between knots closer than this many roundings of the motion's end is no step.
 CLOSE = 16 * float(np.finfo(float).eps)
 # A contact that never slips faster than this part of the plate's speed sticks: what roundings of velocities leave.
@@ -45,7 +44,7 @@ CREEP = 1e-9
 
 
 class PlateSamples(NamedTuple):
-    """One plate, arrays (steps, 5): place and velocity of its centre of mass (complex, m and m/s), the direction of
+    """One plate, arrays (steps, 25): place and velocity of its centre of mass (complex, m and m/s), the direction of
     its own x axis (complex, of length 1), its spin (rad/s) and its angle (rad)."""
 
     place: np.ndarray
@@ -86,10 +85,10 @@ class ContactLaw(NamedTuple):
 
 
 class ContactInstants(NamedTuple):
-    """One contact in the m steps in which it is closed, given by their numbers (m,): arrays (m, 5) of the point of its
+    """One contact in the m steps in which it is closed, given by their numbers (m,): arrays (m, 25) of the point of its
     base (complex, m) and the unit tangent there (complex), the slip velocity (m/s), normal and friction force (N, NaN
-    where they are not unique), and the point of its plate (complex, m), which is the base's where the pose is computed
-    from the contact's parameters. `modes`: of each step."""
+    where they are not unique), the point of its plate (complex, m) and the unit tangent of its outline (complex), and the
+    parameters of both. `modes`: of each step."""
 
     law: ContactLaw
     steps: np.ndarray
@@ -99,11 +98,14 @@ class ContactInstants(NamedTuple):
     normal: np.ndarray
     friction: np.ndarray
     point: np.ndarray
+    direction: np.ndarray
+    xi1: np.ndarray
+    xi2: np.ndarray
     modes: np.ndarray
 
 
 class MotionSamples(NamedTuple):
-    """The samples of a motion: starts and ends of n steps (s), times (n, 5), plates in the order of the case's, and
+    """The samples of a motion: starts and ends of n steps (s), times (n, 25), plates in the order of the case's, and
     contacts. `is_straight`: which steps are no solution of the equations but the rest of a series of impacts, (n,);
     `near`: parameters of track and supports, by name, at which plates touch them or are near; `transitions`: those of
     the motion. The `case` has a track at rest."""
@@ -240,7 +242,7 @@ def _contact(
     modes = np.array(
         [first or (own[0].before if own else Mode.FLIGHT), *(change.after for change in own)], dtype=object
     )
-    middle = times[:, 2]
+    middle = times[:, MIDDLE]
     mode = modes[np.searchsorted(changes, middle, side="right")]
     steps = np.flatnonzero(np.isfinite(slip).all(axis=1))
     slip, normal, friction, xi1, xi2 = (row[steps] for row in (slip, normal, friction, xi1, xi2))
@@ -251,5 +253,7 @@ def _contact(
         under = plates[law.base]
         base = under.place[steps] + under.turn[steps] * base
         tangent = -under.turn[steps] * tangent
-    point = plates[law.body].place[steps] + plates[law.body].turn[steps] * point_and_tangent(law.outline, xi2)[0]
-    return ContactInstants(law, steps, base, tangent, slip, normal, friction, point, mode[steps])
+    own, direction = point_and_tangent(law.outline, xi2)
+    point = plates[law.body].place[steps] + plates[law.body].turn[steps] * own
+    direction = plates[law.body].turn[steps] * direction
+    return ContactInstants(law, steps, base, tangent, slip, normal, friction, point, direction, xi1, xi2, mode[steps])

@@ -1,6 +1,6 @@
 """The tolerances of the check of laws: the part of a scale up to which a defect is an error of a motion.
 
-A law is checked for being broken, not for its last digits. Over the catalogue the defects of motions at the default
+The check of every motion (`part_of`) is for laws that are broken, not for their last digits. Over the catalogue the defects of motions at the default
 tolerance are 1e-13 of their scale in the median. Where curvatures nearly agree, or the normal equation is nearly
 singular, the rounding of forces is amplified to 8e-9. The error of a step of DOP853 at 1e-6 is up to 2e-5.
 """
@@ -19,3 +19,10 @@ PARTS = 100.0
 def part_of(rtol: float) -> float:
     """The part of a scale up to which a defect is an error of a motion with that relative accuracy."""
     return EXACT + PARTS * rtol
+
+
+# The check with all laws goes down to roundings: for each law what they leave of its scale, some ten times the largest
+# of the catalogue's motions at 1e-12. Where a factor of conditioning is known, it multiplies them.
+MOMENTUM, POSE, CLOSED, TANGENT, SLIP, FORCE, FRICTION = 1e-11, 1e-13, 1e-12, 1e-11, 1e-12, 1e-12, 4e-15
+# Roundings that each unit of a factor of conditioning amplifies.
+AMPLIFIED = 100 * EPS
