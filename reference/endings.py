@@ -89,17 +89,20 @@ def no_impact_law(t: float, who: str, which: str, xi1: float, lands: bool) -> En
 # --- not_unique, energy_gain: the laws do not decide --------------------------------------------------------------
 
 
+NOT_UNIQUE = "not_unique"
+
+
 def several_motions(t: float, names: Sequence[str], motions: Sequence[Sequence[Mode]]) -> Ending:
     """The ending where several motions are consistent, each given by the modes of the contacts with these names."""
     choices = "; ".join(
         ", ".join(f"{name} {mode}" for name, mode in zip(names, modes, strict=True)) for modes in motions
     )
-    return "not_unique", f"{len(motions)} motions of rigid Coulomb contact are consistent at {t:.9g} s: {choices}."
+    return NOT_UNIQUE, f"{len(motions)} motions of rigid Coulomb contact are consistent at {t:.9g} s: {choices}."
 
 
 def several_impacts(t: float, problem: Exception) -> Ending:
     """The ending where the law of impact does not have one result for a group of contacts."""
-    return "not_unique", f"At t = {t:.9g} s {problem}."
+    return NOT_UNIQUE, f"At t = {t:.9g} s {problem}."
 
 
 ENERGY = ("energy_gain", "Newton's law of restitution would create energy in this impact; give law='poisson'.")

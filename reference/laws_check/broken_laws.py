@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from cases.moving_frame import in_track_frame, relative_case
 from ..endings import CAUSES
 from . import laws, penetration
 from .contact_check import contact_defects
+from .ends_check import end_defects, following_defects, start_defects
+from .events import event_defects
+from .impact_check import impact_defects
 from .laws import Defects, Joins, MotionScales
 from .samples import ContactInstants, MotionSamples, of_motion, steps_of
 from .tolerances import AMPLIFIED, CLOSED, MOMENTUM, PARTS
@@ -74,7 +78,11 @@ def _broken_by(case: Case, motion: Trajectory, rtol: float) -> tuple[BrokenLaw, 
     for defects in _motion_defects(samples, scales):
         if worst(defects, rtol) and (closer := _closer(case, motion, samples, defects, rtol)):
             results.append(closer)
-    results += [one for defects in _other_defects(samples, scales, rtol) if (one := worst(defects, rtol))]
+    others = chain(
+        start_defects(samples, scales), _other_defects(samples, scales, rtol), following_defects(samples, scales),
+        end_defects(samples, scales, motion, case.duration),
+    )  # fmt: skip
+    results += [one for defects in others if (one := worst(defects, rtol))]
     return worst_first(results)
 
 
@@ -125,7 +133,9 @@ def _other_defects(samples: MotionSamples, scales: MotionScales, rtol: float) ->
     if len(sudden.steps):
         closed = {contact.law.name for contact in samples.contacts}
         yield from laws.impact_defects(samples.case, samples.transitions, sudden, closed, reach, speed)
+        yield from impact_defects(samples, scales, sudden)
     yield from laws.energy_defects(samples, speed)
+    yield from event_defects(samples, scales, sudden.times)
     for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):
         yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, scales.extent, "m", CLOSED)
 

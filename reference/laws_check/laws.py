@@ -107,6 +107,18 @@ def _load(samples: MotionSamples, body: int) -> tuple[np.ndarray | complex, np.n
     return fx + 1j * np.asarray(fy), moment
 
 
+def weight_and_load(case: Case, t: float, plates: Any) -> list[tuple[float, float, float]]:
+    """Weight and load of each plate at one instant: force (N) and moment (N m)."""
+    gravity, result = case.effect(Gravity), []
+    gx, gy = gravity.vector if gravity is not None else (0.0, 0.0)
+    rows = zip(plates_of(case), loads_of(case), plates.place, plates.angle, plates.velocity, plates.spin, strict=True)
+    for plate, load, place, angle, velocity, spin in rows:
+        state = t, place.real, place.imag, angle, velocity.real, velocity.imag, spin
+        fx, fy, moment = load.at(*map(float, state)) if load is not None else (0.0, 0.0, 0.0)
+        result.append((plate.mass * gx + fx, plate.mass * gy + fy, moment))
+    return result
+
+
 def acceleration(samples: MotionSamples) -> float:
     """Weight and the largest load per mass, m/s²: each alone, as they may cancel."""
     gravity, outer = samples.case.effect(Gravity), 0.0

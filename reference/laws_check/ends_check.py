@@ -1,0 +1,176 @@
+"""The start of a motion, what follows its transitions, and its end: the status names a condition that holds there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from cases import Case, Mode, StartPose, Trajectory, Unilateral
+from cases.motion.trajectory import CONTACT
+
+from ..endings import (
+    ACCUMULATION, BREAKDOWN, COMPLETION, ENDS, LIFT_OFF, NO_MODE, NOT_UNIQUE,
+)  # fmt: skip
+from . import events
+from .laws import Defects, MotionScales
+from .next_motion import Consistent, NextMotions, next_motions
+from .samples import CLOSE, MotionSamples, law_at
+from .tolerances import AMPLIFIED, EPS, SLIP
+from .touches import plates_at, row_of, touch
+
+# Accelerations that differ by less than this part of the largest are one.
+SAME = 1e-6
+# A place at the end of a track, in parts of its length.
+AT_END = 1e-12
+# Of a normal equation that is so nearly singular no program finds the forces: Painlevé's paradox.
+SINGULAR = 1e5
+NO_MOTION = (NO_MODE[0], ACCUMULATION[0], BREAKDOWN)
+
+
+def _one(law: str, place: str, t: float, size: float, scale: float, unit: str, floor: float = 0.0) -> Defects:
+    return Defects(law, place, np.array([t]), np.array([size]), scale, unit, floor)
+
+
+# --- start ------------------------------------------------------------------------------------------------------------
+
+
+def start_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[Defects]:
+    """The motion begins where and as the case says."""
+    case, plates = samples.case, plates_at(samples, 0, 0)
+    start, law = case.start, law_at(case, CONTACT)
+    xi2 = start.xi2
+    if xi2 is None:
+        yield _one("angle of the start", "plate", 0.0, abs(float(plates.angle[0])), 1.0, "rad", 1e-13)
+        xi2 = _level_parameter(samples, start.xi1)
+    if xi2 is None:
+        return
+    one = touch(case, law, Mode.FLIGHT, plates, start.xi1, xi2, 0.0)
+    off = abs(one.gap - start.gap * 1j * one.tangent)
+    yield _one("place of the start", law.name, 0.0, off, scales.extent, "m", 1e-12)
+    for i, other in enumerate(case.others, start=1):
+        pose = other.start
+        assert isinstance(pose, StartPose)
+        far = abs(plates.place[i] - complex(pose.x, pose.y))
+        yield _one("place of the start", other.name, 0.0, far, scales.extent, "m", 1e-12)
+    if any(change.time == 0.0 for change in samples.transitions):
+        return
+    for i, other in enumerate(case.others, start=1):
+        off = abs(plates.velocity[i] - complex(other.start.vx, other.start.vy))
+        yield _one("velocity of the start", other.name, 0.0, off, scales.speed, "m/s", SLIP)
+    yield from _first_velocities(case, scales, one._replace(point=one.point + one.gap), plates)
+
+
+def _first_velocities(case: Case, scales: MotionScales, one, plates) -> Iterator[Defects]:
+    start, law, floor = case.start, one.law, SLIP + AMPLIFIED * float(scales.condition[0])
+    off = abs(float(plates.spin[0]) - start.omega)
+    yield _one("spin of the start", "plate", 0.0, off, scales.speed / scales.size, "rad/s", SLIP)
+    if start.gap_rate < 0.0 and start.gap == 0.0:
+        return  # an impact at once
+    moving = plates.velocity[0] + 1j * plates.spin[0] * (one.point - plates.place[0])
+    along = moving * np.conj(one.tangent)
+    belt = float(law.belt.at(0.0)[0]) if law.belt else 0.0
+    yield _one("slip of the start", law.name, 0.0, abs(along.real - belt - start.slip), scales.speed, "m/s", floor)
+    yield _one("rate of the gap at the start", law.name, 0.0, abs(along.imag - start.gap_rate), scales.speed, "m/s", floor)
+
+
+def _level_parameter(samples: MotionSamples, xi1: float) -> float | None:
+    """The outline's parameter of the first contact, where its columns have it."""
+    for contact in samples.contacts:
+        row = row_of(contact, 0)
+        if contact.law.name == CONTACT and row is not None:
+            same = abs(contact.xi1[row, 0] - xi1)
+            period = contact.law.track.period
+            if min(same, abs(period - same) if period else np.inf) <= 1e-12 * max(1.0, abs(xi1)):
+                return float(contact.xi2[row, 0])
+    return None
+
+
+# --- what follows -----------------------------------------------------------------------------------------------------
+
+
+def following_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[Defects]:
+    """After the start and each transition the motion's acceleration is one that the laws allow, and no other is."""
+    last, near = float(samples.end[-1]), CLOSE * float(samples.end[-1])
+    listed = np.array([0.0, *(change.time for change in samples.transitions)])
+    instants = [t for t in samples.start.tolist() if np.abs(listed - t).min() <= near]
+    for t in instants:
+        step = int(np.searchsorted(samples.start, t))
+        if t >= last or samples.is_straight[step]:
+            continue
+        follow = next_motions(samples, scales, t)
+        if follow is None:
+            continue
+        others = [one for one in _held(samples, follow.every) if one.is_strict]
+        apart = max((_apart(one.rates, follow.own) for one in others), default=0.0)
+        yield _one("next motion is the only one", "", t, apart, 1.0, "of the acceleration", follow.noise)
+        nearest = min((_apart(one.rates, follow.own) for one in follow.every), default=np.inf)
+        yield _one("next motion obeys the laws", "", t, nearest, 1.0, "of the acceleration", follow.noise)
+
+
+def _apart(one: np.ndarray, other: np.ndarray) -> float:
+    return float(np.abs(one - other).max())
+
+
+def _held(samples: MotionSamples, every: list[Consistent]) -> list[Consistent]:
+    """Without the motions that slip where static friction, larger than that of slip, holds the plate."""
+    frictions = [contact.law.friction for contact in samples.contacts]
+    if not any(friction.stick > friction.at_rest for friction in frictions if friction is not None):
+        return every
+    sticks = [one for one in every if any(mode[0] == "stick" for mode in one.modes)]
+    return sticks if any(one.is_strict for one in sticks) else every
+
+
+# --- end --------------------------------------------------------------------------------------------------------------
+
+
+def end_defects(samples: MotionSamples, scales: MotionScales, motion: Trajectory, duration: float) -> Iterator[Defects]:
+    """The condition that the status names holds at the end, and the motion does not last longer than its case."""
+    status, end = motion.status, float(motion.t[-1])
+    far = end - duration
+    yield _one("ends at its duration", "", end, abs(far) if status == COMPLETION[0] else far, duration, "s", 4 * EPS)
+    if status == LIFT_OFF[0]:
+        yield from _lift_off(samples, scales, end)
+    elif status == ENDS["track_end"][0]:
+        yield from _track_end(samples, end)
+    elif status == NOT_UNIQUE or status in NO_MOTION and scales.condition[-1] < SINGULAR:
+        follow = next_motions(samples, scales, end, is_end=True)
+        if follow is not None:
+            yield _of_next_motions(follow, status, end)
+
+
+def _of_next_motions(follow: NextMotions, status: str, end: float) -> Defects:
+    """Several motions are consistent, or none: ties of conditions have one acceleration."""
+    strict = [one.rates for one in follow.every if one.is_strict]
+    if status == NOT_UNIQUE:
+        is_one = all(_apart(rates, strict[0]) < SAME for rates in strict)
+        return _one("several motions are consistent", "", end, float(is_one), 1.0, "motions", 0.5)
+    rates = [one.rates for one in follow.every]
+    goes_on = bool(rates) and all(_apart(one, rates[0]) < SAME for one in rates)
+    return _one("no motion is consistent", "", end, float(goes_on), 1.0, "motions", 0.5)
+
+
+def _lift_off(samples: MotionSamples, scales: MotionScales, end: float) -> Iterator[Defects]:
+    """The normal force of a contact vanishes, and its slope is negative."""
+    if samples.case.effect(Unilateral) is None:
+        return
+    step = len(samples.start) - 1
+    every = [
+        events.vanishing(samples, scales, events.normal_guard(samples, scales, contact, row), contact.law.name, step)
+        for contact in samples.contacts
+        if (row := row_of(contact, step)) is not None
+    ]
+    if every:  # one of them is enough
+        yield min(every, key=lambda one: float(one.sizes[0] / one.limit(0.0)[0]))
+
+
+def _track_end(samples: MotionSamples, end: float) -> Iterator[Defects]:
+    ends = samples.case.track.ends
+    step = len(samples.start) - 1
+    rows = [(c, row_of(c, step)) for c in samples.contacts if c.law.name == CONTACT]
+    if ends is None or not rows or rows[0][1] is None:
+        yield _one("track ends", CONTACT, end, 1.0, 1.0, "of its length", 0.5)
+        return
+    place = float(rows[0][0].xi1[rows[0][1], -1])
+    far = min(abs(place - e) for e in ends) / (ends[1] - ends[0])
+    yield _one("track ends", CONTACT, end, far, 1.0, "of its length", AT_END)

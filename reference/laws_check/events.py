@@ -1,0 +1,135 @@
+"""The transitions of a motion: what the modes before and after name vanishes there.
+
+A quantity that should be zero, over its slope, is an error of the transition's time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from cases import Mode, Transition, Unilateral
+from cases.motion.trajectory import CONTACT
+
+from ..endings import CAUSES
+from . import chebyshev
+from .laws import SENSE, STICKING, Defects, MotionScales, force_scale_at, relative_spin
+from .samples import CLOSE, ContactInstants, MotionSamples, law_at
+from .tolerances import AMPLIFIED, EPS
+from .touches import is_at_joint, plates_at, row_of, touch
+
+# A quantity that falls by less than this part of its scale in a step grazes zero: its slope is no measure of time.
+GRAZES, GRAZING = 1e-6, 1e-10
+# Roundings of a quantity that is a difference of larger ones, in parts of its scale.
+ROUNDING = 40 * EPS
+# Part of the duration that is an error of a time; of landings, whose places are searched.
+INSTANT, LANDING = 1e-12, 1e-11
+# Causes after which another condition than that of the modes vanishes.
+_OTHER_CAUSES = (CAUSES["piece"], CAUSES["track_start"], CAUSES["rest"])
+
+
+class Guard(NamedTuple):
+    """A quantity that vanishes at a transition: its name, values at the nodes of the step before, scale and unit."""
+
+    name: str
+    values: np.ndarray
+    scale: float
+    unit: str
+
+
+def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndarray) -> Iterator[Defects]:
+    """What should vanish at the transitions; `impacts`: times at which velocities jump."""
+    last = float(samples.end[-1])
+    near = CLOSE * last
+    for change in samples.transitions:
+        step = int(np.argmin(np.abs(samples.end - change.time)))
+        if change.time <= 0.0 or abs(samples.end[step] - change.time) > near or change.cause in _OTHER_CAUSES:
+            continue
+        if samples.is_straight[step]:
+            continue
+        if change.before is Mode.FLIGHT:
+            yield from _landing(samples, scales, change, step)
+            continue
+        contact = next((c for c in samples.contacts if c.law.name == (change.contact or CONTACT)), None)
+        if contact is None:
+            continue
+        row = row_of(contact, step)
+        if row is None or is_at_joint(contact.law.outline, contact.xi2[row, -1]) and _moves_on(contact, row):
+            continue
+        with_others = sum(abs(other.time - change.time) <= near for other in samples.transitions) > 1
+        is_impact = bool(len(impacts)) and np.abs(impacts - change.time).min() <= near
+        if is_impact or with_others and "another contact" in change.cause:
+            continue  # the law of impact, or the condition of the other contact
+        for guard in _guards(samples, scales, contact, row, change):
+            yield vanishing(samples, scales, guard, contact.law.name, step)
+        yield from _sense(samples, scales, contact, row, change)
+
+
+def _moves_on(contact: ContactInstants, row: int) -> bool:
+    """Whether the contact moves along the outline in a step: it passes to the next piece at its end."""
+    return abs(contact.xi2[row, -1] - contact.xi2[row, len(contact.xi2[row]) // 2]) > 1e-6
+
+
+def _guards(
+    samples: MotionSamples, scales: MotionScales, contact: ContactInstants, row: int, change: Transition
+) -> Iterator[Guard]:
+    law, before, after = contact.law, change.before, change.after
+    force = force_scale_at(samples, law, scales)
+    if before in SENSE and (after in STICKING or after in SENSE):
+        yield Guard("slip velocity vanishes", SENSE[before] * contact.slip[row], scales.speed, "m/s")
+    elif before in STICKING and after in SENSE:
+        cone = law.stick * np.abs(contact.normal[row]) - np.abs(contact.friction[row])
+        if np.isfinite(cone).all():
+            yield Guard("friction reaches its cone", cone, force, "N")
+    elif after is Mode.FLIGHT and samples.case.effect(Unilateral) is not None:
+        yield normal_guard(samples, scales, contact, row)
+    elif before is Mode.ROLL and after is Mode.REST and change.cause == CAUSES["turn"]:
+        spin = relative_spin(samples, law, contact.steps[row])
+        yield Guard("rotation vanishes", np.abs(spin), scales.speed / scales.size, "rad/s")
+
+
+def normal_guard(samples: MotionSamples, scales: MotionScales, contact: ContactInstants, row: int) -> Guard:
+    """The normal force of a contact in the step of a row."""
+    return Guard("normal force vanishes", contact.normal[row], force_scale_at(samples, contact.law, scales), "N")
+
+
+def vanishing(samples: MotionSamples, scales: MotionScales, guard: Guard, place: str, step: int) -> Defects:
+    """How late a time is at which a quantity should vanish, s; where it grazes zero, how large it is."""
+    length, t = float(samples.length[step]), float(samples.end[step])
+    slope = float(chebyshev.RATES[-1] @ guard.values) / length
+    size = abs(float(guard.values[-1]))
+    when = np.array([t])
+    if -slope * length < GRAZES * guard.scale:
+        return Defects(guard.name, place, when, np.array([size]), guard.scale, guard.unit, GRAZING)
+    noise = ROUNDING * max(1.0, 0.1 * float(scales.condition[step]))
+    scale = guard.scale / -slope
+    floor = noise + INSTANT * float(samples.end[-1]) / scale
+    return Defects(guard.name, place, when, np.array([size / -slope]), scale, "s", floor)
+
+
+def _sense(
+    samples: MotionSamples, scales: MotionScales, contact: ContactInstants, row: int, change: Transition
+) -> Iterator[Defects]:
+    """Friction that reached its cone was against the slip that begins."""
+    friction = float(contact.friction[row, -1])
+    if change.before in STICKING and change.after in SENSE and np.isfinite(friction):
+        size, scale = np.array([SENSE[change.after] * friction]), force_scale_at(samples, contact.law, scales)
+        yield Defects("friction is against the slip", contact.law.name, np.array([change.time]), size, scale, "N", GRAZES)
+
+
+def _landing(samples: MotionSamples, scales: MotionScales, change: Transition, step: int) -> Iterator[Defects]:
+    """The curves meet where the transition says, and approach each other."""
+    if not np.isfinite(change.xi1 + change.xi2):
+        return
+    law, when = law_at(samples.case, change.contact or CONTACT), np.array([change.time])
+    plates = plates_at(samples, step, -1)
+    met = touch(samples.case, law, change.before, plates, change.xi1, change.xi2, change.time)
+    rate, gap = float(met.across @ plates.rates), float((met.gap * met.tangent.conjugate()).imag)
+    floor = LANDING + AMPLIFIED * float(scales.condition[step])
+    yield Defects("curves meet", law.name, when, np.array([abs(met.gap)]), scales.extent, "m", floor)
+    yield Defects("curves approach", law.name, when, np.array([rate]), scales.speed, "m/s", 1e-9)
+    if rate < -1e-9 * scales.speed:
+        last = float(samples.end[-1])
+        yield Defects("curves meet in time", law.name, when, np.array([abs(gap / rate)]), last, "s", floor)

@@ -1,0 +1,183 @@
+"""The impacts of a motion, by the law of the case: Routh's construction at one contact, complementarity at several."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+
+import numpy as np
+from scipy.optimize import linprog
+
+from cases import Impact
+from cases.motion.trajectory import CONTACT
+
+from .laws import Defects, Joins, MotionScales
+from .samples import CLOSE, MotionSamples, law_at
+from .tolerances import AMPLIFIED
+from .touches import PlatesNow, Touch, couple_row, masses, plates_at, touch, touches_at
+
+# Parts of the speed: an impact at one contact, at several by linear programs, and a velocity that is none.
+ONE, SEVERAL, STILL = 1e-11, 1e-8, 1e-9
+# A gap below this part of the scene's size is closed.
+TOUCHES = 1e-9
+# Slip stops and compression ends a few times in an impact.
+MOST_PHASES = 20
+
+
+def impact_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins) -> Iterator[Defects]:
+    """Velocities jump as the law of impact says, and where something touches. Impacts that are not listed of a plate
+    that flies before and after have no place, and are checked by their energy alone."""
+    if samples.case.effect(Impact) is None:
+        return
+    for time, step in zip(sudden.times.tolist(), sudden.steps.tolist(), strict=True):
+        if samples.is_straight[step] or samples.is_straight[step - 1]:
+            continue
+        places = _places(samples, scales, step)
+        if places:
+            yield from _one_impact(samples, scales, places, step, time)
+
+
+def _places(samples: MotionSamples, scales: MotionScales, step: int) -> list[Touch]:
+    """Where plates touch at the start of a step: contacts that are closed before or after, and those that are listed."""
+    time, near = float(samples.start[step]), CLOSE * float(samples.end[-1])
+    plates, case = plates_at(samples, step - 1, -1), samples.case
+    places = {one.law.name: (one.xi1, one.xi2, one.mode) for one in touches_at(samples, step - 1, -1)}
+    places |= {one.law.name: (one.xi1, one.xi2, one.mode) for one in touches_at(samples, step, 0)}
+    for change in samples.transitions:
+        if abs(change.time - time) <= near and np.isfinite(change.xi1 + change.xi2):
+            places.setdefault(change.contact or CONTACT, (change.xi1, change.xi2, change.after))
+    every = [touch(case, law_at(case, name), mode, plates, xi1, xi2, time) for name, (xi1, xi2, mode) in places.items()]
+    return [one for one in every if abs(one.gap) < TOUCHES * scales.extent]
+
+
+def _one_impact(
+    samples: MotionSamples, scales: MotionScales, places: list[Touch], step: int, time: float
+) -> Iterator[Defects]:
+    case, law = samples.case, places[0].law
+    before, after = plates_at(samples, step - 1, -1), plates_at(samples, step, 0)
+    impact = next(e for e in law.effects if isinstance(e, Impact))
+    own, inverse = masses(case)
+    when, jump = np.array([time]), after.rates - before.rates
+    floor = AMPLIFIED * float(max(scales.condition[step], scales.condition[step - 1]))
+    if len(places) == 1 and not law.arm:
+        rows = np.array([places[0].along, places[0].across])
+        matrix = rows * inverse @ rows.T
+        slip, closing = places[0].slip, float(places[0].across @ before.rates)
+        yield Defects("curves approach", law.name, when, np.array([closing]), scales.speed, "m/s", STILL)
+        friction = float(law.impact_cone(slip)) if np.isfinite(law.stick) else np.inf
+        moving = _in_impact(law, slip)
+        impulse = impulse_of_one(matrix, np.array([slip, closing]), moving, friction, impact)
+        off = jump - inverse * (rows.T @ impulse)
+        yield Defects("law of impact", law.name, when, np.array([_size(off, scales)]), scales.speed, "m/s", ONE + floor)
+        return
+    yield from _impact_of_several(scales, places, (before, after), own, when, floor)
+
+
+def _in_impact(law, slip: float) -> float:
+    """The coefficient against slip in an impact; a perfectly rough contact has none."""
+    return np.inf if law.is_rough else float(law.friction.in_impact(slip)[0]) if law.friction else 0.0
+
+
+def _size(rates: np.ndarray, scales: MotionScales) -> float:
+    """The largest velocity of generalised ones, m/s; infinite for NaN."""
+    parts = rates.reshape(-1, 3)
+    size = float((np.hypot(parts[:, 0], parts[:, 1]) + scales.size * np.abs(parts[:, 2])).max())
+    return size if np.isfinite(size) else np.inf
+
+
+def impulse_of_one(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, impact: Impact) -> np.ndarray:
+    """The impulse along tangent and normal (N s) of an impact at one contact, whose velocities (slip, closing) change
+    by `matrix` times it; `mu` and `stick`: coefficients of friction with slip and without. NaN where it has none."""
+    e = impact.restitution
+    if impact.law == "moreau":
+        return _moreau(matrix, velocity, mu, stick, -e * velocity[1])
+    return _routh(matrix, velocity.astype(float), mu, stick, impact)
+
+
+def _moreau(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, goal: float) -> np.ndarray:
+    """Newton's restitution with Coulomb's law between the whole impulses and the velocities after the impact."""
+    whole = np.linalg.solve(matrix, np.array([0.0, goal]) - velocity)
+    if whole[1] >= 0.0 and abs(whole[0]) <= stick * whole[1] * (1.0 + 1e-12):
+        return whole
+    for sense in (1.0, -1.0):
+        normal = (goal - velocity[1]) / (matrix[1, 1] - sense * mu * matrix[1, 0])
+        if normal >= 0.0 and sense * (velocity[0] + (matrix[0, 1] - sense * mu * matrix[0, 0]) * normal) > 0.0:
+            return np.array([-sense * mu * normal, normal])
+    return np.full(2, np.nan)
+
+
+def _routh(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, impact: Impact) -> np.ndarray:
+    """Routh's construction: friction follows the slip along the normal impulse, until compression and restitution end."""
+    total, compression, goal = np.zeros(2), None, -impact.restitution * velocity[1]
+    for _ in range(MOST_PHASES):
+        sense = np.sign(velocity[0])
+        ratio = -sense * mu
+        if sense == 0.0:
+            ratio = -matrix[0, 1] / matrix[0, 0]
+            if abs(ratio) > stick:  # friction cannot hold it
+                ratio = -np.sign(matrix[0, 1]) * mu
+        if np.isinf(ratio):  # a perfectly rough contact stops its slip first
+            stop = -velocity[0] / matrix[0, 0]
+            total[0] += stop
+            velocity = np.array([0.0, velocity[1] + matrix[1, 0] * stop])
+            continue
+        change = matrix @ np.array([ratio, 1.0])
+        if compression is None:
+            rest = -velocity[1] / change[1] if change[1] > 0.0 else np.inf
+        elif impact.law == "poisson":
+            rest = impact.restitution * compression - (total[1] - compression)
+        else:
+            rest = (goal - velocity[1]) / change[1] if change[1] > 0.0 else np.inf
+        stop = -velocity[0] / change[0] if velocity[0] * change[0] < 0.0 else np.inf
+        part = max(min(rest, stop), 0.0)
+        if not np.isfinite(part):
+            break
+        total, velocity = total + part * np.array([ratio, 1.0]), velocity + part * change
+        if stop <= rest:
+            velocity[0] = 0.0
+        if rest <= stop:
+            if compression is not None or impact.restitution == 0.0:
+                return total
+            compression = total[1]
+    return np.full(2, np.nan)
+
+
+def _impact_of_several(
+    scales: MotionScales, places: list[Touch], plates: tuple[PlatesNow, PlatesNow], own: np.ndarray, when: np.ndarray,
+    floor: float,
+) -> Iterator[Defects]:  # fmt: skip
+    """Impulses inside the cones make the jump, of contacts that may have one: by a linear program. With Poisson's
+    restitution, and where slip reverses, friction is anywhere in its cone."""
+    before, after = plates
+    count, limit = len(before.place), STILL * scales.speed
+    unit, columns = np.tile([1.0, 1.0, 1.0 / scales.size], count), list[np.ndarray]()
+    for one in places:
+        law, impact = one.law, next(e for e in one.law.effects if isinstance(e, Impact))
+        closing, opening = float(one.across @ before.rates), float(one.across @ after.rates)
+        slip = one.slip + float(one.along @ (after.rates - before.rates))
+        yield Defects("curves part", law.name, when, np.array([-opening]), scales.speed, "m/s", STILL + floor)
+        e = impact.restitution
+        if (impact.law == "moreau" or e == 0.0) and opening + e * min(closing, 0.0) > limit:
+            continue  # no impulse where it opens faster than by restitution
+        moving, stick = _in_impact(law, one.slip), float(law.impact_cone(one.slip)) if np.isfinite(law.stick) else np.inf
+        sticks, certain = abs(slip) < limit, impact.law == "moreau" or e == 0.0 or moving == 0.0
+        if np.isinf(moving) or (sticks and np.isinf(stick)):
+            own_columns = [one.across, one.along, -one.along]
+        elif sticks or not certain:
+            ratio = stick if sticks else moving
+            own_columns = [one.across + sense * ratio * one.along for sense in (1.0, -1.0)]
+        else:
+            own_columns = [one.across - np.sign(slip) * moving * one.along]
+        if law.arm:
+            couple = law.arm * couple_row(law, count)
+            own_columns = [c + sense * couple for c, sense in product(own_columns, (1.0, -1.0))]
+        columns += own_columns
+    rest = own * (after.rates - before.rates) * unit
+    largest = max(float(np.abs(rest).max()), np.finfo(float).tiny)
+    off = 1.0
+    if columns:
+        pull, m = (np.array(columns) * unit).T, len(rest)
+        cost = np.r_[np.zeros(pull.shape[1]), np.ones(2 * m)]
+        off = linprog(cost, A_eq=np.c_[pull, np.eye(m), -np.eye(m)], b_eq=rest / largest).fun
+    names = ", ".join(one.law.name for one in places)
+    yield Defects("law of impact", names, when, np.array([np.inf if off is None else off]), 1.0, "of the impulse", SEVERAL + floor)
