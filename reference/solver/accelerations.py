@@ -1,9 +1,10 @@
-"""Accelerations of one group of contacts in given modes, by numbers, and the balance of forces that are not unique."""
+"""Accelerations of one group of contacts in combinations of modes, by numbers, and the balance of forces that are not
+unique."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
+from math import inf, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -12,13 +13,15 @@ from cases import Case, Mode
 from cases.formulas import formula_symbols
 from cases.scene.free_plates import loads_of
 
+from ..effect_laws import laws
 from ..effect_laws.friction import SLIP_SIGN, STICKING
 from ..effect_laws.own_forces import changes_in_time, own_force_values
 from ..minimal.decision import AT_BOUND, Undecidable
 from ..scales import STILL, slip_error
 from . import forces
-from .places import ContactPlace, plates_in
-from .plate_numbers import Bodies, bodies, load_at, load_scale, rows_of, speed
+from .exclusion import TOGETHER, solve_stack
+from .places import ContactPlace, plates_in, sharing
+from .plate_numbers import bodies, load_at, load_scale, rows_of, speed
 from .regimes import Guides
 from .rest import BALANCE
 from .rotations import Sides, Turns, rigid_pairs, turning_row
@@ -92,157 +95,142 @@ def own_load(
     return result * bodies(case).inverse
 
 
-def answer_by_numbers(
-    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], shares: Mapping[int, int],
-    turns: Turns,
-) -> GroupAccelerations | None:  # fmt: skip
-    """The accelerations in these modes; None if neither forces nor accelerations are unique. `shares`: as of
-    `shares_of`."""
-    some, velocity = bodies(now.case), now.velocity
-    load = now.load + own_load(now.case, now.time, velocity, contacts, modes)
-    rows, columns, biases, senses = list[np.ndarray](), list[np.ndarray](), list[float](), dict(turns)
-    for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
-        if mode is Mode.FLIGHT:
-            continue
-        column = _column(now, at, mode, senses)
-        rows, columns, biases = [*rows, at.lift_row], [*columns, column], [*biases, at.lift_bias]
-        if mode in STICKING and i not in shares:
-            belt = at.belt_rate(now.time)
-            rows, columns, biases = [*rows, at.slip_row], [*columns, at.slip_row], [*biases, at.slip_bias - belt]
-    holding = [sides for sides, sense in turns if sense == 0]
-    still_rows = [_still_row(sides, some) for sides in holding]
-    rows, columns, biases = [*rows, *still_rows], [*columns, *still_rows], [*biases, *(0.0 for _ in holding)]
-    acceleration, values = load, np.zeros(0)
-    if rows:
-        inner, outer = np.array(rows), np.array(columns)
-        matrix = inner * some.inverse @ outer.T
-        sizes = np.sqrt(np.abs(np.diag(inner * some.inverse @ inner.T)))
-        if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(rows):
-            return _by_guides(now, contacts, modes, turns)
-        values = np.linalg.solve(matrix, -(inner @ load + biases))
-        acceleration = load + some.inverse * (outer.T @ values)
-    largest = now.scale
-    heaviest = float((some.masses / some.lengths**2).max())
-    force = VIOLATED * max(largest * heaviest, float(np.abs(values).max(initial=0.0)))
-    rate = VIOLATED * max(largest, float(np.abs(acceleration * some.lengths).max()))
-    forces_left, possible, opens = iter(values.tolist()), True, True
-    frictions, bounds, couples = dict[int, float](), dict[int, float](), dict[Sides, float]()
-    for i, (at, mode) in enumerate(zip(contacts, modes, strict=True)):
-        if mode is Mode.FLIGHT:
-            lift = float(at.lift_row @ acceleration) + at.lift_bias
-            possible, opens = possible and lift >= -rate, opens and lift > rate
-            continue
-        normal = next(forces_left)
-        possible &= normal >= -force
-        couples[at.sides] = couples.get(at.sides, 0.0) + at.resisting_arm * max(normal, 0.0)
-        if mode in STICKING:
-            holder = shares.get(i, i)
-            bounds[holder] = bounds.get(holder, 0.0) + at.stick * max(normal, 0.0) + force * (1.0 + min(at.stick, 1e3))
-            if holder == i:
-                frictions[i] = next(forces_left)
-    possible = possible and _slips_follow(now, contacts, modes, acceleration, rate)
-    for sides in holding:
-        length = some.lengths[3 * sides[0] + 2]
-        possible &= abs(next(forces_left)) * length <= couples[sides] + force * length
-    possible &= all(not abs(friction) > bounds[i] for i, friction in frictions.items())
-    return GroupAccelerations(acceleration, bool(possible), opens)
+class GroupRows:
+    """What all combinations of one group's modes share: the rows (2n + p, 3N) of lift and slip velocities of its n
+    contacts, and of the p rotations that they resist, m/s."""
+
+    def __init__(self, now: DecisionInstant, contacts: Sequence[ContactPlace]):
+        some, velocity = bodies(now.case), now.velocity
+        self.now, self.contacts, self.some, self.count = now, contacts, some, len(contacts)
+        self.pairs = resisting(contacts)
+        lengths = [float(some.lengths[3 * sides[0] + 2]) for sides in self.pairs]
+        rotations = [length * turning_row(s, len(velocity)) for s, length in zip(self.pairs, lengths, strict=True)]
+        self.rows = np.array([at.lift_row for at in contacts] + [at.slip_row for at in contacts] + rotations)
+        slips = [at.slip_bias - at.belt_rate(now.time) for at in contacts]
+        self.biases = np.array([at.lift_bias for at in contacts] + slips + [0.0] * len(rotations))
+        mu = np.array([at.mu_of(velocity, now.time) for at in contacts])
+        self.mu = np.where(np.isfinite(mu), mu, 0.0)  # without bound on friction there is no slip
+        self.stick = np.array([at.stick for at in contacts])
+        every = zip(self.pairs, lengths, strict=True)
+        arms = [[at.resisting_arm / length * (at.sides == sides) for at in contacts] for sides, length in every]
+        self.arms = np.array(arms).reshape(-1, self.count)
+        same = sharing(contacts)
+        self.first = [same.get(k, k) for k in range(self.count)]
+        self.begins = np.array([abs(at.slip(velocity, now.time)) <= now.still for at in contacts])
+
+    def answers(
+        self, combinations: Sequence[tuple[tuple[Mode, ...], Turns]]
+    ) -> Iterator[tuple[tuple[Mode, ...], Turns, GroupAccelerations | None]]:
+        """The combinations of modes, with the senses of resisted rotations, that numbers do not exclude, and their
+        accelerations; None if neither forces nor accelerations are unique. All are one stack of linear systems:
+        contacts that open, and friction that is not free, have rows of the identity."""
+        for first in range(0, len(combinations), TOGETHER):
+            yield from self._together(combinations[first : first + TOGETHER])
+
+    def _together(self, combinations: Sequence[tuple[tuple[Mode, ...], Turns]]):
+        n, now, some, inverse = self.count, self.now, self.some, self.some.inverse
+        every = [modes for modes, _ in combinations]
+        closed = np.array([[mode is not Mode.FLIGHT for mode in modes] for modes in every])
+        sticking = np.array([[mode in STICKING for mode in modes] for modes in every])
+        signs = np.array([[SLIP_SIGN.get(mode, 0.0) for mode in modes] for modes in every])
+        holders = sticking & ~np.array([self._before(sticking, k) for k in range(n)]).T
+        senses = np.array([[dict(turns).get(sides, nan) for sides in self.pairs] for _, turns in combinations])
+        holds = senses.reshape(len(every), -1) == 0.0
+        # Which forces each unknown is: a normal force also gives friction of a slip, and a couple against a rotation.
+        mix = np.tile(np.eye(len(self.rows)), (len(every), 1, 1))
+        mix[:, range(n, 2 * n), range(n)] -= signs * self.mu
+        mix[:, 2 * n :, :n] -= np.nan_to_num(senses).reshape(*holds.shape, 1) * self.arms
+        loads = np.tile(now.load, (len(every), 1))
+        if laws(now.case).own:
+            loads += [own_load(now.case, now.time, now.velocity, self.contacts, modes) for modes in every]
+        used, goals = np.hstack([closed, holders, holds]), -(loads @ self.rows.T + self.biases)
+        regular, values = solve_stack(self.rows * inverse @ self.rows.T, mix, used, goals, DEPENDENT)
+        acceleration = loads[regular] + inverse * ((mix[regular] @ values[..., None])[..., 0] @ self.rows)
+        largest, heaviest = now.scale, float((some.masses / some.lengths**2).max())
+        force = VIOLATED * np.maximum(largest * heaviest, np.abs(values).max(axis=1))[:, None]
+        rate = VIOLATED * np.maximum(largest, np.abs(acceleration * some.lengths).max(axis=1))[:, None]
+        shut, normal = closed[regular], values[:, :n]
+        lift = acceleration @ self.rows[:n].T + self.biases[:n]
+        violations = np.where(shut, normal < -force, lift < -rate).any(axis=1)
+        violations |= self._turns_back(signs[regular], acceleration, rate)
+        with np.errstate(invalid="ignore"):
+            bounds = self.stick * np.maximum(normal, 0.0) + force * (1.0 + np.minimum(self.stick, 1e3))
+        bounds = np.where(sticking[regular], bounds, 0.0)
+        for k in range(n):
+            whole = bounds[:, [j for j in range(n) if self.first[j] == self.first[k]]].sum(axis=1)
+            violations |= holders[regular][:, k] & (np.abs(values[:, n + k]) > whole)
+        couples = np.where(shut, np.maximum(normal, 0.0), 0.0) @ self.arms.T + force
+        violations |= (holds[regular] & (np.abs(values[:, 2 * n :]) > couples)).any(axis=1)
+        opens, numbers = (shut | (lift > rate)).all(axis=1), np.cumsum(regular) - 1
+        for i, (modes, turns) in enumerate(combinations):
+            k = numbers[i]
+            if not regular[i]:
+                yield modes, turns, self._by_guides(modes, turns, mix[i], loads[i])
+            elif not violations[k]:
+                yield modes, turns, GroupAccelerations(acceleration[k], True, bool(opens[k]))
+
+    def _before(self, sticking: np.ndarray, k: int) -> np.ndarray:
+        """Whether an earlier contact that sticks has the friction force of contact k."""
+        return np.asarray(sticking[:, [j for j in range(k) if self.first[j] == self.first[k]]].any(axis=1))
+
+    def _turns_back(self, signs: np.ndarray, acceleration: np.ndarray, rate: np.ndarray | float) -> np.ndarray:
+        """Whether a slip that has vanished begins against the direction of its mode, by more than `rate` (m/s²)."""
+        own = slice(self.count, 2 * self.count)
+        rates = acceleration @ self.rows[own].T + self.biases[own]
+        return np.asarray((self.begins & (signs * rates < -rate)).any(axis=-1))
+
+    def _by_guides(
+        self, modes: Sequence[Mode], turns: Turns, mix: np.ndarray, load: np.ndarray
+    ) -> GroupAccelerations | None:
+        """The same where the rows depend on each other: some of them determine the motion, and forces that are not
+        unique have to give it. None where the acceleration is not unique, or where the rows contradict each other."""
+        now, some, n, inverse = self.now, self.some, self.count, self.some.inverse
+        closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
+        columns = mix.T @ self.rows
+        chosen, others = [2 * n + self.pairs.index(sides) for sides in rigid_pairs(turns)], list[int]()
+        for i in [*closed, *(n + k for k in closed if modes[k] in STICKING)]:
+            trial = self.rows[[*chosen, i]] * np.sqrt(inverse)
+            trial /= np.linalg.norm(trial, axis=1, keepdims=True)
+            (chosen if np.linalg.matrix_rank(trial, tol=DEPENDENT) > len(chosen) else others).append(i)
+        inner, outer = self.rows[chosen], columns[chosen]
+        matrix, sizes = inner * inverse @ outer.T, np.sqrt(np.diag(inner * inverse @ inner.T))
+        if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(chosen):
+            return None
+        values = np.linalg.solve(matrix, -(inner @ load + self.biases[chosen]))
+        acceleration = load + inverse * (outer.T @ values)
+        rate = SAME * max(now.scale, float(np.abs(acceleration * some.lengths).max()))
+        if np.abs(self.rows[others] @ acceleration + self.biases[others]).max(initial=0.0) > rate:
+            return None
+        signs, violated = np.array([SLIP_SIGN.get(mode, 0.0) for mode in modes]), VIOLATED / SAME * rate
+        if self._turns_back(signs, acceleration, violated):
+            return GroupAccelerations(acceleration, False, False)
+        contacts, own_modes = [self.contacts[k] for k in closed], [modes[k] for k in closed]
+
+        def is_balanced(acceleration: np.ndarray) -> bool:
+            balance = balance_of(now.case, now.time, now.state, acceleration, contacts, own_modes, turns)
+            return forces.margin(contacts, *balance) >= BALANCE
+
+        if not is_balanced(acceleration):
+            return GroupAccelerations(acceleration, False, False)
+        # Forces that no row misses, of contacts that are left out: with friction they may have an acceleration.
+        another: np.ndarray | None = None
+        for column in columns[others]:
+            balance = column - outer.T @ np.linalg.solve(matrix, inner * inverse @ column)
+            change, own = (np.abs(each * np.sqrt(inverse)).max() for each in (balance, column))
+            if change > SAME * own:
+                step = OTHER * rate / SAME * inverse * balance / np.abs(inverse * balance * some.lengths).max()
+                another = next(
+                    (acceleration + s * step for s in (1.0, -1.0) if is_balanced(acceleration + s * step)), another
+                )
+        lifts = np.delete(self.rows[:n] @ acceleration + self.biases[:n], closed)
+        guides = tuple((k in chosen, n + k in chosen) for k in range(n))
+        is_possible, opens = bool((lifts >= -violated).all()), bool((lifts > violated).all())
+        return GroupAccelerations(acceleration, is_possible, opens, guides, another)
 
 
-def _column(now: DecisionInstant, at: ContactPlace, mode: Mode, senses: Mapping[Sides, int]) -> np.ndarray:
-    """A normal force of one, with the friction of a slip and the couple against a rotation that it gives, (3n,)."""
-    ratio, sense = -SLIP_SIGN.get(mode, 0.0), senses.get(at.sides)
-    column = at.lift_row + (ratio * at.mu_of(now.velocity, now.time) * at.slip_row if ratio else 0.0)
-    return column - sense * at.resisting_arm * at.turning_row if sense else column
-
-
-def _slips_follow(
-    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], acceleration: np.ndarray, rate: float
-) -> bool:
-    """Whether slips that have vanished begin in the directions of their modes, or change by at most `rate` (m/s²)."""
-    return all(
-        SLIP_SIGN[mode] * at.slip_rate(acceleration, now.time) >= -rate
-        for at, mode in zip(contacts, modes, strict=True)
-        if mode in SLIP_SIGN and abs(at.slip(now.velocity, now.time)) <= now.still
-    )
-
-
-def _still_row(sides: Sides, some: Bodies) -> np.ndarray:
-    """The row of a rotation that is prevented, in m/s²."""
-    return float(some.lengths[3 * sides[0] + 2]) * turning_row(sides, len(some.lengths))
-
-
-def _by_guides(
-    now: DecisionInstant, contacts: Sequence[ContactPlace], modes: Sequence[Mode], turns: Turns
-) -> GroupAccelerations | None:
-    """The same where the rows depend on each other: some of them determine the motion, and forces that are not unique
-    have to give it. None where the acceleration is not unique, or where the rows contradict each other."""
-    some, velocity = bodies(now.case), now.velocity
-    load = now.load + own_load(now.case, now.time, velocity, contacts, modes)
-    closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
-    each = [(k, False) for k in closed] + [(k, True) for k in closed if modes[k] in STICKING]
-    rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
-    senses = dict(turns)
-    picks, others = [[False, False] for _ in contacts], list[tuple[np.ndarray, np.ndarray, float]]()
-    rows = [_still_row(sides, some) for sides in rigid_pairs(turns)]
-    columns, biases = list(rows), [0.0] * len(rows)
-    for k, is_tangent in each:
-        at = contacts[k]
-        row = at.slip_row if is_tangent else at.lift_row
-        column = row if is_tangent else _column(now, at, modes[k], senses)
-        bias = at.slip_bias - at.belt_rate(now.time) if is_tangent else at.lift_bias
-        if np.linalg.matrix_rank(_unit(np.array([*rows, row]) * np.sqrt(some.inverse)), tol=DEPENDENT) > len(rows):
-            rows, columns, biases, picks[k][is_tangent] = [*rows, row], [*columns, column], [*biases, bias], True
-        else:
-            others.append((row, column, bias))
-    matrix = np.array(rows) * some.inverse @ np.array(columns).T
-    sizes = np.sqrt(np.diag(np.array(rows) * some.inverse @ np.array(rows).T))
-    if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(rows):
-        return None
-    values = np.linalg.solve(matrix, -(np.array(rows) @ load + biases))
-    acceleration = load + some.inverse * (np.array(columns).T @ values)
-    largest = now.scale
-    rate = SAME * max(largest, float(np.abs(acceleration * some.lengths).max()))
-    if any(abs(float(row @ acceleration) + bias) > rate for row, _, bias in others):
-        return None
-    if not _slips_follow(now, contacts, modes, acceleration, VIOLATED / SAME * rate):
-        return GroupAccelerations(acceleration, False, False)
-    away = [at for k, at in enumerate(contacts) if k not in closed]
-    lifts = [float(at.lift_row @ acceleration) + at.lift_bias for at in away]
-    some_contacts, some_modes = [contacts[k] for k in closed], [modes[k] for k in closed]
-
-    def is_balanced(acceleration: np.ndarray) -> bool:
-        margin = guided_margin(now.case, now.time, now.state, acceleration, some_contacts, some_modes, turns)
-        return margin >= BALANCE
-
-    if not is_balanced(acceleration):
-        return GroupAccelerations(acceleration, False, False)
-    # Forces that no row misses, of contacts that are left out: with friction they may have an acceleration.
-    another: np.ndarray | None = None
-    for _, column, _ in others:
-        balance = column - np.array(columns).T @ np.linalg.solve(matrix, np.array(rows) * some.inverse @ column)
-        change, own = (np.abs(each * np.sqrt(some.inverse)).max() for each in (balance, column))
-        if change > SAME * own:
-            step = OTHER * rate / SAME * some.inverse * balance / np.abs(some.inverse * balance * some.lengths).max()
-            another = next(
-                (acceleration + s * step for s in (1.0, -1.0) if is_balanced(acceleration + s * step)), another
-            )
-    opens = VIOLATED / SAME * rate
-    return GroupAccelerations(
-        acceleration, all(lift >= -opens for lift in lifts), all(lift > opens for lift in lifts),
-        tuple((normal, tangent) for normal, tangent in picks), another,
-    )  # fmt: skip
-
-
-def _unit(rows: np.ndarray) -> np.ndarray:
-    return rows / np.linalg.norm(rows, axis=1, keepdims=True)
-
-
-def guided_margin(
-    case: Case, t: float, state: Sequence[float], acceleration: np.ndarray, closed: Sequence[ContactPlace],
-    modes: Sequence[Mode], turns: Turns,
-) -> float:  # fmt: skip
-    """`forces.margin` of contacts in those modes whose forces give their plates an acceleration (3n,)."""
-    return forces.margin(closed, *balance_of(case, t, state, acceleration, closed, modes, turns))
+def resisting(contacts: Sequence[ContactPlace]) -> list[Sides]:
+    """The plates with contacts that resist rolling."""
+    return list(dict.fromkeys(at.sides for at in contacts if at.resisting_arm))
 
 
 class Balance(NamedTuple):
@@ -257,7 +245,7 @@ class Balance(NamedTuple):
 
 def balance_of(
     case: Case, t: float, state: Sequence[float], acceleration: np.ndarray, closed: Sequence[ContactPlace],
-    modes: Sequence[Mode], turns: Turns,
+    modes: Sequence[Mode], turns: Turns = (),
 ) -> Balance:  # fmt: skip
     """What the forces of contacts in those modes balance whose plates have an acceleration (3n,)."""
     load, units = load_and_units(case, t, state, plates_in(closed), closed, modes)
@@ -265,30 +253,30 @@ def balance_of(
     for at, mode in zip(closed, modes, strict=True):
         slips = forces.Slipping(-SLIP_SIGN[mode] * at.mu_of(velocity, t)) if mode in SLIP_SIGN else 0.0
         limits.append(at.stick if mode in STICKING else slips)
-    couples, senses = list[forces.Limit](), dict(turns)
-    for at in closed if turns else ():
-        sense = senses.get(at.sides)
-        couples.append(forces.Slipping(-sense * at.resisting_arm) if sense else at.resisting_arm)
+    senses = {sides: sense for sides, sense in turns if sense}
+    couples: list[forces.Limit] = [
+        forces.Slipping(-senses[at.sides] * at.resisting_arm) if at.sides in senses else at.resisting_arm
+        for at in closed
+    ]
     inertial = acceleration * bodies(case).masses * (units > 0.0)
     sizes = float((np.abs(load) * units).max()), float((np.abs(inertial) * units).max())
     right = load - inertial
     right[np.abs(right) * units <= AT_BOUND * max(sizes)] = 0.0  # forces of roundings alone have no balance
-    return Balance(right, units, limits, couples)
+    return Balance(right, units, limits, couples if any(couples) else [])
 
 
-def rest_margin(case: Case, t: float, state: Sequence[float], contacts: Sequence[ContactPlace]) -> float:
+def rest_margin(case: Case, state: Sequence[float], contacts: Sequence[ContactPlace], t: float) -> float:
     """`forces.margin` of a group of contacts whose plates are still; −inf if they are not, or are on a belt, which may
     move them. Raises Undecidable."""
-    plates, half = plates_in(contacts), len(state) // 2
-    moves = np.asarray(state[half:], dtype=float)[rows_of(plates)].any()
+    half = len(state) // 2
+    moves = np.asarray(state[half:], dtype=float)[rows_of(plates_in(contacts))].any()
     if moves or any(at.law.belt.runs for at in contacts):
         return -inf
     still = [Mode.REST if at.stick > 0.0 else Mode.SLIDE for at in contacts]
-    load, units = load_and_units(case, t, state, plates, contacts, still)
-    if not np.isfinite(load).all():
+    balance = balance_of(case, t, state, np.zeros(half), contacts, still)
+    if not np.isfinite(balance.load).all():
         raise Undecidable
-    couples = [at.resisting_arm for at in contacts]
-    return forces.margin(contacts, load, units, [at.stick for at in contacts], couples if any(couples) else ())
+    return forces.margin(contacts, *balance)
 
 
 def is_steady(case: Case, plates: frozenset[int]) -> bool:

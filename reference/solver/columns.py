@@ -18,7 +18,7 @@ from ..minimal.integrators.segment import Segment, blocks
 from ..minimal.modes import Phase
 from . import forces
 from .accelerations import balance_of, is_steady, load_and_units
-from .places import ContactPlace, couple_of, groups, place, plates_in
+from .places import ContactPlace, couple_of, groups, place
 from .regimes import SolverPhase, SolverRegime, pair_of, regime_of, solver_phase, split
 from .system import COLUMNS
 
@@ -118,27 +118,20 @@ def contact_columns(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarr
     if regime.modes[k] is Mode.FLIGHT:
         gap = _outputs(case, now, times, y, k)[3]
         return ContactColumns(gap, none, nothing, nothing, xi1, xi2, *np.zeros((2, 2, len(times))))
-    if set(sides(case, regime, k)) <= regime.resting:
-        some = [0.0] if is_steady(case, regime.resting) else times.tolist()
-        ranges = [_all_ranges(case, regime, y[:, 0].tobytes(), t)[name] for t in some]
-        limits = [np.broadcast_to(np.array([each[i] for each in ranges]).T, (2, len(times))) for i in (0, 1)]
+    at_rest = set(sides(case, regime, k)) <= regime.resting
+    normal, friction, slip, _ = [nothing] * 4 if at_rest else _outputs(case, now, times, y, k)
+    slip = nothing if regime.modes[k] in STICKING else slip
+    if k in _not_unique(case, regime, at_rest):
+        some = [0.0] if at_rest and is_steady(case, regime.resting) else times.tolist()
+        states = [y[:, 0]] * len(some) if at_rest else y.T
+        every = [_ranges(case, regime, y.tobytes(), t, at_rest)[name] for t, y in zip(some, states, strict=True)]
+        limits = [np.broadcast_to(np.array([each[i] for each in every]).T, (2, len(times))) for i in (0, 1)]
         values = [forces.values(limit.T, _weight(case, times, y)) for limit in limits]
-        return ContactColumns(nothing, nothing, values[0], values[1], xi1, xi2, limits[0], limits[1])
-    normal, friction, slip, _ = _outputs(case, now, times, y, k)
-    if regime.guides and _is_guided(case, regime, k):
-        states = [state.tobytes() for state in y.T]
-        limits_of = [
-            _guided_ranges(case, regime, state, t)[name] for state, t in zip(states, times.tolist(), strict=True)
-        ]
-        limits = [np.array([each[i] for each in limits_of]).T for i in (0, 1)]
-        values = [forces.values(limit.T, _weight(case, times, y)) for limit in limits]
-        slip = 0.0 * slip if regime.modes[k] in STICKING else slip
         return ContactColumns(nothing, slip, values[0], values[1], xi1, xi2, limits[0], limits[1])
     partners = dict(enumerate(regime.shares)) if regime.shares else {}
     both = next(((a, b) for a, b in partners.items() if b is not None and k in (a, b)), None)
     if both is not None:
         return _at_partner(case, now, times, y, (k, both[1] if both[0] == k else both[0]), (xi1, xi2))
-    slip = 0.0 * slip if regime.modes[k] in STICKING else slip
     pairs = (np.array([values, values]) for values in (normal, friction))
     return ContactColumns(nothing, slip, normal, friction, xi1, xi2, *pairs)
 
@@ -184,58 +177,36 @@ def _at_partner(
     return ContactColumns(nothing, nothing, normal, friction, *parameters, np.array([normal] * 2), limits)
 
 
-def _by_guides(case: Case, regime: SolverRegime) -> list[int]:
-    """The contacts whose forces are not unique while their plates move: those of groups with guides."""
-    plates = {side for k, used in enumerate(regime.guides) if used is not None for side in sides(case, regime, k)}
-    closed = [k for k, mode in enumerate(regime.modes) if mode is not Mode.FLIGHT]
-    return [k for k in closed if set(sides(case, regime, k)) & plates]
-
-
-def _is_guided(case: Case, regime: SolverRegime, k: int) -> bool:
-    return k in _by_guides(case, regime)
+def _not_unique(case: Case, regime: SolverRegime, at_rest: bool) -> list[int]:
+    """The closed contacts whose forces are not unique: of plates at rest, or of groups with guides, which move."""
+    guided = {side for k, used in enumerate(regime.guides) if used is not None for side in sides(case, regime, k)}
+    closed = [(k, set(sides(case, regime, k))) for k, mode in enumerate(regime.modes) if mode is not Mode.FLIGHT]
+    return [k for k, own in closed if (own <= regime.resting if at_rest else own & guided)]
 
 
 @lru_cache(maxsize=MOST_INSTANTS)
-def _guided_ranges(case: Case, regime: SolverRegime, state: bytes, t: float) -> ForcesByContact:
-    """Least and greatest normal and friction force (N), (2,) each, of contacts whose forces are not unique while their
-    plates move. `state` as of `_all_ranges`."""
-    y, now, some = np.frombuffer(state), solver_phase(case, regime), _by_guides(case, regime)
-    (own, _), at = split(case, y), _places(case, regime, y, some)
-    rates = np.array(now.system.rates_of_numbers(t, tuple(y.tolist()), now.parameters))
-    acceleration = rates[len(rates) - len(own) // 2 :]
-    balance = balance_of(case, t, own, acceleration, at, [regime.modes[i] for i in some], regime.turns)
-    return _by_name([regime.names[k] for k in some], forces.ranges(at, *balance))
-
-
-def _by_name(names: Sequence[str], limits: forces.ForceRanges) -> ForcesByContact:
-    for each in (*limits.normal, *limits.friction):
-        each.flags.writeable = False  # shared by all callers
-    return dict(zip(names, zip(limits.normal, limits.friction, strict=True), strict=True))
+def _ranges(case: Case, regime: SolverRegime, state: bytes, t: float, at_rest: bool) -> ForcesByContact:
+    """Least and greatest normal and friction force (N), (2,) each, of the contacts of `_not_unique`. `state`: the
+    variables' bytes, because keys that are equal may differ in the sign of a zero."""
+    y, some, now = np.frombuffer(state), _not_unique(case, regime, at_rest), solver_phase(case, regime)
+    (own, _), places = split(case, y), _places(case, regime, y, some)
+    acceleration = np.zeros(len(own) // 2)
+    if not at_rest:
+        acceleration[:] = now.system.rates_of_numbers(t, tuple(y.tolist()), now.parameters)[-len(acceleration) :]
+    result: ForcesByContact = {}
+    for group in groups(places):
+        at, modes = [places[i] for i in group], [regime.modes[some[i]] for i in group]
+        limits = forces.ranges(at, *balance_of(case, t, own, acceleration, at, modes, regime.turns))
+        for each in (*limits.normal, *limits.friction):
+            each.flags.writeable = False  # shared by all callers
+        names = [regime.names[some[i]] for i in group]
+        result |= dict(zip(names, zip(limits.normal, limits.friction, strict=True), strict=True))
+    return result
 
 
 def _places(case: Case, regime: SolverRegime, y: np.ndarray, some: Sequence[int]) -> list[ContactPlace]:
     state, points = split(case, y)
     return [place(pair_of(case, regime.pairs[k]), state, points[k]) for k in some]
-
-
-@lru_cache(maxsize=MOST_INSTANTS)
-def _all_ranges(case: Case, regime: SolverRegime, state: bytes, t: float) -> ForcesByContact:
-    """Least and greatest normal and friction force (N), (2,) each, of all contacts of plates at rest. `state`: the
-    variables' bytes, because keys that are equal may differ in the sign of a zero."""
-    y = np.frombuffer(state)
-    some = [
-        k for k, mode in enumerate(regime.modes)
-        if mode is not Mode.FLIGHT and set(sides(case, regime, k)) <= regime.resting
-    ]  # fmt: skip
-    now, (poses, _) = _places(case, regime, y, some), split(case, y)
-    result: ForcesByContact = {}
-    for group in groups(now):
-        at = [now[i] for i in group]
-        still = [regime.modes[some[i]] for i in group]
-        load, units = load_and_units(case, t, poses, plates_in(at), at, still)
-        limits = forces.ranges(at, load, units, [one.stick for one in at], [one.resisting_arm for one in at])
-        result |= _by_name([regime.names[some[i]] for i in group], limits)
-    return result
 
 
 def observe(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarray) -> State:

@@ -24,6 +24,7 @@ from ..endings import CAUSES, FLAT, OFF, Ending, second_place
 from ..minimal.bouncing import Bounces
 from ..minimal.contact_end import after_contact, leave
 from ..minimal.decision import AT_BOUND, decide
+from ..minimal.element_meetings import ElementMeeting
 from ..minimal.flight_end import after_flight, closes, simulate_flight, start_flight
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.landing import Landings
@@ -44,7 +45,7 @@ from ..minimal.modes import (
 )
 from ..minimal.phase_end import IDLE, LOCATION_ERROR, ROUGH, Step
 from ..scales import EPS
-from .meet import CoupleMeeting, Meetings
+from .meet import Meetings
 from .places import start_of
 from .plate_numbers import load_scale
 from .segment_view import SegmentView
@@ -65,7 +66,7 @@ class Departure(NamedTuple):
     pair: PieceCase
     points: tuple[float, float]
     opens: bool
-    meeting: CoupleMeeting | None
+    meeting: ElementMeeting | None
     ending: Ending
 
 
@@ -198,7 +199,7 @@ class ContactChart:
         """The pair of elements of the contact, of the case's only couple."""
         return pair_in_couple(self.whole, self.case)
 
-    def _departure(self, last: Segment, meeting: CoupleMeeting | None, opens: bool, ending: Ending) -> Departure:
+    def _departure(self, last: Segment, meeting: ElementMeeting | None, opens: bool, ending: Ending) -> Departure:
         """The departure at the end of the last segment."""
         case, now, t = self.case, last.phase, last.event.time
         y = full_state(case, now, t, last.event.state)

@@ -19,8 +19,7 @@ from cases.curves.corner import Corner
 
 from ..effect_laws.friction import STICKING
 from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
-from .accelerations import SAME, DecisionInstant, answer_by_numbers, rest_margin
-from .exclusion import possible_modes
+from .accelerations import SAME, DecisionInstant, GroupRows, resisting, rest_margin
 from .places import ContactPlace, plates_in, sharing
 from .plate_numbers import bodies, rows_of
 from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
@@ -88,14 +87,12 @@ def _consistent(
     motions, is_singular, plates = list[_Motion](), False, plates_in(contacts)
     own = np.zeros(len(now.state) // 2, dtype=bool)
     own[rows_of(plates)] = True
-    if last_modes is None and rest_margin(now.case, now.time, now.state, contacts) >= BALANCE:
-        turns = tuple((sides, 0) for sides in _resisting(contacts))
+    if last_modes is None and rest_margin(now.case, now.state, contacts, now.time) >= BALANCE:
+        turns = tuple((sides, 0) for sides in resisting(contacts))
         stuck = [Mode.REST if (at.sides, 0) in turns else at.without_slip for at in contacts]
         still = tuple(mode if at.stick > 0.0 else Mode.SLIDE for at, mode in zip(contacts, stuck, strict=True))
         motions.append(_Motion(still, True, np.zeros(len(own)), turns))
-    for modes, turns in possible_modes(now, contacts, list(_combinations(now, contacts, fixed))):
-        shares = shares_of(contacts, modes)
-        answer = answer_by_numbers(now, contacts, modes, shares, turns)
+    for modes, turns, answer in GroupRows(now, contacts).answers(list(_combinations(now, contacts, fixed))):
         if answer is None:
             is_singular = True
             continue
@@ -198,9 +195,9 @@ def _combinations(
         if not all(modes[i] is modes[j] or Mode.FLIGHT in (modes[i], modes[j]) for i, j in same):
             continue
         closed = [at for at, mode in zip(contacts, modes, strict=True) if mode is not Mode.FLIGHT]
-        resisting = _resisting(closed)
-        for senses in product(*(_senses(now, sides) for sides in resisting)):
-            turns = tuple(zip(resisting, senses, strict=True))
+        pairs = resisting(closed)
+        for senses in product(*(_senses(now, sides) for sides in pairs)):
+            turns = tuple(zip(pairs, senses, strict=True))
             yield (
                 tuple(
                     Mode.REST if mode in STICKING and (at.sides, 0) in turns else mode
@@ -208,11 +205,6 @@ def _combinations(
                 ),
                 turns,
             )
-
-
-def _resisting(contacts: Sequence[ContactPlace]) -> list[Sides]:
-    """The plates with contacts that resist rolling."""
-    return list(dict.fromkeys(at.sides for at in contacts if at.resisting_arm))
 
 
 def _senses(now: DecisionInstant, sides: Sides) -> tuple[int, ...]:

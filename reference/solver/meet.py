@@ -1,7 +1,7 @@
 """The first meeting of a plate and a boundary at a place that is not watched, in a phase's dense output.
 
-All pairs of elements of both curves are searched by boxes (`minimal.element_meetings`), but those in which the in_view
-contact is the only one. Plates that are far apart are excluded by the circles around them.
+All pairs of elements of both curves are searched by boxes (`minimal.element_meetings`), but those in which a contact
+in view is the only one. Plates that are far apart are excluded by the circles around them.
 """
 
 from __future__ import annotations
@@ -9,19 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from math import inf
-from typing import NamedTuple
 
 import numpy as np
 
 from cases import Case, DoesNotFit
 from cases.contact.geometry import find
 from cases.curves.corner import Corner
-from cases.curves.element import Element
 from cases.scene.couples import Couple, couples
-from cases.scene.piece_case import PieceCase, _piece_case, neighbour
+from cases.scene.piece_case import PieceCase, neighbour
 
 from ..minimal.boxes import Cores
-from ..minimal.element_meetings import ElementSearch, fine
+from ..minimal.element_meetings import ElementMeeting, ElementSearch, fine
 from ..scales import EPS
 from .places import couple_of, in_round
 from .plate_numbers import bodies
@@ -53,15 +51,6 @@ SOON = 2.0 * LATER[-1]
 MOST_WIDENINGS = 20
 
 
-class CoupleMeeting(NamedTuple):
-    """A meeting: its time (s), the pair of elements, and their own parameters."""
-
-    time: float
-    pair: PieceCase
-    xi1: float
-    xi2: float
-
-
 class Meetings:
     """The search for meetings in one motion; counts its work."""
 
@@ -69,7 +58,7 @@ class Meetings:
         self.case = case
         self.searches = [CoupleSearch(couple) for couple in couples(case)]
 
-    def first(self, view: SegmentView) -> CoupleMeeting | None:
+    def first(self, view: SegmentView) -> ElementMeeting | None:
         """The first meeting in a segment; None if there is none. Raises TooMuch at the limit on work."""
         edges, earliest = np.unique(view.times), None
         if len(edges) < 2:
@@ -115,8 +104,7 @@ class CoupleSearch:
         self.couple = couple
         every = pairs_that_touch(couple)
         self.quick = [(pair, some) for pair in every if (some := shapes(pair)) is not None]
-        self.has_others = len(self.quick) < len(every)
-        self.quick_numbers = {in_round(pair) for pair, _ in self.quick}
+        self.others = [pair for pair in every if shapes(pair) is None]
 
     def far_pairs(self, poses: np.ndarray) -> list[tuple[PieceCase, Shapes]]:
         """Pairs of lines and circles, if there are few, that are clearly apart in poses of all plates, (3n,)."""
@@ -127,9 +115,9 @@ class CoupleSearch:
     @cached_property
     def boxes(self) -> ElementSearch:
         """The search by boxes."""
-        return ElementSearch(self.couple)
+        return ElementSearch(self.others)
 
-    def first(self, view: SegmentView, places: Poses, edges: np.ndarray) -> CoupleMeeting | None:
+    def first(self, view: SegmentView, places: Poses, edges: np.ndarray) -> ElementMeeting | None:
         """The first meeting in a segment between these times; `places`: poses of all plates at times."""
         couple = self.couple
         poses = remember(lambda times: np.array(couple.relative_pose(places(times))))
@@ -137,15 +125,15 @@ class CoupleSearch:
         pairs, begin = [pair for _, pair in in_view], [view.points(k, view.times[:1])[:, 0] for k, _ in in_view]
         exclusions = _exclusions(pairs).union(*(_across_joints(*one) for one in zip(pairs, begin, strict=True)))
         quick = [one for one in self.quick if in_round(one[0]) not in exclusions]
-        if not (quick or self.has_others) or _is_far(couple, places, edges):
+        if not (quick or self.others) or _is_far(couple, places, edges):
             return None
 
-        def is_new(meeting: CoupleMeeting) -> bool:
+        def is_new(meeting: ElementMeeting) -> bool:
             soon = meeting.time <= edges[0] + SOON * (edges[1] - edges[0])
             return not (soon and self._is_in_view(meeting, pairs, begin))
 
         earliest = self._first_of_shapes(quick, poses, edges, is_new) if quick else None
-        if not self.has_others:
+        if not self.others:
             return earliest
         if earliest is not None:
             edges = np.append(edges[edges < earliest.time], earliest.time)
@@ -156,22 +144,20 @@ class CoupleSearch:
         for k, numbers in smooth.items():
             edges = view.provable(k, edges) if numbers not in exclusions else edges
 
-        def around(first: Element, second: Element, ends: np.ndarray) -> list[Cores]:
-            return [view.cores(k, ends)[0] for k, pair in smooth.items() if pair == (first.number, second.number)]
+        def around(pair: PieceCase, ends: np.ndarray) -> list[Cores]:
+            return [view.cores(k, ends)[0] for k, numbers in smooth.items() if numbers == in_round(pair)]
 
         for later in LATER:
             some = np.append(edges[0] + later * (edges[1] - edges[0]), edges[1:])
-            first_box = self.boxes.first(poses, some, exclusions | self.quick_numbers, around)
-            if first_box is None:
+            near = self.boxes.first(poses, some, exclusions, around)
+            if near is None:
                 return earliest
-            pair = _piece_case(couple, first_box.first.number, first_box.second.number)
-            near = first_box.xi1 - pair.first.shift, first_box.xi2 - pair.second.shift
-            meeting = _locate(poses, view.start, pair, first_box.time, near)
+            meeting = _locate(poses, view.start, near.pair, near.time, near[2:])
             if is_new(meeting):
                 return meeting
         return earliest
 
-    def _is_in_view(self, meeting: CoupleMeeting, pairs: Sequence[PieceCase], points: Sequence[np.ndarray]) -> bool:
+    def _is_in_view(self, meeting: ElementMeeting, pairs: Sequence[PieceCase], points: Sequence[np.ndarray]) -> bool:
         """Whether a meeting is at the place of a contact that is watched, in a neighbour of its pair; `points`: their
         parameters, (2,) each, where the segment begins."""
         place, reach = meeting.pair.pieces[0].point(meeting.xi1), self.couple.plate.reach
@@ -208,9 +194,9 @@ class CoupleSearch:
 
     def _first_of_shapes(
         self, quick: Sequence[tuple[PieceCase, Shapes]], poses: Poses, edges: np.ndarray,
-        is_new: Callable[[CoupleMeeting], bool],
-    ) -> CoupleMeeting | None:  # fmt: skip
-        earliest: CoupleMeeting | None = None
+        is_new: Callable[[ElementMeeting], bool],
+    ) -> ElementMeeting | None:  # fmt: skip
+        earliest: ElementMeeting | None = None
         times = fine(poses, edges)
         near_elements = self._near_elements(poses(times))
         is_apart = _apart(looks := _looks(times), poses(looks)) if len(quick) > FEW else None
@@ -328,7 +314,7 @@ def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:
     return piece.sign > 0 and bend_bounds(track)[1] <= 0.0
 
 
-def _locate(poses: Poses, start: float, pair: PieceCase, when: float, near: tuple[float, float]) -> CoupleMeeting:
+def _locate(poses: Poses, start: float, pair: PieceCase, when: float, near: tuple[float, float]) -> ElementMeeting:
     """The zero of the gap at a meeting, to rounding, with the elements' own parameters; `poses`: of the plate in the
     frame of the base."""
     from scipy.optimize import brentq  # slow to import, and many motions never come here
@@ -343,7 +329,7 @@ def _locate(poses: Poses, start: float, pair: PieceCase, when: float, near: tupl
         time = when  # it touches without closing: two flat sides, or a start
     time = max(time, start)
     at = at_time(time)
-    return CoupleMeeting(time, pair, at.xi1, at.xi2)
+    return ElementMeeting(time, pair, at.xi1, at.xi2)
 
 
 def _zero(gap: Callable[[float], float], near: float, root: Callable[..., float]) -> float:

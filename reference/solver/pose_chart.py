@@ -23,17 +23,18 @@ from ..endings import (
     Ending,
 )
 from ..minimal.contact_end import ending_by
-from ..minimal.element_meetings import points_at
+from ..minimal.element_meetings import ElementMeeting, points_at
 from ..minimal.grazing import may_touch, over_touch
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.modes import start_pieces, start_state
 from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH, error_range
 from ..scales import TOUCHES, frequency, looks_between
-from .accelerations import guided_margin, is_steady, rest_margin
+from . import forces
+from .accelerations import balance_of, is_steady, rest_margin
 from .contact_chart import Departure, pair_in_couple
-from .meet import CoupleMeeting, Meetings
+from .meet import Meetings
 from .mode_changes import ModeChanges
-from .places import ContactPlace, couple_of, groups, place, plates_in, sides_of, start_of
+from .places import couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import size, speed
 from .regimes import SolverPhase, SolverRegime, ends_flat, join, solver_phase, split
 from .rest import first_loss, first_loss_in, looks_at_load
@@ -148,7 +149,7 @@ class PoseChart(ModeChanges):
             return None
         return self._event(segment, stuck)
 
-    def _corners_meet(self, flight: Segment, meeting: CoupleMeeting) -> bool:
+    def _corners_meet(self, flight: Segment, meeting: ElementMeeting) -> bool:
         """Whether a corner meets a corner from which it has not just departed, and the plate touches nothing else."""
         pair, least = meeting.pair, MEETS * size(self.case, self.state)
         if couple_of(pair).base is not None or not corners_meet(pair, meeting.xi1, meeting.xi2):
@@ -166,18 +167,15 @@ class PoseChart(ModeChanges):
         if is_steady(self.case, regime.resting):
             return inf, set()
         resting = [watch for watch in self._closed() if set(sides_of(watch.pair)) <= regime.resting]
-        now = self._places(resting)
+        now, looks = self._places(resting), looks_at_load(self.case, self.t)
         for group in groups(now):
             some = [now[k] for k in group]
             if is_steady(self.case, plates_in(some)):
                 continue
-            last = first_loss(partial(self._rest_margin, some), looks_at_load(self.case, self.t))
+            last = first_loss(partial(rest_margin, self.case, self.state, some), looks)
             if last is not None:
                 return last, {resting[k].name for k in group}
         return inf, set()
-
-    def _rest_margin(self, some: Sequence[ContactPlace], t: float) -> float:
-        return rest_margin(self.case, t, self.state, some)
 
     def _loss_of_guides(self, segment: Segment, regime: SolverRegime) -> float | None:
         """When forces that are not unique reach their limit in a segment, s; None if they do not."""
@@ -192,7 +190,8 @@ class PoseChart(ModeChanges):
             state, points = split(self.case, y)
             rates = np.array(phase.system.rates_of_numbers(t, tuple(y.tolist()), phase.parameters))
             now = [place(pair, state, points[k]) for pair, k in zip(pairs, some, strict=True)]
-            return guided_margin(self.case, t, state, rates[len(rates) - half :], now, modes, regime.turns)
+            balance = balance_of(self.case, t, state, rates[len(rates) - half :], now, modes, regime.turns)
+            return forces.margin(now, *balance)
 
         return first_loss_in(segment, margin)
 

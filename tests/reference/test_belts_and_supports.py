@@ -383,7 +383,7 @@ def test_forces_that_are_not_unique_are_computed_once_for_each_instant(monkeypat
     motion, calls, ranges = reference.simulate(cases.load("disc_in_v_of_belts")), [], columns.forces.ranges
     assert motion.t[-1] == 1.5  # its own samples are computed here
     monkeypatch.setattr(columns.forces, "ranges", lambda *how: calls.append(how) or ranges(*how))
-    columns._guided_ranges.cache_clear()
+    columns._ranges.cache_clear()
     times = np.linspace(0.3, 0.7, 5)
     for name in 2 * motion.contact_names:
         assert np.isfinite(motion.contact_columns(name, times).normal_range).all()

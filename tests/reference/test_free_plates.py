@@ -466,7 +466,7 @@ def test_ranges_of_forces_at_rest_are_computed_once_for_all_contacts_and_times(m
     """They are four linear programs a contact, and depend on nothing that changes at rest."""
     case, calls, ranges = cases.load("pile_of_discs"), [], plate_columns.forces.ranges
     monkeypatch.setattr(plate_columns.forces, "ranges", lambda *how: calls.append(how) or ranges(*how))
-    plate_columns._all_ranges.cache_clear()
+    plate_columns._ranges.cache_clear()
     motion = reference.simulate(case)
     for times in (np.array([0.1, 0.2]), np.array([0.3])):
         first, *others = (motion.contact_columns(name, times) for name in motion.contact_names)
