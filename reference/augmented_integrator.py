@@ -8,7 +8,8 @@ integrators: the variables of a mode (those that its constraints leave free), it
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -23,9 +24,7 @@ from .minimal.assembly import PAINLEVE_LEAST
 from .minimal.integrators.segment import Segment
 from .minimal.modes import FLIGHT, SLIP_SIGN, Phase, full_state
 from .minimal.system import System
-from .paper import contact_forces
 from .paper.augmented import (
-    WITHOUT_SLIP,
     AugmentedSystem,
     Solution,
     condition,
@@ -35,13 +34,13 @@ from .paper.augmented import (
     solution,
     uniqueness,
 )
-from .paper.kinematics import belt_of, slip_velocity
+from .paper.kinematics import at_each, belt_of, bend, slip_velocity
 
 # From this condition number on, half of the digits of a double may be lost in the solve, and the reason says so.
 NEARLY_SINGULAR = 1e8
 
 
-_NO_SOLUTION = Solution(np.full(3, np.nan), np.full(2, np.nan), np.full(1, np.nan), np.nan, np.nan, np.nan)
+_NO_SOLUTION = Solution(np.full(3, np.nan), np.full(2, np.nan), np.nan, np.nan, np.nan)
 
 
 class ContactQuantities(NamedTuple):
@@ -67,15 +66,19 @@ class LiteralSystem:
         self.guards = dict.fromkeys(phase.system.guards)  # their names
         self.check_layout = phase.system.check_layout
 
-    def system_at(self, t: float, y: Sequence[float]) -> AugmentedSystem:
-        """Assemble (27) at a state of the mode."""
+    def system_at(self, t: Any, y: Sequence[Any]) -> AugmentedSystem:
+        """Assemble (27) at a state of the mode, or at n states of shape (variables, n)."""
         mode, side, turn, _ = self.regime
-        state = full_state(self.case, self.phase, t, y)
+        if isinstance(t, np.ndarray):
+            instants = zip(t.tolist(), np.transpose(y).tolist(), strict=True)
+            state = [*np.array([full_state(self.case, self.phase, *instant) for instant in instants]).T]
+        else:
+            state = [*full_state(self.case, self.phase, t, y)]
         if self.original is None:
             return fill(self.case, mode, state, side, turn, t)
         # The state has θ relative to the track; the matrix is that of R(ξ₁, t) in the fixed frame.
-        angle = [value + track_place(self.original, t).angle for value in state[4:]]
-        return fill(self.original, mode, (*state[:4], *angle), side, turn, t)
+        state[4:] = [angle + track_place(self.original, t).angle for angle in state[4:]]
+        return fill(self.original, mode, state, side, turn, t)
 
     def rates_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
         """Rates of the mode's variables; NaN, which no step accepts, where the matrix is singular."""
@@ -94,42 +97,19 @@ class LiteralSystem:
 
     def guards_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> list[float]:
         """The guards' values; NaN for those that need forces if the matrix is singular."""
-        if not self.guards:
-            return []
-        equations = self.system_at(t, y)
-        try:
-            forces = solution(equations)
-        except np.linalg.LinAlgError:
-            forces = _NO_SOLUTION
-        contact = _Instant(self.phase.case, equations, forces, t)
-        return self._values(contact)
-
-    def _values(self, contact: Any) -> list[Any]:
-        """The guards' values of an `_Instant` or of `contact_forces.Contacts`, with the regime's slack (m/s²)."""
-        slack = dict(self.regime.slack)
-        return [_guard(self.phase, name, contact) + slack.get(name, 0.0) for name in self.guards]
+        return [float(value) for value in self._guards(t, y)]
 
     def guards_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """The guards' values at many instants, states of shape (variables, n)."""
-        contact = self._contacts(times, states) if self.guards else None
-        if contact is not None:
-            return self._values(contact)
-        columns = [self.guards_of_numbers(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
-        return list(np.array(columns).T)
+        return _together(self._guards, times, states)
 
-    def _contacts(self, times: np.ndarray, states: np.ndarray) -> contact_forces.Contacts | None:
-        """(27) solved at many instants at once; None where it has to be solved one by one, as at a singular one."""
-        mode, side, turn, _ = self.regime
-        if not len(times) or self.original is not None or self.regime == FLIGHT:
-            return None
-        if not contact_forces.fits(self.case, turn):
-            return None
-        instants = list(zip(times.tolist(), states.T.tolist(), strict=True))
-        full = [full_state(self.case, self.phase, t, y) for t, y in instants]
-        try:
-            return contact_forces.contacts(self.case, mode, full, side, turn, times.tolist())
-        except np.linalg.LinAlgError:
-            return None
+    def _guards(self, t: Any, y: Sequence[Any]) -> list[Any]:
+        """The guards' values at one instant or at n, with the regime's slack (m/s²)."""
+        if not self.guards:
+            return []
+        equations, slack = self.system_at(t, y), dict(self.regime.slack)
+        forces = _forces(equations, t)
+        return [_guard(self.phase, name, t, equations, forces) + slack.get(name, 0.0) for name in self.guards]
 
     def load_quantities_of_arrays(self, times: np.ndarray, states: np.ndarray, parameters) -> list[np.ndarray]:
         """The load's quantities, which do not depend on the matrix."""
@@ -137,107 +117,69 @@ class LiteralSystem:
 
     def outputs_of_arrays(self, times: np.ndarray, states: np.ndarray, _parameters=()) -> list[np.ndarray]:
         """The contact quantities in the order of `ContactQuantities`, each of shape (n,)."""
-        contact = self._contacts(times, states)
-        if contact is not None:
-            slip = np.zeros(len(times)) if self.regime.mode in WITHOUT_SLIP else contact.slip
-            mass = self.case.plate.mass
-            return [slip, contact.theta_dot, contact.normal_force / mass, contact.friction_force / mass]
-        rows = [self.outputs_of_numbers(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
-        return list(np.array(rows).reshape(-1, len(ContactQuantities._fields)).T)
+        if not len(times):
+            return [times] * len(ContactQuantities._fields)
+        return [np.broadcast_to(column, times.shape) for column in _together(self.outputs_of_numbers, times, states)]
 
-    def outputs_of_numbers(self, t: float, y: Sequence[float], _parameters=()) -> ContactQuantities:
-        """The same at one instant."""
-        equations = self.system_at(t, y)
+    def outputs_of_numbers(self, t: Any, y: Sequence[Any], _parameters=()) -> ContactQuantities:
+        """The same at one instant; forces are NaN if the matrix is singular."""
+        equations, mass = self.system_at(t, y), self.case.plate.mass
         slip = 0.0 if equations.rolls else slip_velocity(equations.k, belt_of(self.case, t)[0])
         omega = 0.0 if equations.rotation_fixed else equations.k.turning
-        try:
-            forces, mass = solution(equations), self.case.plate.mass
-        except np.linalg.LinAlgError:
-            return ContactQuantities(slip, omega, np.nan, np.nan)
+        forces = _forces(equations, t)
         return ContactQuantities(slip, omega, forces.normal_force / mass, forces.friction_force / mass)
 
 
-class _Instant(NamedTuple):
-    """A contact at one instant, with the quantities of `contact_forces.Contacts`."""
-
-    case: Case
-    equations: AugmentedSystem
-    forces: Solution
-    time: float
-
-    @property
-    def xi1(self) -> float:
-        return float(self.equations.k.q[0])
-
-    @property
-    def xi2(self) -> float:
-        return float(self.equations.k.q[1])
-
-    @property
-    def slip(self) -> float:
-        return slip_velocity(self.equations.k, belt_of(self.case, self.time)[0])
-
-    @property
-    def theta_dot(self) -> float:
-        return self.equations.k.turning
-
-    @property
-    def normal_force(self) -> float:
-        return self.forces.normal_force
-
-    @property
-    def friction_force(self) -> float:
-        return self.forces.friction_force
-
-    @property
-    def couple(self) -> float:
-        return self.forces.couple
-
-    @property
-    def fit(self) -> float:
-        k = self.equations.k
-        return _bend(k.rp, k.rs) - _bend(k.Rp, k.Rs)
-
-    def uniqueness(self) -> float:
-        return uniqueness(self.equations)
+def _forces(equations: AugmentedSystem, t: Any) -> Solution:
+    """(27) solved; NaN at one instant where it is singular, which raises numpy.linalg.LinAlgError among n."""
+    try:
+        return solution(equations)
+    except np.linalg.LinAlgError:
+        if isinstance(t, np.ndarray):
+            raise
+        return _NO_SOLUTION
 
 
-def _guard(phase: Phase, name: str, contact: Any) -> Any:
-    """The value of one guard, positive while the mode lasts, of an `_Instant` or of `contact_forces.Contacts`. Forces
-    per mass, couples over mass and radius of gyration."""
-    case, regime, parts = phase.case, phase.regime, phase.parts
+def _together(function: Callable[[Any, Any], Sequence[Any]], times: np.ndarray, states: np.ndarray) -> list[Any]:
+    """The columns of a function's values at many instants; computed one by one if (27) is singular in one of them."""
+    try:
+        return [*function(times, states)]
+    except np.linalg.LinAlgError:
+        rows = [function(t, y) for t, y in zip(times.tolist(), states.T.tolist(), strict=True)]
+        return list(np.array(rows).T)
+
+
+def _guard(phase: Phase, name: str, t: Any, equations: AugmentedSystem, forces: Solution) -> Any:
+    """The value of one guard, positive while the mode lasts, at one instant or at n. Forces per mass, couples over mass
+    and radius of gyration."""
+    case, regime, parts, k = phase.case, phase.regime, phase.parts, equations.k
     mass, size = case.plate.mass, case.plate.gyration
     curve, _, end = name.partition("_")
     if curve in ("track", "outline"):
         track, outline = (case.track.part(parts[0]), case.plate.outline.part(parts[1]))
-        xi, domain = (contact.xi1, track.domain) if curve == "track" else (contact.xi2, outline.domain)
+        xi, domain = (k.q[0], track.domain) if curve == "track" else (k.q[1], outline.domain)
         assert domain is not None  # a curve without ends has no such guard
         return xi - domain[0] if end == "start" else domain[1] - xi
-    if name.startswith(OWN_END):
-        slip = 0.0 if contact.equations.rolls else contact.slip
-        return own_guard(case, name, contact.time, slip, contact.theta_dot)
-    pressing = regime.side * contact.normal_force
+    if name == "fit":
+        return bend(k.rp, k.rs) - bend(k.Rp, k.Rs)
+    if name == "painleve":
+        return uniqueness(equations) - PAINLEVE_LEAST
+    if name in ("turn", "slip") or name.startswith(OWN_END):
+        spin = 0.0 if equations.rotation_fixed else k.turning
+        if name == "turn":
+            return (regime.turn or 0) * spin * size
+        slip = 0.0 if equations.rolls else slip_velocity(k, belt_of(case, t)[0])
+        return (
+            SLIP_SIGN[regime.mode] * slip if name == "slip" else at_each(partial(own_guard, case, name), t, slip, spin)
+        )
+    pressing = regime.side * forces.normal_force
     if name == "normal_force":
         return pressing / mass
-    if name == "slip":
-        return SLIP_SIGN[regime.mode] * contact.slip
-    if name == "turn":
-        return (regime.turn or 0) * contact.theta_dot * size
-    if name == "fit":
-        return contact.fit
-    if name == "painleve":
-        return contact.uniqueness() - PAINLEVE_LEAST
     sense = 1.0 if end == "forward" else -1.0
     if curve == "cone":
-        return (laws(case).friction.coefficients(case)[1] * pressing + sense * contact.friction_force) / mass
+        return (laws(case).friction.coefficients(case)[1] * pressing + sense * forces.friction_force) / mass
     assert curve == "couple"
-    return (laws(case).resistance.arm(case) * pressing + sense * contact.couple) / (mass * size)
-
-
-def _bend(p: np.ndarray, s: np.ndarray) -> float:
-    """A curve's curvature from its first and second derivative, 1/m."""
-    (p_x, p_y), (s_x, s_y) = p.tolist(), s.tolist()
-    return float((p_x * s_y - p_y * s_x) / np.hypot(p_x, p_y) ** 3)
+    return (laws(case).resistance.arm(case) * pressing + sense * forces.couple) / (mass * size)
 
 
 def prepare(phase: Phase, rtol: float = 1e-10) -> None:
