@@ -117,8 +117,13 @@ def lies_flat(case: PieceCase, xi1: float, xi2: float) -> bool:
 
 def corners_meet(case: PieceCase, xi1: float, xi2: float) -> bool:
     """Whether a corner touches a corner at these parameters: also one that touches the end of a piece next to it."""
+    return touching_corners(case, xi1, xi2) is not None
+
+
+def touching_corners(case: PieceCase, xi1: float, xi2: float) -> PieceCase | None:
+    """The case on the corners that `corners_meet`; None if they do not."""
     if corner_on_corner(case):
-        return True
+        return case
     for i, (piece, s) in enumerate(zip(case.pieces, (xi1, xi2), strict=True)):
         if isinstance(piece, Corner) or not isinstance(case.pieces[1 - i], Corner):
             continue
@@ -127,8 +132,8 @@ def corners_meet(case: PieceCase, xi1: float, xi2: float) -> bool:
             following = neighbour(case, i == 0, step)
             is_near = abs(distance) * float(piece.speed(s)) <= LEVEL
             if is_near and following is not None and corner_on_corner(following):
-                return True
-    return False
+                return following
+    return None
 
 
 @lru_cache(maxsize=4096)

@@ -106,26 +106,27 @@ def _by_series(
     return all(sign > 0 if name in velocities else sign >= 0 for name, sign in signs.items())
 
 
-def vanishing(candidate: Phase, t: float, y: Sequence[float], error: float, weak: float) -> tuple[str, ...]:
-    """The conditions on forces of a phase that vanish and stay at zero along its motion: they are no events.
-
-    An integrator would find their roundings below zero; arguments as of `follows`."""
-    system = candidate.system
-    numbers = system.conditions_of_numbers(t, state_in(candidate, y), candidate.parameters)
-    values = zip(system.conditions, numbers, strict=True)
-    velocities = system.condition_rates
-    names = [n for n, v in values if abs(v) <= weak and n not in velocities and not n.startswith(("gap:", "row_"))]
-    if not names:
-        return ()
-    signs = _leading_signs(candidate, t, y, error, ORDER, weak=weak)
-    return tuple(name for name in names if signs[name] == 0)
-
-
 def slack_of(
     candidate: Phase, t: float, y: Sequence[float], error: float, weak: float
 ) -> tuple[tuple[str, float], ...]:
-    """The same conditions, each with how far below zero its roundings may be (m/s²)."""
-    return tuple((name, power_of_two(SLACK * weak)) for name in vanishing(candidate, t, y, error, weak))
+    """The conditions on forces and gaps of a phase that vanish and stay at zero along its motion, each with how far
+    below zero its roundings may be (m/s², m): they are no events. Plates that float next to each other neither close
+    nor open a contact.
+
+    An integrator would find their roundings below zero; arguments as of `follows`."""
+    y = state_in(candidate, y)
+    numbers = candidate.system.conditions_of_numbers(t, y, candidate.parameters)
+    values = dict(zip(candidate.system.conditions, numbers, strict=True))
+    bounds = {name: weak for name in values if name not in candidate.system.condition_rates and name[:4] != "row_"}
+    bounds |= {name: _gap_rounding(candidate, y, values[name]) for name in bounds if name.startswith("gap:")}
+    names = [name for name, bound in bounds.items() if abs(values[name]) <= bound]
+    signs = _leading_signs(candidate, t, y, error, ORDER, weak=weak) if names else {}
+    return tuple((name, power_of_two(SLACK * bounds[name])) for name in names if signs[name] == 0)
+
+
+def _gap_rounding(candidate: Phase, y: Sequence[float], gap: float) -> float:
+    """The rounding of a gap, m: not in the units of forces."""
+    return AT_BOUND * (candidate.size + abs(y[0]) + abs(y[1]) + abs(gap))
 
 
 def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0, weak: float = 0.0) -> dict[str, int]:
@@ -148,9 +149,8 @@ def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0
     forces = {name: value for name, value in values.items() if name not in velocities and name not in gaps}
     largest = AT_BOUND * max((abs(_value(force)) for force in forces.values()), default=0.0)
     rounding = dict.fromkeys(forces, max(largest, weak))
-    if gaps:  # of poses: not in the units of forces
-        lengths = [abs(_value(gap)) for gap in gaps.values()]
-        rounding |= dict.fromkeys(gaps, AT_BOUND * (candidate.size + abs(y[0]) + abs(y[1]) + max(lengths)))
+    if gaps:
+        rounding |= dict.fromkeys(gaps, _gap_rounding(candidate, y, max(abs(_value(gap)) for gap in gaps.values())))
     rounding |= dict.fromkeys(velocities, still)
     return {name: series.sign(v, rounding.get(name, 0.0)) for name, v in values.items()}
 

@@ -43,9 +43,9 @@ FEW = 8
 MOST_AFTER_STEP, FAR = 8, 1e-3
 # Samples of a step at which far plates are looked at.
 LOOKS = 16
-# A contact at the end of an element has no gap in the pair beside either: its search begins as soon as this part of
-# a step later.
+# A contact at the end of an element has no gap in the pair beside either: the search goes on this part of a step later.
 LATER = 0.0, 1e-9, 1e-6, 1e-3
+# A contact that has left a corner over a corner has no gap in its pair for as long.
 SOON = 2.0 * LATER[-1]
 # The interval around a meeting in which a zero of the gap is searched is widened by four, at most this many times.
 MOST_WIDENINGS = 20
@@ -129,8 +129,10 @@ class CoupleSearch:
             return None
 
         def is_new(meeting: ElementMeeting) -> bool:
-            soon = meeting.time <= edges[0] + SOON * (edges[1] - edges[0])
-            return not (soon and self._is_in_view(meeting, pairs, begin))
+            if meeting.time <= edges[0] + SOON * (edges[1] - edges[0]) and meeting.pair in view.parted:
+                return False
+            points = [view.points(k, np.array([meeting.time]))[:, 0] for k, _ in in_view]
+            return not self._is_in_view(meeting, pairs, points)
 
         earliest = self._first_of_shapes(quick, poses, edges, is_new) if quick else None
         if not self.others:
@@ -147,19 +149,24 @@ class CoupleSearch:
         def around(pair: PieceCase, ends: np.ndarray) -> list[Cores]:
             return [view.cores(k, ends)[0] for k, numbers in smooth.items() if numbers == in_round(pair)]
 
+        start, step = edges[0], edges[1] - edges[0]
         for later in LATER:
-            some = np.append(edges[0] + later * (edges[1] - edges[0]), edges[1:])
+            since = start + later * step
+            some = np.append(since, edges[edges > since])
+            if len(some) < 2:
+                break
             near = self.boxes.first(poses, some, exclusions, around)
             if near is None:
                 return earliest
             meeting = _locate(poses, view.start, near.pair, near.time, near[2:])
             if is_new(meeting):
                 return meeting
+            start = max(start, meeting.time)
         return earliest
 
     def _is_in_view(self, meeting: ElementMeeting, pairs: Sequence[PieceCase], points: Sequence[np.ndarray]) -> bool:
-        """Whether a meeting is at the place of a contact that is watched, in a neighbour of its pair; `points`: their
-        parameters, (2,) each, where the segment begins."""
+        """Whether a meeting is at the place of a contact that is watched, in a neighbour of its pair: it passes there.
+        `points`: the contacts' parameters, (2,) each, at that time."""
         place, reach = meeting.pair.pieces[0].point(meeting.xi1), self.couple.plate.reach
         return any(
             np.hypot(*(one.pieces[0].point(xi1) - place)) <= APART * reach and _are_neighbours(one, meeting.pair)

@@ -150,7 +150,11 @@ class ModeChanges(ImpactEnds):
             tuple(watch.name for watch in self.watches),
             frozenset(resting),
             tuple(shares.get(k) for k in range(len(now))),
-            tuple((f"{kind}:{order[name]}" if name else kind, amount) for kind, name, amount in slack),
+            tuple(
+                (f"{kind}:{order[name]}" if name else kind, amount)
+                for kind, name, amount in slack
+                if not name or name in order  # a contact that is no longer watched has no guard
+            ),
             tuple(float(np.float32(watch.lost)) for watch in self.watches),
             turns,
             tuple(guides.get(watch.name) for watch in self.watches) if guides else (),

@@ -12,7 +12,7 @@ from cases import Belt, Case, Mode, Transition
 from cases.contact import belt_speed, clearance
 from cases.scene.contact_limits import has_features
 from cases.scene.free_plates import plates_of
-from cases.scene.piece_case import LEVEL, PieceCase, corner_on_corner, corners_meet, is_concave, neighbour
+from cases.scene.piece_case import LEVEL, PieceCase, corner_on_corner, is_concave, neighbour, touching_corners
 
 from ..effect_laws.friction import STICKING
 from ..endings import (
@@ -36,7 +36,7 @@ from .meet import Meetings
 from .mode_changes import ModeChanges
 from .places import couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import size, speed
-from .regimes import SolverPhase, SolverRegime, ends_flat, join, solver_phase, split
+from .regimes import AT_END, SolverPhase, SolverRegime, ends_flat, join, solver_phase, split
 from .rest import first_loss, first_loss_in, looks_at_load
 from .rotations import rigid_pairs
 from .segment_view import view_of
@@ -69,6 +69,9 @@ class PoseChart(ModeChanges):
         super().__init__(case, t, state, before is None)
         self.rtol, self.integrate, self.segments = rtol, integrate, segments
         self.idle, self.meetings, self.errors = 0, Meetings(case), error_range(rtol)
+        self.parted: tuple[
+            PieceCase, ...
+        ] = ()  # pairs that a contact has left over a corner of both, where the phase begins
         self.enter: Callable[[], None] | None = partial(self._enter, before)
 
     def phase(self) -> Ending | None:
@@ -126,7 +129,8 @@ class PoseChart(ModeChanges):
                 loss,
                 {name for name, used in zip(regime.names, regime.guides, strict=True) if used is not None},
             )
-        meeting = self.meetings.first(view_of(segment))
+        meeting = self.meetings.first(view_of(segment, self.parted))
+        self.parted = ()
         if meeting is not None and meeting.time <= segment.event.time:
             segment = segment.cut(meeting.time, None)
         else:
@@ -150,9 +154,11 @@ class PoseChart(ModeChanges):
         return self._event(segment, stuck)
 
     def _corners_meet(self, flight: Segment, meeting: ElementMeeting) -> bool:
-        """Whether a corner meets a corner from which it has not just departed, and the plate touches nothing else."""
+        """Whether a corner meets a corner from which it has not just departed, and the plate touches nothing else. An
+        inner corner is met on both sides, whose normals are the directions of the impact."""
         pair, least = meeting.pair, MEETS * size(self.case, self.state)
-        if couple_of(pair).base is not None or not corners_meet(pair, meeting.xi1, meeting.xi2):
+        corners = touching_corners(pair, meeting.xi1, meeting.xi2) if couple_of(pair).base is None else None
+        if corners is None or is_concave(corners):
             return False
         place, state = pair.pieces[0].point(meeting.xi1), np.array(self.state)
         first = flight.states(np.array([flight.start]))[: self.half, 0]
@@ -293,7 +299,6 @@ class PoseChart(ModeChanges):
         if ends_flat(watch.pair, of_track, step):  # the side reaches the other curve's end
             return ENDS[kind.replace("outline", "track") if not of_track else kind.replace("track", "outline")]
         whole = watch.pair.to_whole(*watch.points)
-        self.causes[watch.name] = CAUSES["piece"]
         if is_concave(following):  # it comes to the next piece at the same place
             beyond = neighbour(following, of_track, step)
             if beyond is None:
@@ -305,15 +310,22 @@ class PoseChart(ModeChanges):
                 return None
             self._settle(stuck, closing={other.name})
             return None
+        self.causes[watch.name] = CAUSES["piece"]
         if corner_on_corner(following) and watch.mode in STICKING:  # it met that corner, and stays
             watch.at_joint = True
             self._settle(stuck)
             return None
+        corner = watch.pair.pieces[1 if of_track else 0]
+        off = watch.points[1 if of_track else 0] - corner.span[1 if step < 0 else 0]
+        if corner_on_corner(following) and abs(off) <= AT_END:
+            # The side behind that corner lies flat, and goes on over the other curve's corner.
+            following, of_track, step = neighbour(following, not of_track, -step) or following, not of_track, -step
         if corner_on_corner(following):  # the plate's corner passes the other curve's
             self.fixed = {watch.name: (Mode.FLIGHT,)}
             self._record({one.name: one.mode for one in self.watches if one is not watch})
             self.watches = [one for one in self.watches if one is not watch]
             self.touching.discard(watch.name)
+            self.parted = (watch.pair,)
             self._settle(stuck - {watch.name})
             return None
         points = self._start_of(following, whole, of_track, step)

@@ -28,8 +28,8 @@ HALVINGS = 16
 @dataclass
 class SegmentView:
     """Times (s) of a segment's steps, times (n,) ↦ poses of all plates (3 plates, n); the pairs of elements with a
-    contact that is watched, of each its number and times ↦ the parameters (2, n) and the gap (n,), m; and the plates at
-    rest."""
+    contact that is watched, of each its number and times ↦ the parameters (2, n) and the gap (n,), m; the plates at
+    rest; and the pairs that a contact has left over a corner of both curves where the segment begins."""
 
     times: np.ndarray
     poses: Poses
@@ -37,6 +37,7 @@ class SegmentView:
     points: Callable[[int, np.ndarray], np.ndarray]
     gap: Callable[[int, np.ndarray], np.ndarray]
     resting: frozenset[int]
+    parted: tuple[PieceCase, ...] = ()
     known: dict[tuple[int, bytes], tuple[Cores, np.ndarray]] = field(default_factory=dict)
 
     @property
@@ -79,7 +80,7 @@ class SegmentView:
         return np.append(ends[0], ends[1, -1])
 
 
-def view_of(segment: Segment) -> SegmentView:
+def view_of(segment: Segment, parted: tuple[PieceCase, ...] = ()) -> SegmentView:
     """A segment in poses."""
     phase, states = segment.phase, remember(segment.states)
     regime, half = regime_of(phase), 3 * len(bodies(phase.case).reaches)
@@ -90,6 +91,7 @@ def view_of(segment: Segment) -> SegmentView:
         lambda k, times: states(times)[half + 2 * k : half + 2 * k + 2],
         lambda k, times: gap_of(phase, k, times, states(times)),
         regime.resting,
+        parted,
     )
 
 

@@ -1,7 +1,7 @@
 """Features with each other: exact motions of scenes in which two of them meet, and laws where no motion is known."""
 
-from dataclasses import dataclass
-from math import cos, pi, sin, sqrt
+from dataclasses import dataclass, replace
+from math import cos, inf, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -27,6 +27,7 @@ from cases import (
     Mode,
     Outline,
     Pair,
+    PerfectlyRough,
     Plate,
     RollingResistance,
     Start,
@@ -190,10 +191,13 @@ def test_a_box_tips_where_its_weight_exceeds_the_couple_of_rolling_resistance(ar
 
 @METHOD
 def test_a_load_on_a_further_plate_moves_it_where_it_exceeds_friction(method):
+    """Of 10 t, what exceeds 0.3 g from t₀ on: x = 5 (t − t₀)³/3. Corners of both boxes slide over each other."""
     upper = FreePlate(BOX, StartPose(0.0, 0.15), "upper", Load(fx="10*t"))
     case = Case(line(), BOX, (*INELASTIC, CoulombFriction(0.3)), StartPose(0.0, 0.05), 0.5, others=(upper,))
     motion = reference.simulate(case, method=method)
     assert motion.transitions[0].time == pytest.approx(0.03 * G, abs=1e-12)
+    assert motion.status == "completed"
+    assert motion.plate("upper").x[-1] == pytest.approx(5.0 / 3.0 * (0.5 - 0.03 * G) ** 3, abs=1e-9)
     assert not reference.check(case, motion)
 
 
@@ -330,6 +334,61 @@ def test_a_side_that_turns_flat_over_the_end_of_a_shelf_reaches_it(corner, suppo
     else:
         assert motion.status == "completed"
         assert motion.transitions[0].time == pytest.approx(flat, abs=1e-10)
+
+
+@METHOD
+@pytest.mark.parametrize("length", [0.3, 0.31, 0.7])
+def test_a_corner_that_slides_into_an_inner_corner_climbs_the_other_flank(length, method):
+    """Without friction, turning or rebound, of the speed V the part along the other flank remains, V cos 2a."""
+    a, tip = (
+        0.5,
+        Plate.homogeneous(
+            Outline.polygon([(0.0, 0.0), (0.05, 0.2), (-0.05, 0.2)]),
+            1.0,
+        ),
+    )
+    speed = sqrt(2.0 * G * sin(a) * length)
+    arrival, climb = speed / (G * sin(a)), 2.0 * speed * cos(2.0 * a) / (G * sin(a))
+    valley = Chain.polyline([(-3.0 * cos(a), 3.0 * sin(a)), (0.0, 0.0), (3.0 * cos(a), 3.0 * sin(a))])
+    start = StartPose(-length * cos(a), length * sin(a) + 2.0 * 0.2 / 3.0)
+    case = Case(valley, replace(tip, inertia=inf), INELASTIC, start, arrival + 0.3)
+    motion = reference.simulate(case, method=method)
+    assert motion.status == "completed"
+    assert not reference.check(case, motion)
+    assert motion.transitions[0].time == pytest.approx(arrival, abs=1e-9)
+    after = motion(arrival + 0.5 * min(climb, 0.2))
+    expected = speed * cos(2.0 * a) - G * sin(a) * 0.5 * min(climb, 0.2)
+    assert (after.vx, after.vy) == pytest.approx((expected * cos(a), expected * sin(a)), abs=1e-8)
+
+
+@METHOD
+@pytest.mark.parametrize("angle", [0.2, 0.3, 0.31, 0.7])
+def test_a_side_that_slides_off_an_edge_falls_freely(angle, method):
+    """A box that does not turn slides down by g sin a, its side on the edge, and then flies on."""
+    table = Chain.polyline([(-3.0, 0.0), (0.0, 0.0), (0.0, -3.0)])
+    x, y = 0.02, 0.05  # of the centre from the edge, along the side and across
+    start = StartPose(x * cos(angle) + y * sin(angle), y * cos(angle) - x * sin(angle), -angle)
+    case = Case(table, replace(BOX, inertia=inf), INELASTIC, start, 0.5)
+    motion = reference.simulate(case, method=method)
+    leaves = sqrt(2.0 * (0.1 - x) / (G * sin(angle)))
+    assert (motion.status, [one.after for one in motion.transitions]) == ("completed", [Mode.FLIGHT])
+    assert motion.transitions[0].time == pytest.approx(leaves, abs=1e-10)
+    speed, rest = G * sin(angle) * leaves, 0.5 - leaves
+    assert motion.vx[-1] == pytest.approx(speed * cos(angle), abs=1e-9)
+    assert motion.vy[-1] == pytest.approx(-speed * sin(angle) - G * rest, abs=1e-9)
+
+
+@METHOD
+@pytest.mark.parametrize("height", [0.3, 0.31, 0.447])
+def test_a_disc_floats_on_a_rough_box_that_a_load_pushes_as_both_fall(height, method):
+    """Nothing presses them together, so that no friction acts: the box moves by f t²/2m, the disc falls straight."""
+    effects = (Gravity(G), Unilateral(), Flight(), Impact(0.0, "moreau"), PerfectlyRough(), Load(fx=2.5))
+    others = (FreePlate(disc(0.06, 2.0), StartPose(0.0, height + 0.11), "disc"),)
+    case = Case(line(), BOX, effects, StartPose(0.0, height), 0.2, others=others)
+    motion = reference.simulate(case, method=method)
+    assert (motion.status, motion.transitions) == ("completed", ())
+    assert motion.x[-1] == pytest.approx(0.5 * 2.5 * 0.2**2, abs=1e-12)
+    assert motion.plate("disc").x[-1] == 0.0
 
 
 # --- laws -------------------------------------------------------------------------------------------------------------
