@@ -31,14 +31,9 @@ from .elimination import (
     Elimination,
     T,
     Torsor,
-    conveyance,
-    conveyance_speeds,
-    resting,
-    rolling,
-    rolling_speeds,
-    sliding,
+    eliminate,
+    speeds,
     spin,
-    translating,
 )
 from .frames import CORNER, Frame, frame
 from .system import LOAD_FORCES, Equations, System, checked_with_friction
@@ -95,20 +90,12 @@ def _contact_equations(track, outline, ends: tuple[str, ...], law: Laws, kind: K
     f = frame(track, X1, "track_")
     h = frame(outline, X2, "outline_")
     belt = law.belt.surface
-    runs = belt.speed is not ZERO
-    speeds = _speeds(f, h, belt, kind)
-    pose = _motion(f, h, belt, kind, speeds)
+    own_speeds = speeds(f, h, belt, *kind)
+    pose = _motion(f, h, belt, kind, own_speeds)
     slip = U1 * f.P - U2 * h.P - belt.speed if kind.slips else ZERO
     load = _load(law, pose)
     force = _at_contact(_force(f, law, pose, load), h, law, slip, pose[_MOTION[6]])
-    if kind.holds and not kind.slips:
-        motion = conveyance(f, h, force, belt) if runs else resting(h, force)
-    elif kind.holds:
-        motion = translating(f, h, force, belt, law.friction.ratio)
-    elif kind.slips:
-        motion = sliding(f, h, force, belt, law.friction.ratio, law.resistance.couple)
-    else:
-        motion = rolling(f, h, force, belt, law.resistance.couple)
+    motion = eliminate(f, h, force, belt, *kind, law.friction.ratio, law.resistance.couple)
     motion = Elimination(*substitute(motion, load))
     ratio = law.friction.ratio_at(motion.slip, law.side) if kind.slips else law.friction.ratio
     if ratio is not law.friction.ratio:
@@ -118,8 +105,8 @@ def _contact_equations(track, outline, ends: tuple[str, ...], law: Laws, kind: K
         conditions["normal_force"] = law.side * motion.normal  # inside the cone it is not negative
     positions = (X1, X2, *([THETA] if law.needs_angle else []))
     variables = (*positions, *_velocities(kind, h))
-    rate_of = {X1: speeds[0], X2: speeds[1], THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
-    rests = not _STATES[kind] and not runs
+    rate_of = {X1: own_speeds[0], X2: own_speeds[1], THETA: motion.omega, U1: motion.u1_dot, U2: motion.u2_dot}
+    rests = not _STATES[kind] and belt.speed is ZERO
     rates = tuple(rate_of[v] for v in variables)
     moving = {T} if rests else {*variables, T}
     fit = {} if f.sign or h.sign else {"fit": h.curvature - f.curvature}  # a corner fits on every smooth curve
@@ -154,16 +141,9 @@ def _velocities(kind: Kind, h: Frame) -> tuple[Node, ...]:
     return (U2,) if h.sign and kind == Kind(slips=False, holds=False) else _STATES[kind]
 
 
-def _speeds(f: Frame, h: Frame, belt: Surface, kind: Kind) -> tuple[Node, Node]:
-    """ξ̇₁ and ξ̇₂ in terms of the contact's state."""
-    if kind.slips:
-        return U1, U2
-    return conveyance_speeds(f, h, belt) if kind.holds else rolling_speeds(f, h, belt)
-
-
-def _motion(f: Frame, h: Frame, belt: Surface, kind: Kind, speeds: tuple[Node, Node]) -> dict[Node, Node]:
+def _motion(f: Frame, h: Frame, belt: Surface, kind: Kind, own: tuple[Node, Node]) -> dict[Node, Node]:
     """Pose and velocities of the plate, the arguments of a load, in terms of the contact's state."""
-    omega = ZERO if kind.holds else spin(f, h, *speeds)
+    omega = ZERO if kind.holds else spin(f, h, *own)
     point = U1 * f.P - U2 * h.P if kind.slips else belt.speed
     along, across = point + omega * h.hn, -omega * h.ht
     _, x, y, _, vx, vy, w = _MOTION

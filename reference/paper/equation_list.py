@@ -49,7 +49,7 @@ LINES = (
     Equation(24, "q₂ = (ξ₁, ξ₂)", (_KINEMATICS + "Kinematics",)),
     Equation(25, "C, where the third derivatives enter", (_CONSTRAINTS,)),
     Equation(26, "B q̈₁ + D q̈₂ = C", (_CONSTRAINTS, _SYSTEM + "rolling_row")),
-    Equation(27, "the augmented system", (_FILL, _SYSTEM + "solution", "reference.minimal.elimination:sliding")),
+    Equation(27, "the augmented system", (_FILL, _SYSTEM + "solution", "reference.minimal.elimination:eliminate")),
     Equation(28, "Coulomb: T is μ₀ N in size", (_SYSTEM + "friction_ratio",)),
     Equation(29, "T along R_p", (_COLUMN,)),
     Equation(30, "the sign of μ, against the slip", (_SYSTEM + "SIGN", _SYSTEM + "friction_ratio")),
