@@ -15,9 +15,9 @@ import numpy as np
 from . import slip_laws
 from .derivation import derived, in_one_thread
 from .errors import BadValue, finite, not_negative, positive
-from .formulas import expressions, features, formula_symbols
+from .formulas import features, formula_symbols
 from .formulas import late_sympy as sp
-from .formulas.effect_formulas import features_in_time, formula_in, values_of
+from .formulas.effect_formulas import WithFormulas, features_in_time, formula_in, values_of
 from .formulas.expression_graph import Node, from_sympy, symbol
 from .formulas.formula_symbols import __getattr__ as __getattr__
 from .moving_surface import Belt, Drive
@@ -59,7 +59,7 @@ class Gravity:
 
 
 @dataclass(frozen=True)
-class Load:
+class Load(WithFormulas):
     """A force at the centre of mass, components `fx`, `fy` in the fixed frame (N), and a `moment` about it (N m).
 
     The paper's torsor (F_x, F_y, M₀). Each is a number or a formula in t, x, y, theta, vx, vy, omega: text such as
@@ -76,10 +76,6 @@ class Load:
             object.__setattr__(self, name, formula_in(formula_symbols.MOTION, f"{name} of Load", getattr(self, name)))
         if not any(self.expression):
             raise BadValue("every component of Load is 0; leave Load out for a scene without one")
-
-    def __reduce__(self):
-        """A load travels to another process as its formulas; what is compiled from them stays."""
-        return _restore, tuple(map(expressions.as_tree, self.expression))
 
     @property
     def expression(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
@@ -114,14 +110,8 @@ def checked_quantities(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]
     return *to_check, *nodes
 
 
-@in_one_thread
-def _restore(*trees) -> Load:
-    """The load that a process sent."""
-    return Load(*map(expressions.from_tree, trees))
-
-
 @dataclass(frozen=True)
-class CoulombFriction:
+class CoulombFriction(WithFormulas):
     """Dry friction: |T| = mu·N against the slip velocity, |T| ≤ mu_static·N without slip (mu_static=None: mu at rest).
 
     `mu` is a number, or a formula in v, the slip speed (m/s, v ≥ 0): text such as "0.1 + 0.1*exp(-v/0.05) + 0.02*v", or
@@ -143,10 +133,6 @@ class CoulombFriction:
             if self.mu_static < self.at_rest:
                 mu = f"mu = {self.at_rest:g}" + (" at v = 0" if self.by_speed else "")
                 raise BadValue(f"mu_static of CoulombFriction is {self.mu_static:g}, below {mu}; give at least mu")
-
-    def __reduce__(self):
-        """Friction by a formula travels to another process as that formula."""
-        return _restore_friction, (expressions.as_tree(self.mu) if self.by_speed else self.mu, self.mu_static)
 
     @property
     def by_speed(self) -> bool:
@@ -177,12 +163,6 @@ class CoulombFriction:
         slip."""
         mu = self.at(abs(slip))
         return mu, np.maximum(mu, self.mu_static or 0.0)
-
-
-@in_one_thread
-def _restore_friction(mu, mu_static: float | None) -> CoulombFriction:
-    """The friction that a process sent."""
-    return CoulombFriction(mu if isinstance(mu, float) else expressions.from_tree(mu), mu_static)
 
 
 @dataclass(frozen=True)

@@ -92,19 +92,19 @@ def in_track_frame(motion: Trajectory) -> Trajectory:
     """The motion of a driven case as its track sees it, with that case: for pictures and films of it."""
     if motion.case is None:
         raise BadValue("the motion has no case; give it one: dataclasses.replace(…, case=case)")
-    return _seen(motion, relative_case(motion.case), _SeenFromTrack(motion.case, motion))
+    return _seen(motion, relative_case(motion.case), _View(motion.case, motion, from_track=True))
 
 
 def in_fixed_frame(case: Case, motion: Trajectory) -> Trajectory:
     """A motion of `relative_case(case)` in the fixed frame."""
-    return _seen(motion, case, _SeenFromOutside(case, motion))
+    return _seen(motion, case, _View(case, motion, from_track=False))
 
 
 def _seen(motion: Trajectory, case: Case, view: _View) -> Trajectory:
     others: dict[str, Any] = {f.name: getattr(motion, f.name) for f in fields(motion) if f.name not in _SAMPLES}
     dense = view if motion.dense is not None else None
     if motion.plate_columns is not None:
-        others |= dict(plate_columns=_PlatesSeen(view))
+        others |= dict(plate_columns=view.plate)
     return Trajectory.on_demand(view.samples, **others | dict(case=case, dense=dense))
 
 
@@ -112,10 +112,10 @@ _SAMPLES = ("t", *State._fields)
 
 
 class _View:
-    """A motion from another frame: times (n,) ↦ State."""
+    """A motion of a case in one frame, as it is from the track's frame or from the fixed one: times (n,) ↦ State."""
 
-    def __init__(self, case: Case, motion: Trajectory):
-        self.case, self.motion = case, motion
+    def __init__(self, case: Case, motion: Trajectory, from_track: bool):
+        self.case, self.motion, self.from_track = case, motion, from_track
 
     def __call__(self, when: np.ndarray) -> State:
         return self.move(when, self.motion(when))
@@ -125,44 +125,14 @@ class _View:
         motion = self.motion
         return motion.t, self.move(motion.t, State(*(np.asarray(getattr(motion, name)) for name in State._fields)))
 
+    def plate(self, name: str, times: np.ndarray | None) -> State:
+        """One of the plates, as `plate_columns` of a Trajectory."""
+        assert self.motion.plate_columns is not None
+        return self.move(self.motion.t if times is None else times, self.motion.plate_columns(name, times))
+
     def move(self, when: np.ndarray, state: State) -> State:
         """The states in the other frame."""
-        raise NotImplementedError
-
-
-class _PlatesSeen:
-    """The plates of a motion from another frame: (name, times) ↦ State, as `plate_columns` of a Trajectory."""
-
-    def __init__(self, view: _View):
-        self.view = view
-
-    def __call__(self, name: str, times: np.ndarray | None) -> State:
-        motion = self.view.motion
-        assert motion.plate_columns is not None
-        return self.view.move(motion.t if times is None else times, motion.plate_columns(name, times))
-
-
-class _SeenFromOutside(_View):
-    """From the track's frame to the fixed one."""
-
-    def move(self, when: np.ndarray, state: State) -> State:
         place = track_place(self.case, when)
-        c, s = np.cos(place.angle), np.sin(place.angle)
-        rx, ry = c * state.x - s * state.y, s * state.x + c * state.y
-        return state._replace(
-            x=place.x + rx,
-            y=place.y + ry,
-            theta=state.theta + place.angle,
-            vx=place.vx + c * state.vx - s * state.vy - place.spin * ry,
-            vy=place.vy + s * state.vx + c * state.vy + place.spin * rx,
-            omega=state.omega + place.spin,
-        )
-
-
-class _SeenFromTrack(_View):
-    """From the fixed frame to the track's."""
-
-    def move(self, when: np.ndarray, state: State) -> State:
-        place = track_place(self.case, when)
-        x, y, vx, vy, omega = place.seen_from_track(state.x, state.y, state.vx, state.vy, state.omega)
-        return state._replace(x=x, y=y, theta=state.theta - place.angle, vx=vx, vy=vy, omega=omega)
+        move, turn = (place.seen_from_track, -1) if self.from_track else (place.seen_from_outside, 1)
+        x, y, vx, vy, omega = move(state.x, state.y, state.vx, state.vy, state.omega)
+        return state._replace(x=x, y=y, theta=state.theta + turn * place.angle, vx=vx, vy=vy, omega=omega)

@@ -13,9 +13,9 @@ import numpy as np
 
 from .derivation import derived, in_one_thread
 from .errors import BadValue, numbers
-from .formulas import expressions, features, formula_symbols
+from .formulas import features, formula_symbols
 from .formulas import late_sympy as sp
-from .formulas.effect_formulas import features_in_time, formula_in, values_of
+from .formulas.effect_formulas import WithFormulas, features_in_time, formula_in, values_of
 from .formulas.expression_code import ON_ARRAYS, function_of
 from .formulas.formula_symbols import __getattr__ as __getattr__
 
@@ -23,7 +23,7 @@ Values = Callable[[float], list[float]]
 
 
 @dataclass(frozen=True)
-class Belt:
+class Belt(WithFormulas):
     """The track's surface runs along it with `speed` (m/s), positive towards increasing xi1: a conveyor.
 
     A number or a formula in t, as text such as "0.5 + 0.1*sin(3*t)" or an expression in `cases.moving_surface.TIME`.
@@ -38,10 +38,6 @@ class Belt:
         object.__setattr__(self, "speed", formula_in((formula_symbols.TIME,), "speed of Belt", self.speed))
         if self.expression.is_zero:
             raise BadValue("speed of Belt is 0; leave Belt out for a track at rest")
-
-    def __reduce__(self):
-        """A belt travels to another process as its formula; what is compiled from it stays."""
-        return _restore_belt, (expressions.as_tree(self.expression),)
 
     @property
     def expression(self) -> sp.Expr:
@@ -71,12 +67,6 @@ class Belt:
         return features_in_time(formula_symbols.TIME, (self.expression, sp.diff(self.expression, formula_symbols.TIME)))
 
 
-@in_one_thread
-def _restore_belt(tree) -> Belt:
-    """The belt that a process sent."""
-    return Belt(expressions.from_tree(tree))
-
-
 class TrackPlace(NamedTuple):
     """Place and angle of a driven track's frame in the fixed frame, with first and second rates (SI units, rad)."""
 
@@ -90,6 +80,13 @@ class TrackPlace(NamedTuple):
     ay: float
     swing: float
 
+    def seen_from_outside(self, x, y, vx, vy, omega):
+        """Place, velocity and spin (m, m/s, rad/s) in the fixed frame, of numbers or arrays in the track's frame."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        rx, ry = c * x - s * y, s * x + c * y
+        ux, uy = self.vx + c * vx - s * vy - self.spin * ry, self.vy + s * vx + c * vy + self.spin * rx
+        return self.x + rx, self.y + ry, ux, uy, omega + self.spin
+
     def seen_from_track(self, x, y, vx, vy, omega):
         """Place, velocity and spin (m, m/s, rad/s) in the track's frame, of numbers or arrays in the fixed frame."""
         c, s = np.cos(self.angle), np.sin(self.angle)
@@ -99,7 +96,7 @@ class TrackPlace(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Drive:
+class Drive(WithFormulas):
     """The track itself moves: its origin is at (`x`, `y`) (m), and it is turned by `angle` (rad) about its origin.
 
     Numbers or formulas in t, as text such as "0.05*sin(20*t)" or expressions in `cases.moving_surface.TIME`. Motions
@@ -117,10 +114,6 @@ class Drive:
             object.__setattr__(self, name, formula_in((formula_symbols.TIME,), f"{name} of Drive", getattr(self, name)))
         if not any(part.has(formula_symbols.TIME) for part in self.expression):
             raise BadValue("no component of Drive depends on t; leave Drive out, or move the track's curve")
-
-    def __reduce__(self):
-        """A drive travels to another process as its formulas; what is compiled from them stays."""
-        return _restore_drive, tuple(map(expressions.as_tree, self.expression))
 
     @property
     def expression(self) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
@@ -160,9 +153,3 @@ class Drive:
     def features(self) -> features.Features | None:
         """Where the track's acceleration changes, and how finely; None if it is constant."""
         return features_in_time(formula_symbols.TIME, self.rates)
-
-
-@in_one_thread
-def _restore_drive(*trees) -> Drive:
-    """The drive that a process sent."""
-    return Drive(*map(expressions.from_tree, trees))

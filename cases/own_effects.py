@@ -7,14 +7,14 @@ A package defines a frozen dataclass derived from `ContactEffect` and names it i
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import is_dataclass
 from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from .derivation import derived
 from .errors import BadValue, describe
 from .formulas import features, formula_symbols
 from .formulas import late_sympy as sp
-from .formulas.effect_formulas import formula_in, values_of
+from .formulas.effect_formulas import WithFormulas, formula_in, values_of
 from .formulas.expression_graph import from_sympy, symbol
 from .formulas.formula_symbols import __getattr__ as __getattr__
 
@@ -41,7 +41,7 @@ class EndCondition(NamedTuple):
     reason: str
 
 
-class ContactEffect:
+class ContactEffect(WithFormulas):
     """Base class of effects that act while the plate touches its track; a subclass is a frozen dataclass.
 
     `force` returns what acts on the plate, `ends` conditions that end the motion. The work of the force is that of its
@@ -50,10 +50,6 @@ class ContactEffect:
     """
 
     laws: ClassVar[tuple[str, ...]] = ()
-
-    def __reduce__(self):
-        """An effect travels to another process as its fields; what is derived from them stays."""
-        return type(self), tuple(getattr(self, field.name) for field in fields(self))  # type: ignore[arg-type]
 
     def force(self) -> ContactForce:
         """The force at the contact."""

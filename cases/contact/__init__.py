@@ -57,17 +57,9 @@ def _on_moving_track(case: Case, drive: Drive) -> MotionPoint:
     place, start = drive.at(0.0), case.start
     still = replace(start, omega=start.omega - place.spin, slip=start.slip + belt_speed(case, 0.0))
     own = still.motion(case.track, case.plate.outline)
-    c, s = np.cos(place.angle), np.sin(place.angle)
-    rx, ry = float(c * own.x - s * own.y), float(s * own.x + c * own.y)
-    return own._replace(
-        x=place.x + rx,
-        y=place.y + ry,
-        theta=own.theta + place.angle,
-        vx=place.vx + float(c * own.vx - s * own.vy) - place.spin * ry,
-        vy=place.vy + float(s * own.vx + c * own.vy) + place.spin * rx,
-        omega=start.omega,
-        slip=start.slip,
-    )
+    x, y, vx, vy, _ = map(float, place.seen_from_outside(own.x, own.y, own.vx, own.vy, 0.0))
+    theta = own.theta + place.angle
+    return own._replace(x=x, y=y, theta=theta, vx=vx, vy=vy, omega=start.omega, slip=start.slip)
 
 
 def track_place(case: Case, t) -> TrackPlace:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +14,22 @@ from . import expressions, features, formula_text
 from . import late_sympy as sp
 from .expression_code import ON_ARRAYS, ON_FLOATS, function_of
 from .expression_graph import from_sympy, symbol
+
+
+class WithFormulas:
+    """A dataclass with formulas: it travels to another process as its fields; what is compiled from them stays."""
+
+    def __reduce__(self):
+        values = [getattr(self, field.name) for field in fields(self)]  # type: ignore[arg-type]
+        if not any(hasattr(one, "args") for one in values):
+            return type(self), tuple(values)
+        return _restore, (type(self), *(expressions.as_tree(one) if hasattr(one, "args") else one for one in values))
+
+
+@in_one_thread
+def _restore(kind: type, *values: Any) -> Any:
+    """What a process sent."""
+    return kind(*map(expressions.from_tree, values))
 
 
 @in_one_thread

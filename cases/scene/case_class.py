@@ -85,7 +85,11 @@ class Case:
             check_others(self)
             check_pairs(self)
             check_limits(self)
-            _check_rotation(self)
+            poses = [("Start", self.plate, self.start.omega)]
+            poses += [(f"the StartPose of {one.name!r}", one.plate, one.start.omega) for one in self.others]
+            for where, plate, omega in poses:
+                if not plate.turns and omega != 0.0:
+                    raise BadValue(f"a plate of infinite inertia does not turn; give omega=0 in {where}, not {omega:g}")
             check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
             for other in self.others:
                 check_load(other.plate, other.load, astuple(other.start))
@@ -113,31 +117,20 @@ class Case:
     @cached_property
     def _hash(self) -> int:
         # Computed once: caches of derived results use the case as key, and are read at every change of mode.
-        return hash(
-            (
-                self.track,
-                self.plate,
-                self.effects,
-                self.start,
-                self.duration,
-                self.name,
-                self.supports,
-                self.others,
-                self.pairs,
-            )
-        )
+        return hash(tuple(getattr(self, name) for name in FIELDS if name != "parameters"))
 
     def __reduce__(self):
         """A case is pickled by value, whether it is in a catalogue or not."""
-        return _restore, (self._values(),)
+        return _restore, tuple(self._values().values())
 
     def with_name(self, name: str, parameters: Mapping[str, float]) -> Case:
         """The same scene as the catalogue's case of that name with those parameters."""
-        return _restore(self._values() | {"name": _check_name(name), "parameters": _check_parameters(parameters)})
+        own = {"name": _check_name(name), "parameters": _check_parameters(parameters)}
+        return _restore(*(self._values() | own).values())
 
     def _values(self) -> dict[str, Any]:
         own = vars(self)
-        return {name: own[name] for name in _FIELDS} | {"parameters": dict(self.parameters)}
+        return {name: own[name] for name in FIELDS} | {"parameters": dict(self.parameters)}
 
     def effect(self, kind: type[E]) -> E | None:
         """The case's effect of that kind, or None if the case has none."""
@@ -193,19 +186,14 @@ class Case:
         return self.plate.mass * gravity.g if gravity else 0.0
 
 
-_FIELDS = tuple(f.name for f in fields(Case))
+# The names of its fields.
+FIELDS = tuple(f.name for f in fields(Case))
 
 
 def _check_start_at_supports(case: Case) -> None:
     """Raise DoesNotFit if the plate overlaps a support where it begins."""
     begin = case.start.motion(case.track, case.plate.outline)
     check_start(case, begin.x, begin.y, begin.theta)
-
-
-def _check_rotation(case: Case) -> None:
-    """Raise BadValue for a plate of infinite inertia with a rotation."""
-    if not case.plate.turns and case.start.omega != 0.0:
-        raise BadValue(f"a plate of infinite inertia does not turn; give omega=0 in Start, not {case.start.omega:g}")
 
 
 def _check_name(name: object) -> str:
@@ -227,10 +215,11 @@ def _check_parameters(parameters: object) -> Mapping[str, float]:
     return MappingProxyType({key: parameter(f"parameter {key}", value) for key, value in parameters.items()})
 
 
-def _restore(values: dict[str, Any]) -> Case:
+def _restore(*values: Any) -> Case:
     """A case from the values of one that was checked, in this process or the sending one."""
     case = object.__new__(Case)
-    vars(case).update(values, parameters=MappingProxyType(values["parameters"]))
+    vars(case).update(zip(FIELDS, values, strict=True))
+    vars(case).update(parameters=MappingProxyType(case.parameters))
     return case
 
 

@@ -20,10 +20,11 @@ from ..curves import Curve
 from ..curves.chain import Chain
 from ..curves.corner import Corner, Edge, turning
 from ..curves.line_or_circle import as_line
-from ..errors import DoesNotFit, unknown_name
+from ..errors import DoesNotFit
 from .case_class import Case
+from .case_part import CasePart, with_outline
 from .contact_names import FIRST
-from .plate import Plate, is_convex
+from .plate import is_convex
 from .start import Start
 from .start_pose import TOUCHES
 from .supports import TRACK, Support, effects_at, is_hill, is_straight
@@ -40,7 +41,7 @@ HILL_SAMPLES = 2_000
 FAR = 1e6
 
 
-class PairCase(Case):
+class PairCase(CasePart):
     """A case whose track is one support and whose outline is one feature of that of `whole`.
 
     `number`: which of `pairs(whole)` it is; `first`: which is the first of the same support, of that name;
@@ -49,18 +50,11 @@ class PairCase(Case):
     made by `pairs`.
     """
 
-    whole: Case
     number: int
     first: int
     support: str
     has_unique_points: bool
     arc_range: ArcRange | None
-
-    def __eq__(self, other) -> bool:
-        return isinstance(other, PairCase) and (self.whole, self.number) == (other.whole, other.number)
-
-    def __hash__(self) -> int:
-        return hash((self.whole, self.number))
 
     def __reduce__(self):
         return _pair, (self.whole, self.number)
@@ -224,16 +218,6 @@ def contact_name(support: str, index: int) -> str:
     return f"plate/{support}" if index == 1 else f"plate/{support} {index}"
 
 
-def contact_case(case: Case, contact: str) -> PairCase:
-    """A case with the effects at one contact, such as "plate/wall": its friction, and the belt of its support. Raises
-    UnknownName for a contact of no support."""
-    first = {f"plate/{pair.support}": pair for pair in reversed(pairs(case))}
-    name, _, _ = str(contact).partition(" ")
-    if name not in first:
-        raise unknown_name("contact of the case", str(contact), tuple(first))
-    return first[name]
-
-
 @lru_cache(maxsize=256)
 def pairs(case: Case) -> tuple[PairCase, ...]:
     """All pairs of a support, the track first, and a feature of the outline."""
@@ -277,21 +261,17 @@ def facing_pairs(some: Sequence[WatchedPair]) -> list[WatchedPair]:
 def _make(
     whole: Case, support: Support, feature: Curve, number: int, first: int, on_hill: bool, limits: ArcRange | None
 ) -> PairCase:
-    plate, case = object.__new__(Plate), object.__new__(PairCase)
-    vars(plate).update(outline=feature, mass=whole.plate.mass, inertia=whole.plate.inertia)
-    values = {name: value for name, value in vars(whole).items() if name in Case.__dataclass_fields__}
     outline = whole.plate.outline
     is_track, is_feature = first == 0, isinstance(outline, Chain)
     middle = [0.5 * sum(piece.span) for piece in (support.curve, feature)]
-    start = whole.start if is_track and not is_feature else Start(*middle)
-    values |= {"track": support.curve, "plate": plate, "start": start, "supports": (), "others": ()}
-    values |= {"effects": effects_at(whole, f"{FIRST}/{TRACK if is_track else support.name}"), "pairs": ()}
     is_unique = is_straight(support.curve) and (is_feature or (is_convex(feature) and bool(whole.supports)))
-    vars(case).update(
-        values, whole=whole, number=number, first=first, support=TRACK if is_track else support.name,
+    name = TRACK if is_track else support.name
+    return PairCase.of(
+        whole, (number,), track=support.curve, plate=with_outline(whole.plate, feature), supports=(), others=(),
+        start=whole.start if is_track and not is_feature else Start(*middle), pairs=(),
+        effects=effects_at(whole, f"{FIRST}/{name}"), number=number, first=first, support=name,
         has_unique_points=is_unique or on_hill, arc_range=limits,
     )  # fmt: skip
-    return case
 
 
 def _pair(whole: Case, number: int) -> PairCase:

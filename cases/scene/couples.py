@@ -14,6 +14,7 @@ import numpy as np
 from ..curves import Curve
 from ..curves.backwards import backwards, forwards
 from .case_class import Case
+from .case_part import CasePart
 from .free_plates import names_of, plates_of
 from .start import Start
 from .supports import TRACK, effects_at
@@ -28,24 +29,17 @@ class PlateBoundary(NamedTuple):
     body: int | None
 
 
-class Couple(Case):
+class Couple(CasePart):
     """One plate of the case `whole` and one boundary; its track is the boundary's curve in its own frame.
 
     `number`: which of `couples(whole)` it is; `body`: the number of its plate; `base`: that of the plate with the
     boundary, None if it is fixed; `pair_name`: of its contacts, such as "plate/wall".
     """
 
-    whole: Case
     number: int
     body: int
     base: int | None
     pair_name: str
-
-    def __eq__(self, other) -> bool:
-        return isinstance(other, Couple) and (self.whole, self.number) == (other.whole, other.number)
-
-    def __hash__(self) -> int:
-        return hash((self.whole, self.number, "couple"))
 
     def __reduce__(self):
         return _couple, (self.whole, self.number)
@@ -83,15 +77,12 @@ def couples(case: Case) -> tuple[Couple, ...]:
 
 
 def _make(whole: Case, number: int, body: int, boundary: PlateBoundary) -> Couple:
-    couple, plate, name = object.__new__(Couple), plates_of(whole)[body], f"{names_of(whole)[body]}/{boundary.name}"
-    values = {field: value for field, value in vars(whole).items() if field in Case.__dataclass_fields__}
-    middle = [0.5 * sum(curve.span) for curve in (boundary.curve, plate.outline)]
-    values |= {"track": boundary.curve, "plate": plate, "effects": effects_at(whole, name)}
-    values |= {"supports": (), "others": (), "pairs": ()}
-    vars(couple).update(
-        values | {"start": Start(*middle)}, whole=whole, number=number, body=body, base=boundary.body, pair_name=name
-    )
-    return couple
+    plate, name = plates_of(whole)[body], f"{names_of(whole)[body]}/{boundary.name}"
+    start = Start(*(0.5 * sum(curve.span) for curve in (boundary.curve, plate.outline)))
+    return Couple.of(
+        whole, (number,), track=boundary.curve, plate=plate, effects=effects_at(whole, name), start=start, supports=(),
+        others=(), pairs=(), number=number, body=body, base=boundary.body, pair_name=name,
+    )  # fmt: skip
 
 
 def _couple(whole: Case, number: int) -> Couple:

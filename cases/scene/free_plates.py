@@ -32,10 +32,10 @@ from ..curves.chain import Chain
 from ..curves.line_or_circle import Line, as_line
 from ..effects import Drive, E, Effect, Load
 from ..errors import BadValue, DoesNotFit, NotSupported
-from .contact_names import FIRST
+from .contact_names import FIRST, TRACK, check_word
 from .plate import Plate, is_convex
 from .start_pose import StartPose
-from .supports import TRACK, check_side, effects_at, is_straight
+from .supports import check_side, effects_at, is_straight
 
 # Modes are enumerated: four for each contact of plates that touch each other.
 MOST = 8
@@ -59,12 +59,7 @@ class FreePlate:
                 f"FreePlate was given {self.plate!r} and {self.start!r}; give a plate such as disc(0.1, 1.0), and "
                 "StartPose(x, y)"
             )
-        name = self.name
-        is_word = isinstance(name, str) and name.replace("_", "").replace("-", "").isalnum() and len(name) <= 30
-        if not is_word or name in (FIRST, TRACK):
-            raise BadValue(
-                f'the name of a FreePlate is {name!r}; give a word such as "upper" ("{FIRST}" is the case\'s plate)'
-            )
+        check_word("FreePlate", self.name, "upper", FIRST, TRACK)
 
 
 class PlateContact(NamedTuple):
@@ -223,13 +218,6 @@ def check_others(case: Any) -> None:
         if other.name in taken:
             raise BadValue(f"two supports or plates have the name {other.name!r}; give each its own")
         taken.add(other.name)
-    if not case.others:
-        return
-    for other in case.others:
-        if not other.plate.turns and other.start.omega != 0.0:
-            raise BadValue(
-                f"a plate of infinite inertia does not turn; give omega=0 in the StartPose of {other.name!r}"
-            )
 
 
 def check_places(case: Any) -> None:

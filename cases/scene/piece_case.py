@@ -17,32 +17,21 @@ from ..curves.chain import Chain
 from ..curves.corner import Corner, Piece
 from ..curves.element import Element
 from .case_class import Case
-from .plate import Plate
+from .case_part import CasePart, with_outline
 from .start import Start
 
 
-class PieceCase(Case):
+class PieceCase(CasePart):
     """A case whose track and outline are one piece each of those of `whole`; contact parameters are the pieces' own.
 
     `first`, `second`: the elements of track and outline. It is made by `pieces_at` and `neighbour`, not by hand.
     """
 
-    whole: Case
     first: Element
     second: Element
 
-    def __eq__(self, other) -> bool:
-        return isinstance(other, PieceCase) and self._key == other._key
-
-    def __hash__(self) -> int:
-        return hash(self._key)
-
-    @property
-    def _key(self) -> tuple[Case, int, int]:
-        return self.whole, self.first.number, self.second.number
-
     def __reduce__(self):
-        return _piece_case, self._key
+        return piece_case_of, (self.whole, *self.key)
 
     @property
     def pieces(self) -> tuple[Piece, Piece]:
@@ -66,7 +55,7 @@ def has_pieces(case: Case) -> bool:
 
 def pieces_at(case: Case, xi1: float, xi2: float) -> PieceCase:
     """The case on the pieces at two parameters of its curves."""
-    return _piece_case(case, case.track.element_at(xi1).number, case.plate.outline.element_at(xi2).number)
+    return piece_case_of(case, case.track.element_at(xi1).number, case.plate.outline.element_at(xi2).number)
 
 
 def neighbour(case: PieceCase, of_track: bool, step: int) -> PieceCase | None:
@@ -76,7 +65,7 @@ def neighbour(case: PieceCase, of_track: bool, step: int) -> PieceCase | None:
     number = (first if of_track else second) + step
     if curve.element(number) is None:
         return None
-    return _piece_case(case.whole, number, second) if of_track else _piece_case(case.whole, first, number)
+    return piece_case_of(case.whole, number, second) if of_track else piece_case_of(case.whole, first, number)
 
 
 def is_concave(case: PieceCase) -> bool:
@@ -137,16 +126,15 @@ def touching_corners(case: PieceCase, xi1: float, xi2: float) -> PieceCase | Non
 
 
 @lru_cache(maxsize=4096)
-def _piece_case(whole: Case, first: int, second: int) -> PieceCase:
+def piece_case_of(whole: Case, first: int, second: int) -> PieceCase:
+    """The case on the elements of track and outline with these numbers."""
     on_track, on_outline = whole.track.element(first), whole.plate.outline.element(second)
     assert on_track is not None and on_outline is not None
     # Corners have the methods of curves that the equations of contact use.
     track, outline = cast(Curve, on_track.piece), cast(Curve, on_outline.piece)
-    plate, case = object.__new__(Plate), object.__new__(PieceCase)
-    vars(plate).update(outline=outline, mass=whole.plate.mass, inertia=whole.plate.inertia)
-    values = {name: value for name, value in vars(whole).items() if name in Case.__dataclass_fields__}
     is_whole = whole.track is track and whole.plate.outline is outline
-    begin = whole.start if is_whole else Start(on_track.middle, on_outline.middle)
-    values |= {"track": track, "plate": plate, "start": begin}
-    vars(case).update(values, whole=whole, first=on_track, second=on_outline)
-    return case
+    start = whole.start if is_whole else Start(on_track.middle, on_outline.middle)
+    plate = with_outline(whole.plate, outline)
+    return PieceCase.of(
+        whole, (first, second), track=track, plate=plate, start=start, first=on_track, second=on_outline
+    )

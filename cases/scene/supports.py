@@ -20,7 +20,7 @@ from ..curves.line_or_circle import as_line
 from ..effects import CoulombFriction, Effect, Impact, RollingResistance
 from ..errors import BadValue, DoesNotFit, items
 from ..moving_surface import Belt
-from .contact_names import TRACK
+from .contact_names import TRACK, check_word
 from .pair_effects import RESISTING, check_law, of_pair, own_effects_of, with_own
 
 # A plate is behind a curve if the normal of the sample next to it points away from it by at least this (a cosine).
@@ -47,15 +47,9 @@ class Support:
     def __post_init__(self):
         if not isinstance(self.curve, Curve):
             raise BadValue(f"the curve of a Support is {self.curve!r}; give a Curve, such as library.line(pi/2)")
-        name = self.name
-        is_word = isinstance(name, str) and name.replace("_", "").replace("-", "").isalnum() and len(name) <= 30
-        if not is_word or name == TRACK:
-            raise BadValue(
-                f'the name of a Support is {name!r}; give a word such as "wall" ("{TRACK}" is the case\'s track)'
-            )
-        if self.effects is None:
-            return
-        object.__setattr__(self, "effects", own_effects_of("Support", self.effects, OWN))
+        check_word("Support", self.name, "wall", TRACK)
+        if self.effects is not None:
+            object.__setattr__(self, "effects", own_effects_of("Support", self.effects, OWN))
 
     def acting(self, of_case: tuple[Effect, ...]) -> tuple[Effect, ...]:
         """All effects at this support's contacts, given those of the case."""

@@ -10,7 +10,13 @@ from cases import Case, Mode, StartPose, Trajectory, Unilateral
 from cases.motion.trajectory import CONTACT
 
 from ..endings import (
-    ACCUMULATION, BREAKDOWN, COMPLETION, ENDS, LIFT_OFF, NO_MODE, NOT_UNIQUE,
+    ACCUMULATION,
+    BREAKDOWN,
+    COMPLETION,
+    ENDS,
+    LIFT_OFF,
+    NO_MODE,
+    NOT_UNIQUE,
 )  # fmt: skip
 from . import events
 from .laws import Defects, MotionScales

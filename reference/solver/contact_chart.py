@@ -17,7 +17,7 @@ from cases.contact import pose, start_motion
 from cases.contact.overlap_search import span
 from cases.contact.piece_contact import excludes_second
 from cases.scene.couples import couples
-from cases.scene.piece_case import PieceCase, _piece_case, lies_flat
+from cases.scene.piece_case import PieceCase, lies_flat, piece_case_of
 
 from ..curvature_proof import fits
 from ..endings import CAUSES, FLAT, OFF, Ending, second_place
@@ -210,7 +210,7 @@ class ContactChart:
 def pair_in_couple(whole: Case, here: Case) -> PieceCase:
     """The pair of elements on which a case is, of the only couple of the whole one."""
     numbers = (here.first.number, here.second.number) if isinstance(here, PieceCase) else (0, 0)
-    return _piece_case(couples(whole)[0], *numbers)
+    return piece_case_of(couples(whole)[0], *numbers)
 
 
 def contact_view(case: Case, pair: PieceCase, segment: Segment) -> SegmentView:

@@ -12,7 +12,7 @@ from cases import Case, Curve, Mode
 from cases.curves.corner import Corner, Piece
 from cases.scene.couples import couples
 from cases.scene.free_plates import loads_of, plates_of
-from cases.scene.piece_case import PieceCase, _piece_case, neighbour
+from cases.scene.piece_case import PieceCase, neighbour, piece_case_of
 
 from ..effect_laws import laws
 from ..effect_laws.applied_forces import applied_load
@@ -98,7 +98,7 @@ def key_of(pair: PieceCase, points: tuple[float, float]) -> PairKey:
 
 def pair_of(case: Case, key: PairKey) -> PieceCase:
     """The pair of elements with those numbers."""
-    return _piece_case(couples(case)[key.couple], key.first, key.second)
+    return piece_case_of(couples(case)[key.couple], key.first, key.second)
 
 
 def kind_of(mode: Mode) -> ContactRows:

@@ -15,7 +15,7 @@ from cases.contact.overlap_search import OVERLAPS
 from cases.curves.corner import Corner, Piece
 from cases.curves.element import Element
 from cases.scene.couples import Couple, couples
-from cases.scene.piece_case import PieceCase, _piece_case
+from cases.scene.piece_case import PieceCase, piece_case_of
 from cases.scene.supports import is_straight
 
 from ..curvature_proof import curvatures
@@ -38,7 +38,7 @@ def pairs_that_touch(couple: Couple) -> tuple[PieceCase, ...]:
     for first in couple.track.elements:
         for second in couple.plate.outline.elements:
             if _may_touch(first.piece, second.piece):
-                result.append(_piece_case(couple, first.number, second.number))
+                result.append(piece_case_of(couple, first.number, second.number))
     return tuple(result)
 
 

@@ -32,11 +32,10 @@ from cases import (
 from cases.contact import belt_speed, start_motion
 from cases.library import line
 from cases.motion.mechanics import energy
-from cases.scene.contact_pairs import contact_case
 from reference.certification.witnesses import _by_second
 from reference.solver import columns
 from tests.scenes import second as second_states
-from tests.scenes.motions import work_done
+from tests.scenes.motions import contact_case, work_done
 from tests.scenes.supports import agree, compare_with_matrix, events, random_case, simulated, slow
 
 G = 9.81

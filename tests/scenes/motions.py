@@ -32,7 +32,7 @@ from cases.effects import MOTION
 from cases.formulas.expressions import PARAMETER
 from cases.motion.mechanics import contact_power
 from cases.moving_surface import TIME
-from cases.scene.contact_pairs import contact_case
+from cases.scene.contact_pairs import PairCase, pairs
 from cases.slip_laws import SLIP_SPEED
 from reference import solve
 
@@ -274,6 +274,11 @@ def energy(case: Case, state) -> np.ndarray:
         alone = replace(case, plate=other.plate, start=Start(0.0), others=())
         total = total + energy(alone, state.plate(other.name))
     return total
+
+
+def contact_case(case, contact: str) -> PairCase:
+    """The first pair of a support, by the name of its contact."""
+    return next(pair for pair in pairs(case) if f"plate/{pair.support}" == contact.partition(" ")[0])
 
 
 def work_done(case: Case, motion: Trajectory) -> float:
