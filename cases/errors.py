@@ -187,11 +187,6 @@ def point(what: str, value: object) -> tuple[float, float]:
     return finite(f"x of the {what}", pair[0]), finite(f"y of the {what}", pair[1])
 
 
-def positive_or_infinite(what: str, value: object) -> float:
-    """`value` as a float; raises BadValue unless it is greater than zero; infinity is accepted."""
-    return inf if real(value) == inf else positive(what, value)
-
-
 def positive(what: str, value: object) -> float:
     """`value` as a float; raises BadValue unless it is finite and greater than zero."""
     number = finite(what, value)

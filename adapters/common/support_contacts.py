@@ -22,7 +22,8 @@ from cases.curves.line_or_circle import as_circle, as_line
 from cases.motion.sampled_contacts import SampledContacts
 from cases.motion.trajectory import ContactColumns
 from cases.scene.contact_limits import touches_by_features
-from cases.scene.contact_pairs import PairCase, contact_name, pairs
+from cases.scene.contact_names import FIRST, contact_name
+from cases.scene.contact_pairs import PairCase, pairs
 from cases.scene.supports import is_straight
 
 from . import several_contacts
@@ -129,8 +130,8 @@ def with_supports(
     columns, names = dict[str, ContactColumns](), list[str]()
     count = np.sum(is_closed, axis=0)
     for one, shut in zip(contacts, is_closed, strict=True):
-        number = 1 + sum(name.split()[0] == contact_name(one.pair.support, 1) for name in names)
-        names.append(contact_name(one.pair.support, number))
+        number = 1 + sum(name.split()[0] == contact_name(FIRST, one.pair.support, 1) for name in names)
+        names.append(contact_name(FIRST, one.pair.support, number))
         columns[names[-1]] = _columns(one, motion, shut, count, torsor)
     by_name = dict(zip(names, is_closed, strict=True))
     return _with_columns(motion, columns, by_name)

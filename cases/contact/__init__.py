@@ -142,11 +142,9 @@ def clearance(case: Case, xi1, xi2):
     return geometry.clearance(case.track, case.plate.outline, xi1, xi2)
 
 
-def overlap(case: Case, x: float, y: float, theta: float, near: float | None = None) -> float | None:
-    """A track parameter that lies inside the plate in that pose, or None.
-
-    `near`: a parameter near the plate (None: that of the start); it limits the search on a track without ends.
-    """
-    xi1 = np.array([case.start.xi1 if near is None else near])
-    overlapping = first_overlap(case.track, case.plate.outline, np.array([x]), np.array([y]), np.array([theta]), xi1)
+def overlap(case: Case, x: float, y: float, theta: float) -> float | None:
+    """A track parameter that lies inside the plate in that pose, or None. A track without ends is searched near the
+    start."""
+    pose = (np.array([value]) for value in (x, y, theta, case.start.xi1))
+    overlapping = first_overlap(case.track, case.plate.outline, *pose)
     return overlapping[1] if overlapping else None

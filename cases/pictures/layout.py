@@ -128,6 +128,14 @@ def _below(track: Curve, path: np.ndarray) -> np.ndarray:
     return np.array([grid[np.argmin(np.hypot(X - x, Y - y))] for x, y in path.T])
 
 
+def shown_poses(motion: Any, times: np.ndarray, state: Any, most: int) -> tuple[list[Instant], list]:
+    """The poses of a motion at the instants that a picture shows, with `most` of its transitions, and those of free
+    plates, for `drawn_scene.draw`; `state`: that at the times."""
+    samples = instants(times, [t.time for t in motion.transitions][:most])
+    poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in samples]
+    return poses, free_plates(motion.case, motion, times[[i for i, _ in samples]], [shade for _, shade in samples])
+
+
 def instants(times: np.ndarray, transitions: Sequence[float]) -> list[tuple[int, float]]:
     """(sample, shade from 1 to 0) at the start, the end, the transitions and evenly spaced times.
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import drawn_scene as scenes
-from .layout import DrawnScene, Instant, free_plates, instants
+from .layout import DrawnScene, Instant, shown_poses
 from .style import Picture, apply_style
 
 # Largest number of transitions in a notebook's table; the others are only counted.
@@ -48,9 +48,7 @@ def of_motion(motion: Any) -> str:
         return words
     times = motion.times()
     state = motion(times)
-    samples = instants(times, [t.time for t in motion.transitions][:_MOST])
-    poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in samples]
-    others = free_plates(motion.case, motion, times[[i for i, _ in samples]], [shade for _, shade in samples])
+    poses, others = shown_poses(motion, times, state, most=_MOST)
     path = np.array([state.x, state.y])
     return _side_by_side(_scene(motion.case.scene, *poses, path=path, xi1=state.xi1, others=others), words)
 

@@ -13,7 +13,7 @@ from ..curves import Curve
 from ..curves.chain import Chain
 from ..errors import BadValue, choice
 from . import drawn_scene
-from .layout import DrawnScene, Instant, free_plates, instants
+from .layout import DrawnScene, shown_poses
 from .style import FAINT, PLATE, Picture, apply_style
 
 # Axis labels of the quantities that can be plotted against time.
@@ -116,9 +116,7 @@ def _keep_level(ax: Any, values: np.ndarray) -> None:
 
 
 def _scene(ax: Any, scene: DrawnScene, motion: Any, times: np.ndarray, state: Any) -> None:
-    samples = instants(times, [t.time for t in motion.transitions][:6])
-    poses = [Instant(state.x[i], state.y[i], state.theta[i], state.xi1[i], shade) for i, shade in samples]
-    others = free_plates(motion.case, motion, times[[i for i, _ in samples]], [shade for _, shade in samples])
+    poses, others = shown_poses(motion, times, state, most=6)
     drawn_scene.draw(ax, scene, np.array([state.x, state.y]), state.xi1, poses, others)
     ax.set_title(scene.label, loc="left", fontweight="bold")
 

@@ -7,6 +7,12 @@ FIRST, TRACK = "plate", "track"
 CONTACT = f"{FIRST}/{TRACK}"
 
 
+def contact_name(plate: str, support: str, number: int) -> str:
+    """The name of a contact of a plate: "plate/wall"; those of its further corners, or that touch later, have numbers
+    from 2 on."""
+    return f"{plate}/{support}" if number == 1 else f"{plate}/{support} {number}"
+
+
 def check_word(part: str, name: object, example: str, *taken: str) -> None:
     """Raise BadValue unless the name of a part of a case is a word, and none of those that are taken."""
     is_word = isinstance(name, str) and name.replace("_", "").replace("-", "").isalnum() and len(name) <= 30

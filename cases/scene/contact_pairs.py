@@ -213,11 +213,6 @@ class PairCase(CasePart):
         return find(self, x, y, theta, self.guess(x, y, theta)).gap
 
 
-def contact_name(support: str, index: int) -> str:
-    """The name of a support's contact: "plate/wall"; those that touch later are numbered from 2."""
-    return f"plate/{support}" if index == 1 else f"plate/{support} {index}"
-
-
 @lru_cache(maxsize=256)
 def pairs(case: Case) -> tuple[PairCase, ...]:
     """All pairs of a support, the track first, and a feature of the outline."""

@@ -32,7 +32,7 @@ from ..curves.chain import Chain
 from ..curves.line_or_circle import Line, as_line
 from ..effects import Drive, E, Effect, Load
 from ..errors import BadValue, DoesNotFit, NotSupported
-from .contact_names import FIRST, TRACK, check_word
+from .contact_names import FIRST, TRACK, check_word, contact_name
 from .plate import Plate, is_convex
 from .start_pose import StartPose
 from .supports import check_side, effects_at, is_straight
@@ -152,11 +152,6 @@ def plate_contacts(case: Any) -> tuple[PlateContact, ...]:
             name, size, around = f"{names[own]}/{names[base]}", size_of_plate(plates[base]), regions(plates[base])
             contacts.append(PlateContact(name, own, base, None, None, effects_at(case, name), circle, size, around))
     return tuple(contacts)
-
-
-def contact_name(plate: str, support: str, number: int) -> str:
-    """The name of a contact of a plate with a support: that of its first corner has no number."""
-    return f"{plate}/{support}" if number == 1 else f"{plate}/{support} {number}"
 
 
 def parameter(outline: Curve, angle):

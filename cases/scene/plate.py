@@ -15,7 +15,7 @@ from ..curves.area import area_inside
 from ..curves.chain import translate
 from ..curves.corner import Edge
 from ..curves.outline import Outline, arc, samples_around, sizes_of
-from ..errors import BadCurve, BadValue, instance, items, not_negative, positive, positive_or_infinite, whole
+from ..errors import BadCurve, BadValue, instance, items, not_negative, positive, real, whole
 from ..library import circle
 
 # A centroid nearer than this part of the outline's size to the origin is there: the rounding of its integrals.
@@ -44,7 +44,8 @@ class Plate:
         if self.outline.may_cross:
             raise BadCurve("the outline of a plate cannot cross itself; give one without may_cross=True")
         object.__setattr__(self, "mass", positive("mass of the plate", self.mass))
-        object.__setattr__(self, "inertia", positive_or_infinite("inertia of the plate", self.inertia))
+        is_infinite = real(self.inertia) == inf
+        object.__setattr__(self, "inertia", inf if is_infinite else positive("inertia of the plate", self.inertia))
         if _runs_clockwise(self.outline):
             raise BadCurve("the outline runs clockwise; reverse its parameter so that the plate is on its left")
 

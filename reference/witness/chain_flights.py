@@ -13,10 +13,11 @@ import numpy as np
 
 from cases import DoesNotFit
 from cases.contact.overlap_search import span
-from cases.contact.piece_contact import Chains, Entry, find_from
+from cases.contact.piece_contact import Entry, find_from
 from cases.curves.corner import Corner
 from cases.scene.piece_case import PieceCase, pieces_at
 
+from .chain_entries import Chains
 from .equations import ContactScene
 from .flight import FlightCourse, time_to_move
 from .motion_state import IN_PROGRESS, EndState, FlightState, LandingState, MotionState

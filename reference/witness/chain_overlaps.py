@@ -10,11 +10,12 @@ from scipy.optimize import brentq
 
 from cases import Case, Chain, DoesNotFit
 from cases.contact.overlap_search import span
-from cases.contact.piece_contact import Chains, Entry, entry_time, excludes_second, piece_gap
+from cases.contact.piece_contact import Entry, excludes_second, piece_gap
 from cases.curves.corner import Corner
 from cases.curves.element import Element
 from cases.scene.piece_case import PieceCase
 
+from .chain_entries import Chains, entry_time
 from .plate_motion import bodies_in_contact
 
 # Between two samples of a step the plate moves by this part of its size, and at most MOST samples are taken.

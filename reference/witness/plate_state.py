@@ -8,7 +8,8 @@ from typing import cast
 import numpy as np
 
 from cases import Belt, Case, Drive, Mode
-from cases.scene.contact_pairs import PairCase, WatchedPair, contact_name, facing_pairs, pairs
+from cases.scene.contact_names import FIRST, contact_name
+from cases.scene.contact_pairs import PairCase, WatchedPair, facing_pairs, pairs
 from cases.scene.free_plates import plates_of
 from cases.scene.piece_case import PieceCase
 
@@ -73,7 +74,7 @@ class PlateState:
     def free_name(self, case: PairCase) -> str:
         """The name of a further contact with that support."""
         used = {contact.name for contact in self.contacts}
-        names = (contact_name(case.support, i) for i in range(1, len(used) + 2))
+        names = (contact_name(FIRST, case.support, i) for i in range(1, len(used) + 2))
         return next(name for name in names if name not in used)
 
     def name_touching(self) -> None:

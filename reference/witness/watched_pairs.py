@@ -13,7 +13,7 @@ from cases.contact.nearest import nearest_pair
 from cases.curves.corner import Corner
 from cases.scene.couples import Couple
 from cases.scene.free_plates import start_poses
-from cases.scene.piece_case import PieceCase, _piece_case, neighbour
+from cases.scene.piece_case import PieceCase, neighbour, piece_case_of
 
 from .contacts import AnyPair, plates_at
 from .drive import in_track_frame
@@ -61,10 +61,10 @@ def watched_pairs(couple: Couple, poses: np.ndarray) -> list[tuple[PieceCase, tu
     track, outline = couple.track, couple.plate.outline
     if isinstance(outline, Chain) and couple.base is None:
         corners = [element for element in outline.elements if isinstance(element.piece, Corner)]
-        return [(_piece_case(couple, 0, e.number), (float(track.span[0]), e.middle)) for e in corners]
+        return [(piece_case_of(couple, 0, e.number), (float(track.span[0]), e.middle)) for e in corners]
     one = nearest_pair(track, outline, *couple.relative_pose(poses), float(sum(track.span)) / 2.0)
     assert one is not None
-    pair = _piece_case(couple, track.element_at(one.xi1).number, outline.element_at(one.xi2).number)
+    pair = piece_case_of(couple, track.element_at(one.xi1).number, outline.element_at(one.xi2).number)
     return [(pair, (one.xi1 - pair.first.shift, one.xi2 - pair.second.shift))]
 
 
