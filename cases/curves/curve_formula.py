@@ -61,12 +61,6 @@ def as_expression(function) -> tuple[sp.Expr, sp.Expr]:
             f"the curve's function fails ({problem}); return a pair (X, Y) made with the functions of cases.curves"
         ) from problem
     x, y = (expressions.admissible(part, (s,), "the curve's coordinate", BadCurve) for part in (x, y))
-    parts = sum(expressions.parts_of_derivatives(part)[3] for part in (x, y))
-    if parts > expressions.MAX_DERIVATIVE_SIZE:
-        raise BadCurve(
-            f"the curve's third derivatives would have some {parts} parts; give a formula with fewer than "
-            f"{expressions.MAX_DERIVATIVE_SIZE}: fewer factors, or fewer functions inside each other"
-        )
     return x, y
 
 

@@ -110,12 +110,10 @@ def integral_depth(expression: sp.Basic) -> int:
     return max((1 + integral_depth(node.function) for node in expression.atoms(sp.Integral)), default=0)
 
 
-# Limits on formulas that take long to derive and compile: of those tried the slowest accepted one took half a minute,
-# one ten times as large hours. The longest of the catalogue has 58 parts, is 7 deep and nests two functions; a
-# measured curve of ten terms is 22 deep.
+# Limits on formulas that take long to derive and compile: of those tried that reach them, products of 12 to 27 factors,
+# nested up to six times, the slowest takes 2 s. The longest of the catalogue has 58 parts, is 7 deep and nests two
+# functions; a measured curve of ten terms is 22 deep.
 MOST_PARTS, DEEPEST, MOST_NESTING = 300, 40, 6
-# The equations hold a curve's third derivatives: their parts, which grow with the cube of what is multiplied or nested.
-MAX_DERIVATIVE_SIZE = 3000
 # SymPy multiplies whole powers out; the library's own curves go up to it.
 LARGEST_POWER = 64
 # A curvature is divided by a length's cube; 1e308 is a double's end.
@@ -214,42 +212,6 @@ def _rewrite(node: sp.Expr) -> sp.Expr:
         # exp(s log 2) would be turned back into 2**s; a rounded logarithm is not.
         return exp(power * (sp.Float(float(log(base))) if base.is_number and base.is_positive else log(base)))
     return node.func(*arguments) if node.args else node
-
-
-def parts_of_derivatives(node: sp.Expr) -> tuple[int, int, int, int]:
-    """About how many parts an expression and its first three derivatives by `PARAMETER` have; 0 where one vanishes.
-
-    By the rules of product and chain, nothing is derived: a long expression's derivatives are what takes hours.
-    """
-    s = formula_symbols.PARAMETER
-    if not node.has(s):
-        return sum(1 for _ in sp.preorder_traversal(node)), 0, 0, 0
-    if node == s:
-        return 1, 1, 0, 0
-    if isinstance(node, sp.Integral):
-        variable, _, upper = node.limits[0]
-        slope = parts_of_derivatives(node.function.xreplace({variable: s}))
-        first, second, third, _ = _product(slope, parts_of_derivatives(sp.diff(upper, s)))
-        return 1, first, second, third
-    inner = [parts_of_derivatives(argument) for argument in node.args]
-    if isinstance(node, sp.Add):
-        a, b, c, d = (sum(orders) for orders in zip(*inner, strict=True))
-        return a + 1, b + 1, c + 1, d + 1
-    if isinstance(node, sp.Mul):
-        product = inner[0]
-        for factor in inner[1:]:
-            product = _product(product, factor)
-        return product
-    # A function, or a power of a number: f'(u) u', f''(u) u'² + f'(u) u'', …
-    u, u1, u2, u3 = inner[0]
-    once, twice = u + u1 + 2, (u + u2 + 2 if u2 else 0)
-    return u + 1, once, once + twice, once + (u + u1 + u2 + 2 if u2 else 0) + (u + u3 + 2 if u3 else 0)
-
-
-def _product(a: tuple[int, ...], b: tuple[int, ...]) -> tuple[int, int, int, int]:
-    """The same of a product: every way to share out the derivatives among its factors."""
-    p, q, r, s = (sum(a[i] + b[k - i] for i in range(k + 1) if a[i] and b[k - i]) for k in range(4))
-    return p, q, r, s
 
 
 def float_text(number: sp.Expr) -> str:

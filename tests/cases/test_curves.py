@@ -2,7 +2,7 @@
 
 import re
 import time
-from math import gamma, pi, sinh
+from math import gamma, pi, prod, sinh
 
 import numpy as np
 import pytest
@@ -74,6 +74,14 @@ def refused(kind, says, make):
 )
 def test_a_wrong_curve_is_refused_in_one_sentence(kind, says, make):
     refused(kind, says, make)
+
+
+def test_a_product_of_twelve_waves_is_a_curve_with_a_third_derivative():
+    """Written out that has over 10,000 parts; equal ones are computed once."""
+    curve = Curve(lambda s: (s, prod(1 + 0.1 * c.sin((k + 1.3) * s) for k in range(12))), (-1, 1))
+    before, behind = (curve.jet(0.2 + h)[5] for h in (-1e-5, 1e-5))
+    # Central differences: their own error is h² times the fifth derivative, 1e5 at most.
+    assert curve.jet(0.2)[7] == pytest.approx((behind - before) / 2e-5, rel=1e-6)
 
 
 def test_strings_and_a_function_give_one_curve():
