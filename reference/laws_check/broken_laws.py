@@ -13,9 +13,10 @@ from cases.moving_frame import in_track_frame, relative_case
 
 from ..endings import CAUSES
 from . import laws, penetration
-from .contact_check import contact_defects
+from .contact_check import contact_defects, unresolved_steps
 from .ends_check import end_defects, following_defects, start_defects
 from .events import event_defects
+from .formula_steps import finer_steps
 from .impact_check import impact_defects
 from .laws import Defects, Joins, MotionScales
 from .samples import ContactInstants, MotionSamples, of_motion, steps_of
@@ -24,6 +25,8 @@ from .tolerances import AMPLIFIED, CLOSED, MOMENTUM, PARTS
 OVERLAP = "no overlap"
 # Steps whose forces the nodes do not resolve are divided into so many parts, so many times: the worst of them.
 DIVIDED, DIVISIONS, MOST_DIVIDED = 4, 5, 8
+# Steps in which a sign is not resolved are divided into so many parts.
+SIGN_PARTS = 16
 
 
 @dataclass(frozen=True)
@@ -78,8 +81,15 @@ def _broken_by(case: Case, motion: Trajectory, rtol: float) -> tuple[BrokenLaw, 
     for defects in _motion_defects(samples, scales):
         if worst(defects, rtol) and (closer := _closer(case, motion, samples, defects, rtol)):
             results.append(closer)
+    finer = _finer(case, motion, samples, scales)
+    sudden = laws.jumps(laws.joins(samples), scales.reach, scales.speed, _sudden_part(scales, rtol))
+    if finer is not None:
+        of_finer = chain(
+            _motion_defects(finer, laws.motion_scales(finer)), _of_contacts(finer, laws.motion_scales(finer), sudden)
+        )
+        results += [one for defects in of_finer if (one := worst(defects, rtol))]
     others = chain(
-        start_defects(samples, scales), _other_defects(samples, scales, rtol), following_defects(samples, scales),
+        start_defects(samples, scales), _other_defects(samples, scales, sudden), following_defects(samples, scales),
         end_defects(samples, scales, motion, case.duration),
     )  # fmt: skip
     results += [one for defects in others if (one := worst(defects, rtol))]
@@ -118,16 +128,32 @@ def _motion_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[De
         yield one._replace(sizes=np.where(samples.is_straight, 0.0, one.sizes))
 
 
-def _other_defects(samples: MotionSamples, scales: MotionScales, rtol: float) -> Iterator[Defects]:
-    reach, speed = scales.reach, scales.speed
-    every = laws.joins(samples)
-    sudden = laws.jumps(every, reach, speed, MOMENTUM + AMPLIFIED * scales.condition.max() + PARTS * rtol)
+def _sudden_part(scales: MotionScales, rtol: float) -> float:
+    """The part of the speed by which velocities jump in impacts only."""
+    return MOMENTUM + AMPLIFIED * float(scales.condition.max()) + PARTS * rtol
+
+
+def _finer(case: Case, motion: Trajectory, samples: MotionSamples, scales: MotionScales) -> MotionSamples | None:
+    """Samples of the parts of those steps that the nodes do not resolve, or None."""
+    start, end = finer_steps(case, motion, samples, scales)
+    signs = unresolved_steps(samples, scales)[:MOST_DIVIDED]
+    knots = samples.start[signs, None] + samples.length[signs, None] * (np.arange(SIGN_PARTS + 1) / SIGN_PARTS)
+    start, end = np.concatenate([start, knots[:, :-1].ravel()]), np.concatenate([end, knots[:, 1:].ravel()])
+    return of_motion(case, motion, start, end) if len(start) else None
+
+
+def _of_contacts(samples: MotionSamples, scales: MotionScales, sudden: Joins) -> Iterator[Defects]:
     for contact in samples.contacts:
         keep = ~samples.is_straight[contact.steps]
         if keep.any():
             law, *rows = contact
             solved = contact if keep.all() else ContactInstants(law, *(row[keep] for row in rows))
-            yield from contact_defects(samples, solved, scales, _is_listed(samples, sudden, solved.steps))
+            yield from contact_defects(samples, solved, scales, _is_listed(samples, sudden.times, solved.steps))
+
+
+def _other_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins) -> Iterator[Defects]:
+    reach, speed, every = scales.reach, scales.speed, laws.joins(samples)
+    yield from _of_contacts(samples, scales, sudden)
     turns = [laws.turns_of(one, scales.last) for one in samples.plates]
     yield from laws.continuity_defects(samples.case, every, reach, turns)
     if len(sudden.steps):
@@ -140,12 +166,12 @@ def _other_defects(samples: MotionSamples, scales: MotionScales, rtol: float) ->
         yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, scales.extent, "m", CLOSED)
 
 
-def _is_listed(samples: MotionSamples, sudden: Joins, steps: np.ndarray) -> np.ndarray:
-    """Which of some steps have the modes that the transitions list: not those of a series of impacts that are not
+def _is_listed(samples: MotionSamples, sudden: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Which of some steps have the modes that the transitions list (`sudden`: times at which velocities jump): not those of a series of impacts that are not
     listed, from the last transition before one of these to the end of the series."""
     instants = np.array([0.0, *(change.time for change in samples.transitions)])
     rests = np.array([*(c.time for c in samples.transitions if c.cause == CAUSES["rest"]), np.inf])
-    others = np.setdiff1d(samples.start[sudden.steps], instants)
+    others = np.setdiff1d(sudden, instants)
     first = instants[np.searchsorted(instants, others) - 1]
     last = rests[np.searchsorted(rests, others)]
     start = samples.start[steps]

@@ -116,7 +116,9 @@ def _sense(
     friction = float(contact.friction[row, -1])
     if change.before in STICKING and change.after in SENSE and np.isfinite(friction):
         size, scale = np.array([SENSE[change.after] * friction]), force_scale_at(samples, contact.law, scales)
-        yield Defects("friction is against the slip", contact.law.name, np.array([change.time]), size, scale, "N", GRAZES)
+        yield Defects(
+            "friction is against the slip", contact.law.name, np.array([change.time]), size, scale, "N", GRAZES
+        )
 
 
 def _landing(samples: MotionSamples, scales: MotionScales, change: Transition, step: int) -> Iterator[Defects]:

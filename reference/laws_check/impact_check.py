@@ -159,7 +159,10 @@ def _impact_of_several(
         e = impact.restitution
         if (impact.law == "moreau" or e == 0.0) and opening + e * min(closing, 0.0) > limit:
             continue  # no impulse where it opens faster than by restitution
-        moving, stick = _in_impact(law, one.slip), float(law.impact_cone(one.slip)) if np.isfinite(law.stick) else np.inf
+        moving, stick = (
+            _in_impact(law, one.slip),
+            float(law.impact_cone(one.slip)) if np.isfinite(law.stick) else np.inf,
+        )
         sticks, certain = abs(slip) < limit, impact.law == "moreau" or e == 0.0 or moving == 0.0
         if np.isinf(moving) or (sticks and np.isinf(stick)):
             own_columns = [one.across, one.along, -one.along]
@@ -180,4 +183,6 @@ def _impact_of_several(
         cost = np.r_[np.zeros(pull.shape[1]), np.ones(2 * m)]
         off = linprog(cost, A_eq=np.c_[pull, np.eye(m), -np.eye(m)], b_eq=rest / largest).fun
     names = ", ".join(one.law.name for one in places)
-    yield Defects("law of impact", names, when, np.array([np.inf if off is None else off]), 1.0, "of the impulse", SEVERAL + floor)
+    yield Defects(
+        "law of impact", names, when, np.array([np.inf if off is None else off]), 1.0, "of the impulse", SEVERAL + floor
+    )

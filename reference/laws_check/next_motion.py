@@ -10,11 +10,12 @@ import numpy as np
 from scipy.optimize import linprog
 
 from cases import Mode, Unilateral
+from cases.motion.trajectory import CONTACT
 from cases.own_effects import own_effects
 
 from .chebyshev import RATES
 from .laws import MotionScales, own_force, weight_and_load
-from .samples import MotionSamples
+from .samples import MotionSamples, law_at
 from .tolerances import EPS
 from .touches import PlatesNow, Touch, bend_at, couple_row, is_at_joint, masses, plates_at, touch, touches_at
 
@@ -111,6 +112,9 @@ def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, 
             again = touch(case, one.law, Mode.FLIGHT, plates, one.xi1, one.xi2, t)
             if one.law.name not in names and abs(float(again.across @ plates.rates)) <= NEAR * scales.speed:
                 every.append(again)
+    start = case.start
+    if t == 0.0 and start.in_contact and start.xi2 is not None and CONTACT not in names:
+        every.append(touch(case, law_at(case, CONTACT), Mode.FLIGHT, plates, start.xi1, start.xi2, t))
     result, points = list[_Place](), list[tuple]()
     for one in every:
         curves = one.law.body, one.law.base, one.law.track
@@ -160,7 +164,12 @@ def _place(samples: MotionSamples, one: Touch, plates: PlatesNow, t: float) -> _
         tangential, normal, couple = (float(np.asarray(v)) for v in own_force(effect)(t, one.slip, spin - base_spin))
         forces += tangential * one.along + normal * one.across + couple * couple_row(law, len(plates.place))
     return _Place(
-        one, one.slip, belt_rate - extra.real - turning * opening, turning * speed - extra.imag, forces, spin - base_spin
+        one,
+        one.slip,
+        belt_rate - extra.real - turning * opening,
+        turning * speed - extra.imag,
+        forces,
+        spin - base_spin,
     )
 
 
@@ -202,7 +211,11 @@ def _solve(case, places, modes, force, unit, largest, small) -> Consistent | Non
         if kind == "stick":
             equal.append((one.along, place.slip_rate))
             pull = [one.along, -one.along] if law.is_rough else []
-            own_columns = [sign * one.across] + pull if law.is_rough else [sign * one.across + s * law.stick * one.along for s in (1, -1)]
+            own_columns = (
+                [sign * one.across] + pull
+                if law.is_rough
+                else [sign * one.across + s * law.stick * one.along for s in (1, -1)]
+            )
         elif kind == "slide":
             own_columns = [sign * one.across]
         else:
