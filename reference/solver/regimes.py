@@ -108,14 +108,16 @@ def kind_of(mode: Mode) -> ContactRows:
     return ContactRows.STICK if mode in STICKING else ContactRows.SLIP
 
 
-def ends_of(pair: PieceCase) -> tuple[str, ...]:
+def ends_of(pair: PieceCase, is_open: bool) -> tuple[str, ...]:
     """The ends of both elements, or of their parts, at which a contact passes to the next one. Where that is straight,
-    as the other element is, both lie on each other there, and the contact stays at the corner, unless it `ends_flat`.
+    as the other element is, both lie on each other there, and the contact stays at the joint, unless it `ends_flat`, or
+    is open and the element is no corner: beyond its end an arc is not part of the curve.
     """
     result = list[str]()
     for end, (of_track, step) in PIECE_ENDS.items():
         piece = cast(Piece, pair.pieces[0 if of_track else 1])
-        stays = piece.ends is None or (_is_flat_beyond(pair, of_track, step) and not ends_flat(pair, of_track, step))
+        lies_flat = _is_flat_beyond(pair, of_track, step) and not ends_flat(pair, of_track, step)
+        stays = piece.ends is None or (lies_flat and (not is_open or isinstance(piece, Corner)))
         if piece.parts is not None or not stays:
             result.append(end)
     return tuple(result)
@@ -157,7 +159,9 @@ def solver_phase(case: Case, regime: SolverRegime) -> SolverPhase:
         track, outline = (
             piece.part(number) for piece, number in zip(cast(tuple[Piece, Piece], pair.pieces), numbers, strict=True)
         )
-        form = ContactForm(couple.body, couple.base, structure(track), structure(outline), kind, ends_of(pair))
+        form = ContactForm(
+            couple.body, couple.base, structure(track), structure(outline), kind, ends_of(pair, mode is Mode.FLIGHT)
+        )
         law, sense = laws(couple), senses.get(sides_of(pair))
         if kind not in NO_ROWS:
             closed.append(pair)
