@@ -88,6 +88,8 @@ def collide(law: Law, before: ContactVelocity) -> ContactVelocity:
         return now
     if law.name == "poisson":
         return _advance(law, now, lambda total, now, rates: law.restitution * compression - total)[0]
+    if goal == 0.0:  # by underflow
+        return now
     return _advance(law, now, lambda total, now, rates: _until(now.lift, rates.lift, goal))[0]._replace(lift=goal)
 
 
@@ -125,7 +127,9 @@ def _advance(
 
 def _until(value: float, rate: float, goal: float) -> float:
     """The impulse after which a velocity reaches `goal`; infinite if it does not approach it, or is equal to it."""
-    return (goal - value) / rate if (goal - value) * rate > 0.0 else inf
+    way = goal - value
+    approaches = way > 0.0 < rate or way < 0.0 > rate  # their product may be zero by underflow
+    return way / rate if approaches else inf
 
 
 def _rates(law: Law, now: ContactVelocity) -> _Rates:

@@ -29,13 +29,14 @@ class ModeChanges(ImpactEnds):
     """Plates whose modes are decided, group by group.
 
     `fixed`: the modes that some contacts may have; `released`: those whose forces have reached a limit at rest;
-    `begins`: the modes of a start are no changes; `may_float`: whether the force that opens a contact may stay at zero.
+    `may_slide`: whether these may keep their modes, as those of plates without friction that begin to slide; `begins`:
+    the modes of a start are no changes; `may_float`: whether the force that opens a contact may stay at zero.
     """
 
     def __init__(self, case: Case, t: float, state: tuple[float, ...], begins: bool):
         super().__init__(case, t, state)
         self.fixed, self.released, self.begins = dict[str, tuple[Mode, ...]](), set[str](), begins
-        self.may_float = True
+        self.may_float, self.may_slide = True, False
 
     def _decision_errors(self) -> Sequence[float]:
         """The parts of a bound within which values are at it: the least one that explains a motion decides."""
@@ -52,7 +53,9 @@ class ModeChanges(ImpactEnds):
             some, names = [places[k] for k in group], [closed[k].name for k in group]
             self._check_count(some, names)
             fixed = {i: self.fixed[name] for i, name in enumerate(names) if name in self.fixed}
-            last_modes = tuple(closed[k].mode for k in group) if self.released & set(names) else None
+            last_modes: tuple[Mode, ...] | None = None
+            if self.released & set(names):
+                last_modes = () if self.may_slide else tuple(closed[k].mode for k in group)
             decision = self._decide_group(now, some, fixed, last_modes)
             for error in errors[1:]:
                 if decision.motions or decision.is_singular:

@@ -149,6 +149,7 @@ class PoseChart(ModeChanges):
             return None
         if segment.event.guard is None and self.t == limit:
             self.released, self.causes = holders, dict.fromkeys(holders, "the forces at rest reached their limit")
+            self.may_slide = loss is None and not stuck & holders
             self._settle(stuck, self._closing())
             return None
         return self._event(segment, stuck)

@@ -17,8 +17,8 @@ from ..scales import EPS
 BALANCE = -1e-11
 # Looks at a load in time while it may end a rest, besides those that resolve its features.
 LOOKS = 64
-# A root is located to roundings of its time, the finest that SciPy allows, whatever the unit of time.
-SOONEST, FINEST = 1e-300, 4.0 * EPS
+# A root is located to roundings of its time, the finest that SciPy allows.
+FINEST = 4.0 * EPS
 # A balance that is lost within this part of the time between two looks is lost at once.
 AT_ONCE = 1e-6
 # Looks in each step of a motion; the steps resolve the features of belts and loads.
@@ -51,10 +51,11 @@ def first_loss(margin: Callable[[float], float], looks: list[float]) -> float | 
     for look in looks:
         value = margin(look)
         if value < BALANCE:
-            # Without friction a load is balanced at single instants: no weights of any sign have its direction then.
-            at_once = margin(last + AT_ONCE * (look - last)) == -inf
-            if at_once or not margin(last) > 0.0:
+            # Without friction a load is balanced at single instants: no weights of any sign have its direction then. A
+            # margin that is a rounding and shrinks is lost at once, too.
+            now, soon = margin(last), margin(last + AT_ONCE * (look - last))
+            if soon == -inf or not now > 0.0 or soon < now <= -BALANCE:
                 return last
-            return float(brentq(lambda t: max(margin(t), -1.0), last, look, xtol=SOONEST, rtol=FINEST))
+            return float(brentq(lambda t: max(margin(t), -1.0), last, look, xtol=EPS * (look - last), rtol=FINEST))
         last = look if value > 0.0 else last
     return None

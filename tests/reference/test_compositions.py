@@ -391,6 +391,21 @@ def test_a_disc_floats_on_a_rough_box_that_a_load_pushes_as_both_fall(height, me
     assert motion.plate("disc").x[-1] == 0.0
 
 
+@METHOD
+@pytest.mark.parametrize("inertia", [inf, 1.0 / 240.0])
+@pytest.mark.parametrize("wall", [-0.1, -0.3])
+def test_a_block_without_friction_moves_as_soon_as_a_load_begins(wall, inertia, method):
+    """From rest, on a table and next to a wall that it leaves at once: x = 4 t/3 − 4 sin(3 t)/9 under 4 sin 3t."""
+    support, load = Support(Curve((repr(wall), "-s")), "wall"), Load(fx="4*sin(3*t)")
+    plate = replace(BOX, inertia=inertia)
+    case = Case(line(), plate, (*INELASTIC, load), StartPose(0.0, 0.05), 1.2, supports=(support,))
+    motion = reference.simulate(case, method=method)
+    assert motion.status == "completed"
+    assert {one.contact.partition(" ")[0] for one in motion.transitions} <= {"plate/wall"}
+    assert all(type(one.time) is float and one.time == 0.0 for one in motion.transitions)
+    assert motion.x[-1] == pytest.approx(4.0 / 3.0 * 1.2 - 4.0 / 9.0 * sin(3.6), abs=1e-9)
+
+
 # --- laws -------------------------------------------------------------------------------------------------------------
 
 HALF_ELLIPSE = Plate.homogeneous(

@@ -144,6 +144,15 @@ def test_a_discs_impact_is_the_same_by_every_law(slip, lift, omega, mu, e):
         assert other == pytest.approx(one, rel=1e-12, abs=1e-12)
 
 
+@pytest.mark.parametrize("lift", [-1.0, -0.3])
+@pytest.mark.parametrize("law", cases.effects.IMPACT_LAWS)
+def test_a_restitution_that_underflows_is_none(law, lift):
+    # Newton's goal, e times the closing speed, is 0 or so small that its product with a rate is.
+    before = ContactVelocity(1.0, lift, 0.5)
+    least, none = (collide(Law(0.3, 0.2, 0.05, 0.3, 0.3, 0.0, e, law), before) for e in (5e-324, 0.0))
+    assert least == pytest.approx(none, rel=1e-14, abs=1e-300)
+
+
 def test_a_slip_that_routh_reverses_may_stick_by_moreau():
     # What is held is held over the whole impulse here; with Routh it slips first, then is carried on.
     law = Law(-0.5, -0.6, 0.1, 0.6, 0.6, 0.0, 0.0, "moreau")

@@ -158,7 +158,7 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
             event = Event(OUT_OF_STEPS, float(solver.t), tuple(solver.y.tolist()))
             return _end_event(phase, times, pieces, event, solver.nfev)
         if solver.status == "finished" or (phase.is_past is not None and phase.is_past(solver.y)):
-            return _end_event(phase, times, pieces, Event(None, solver.t, tuple(solver.y.tolist())), solver.nfev)
+            return _end_event(phase, times, pieces, Event(None, float(solver.t), tuple(solver.y.tolist())), solver.nfev)
 
 
 def _first_step(often: float, rhs, t: float, y, end: float, rtol: float, atol: np.ndarray) -> float:
