@@ -37,8 +37,6 @@ from .plate import Plate, is_convex
 from .start_pose import StartPose
 from .supports import check_side, effects_at, is_straight
 
-# Modes are enumerated: four for each contact of plates that touch each other.
-MOST = 8
 # Pose and velocities of a plate, in the order of rows.
 POSE = ("x", "y", "theta", "vx", "vy", "omega")
 

@@ -17,7 +17,7 @@ from ..curves.corner import Corner
 from ..effects import Belt, CoulombFriction, Drive, Flight, Impact, PerfectlyRough, RollingResistance, Unilateral
 from ..errors import BadValue, DoesNotFit
 from ..own_effects import own_effects
-from .free_plates import MOST, why_not_convex
+from .free_plates import why_not_convex
 from .pair_effects import of_pair
 from .supports import has_rolling_resistance, is_hill, is_hollow, is_straight
 
@@ -183,14 +183,6 @@ LIMITS = (
         "a bilateral guide with several contacts is not supported; add Unilateral to the effects",
         Reason.NOT_BUILT,
         "the modes of several contacts are those of contacts that only push",
-    ),
-    Limit(
-        Scope.SEVERAL_PLATES,
-        f"more than {MOST} plates",
-        lambda case: len(case.others) >= MOST,
-        f"a case has at most {MOST} plates; leave some of the others out",
-        Reason.NOT_BUILT,
-        "modes are enumerated, four for each contact of plates that touch each other",
     ),
     Limit(
         Scope.SEVERAL_PLATES,

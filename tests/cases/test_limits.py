@@ -102,9 +102,6 @@ SCENES = {
     (Scope.SEVERAL_CONTACTS, "no Unilateral (a guide that pulls, too)"): lambda: scene(
         without=(Unilateral, Flight, Impact), supports=WALL
     ),
-    (Scope.SEVERAL_PLATES, "more than 8 plates"): lambda: scene(
-        others=tuple(FreePlate(DISC, StartPose(6.0 + 2 * i, 0.5), f"disc{i}") for i in range(8))
-    ),
     (Scope.SEVERAL_PLATES, "no Unilateral or Flight"): lambda: scene(without=(Flight, Impact), others=ABOVE),
     (Scope.EFFECTS, "an effect of a package"): lambda: scene(Pull(), supports=WALL),
     (

@@ -117,6 +117,16 @@ def test_a_disc_leaves_a_free_disc_at_the_exact_time(masses):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("count", [9, 20])
+def test_a_velocity_goes_through_a_long_row_of_discs_apart(count):
+    """Equal discs 0.05 m apart exchange their velocities one after the other, the first two after 0.3 m at 1 m/s."""
+    motion = reference.simulate(row(gap=0.05, count=count, e=1.0, duration=1.5), method="dop853")
+    times = [0.3 + 0.05 * k for k in range(count - 1)]
+    assert [one.time for one in motion.transitions] == pytest.approx(times, abs=1e-12)
+    assert motion.status == "completed"
+    assert motion.plate(f"disc{count}").vx[-1] == pytest.approx(1.0, abs=1e-12)
+
+
 def test_an_impact_goes_through_a_row_of_discs():
     """Apart, each passes its speed on to the next. Touching, e = 1 between whole impulses: −1/3, 2/3, 2/3, as derived
     in test_impacts_of_bodies. The first contact closes after 0.3 m/(1 m/s)."""
