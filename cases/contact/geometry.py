@@ -79,15 +79,18 @@ def velocity(track: Curve, outline: Curve, xi1: float, xi2: float, slip: float, 
 
 
 def _moving(
-    track: Curve, outline: Curve, places: tuple[float, float], rates: tuple[float, float], slip: float, omega: float
-) -> MotionPoint:
-    """The plate's motion with that slip velocity and spin; `rates` are those of the contact parameters."""
+    track: Curve, outline: Curve, places: tuple[float, float], rates: tuple[float, float], slip: float, omega: float,
+    gap: float = 0.0, gap_rate: float = 0.0,
+) -> MotionPoint:  # fmt: skip
+    """The plate's motion with that slip velocity and spin; `rates` are those of the contact parameters, `gap` and
+    `gap_rate` as for `velocity_apart`."""
     xi1, xi2 = places
     x, y, theta = (float(value) for value in pose(track, outline, xi1, xi2))
-    tangent, contact = track.tangent(xi1), track.point(xi1)
+    (tx, ty), contact = track.tangent(xi1), track.point(xi1)
     # (11) solved for the velocity of the centre of mass: v = Ṙ₀ + ω U (R − R₀).
-    vx = slip * tangent[0] + omega * (contact[1] - y)
-    vy = slip * tangent[1] - omega * (contact[0] - x)
+    vx = slip * tx - gap_rate * ty + omega * (contact[1] - y)
+    vy = slip * ty + gap_rate * tx - omega * (contact[0] - x)
+    x, y = float(x - gap * ty), float(y + gap * tx)
     return MotionPoint(x, y, theta, float(vx), float(vy), omega, xi1, xi2, *rates, slip)
 
 
@@ -123,15 +126,7 @@ def velocity_apart(
     Its outline's point lies `gap` (m) away along the track's normal, tangents parallel, and has the velocity
     slip·t + gap_rate·n.
     """
-    normal = track.normal(xi1)
-    x, y, theta = pose(track, outline, xi1, xi2)
-    contact = track.point(xi1)
-    # The centre of mass follows from the point's velocity by (11).
-    vx = slip * normal[1] + gap_rate * normal[0] + omega * (contact[1] - y)
-    vy = -slip * normal[0] + gap_rate * normal[1] - omega * (contact[0] - x)
-    x, y = x + gap * normal[0], y + gap * normal[1]
-    x, y, theta, vx, vy = (float(v) for v in (x, y, theta, vx, vy))
-    return MotionPoint(x, y, theta, vx, vy, omega, xi1, xi2, nan, nan, slip)
+    return _moving(track, outline, (xi1, xi2), (nan, nan), slip, omega, gap, gap_rate)
 
 
 def level_parameter(track: Curve, outline: Curve, xi1: float) -> float:

@@ -19,6 +19,7 @@ from ..curves.chain import Chain
 from ..curves.corner import Corner
 from ..curves.outline import sizes_of
 from ..formulas.features import union
+from .geometry import Contact
 from .nearest import contacts, nearest_pair, nearest_samples
 
 # Number of corners of the polygon, in addition to those that resolve the outline's features.
@@ -38,13 +39,6 @@ ROUNDING = 1e-12
 OVERLAPS = 1e-9
 # A point of a plate: its origin.
 CENTRE = Corner(0.0, 0.0, 0.0, pi)
-
-
-class Overlap(NamedTuple):
-    """How deep a plate overlaps its track (m), and at which parameter of the track."""
-
-    depth: float
-    xi1: float
 
 
 class _PolygonPair(NamedTuple):
@@ -132,7 +126,7 @@ def first_overlap(
     return None
 
 
-def deepest_overlap(track: Curve, outline: Curve, x: float, y: float, theta: float, xi1: float) -> Overlap | None:
+def deepest_overlap(track: Curve, outline: Curve, x: float, y: float, theta: float, xi1: float) -> Contact | None:
     """The deepest overlap of a plate in that pose with its track, or None if there is none; `xi1`: where it is near.
 
     Smooth curves only: None for a curve with corners or an open outline, and where the nearest points are at an end of
@@ -142,7 +136,7 @@ def deepest_overlap(track: Curve, outline: Curve, x: float, y: float, theta: flo
         return None
     contact = nearest_pair(track, outline, x, y, theta, xi1)
     rounding = ROUNDING * (abs(x) + abs(y) + sizes_of(outline).reach)
-    return Overlap(-contact.gap, contact.xi1) if contact is not None and contact.gap < -rounding else None
+    return contact if contact is not None and contact.gap < -rounding else None
 
 
 def overlaps(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> bool:
@@ -156,7 +150,7 @@ def overlaps(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> 
     least = OVERLAPS * (abs(x) + abs(y) + sizes_of(outline).reach)
     if outline.period and not isinstance(curve, Chain) and not isinstance(outline, Chain):
         deepest = deepest_overlap(curve, outline, x, y, theta, near)
-        return deepest is not None and deepest.depth > least
+        return deepest is not None and deepest.gap < -least
     return any(one.gap < -least for one in contacts(curve, outline, x, y, theta))
 
 

@@ -7,6 +7,7 @@ along a chain.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 from math import pi
 from typing import cast
@@ -89,18 +90,11 @@ def lies_flat(case: PieceCase, xi1: float, xi2: float) -> bool:
     bend more than the track, or at a corner with the direction of such a piece that ends there."""
     if not any(isinstance(piece, Corner) for piece in case.pieces):
         return not clearance(*case.pieces, xi1, xi2) > 0.0
-    for i, (piece, s) in enumerate(zip(case.pieces, (xi1, xi2), strict=True)):
-        other = case.pieces[1 - i]
-        if not isinstance(piece, Corner) or isinstance(other, Corner):
-            continue
-        low, high = piece.span
-        for step, distance in ((-1, s - low), (1, high - s)):
-            following = neighbour(case, i == 0, step)
-            if abs(distance) <= LEVEL and following is not None:
-                ends = [xi1, xi2]
-                ends[i] = following.pieces[i].span[0 if step > 0 else 1]
-                if not clearance(*following.pieces, *ends) > 0.0:
-                    return True
+    for i, step, distance, following in _next_pieces(case, (xi1, xi2), of_corners=True):
+        ends = [xi1, xi2]
+        ends[i] = following.pieces[i].span[0 if step > 0 else 1]
+        if abs(distance) <= LEVEL and not clearance(*following.pieces, *ends) > 0.0:
+            return True
     return False
 
 
@@ -113,16 +107,26 @@ def touching_corners(case: PieceCase, xi1: float, xi2: float) -> PieceCase | Non
     """The case on the corners that `corners_meet`; None if they do not."""
     if corner_on_corner(case):
         return case
-    for i, (piece, s) in enumerate(zip(case.pieces, (xi1, xi2), strict=True)):
-        if isinstance(piece, Corner) or not isinstance(case.pieces[1 - i], Corner):
+    some = (xi1, xi2)
+    for i, _, distance, following in _next_pieces(case, some, of_corners=False):
+        if abs(distance) * float(case.pieces[i].speed(some[i])) <= LEVEL and corner_on_corner(following):
+            return following
+    return None
+
+
+def _next_pieces(
+    case: PieceCase, places: tuple[float, float], of_corners: bool
+) -> Iterator[tuple[int, int, float, PieceCase]]:
+    """Of a corner on a piece: the neighbours of the corner, or of the piece, each with the number of its curve, its
+    side, how far its end is from the contact's parameter, and the case on it."""
+    for i, (piece, s) in enumerate(zip(case.pieces, places, strict=True)):
+        if isinstance(piece, Corner) is not of_corners or isinstance(case.pieces[1 - i], Corner) is of_corners:
             continue
         low, high = piece.span
         for step, distance in ((-1, s - low), (1, high - s)):
             following = neighbour(case, i == 0, step)
-            is_near = abs(distance) * float(piece.speed(s)) <= LEVEL
-            if is_near and following is not None and corner_on_corner(following):
-                return following
-    return None
+            if following is not None:
+                yield i, step, distance, following
 
 
 @lru_cache(maxsize=4096)

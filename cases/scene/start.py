@@ -126,6 +126,6 @@ def _check_place(start: Start, track: Curve, outline: Curve) -> None:
     deepest = deepest_overlap(track, outline, state.x, state.y, state.theta, xi1)
     if deepest:
         raise DoesNotFit(
-            f"the plate overlaps its track by {deepest.depth:.6g} m at xi1 = {deepest.xi1:.9g} where it begins; give "
+            f"the plate overlaps its track by {-deepest.gap:.6g} m at xi1 = {deepest.xi1:.9g} where it begins; give "
             "another start"
         )

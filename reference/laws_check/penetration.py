@@ -104,7 +104,7 @@ def _in_curve(
         number, xi1 = first + overlap[0], overlap[1]
         deepest = deepest_overlap(curve, plate.outline, x[number], y[number], theta[number], xi1)
         if deepest is not None:
-            yield Depth(pair, when[number : number + 1], np.array([deepest.depth]))
+            yield Depth(pair, when[number : number + 1], np.array([-deepest.gap]))
         first = number + 1
         if first >= len(x):
             return
