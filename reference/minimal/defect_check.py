@@ -15,9 +15,8 @@ from numpy.polynomial.polynomial import polyder, polyval
 
 from cases.formulas.features import Features
 
-from .load_check import Course, resolved_part
+from .load_check import ULPS, Course, resolved_part, roundings
 from .modes import Phase
-from .rounding import ULPS, roundings
 
 # Places in a step at which its states are sampled: between two of them they have at most one extremum.
 PARTS = np.linspace(0.0, 1.0, 9)

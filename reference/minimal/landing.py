@@ -3,7 +3,7 @@
 The flight itself is integrated like any phase, without regard to the track. If the curvatures allow only one pair of
 nearest points (`curvature_proof`), that pair is followed in steps: bounds on the gap's rate and its changes exclude a
 zero until the next step. Otherwise, or if that pair is lost, boxes of time, track and outline are searched
-(`meetings`). A flight that ends before the first of these steps is a hop (`short_flights`).
+(`meetings`). A flight that ends before the first of these steps is a hop (`gap`).
 """
 
 from __future__ import annotations
@@ -22,13 +22,11 @@ from cases.contact.overlap_search import span
 from ..curvature_proof import Room, room
 from ..effect_laws import laws
 from ..scales import EPS, TOUCHES
-from .boxes import Cores, Geometry
-from .contact_cores import cores
-from .gap import Look, Looks, facing, state, touch
+from .boxes import Cores, Geometry, cores
+from .gap import Look, Looks, facing, first_look, state, touch
 from .impact import ContactVelocity
 from .integrators.segment import Segment
 from .meetings import Meeting, MeetingSearch
-from .short_flights import first_look
 from .windows import DEGREE, PARABOLA, Windows, windows
 
 # A pair is followed up to this part of the gap beyond which it may no longer be the only nearest one.

@@ -11,6 +11,7 @@ determine the load on the whole step, and the zeros of a guard are found.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -18,7 +19,6 @@ from numpy.polynomial import chebyshev
 
 from ..scales import frequencies
 from .modes import FLIGHT, Phase
-from .rounding import roundings
 
 # Degree of the polynomial through a load: where it agrees to rounding, the next singularity of the load (in the complex
 # plane) is ten steps away, and the Taylor series of order 12 at the step's start is as accurate at its end.
@@ -54,6 +54,10 @@ PART, FINEST, COARSEST = 1e-2, 1e-13, 1e-6
 ROUNDINGS = 16.0
 # After this many halvings a step is shorter than a rounding of any time at which it may begin.
 MOST_HALVINGS = 100
+
+
+# Rounding of a component of a state: four units in the last place.
+ULPS = 4.0 * float(np.finfo(float).eps)
 
 
 class Course(Protocol):
@@ -166,3 +170,26 @@ def _roundings(phase: Phase, course: Course, parts: np.ndarray) -> tuple[np.ndar
     forces = phase.system.check_layout.forces
     rows[-1] /= phase.size
     return rows[:-forces], rows[-forces:]
+
+
+def roundings(
+    phase: Phase, of: Callable[..., Sequence[float | np.ndarray]], times: np.ndarray, states: np.ndarray
+) -> np.ndarray:
+    """Rounding (rows, n) of the rows of(times, states (variables, n), parameters): the sum of their changes if time and
+    each component of the states are moved by its rounding, one after another.
+
+    A speed is moved by the rounding of the largest, as equations contain differences of speeds: that of the centre of
+    a disc that spins in place is one.
+    """
+    p, sizes = phase.system.positions, np.abs(np.vstack([times, states]))
+    speeds, units = sizes[1 + p :], np.array(phase.lengths)[: len(states) - p, None]
+    if len(speeds):
+        speeds[:] = np.max(speeds / units, axis=0) * units
+    count, n = sizes.shape
+    samples = np.tile(np.vstack([times, states]), count + 1)
+    for k in range(count):
+        samples[k, k * n : (k + 1) * n] += ULPS * sizes[k]
+    with np.errstate(all="ignore"):  # a load's exp(u) may overflow where 1/(1 + exp(u)) vanishes
+        rows = of(samples[0], samples[1:], phase.parameters)
+        values = np.array([np.broadcast_to(row, samples.shape[1]) for row in rows]).reshape(len(rows), count + 1, n)
+        return np.sum(np.abs(values[:, :-1] - values[:, -1:]), axis=1)

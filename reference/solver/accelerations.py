@@ -1,7 +1,7 @@
 """Accelerations of one group of contacts in combinations of modes, by numbers, and the balance of forces that are not
 unique."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, nan
@@ -17,14 +17,13 @@ from ..effect_laws import laws
 from ..effect_laws.friction import SLIP_SIGN, STICKING
 from ..effect_laws.own_forces import changes_in_time, own_force_values
 from ..minimal.decision import AT_BOUND, Undecidable
-from ..scales import STILL, slip_error
+from ..minimal.integrators.segment import Segment
+from ..scales import EPS, STILL, slip_error
 from . import forces
 from .exclusion import TOGETHER, solve_stack
 from .places import ContactPlace, plates_in, sharing
-from .plate_numbers import bodies, load_at, load_scale, rows_of, speed
+from .plate_numbers import Sides, Turns, bodies, load_at, load_scale, rigid_pairs, rows_of, speed, turning_row
 from .regimes import Guides
-from .rest import BALANCE
-from .rotations import Sides, Turns, rigid_pairs, turning_row
 
 # Accelerations that differ by less than this part of the largest are the same motion: series decide with 1e-12.
 SAME = 1e-7
@@ -34,6 +33,18 @@ VIOLATED = 1e-6
 OTHER = 1e-3
 # Rows are dependent if one is the sum of others to this part.
 DEPENDENT = 1e-9
+
+
+# A load is balanced if the least weight is no more negative than its rounding.
+BALANCE = -1e-11
+# Looks at a load in time while it may end a rest, besides those that resolve its features.
+LOOKS = 64
+# A root is located to roundings of its time, the finest that SciPy allows.
+FINEST = 4.0 * EPS
+# A balance that is lost within this part of the time between two looks is lost at once.
+AT_ONCE = 1e-6
+# Looks in each step of a motion; the steps resolve the features of belts and loads.
+LOOKS_IN_STEP = 4
 
 
 @dataclass(frozen=True)
@@ -299,3 +310,39 @@ def load_and_units(
     velocity = np.asarray(state[len(state) // 2 :], dtype=float)
     load = load_at(case, t, state) + own_load(case, t, velocity, contacts, modes)
     return load * np.where(own, some.masses, 0.0), own / some.lengths
+
+
+def looks_at_load(case: Case, start: float) -> list[float]:
+    """Times (s) from a start to the end of a case's motion that resolve its loads."""
+    end, looks = case.duration, np.linspace(start, case.duration, LOOKS)
+    for load in loads_of(case):
+        if load is not None and load.features is not None:
+            looks = np.union1d(looks, load.features.nodes(start, end))
+    return looks.tolist()
+
+
+def first_loss_in(segment: Segment, margin: Callable[[float], float]) -> float | None:
+    """When a margin is lost in a segment, s; None if it is not at any look in its steps."""
+    steps = np.unique(segment.times)
+    parts = np.arange(1, LOOKS_IN_STEP + 1) / LOOKS_IN_STEP
+    looks = (steps[:-1, None] + np.diff(steps)[:, None] * parts).ravel()
+    return first_loss(margin, [float(steps[0]), *looks.tolist()])
+
+
+def first_loss(margin: Callable[[float], float], looks: list[float]) -> float | None:
+    """When a margin is lost, s, located to rounding; None if it is not at any of these times. One that touches zero is
+    kept: it is known to its rounding only."""
+    from scipy.optimize import brentq
+
+    last = looks[0]
+    for look in looks:
+        value = margin(look)
+        if value < BALANCE:
+            # Without friction a load is balanced at single instants: no weights of any sign have its direction then. A
+            # margin that is a rounding and shrinks is lost at once, too.
+            now, soon = margin(last), margin(last + AT_ONCE * (look - last))
+            if soon == -inf or not now > 0.0 or soon < now <= -BALANCE:
+                return last
+            return float(brentq(lambda t: max(margin(t), -1.0), last, look, xtol=EPS * (look - last), rtol=FINEST))
+        last = look if value > 0.0 else last
+    return None

@@ -17,7 +17,7 @@ from ..effect_laws.friction import Frictionless
 from ..effect_laws.rolling_resistance import NoResistance
 from ..minimal.elimination import GYRATION
 from ..minimal.frames import Frame, frame
-from .rotations import Sides
+from .plate_numbers import Sides
 
 
 def radius(body: int) -> Node:

@@ -19,12 +19,14 @@ from cases.curves.corner import Corner
 
 from ..effect_laws.friction import STICKING
 from ..minimal.decision import AT_BOUND, _by_series, follows, slack_of
-from .accelerations import SAME, DecisionInstant, GroupRows, resisting, rest_margin
-from .places import ContactPlace, plates_in, sharing
-from .plate_numbers import bodies, rows_of
+from .accelerations import BALANCE, SAME, DecisionInstant, GroupRows, resisting, rest_margin
+from .places import ContactPlace, place, plates_in, sharing
+from .plate_numbers import Sides, Turns, bodies, rows_of, speed, turning_row
 from .regimes import Guides, SolverPhase, SolverRegime, is_straight, join, key_of, solver_phase
-from .rest import BALANCE
-from .rotations import Sides, Turns, turning_row
+from .touching import name_of, touching_contacts
+
+# Relative error of a state that is given by formulas: a few roundings of its numbers.
+ERROR = 1e-14
 
 
 class Decision(NamedTuple):
@@ -251,3 +253,18 @@ def _clusters(now: DecisionInstant, motions: Sequence[_Motion]) -> list[list[_Mo
         else:
             clusters.append([motion])
     return clusters
+
+
+def motions_in(case: Case, state: Sequence[float]) -> list[dict[str, Mode]]:
+    """The motions that may follow a state of all plates, each as the modes of the contacts that touch.
+
+    `state`: x, y (m), θ of every plate, then vx, vy (m/s), ω. Modes that give the same accelerations are one motion,
+    listed with the most contacts. No contact may close: an impact is no motion. Raises Undecidable, and DoesNotFit for
+    points not found.
+    """
+    touching, names = list(touching_contacts(case, np.asarray(state, dtype=float))), list[str]()
+    for pair, _ in touching:
+        names.append(name_of(pair, set(names)))
+    now = DecisionInstant(case, 0.0, tuple(map(float, state)), speed(case, state), ERROR)
+    motions = motions_of(now, [place(pair, state, points) for pair, points in touching])
+    return [dict(zip(names, modes, strict=True)) for modes in motions]

@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from .rotations import Sides, Turns, rigid_pairs, turning_row
+from .plate_numbers import Sides, Turns, rigid_pairs, turning_row
 
 # Velocities and impulses below this part of the largest are roundings of a solution by least squares.
 ROUNDING = 1e-10

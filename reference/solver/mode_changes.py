@@ -16,9 +16,8 @@ from .accelerations import DecisionInstant
 from .decide import Decision, decide, flat_of, shares_of
 from .impact_ends import ImpactEnds
 from .places import ContactPlace, anchors_of, groups, plates_in
-from .plate_numbers import size
+from .plate_numbers import Turns, size
 from .regimes import SolverRegime, key_of
-from .rotations import Turns
 from .watched_plates import SOME_ROUNDINGS, MotionEnds, Watch
 
 # A contact that has opened is watched as long as its gap is below this part of the plates' size where modes change.

@@ -26,8 +26,7 @@ from cases.scene.piece_case import PieceCase
 from ..effect_laws import Laws, laws
 from ..effect_laws.restitution import restitution
 from .contact_terms import Bend, contact_rates
-from .plate_numbers import bodies, rows_of, size
-from .rotations import Sides, turning_row
+from .plate_numbers import Sides, bodies, rows_of, size, turning_row
 
 # Newton's steps that move plates onto their contacts: each squares the error, which begins at a tolerance.
 STEPS = 8

@@ -18,6 +18,13 @@ from cases.scene.free_plates import loads_of, plates_of
 from ..effect_laws.applied_forces import weight
 from ..effect_laws.own_forces import own_force_values
 
+# In place of the number of a plate: what is fixed.
+FIXED = -1
+# Of plates (the numbers of a contact's `sides`) whose closed contacts resist rolling: the sense in which the first one
+# turns against the second one, or against what is fixed; 0 if it does not.
+Sides = tuple[int, ...]
+Turns = tuple[tuple[Sides, int], ...]
+
 
 class Bodies(NamedTuple):
     """Of all plates: reaches (m), inverse masses and moments of inertia (3n,), these themselves, 0 for a rotation that
@@ -89,3 +96,28 @@ def speed(case: Case, state: Sequence[float] | np.ndarray) -> float:
 def rows_of(some: Iterable[int]) -> list[int]:
     """The rows (of 3n) of some plates."""
     return [3 * body + c for body in sorted(some) for c in range(3)]
+
+
+def turning_row(sides: Sides, size: int) -> np.ndarray:
+    """The row (3n,), of that size, of the rotation of a plate against another one, or against what is fixed."""
+    row = np.zeros(size)
+    row[[3 * body + 2 for body in sides]] = (1.0, -1.0)[: len(sides)]
+    return row
+
+
+def rigid_pairs(turns: Turns) -> list[Sides]:
+    """The plates that do not turn against each other. Left out are those that others hold: two plates that do not turn
+    against a third one do not turn against each other."""
+    together, result = dict[int, int](), list[Sides]()
+
+    def root(body: int) -> int:
+        while body in together:
+            body = together[body]
+        return body
+
+    for sides in (sides for sides, sense in turns if sense == 0):
+        first, second = root(sides[0]), root(sides[1] if len(sides) > 1 else FIXED)
+        if first != second:
+            together[max(first, second)] = min(first, second)
+            result.append(sides)
+    return result

@@ -30,15 +30,13 @@ from ..minimal.modes import start_pieces, start_state
 from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH, error_range
 from ..scales import TOUCHES, frequency, looks_between
 from . import forces
-from .accelerations import balance_of, is_steady, rest_margin
+from .accelerations import balance_of, first_loss, first_loss_in, is_steady, looks_at_load, rest_margin
 from .contact_chart import Departure, pair_in_couple
 from .meet import Meetings
 from .mode_changes import ModeChanges
 from .places import couple_of, groups, place, plates_in, sides_of, start_of
-from .plate_numbers import size, speed
+from .plate_numbers import rigid_pairs, size, speed
 from .regimes import AT_END, SolverPhase, SolverRegime, ends_flat, join, solver_phase, split
-from .rest import first_loss, first_loss_in, looks_at_load
-from .rotations import rigid_pairs
 from .segment_view import view_of
 from .touching import touching_contacts
 from .watched_plates import Watch

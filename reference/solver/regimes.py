@@ -25,8 +25,7 @@ from ..minimal.phase_end import PIECE_ENDS
 from ..minimal.system import slack_name
 from .contact_terms import NO_ROWS, ContactForm, ContactRows
 from .places import couple_of, sides_of
-from .plate_numbers import bodies
-from .rotations import Turns
+from .plate_numbers import Turns, bodies
 from .system import solver_system
 
 # An open contact is watched until the clearance of its curvatures falls below this part of the outline's curvature: its

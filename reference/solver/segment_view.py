@@ -9,8 +9,7 @@ import numpy as np
 
 from cases.scene.piece_case import PieceCase
 
-from ..minimal.boxes import Cores
-from ..minimal.contact_cores import cores
+from ..minimal.boxes import Cores, cores
 from ..minimal.integrators.segment import Segment
 from ..minimal.modes import Phase
 from ..scales import EPS

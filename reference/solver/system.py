@@ -32,7 +32,7 @@ from .contact_terms import (
     radius,
     variables_of,
 )
-from .rotations import Sides, rigid_pairs
+from .plate_numbers import Sides, rigid_pairs
 
 # Columns of the outputs for each contact.
 COLUMNS = ("normal", "friction", "slip", "gap")

@@ -27,12 +27,10 @@ from ..endings import (
 from ..minimal.bouncing import is_unresolved
 from ..scales import EPS, STILL, TOUCHES, speed_scale
 from .hops import NestedSeries, Strike
-from .impact import NoImpact
+from .impact import NoImpact, strike
 from .places import ContactPlace, couple_of, groups, in_round, place, plates_in, project, without_velocity
-from .plate_numbers import bodies, load_at, rows_of, size, speed
+from .plate_numbers import Sides, bodies, load_at, rows_of, size, speed
 from .regimes import LOST
-from .rotations import Sides
-from .strike import strike
 from .touching import SAME_PLACE, name_of, place_on_track
 
 # A contact closes if it does so faster than this part of the largest speed so far; slower is rounding.

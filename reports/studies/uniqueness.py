@@ -19,7 +19,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 import cases
-from reference.solver.uniqueness import motions_in
+from reference.solver.decide import motions_in
 
 from ..analysis.columns import Table
 from ..drawing.figure_files import FigureEntry, save

@@ -9,7 +9,7 @@ from scipy.integrate import DOP853
 import cases
 import reference
 from reference.minimal.integrators import step_zeros
-from reference.minimal.integrators.direct_solver import DirectDOP853
+from reference.minimal.integrators.dop853 import DirectDOP853
 
 
 def step_with_guard(guard):

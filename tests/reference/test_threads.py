@@ -20,7 +20,7 @@ import cases
 import reference
 from cases import Load, State, Trajectory
 from cases.formulas import features
-from reference.minimal.integrators.pool import IntegratorPool
+from reference.minimal.integrators.taylor import IntegratorPool
 from reference.solve import METHODS
 from tests.reference.test_sweep import FAMILIES as SWEPT
 from tests.scenes import bits

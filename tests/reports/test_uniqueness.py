@@ -20,7 +20,7 @@ from cases import (
     disc,
 )
 from cases.library import line
-from reference.solver.uniqueness import motions_in
+from reference.solver.decide import motions_in
 from reports.studies import uniqueness
 from reports.studies.uniqueness import BOTH, BOUNDARIES, FLOOR, count, locking_mu, painleve_mu, sliding_rod, wall_mu
 

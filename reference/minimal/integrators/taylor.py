@@ -6,17 +6,20 @@ Optional: without heyoka, `AVAILABLE` is False and DOP853 is used.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Callable
 from copy import deepcopy
 from functools import lru_cache, partial
 from math import inf, ulp
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
+
+from cases.derivation import in_one_thread
 
 from ...endings import BREAKDOWN
 from ..defect_check import Expansion, good_part
 from ..modes import Phase
 from ..system import System
-from .pool import IntegratorPool
 from .segment import MOST_LOOKED_AT, MOST_STEPS, MOST_TRIES, OUT_OF_STEPS, Event, Instant, Segment
 
 try:
@@ -57,6 +60,10 @@ DEFECT, ROUNDING = 0.1, 1e-12
 # The compiled loop returns after this many steps, so that it does not run forever towards a singularity. First after
 # fewer, twice as many each time: the laws are checked at a state where it returned. A return takes 3 µs.
 CHUNK, FIRST_CHUNK = 1000, 4
+
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
 @lru_cache(maxsize=128)
@@ -343,3 +350,34 @@ def _horner(row: list[float], x: float) -> float:
     for coefficient in row:
         value = coefficient + value * x
     return value
+
+
+class IntegratorPool:
+    """Identical integrators, as many as were ever in use at the same time.
+
+    An integrator stores the time, state and parameters of its present phase, so that no other phase may use it until
+    the results are read. `make` makes one; a single thread never needs a second.
+    """
+
+    def __init__(self, make: Callable[[], Any]):
+        self._make, self._free = make, [make()]
+        self._original: Any = None  # the source of copies, never in use itself
+
+    def call(self, function: Callable[Concatenate[Any, P], T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Call `function(integrator, …)` with an integrator that is not used elsewhere until it returns."""
+        try:
+            integrator = self._free.pop()
+        except IndexError:
+            integrator = self._another()
+        try:
+            return function(integrator, *args, **kwargs)
+        finally:
+            self._free.append(integrator)
+
+    @in_one_thread
+    def _another(self) -> Any:
+        """One more integrator. A copy takes 2 ms and shares the machine code; making one takes at least ten times as
+        long."""
+        if self._original is None:
+            self._original = self._make()
+        return deepcopy(self._original)
