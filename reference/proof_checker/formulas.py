@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 from .graph import Graph
+
+# A formula's node and, where a variable is s, the nodes of its first and second derivative by s.
+Jet = tuple[int, int, int]
 
 
 class Formula:
@@ -14,31 +17,71 @@ class Formula:
 
     def __init__(self, graph: Graph, variables: Mapping[str, int]):
         self.graph, self.variables = graph, variables
+        self.zero = graph.constant(0)
 
-    def node(self, tree: ast.expr) -> int:
-        g = self.graph
+    def node(self, text: str) -> int:
+        """The node of a formula."""
+        return self.jet(text)[0]
+
+    def jet(self, text: str) -> Jet:
+        """The nodes of a formula and of its derivatives by s. Raises ValueError if it cannot be read."""
+        return self._jet(ast.parse(text, mode="eval").body)
+
+    def _jet(self, tree: ast.expr) -> Jet:
+        g, zero = self.graph, self.zero
         match tree:
             case ast.Constant(value=int() as value):
-                return g.constant(value)
+                return g.constant(value), zero, zero
             case ast.Name(id="pi"):
-                return g.pi()
+                return g.pi(), zero, zero
             case ast.Name(id=name) if name in self.variables:
-                return self.variables[name]
+                return self.variables[name], g.constant(int(name == "s")), zero
             case ast.UnaryOp(op=ast.USub(), operand=inner):
-                return g.sub(g.constant(0), self.node(inner))
-            case ast.BinOp(left=left, op=ast.Add(), right=right):
-                return g.add(self.node(left), self.node(right))
-            case ast.BinOp(left=left, op=ast.Sub(), right=right):
-                return g.sub(self.node(left), self.node(right))
+                x, y, z = (g.sub(zero, part) for part in self._jet(inner))
+                return x, y, z
+            case ast.BinOp(left=left, op=ast.Add() | ast.Sub() as op, right=right):
+                x, y, z = map(g.add if isinstance(op, ast.Add) else g.sub, self._jet(left), self._jet(right))
+                return x, y, z
             case ast.BinOp(left=left, op=ast.Mult(), right=right):
-                return g.mul(self.node(left), self.node(right))
+                return self._product(self._jet(left), self._jet(right))
             case ast.BinOp(left=left, op=ast.Div(), right=right):
-                return g.div(self.node(left), self.node(right))
+                return self._quotient(self._jet(left), self._jet(right))
             case ast.BinOp(left=left, op=ast.Pow(), right=right):
-                return self._power(self.node(left), rational(right))
+                u, n = self._jet(left), rational(right)
+                slopes = ((n, n - 1), (n * (n - 1), n - 2))
+                return self._chain(
+                    u, self._power(u[0], n), lambda: [g.mul(g.constant(c), self._power(u[0], m)) for c, m in slopes]
+                )
             case ast.Call(func=ast.Name(id=name), args=[inner]):
-                return self._call(name, self.node(inner))
+                u = self._jet(inner)
+                value = self._call(name, u[0])
+                return self._chain(u, value, lambda: self._slopes(name, u[0], value))
         raise ValueError(f"a record has a formula that cannot be read: {ast.unparse(tree)}")
+
+    def _product(self, a: Jet, b: Jet) -> Jet:
+        g = self.graph
+        first = g.add(g.mul(a[1], b[0]), g.mul(a[0], b[1]))
+        ends = g.add(g.mul(a[2], b[0]), g.mul(a[0], b[2]))
+        return g.mul(a[0], b[0]), first, g.add(ends, g.mul(g.constant(2), g.mul(a[1], b[1])))
+
+    def _quotient(self, a: Jet, b: Jet) -> Jet:
+        g = self.graph
+        value = g.div(a[0], b[0])
+        if b[1:] == (self.zero, self.zero):
+            return value, self._over(a[1], b[0]), self._over(a[2], b[0])
+        first = g.div(g.sub(a[1], g.mul(value, b[1])), b[0])
+        rest = g.add(g.mul(value, b[2]), g.mul(g.constant(2), g.mul(first, b[1])))
+        return value, first, g.div(g.sub(a[2], rest), b[0])
+
+    def _over(self, a: int, b: int) -> int:
+        return a if a == self.zero else self.graph.div(a, b)
+
+    def _chain(self, u: Jet, value: int, slopes: Callable[[], Sequence[int]]) -> Jet:
+        """A function of u, whose value is given and its first and second derivative are computed if u has one."""
+        if u[1:] == (self.zero, self.zero):
+            return value, self.zero, self.zero
+        g, (first, second) = self.graph, slopes()
+        return value, g.mul(first, u[1]), g.add(g.mul(second, g.mul(u[1], u[1])), g.mul(first, u[2]))
 
     def _power(self, base: int, exponent: Fraction) -> int:
         g = self.graph
@@ -58,12 +101,29 @@ class Formula:
         if name == "tan":
             return g.div(*g.sin_cos(a))
         if name in ("sinh", "cosh", "tanh"):
-            grows, falls = g.exp(a), g.exp(g.sub(g.constant(0), a))
+            grows, falls = g.exp(a), g.exp(g.sub(self.zero, a))
             odd, even = g.sub(grows, falls), g.add(grows, falls)
             return g.div(odd, even) if name == "tanh" else g.div(odd if name == "sinh" else even, g.constant(2))
         if name in ("sqrt", "exp", "log"):
             return getattr(g, name)(a)
         raise ValueError(f"a record has the function {name}, which the checker does not cover")
+
+    def _slopes(self, name: str, a: int, value: int) -> tuple[int, int]:
+        """The first and second derivative of a function at a, where it has the value."""
+        g, one, two = self.graph, self.graph.constant(1), self.graph.constant(2)
+        opposite, twice = g.sub(self.zero, value), g.mul(two, value)
+        if name in ("sin", "cos"):
+            other = self._call("cos" if name == "sin" else "sin", a)
+            return other if name == "sin" else g.sub(self.zero, other), opposite
+        if name in ("tan", "tanh"):
+            first = (g.add if name == "tan" else g.sub)(one, g.mul(value, value))
+            return first, g.mul(twice if name == "tan" else g.sub(self.zero, twice), first)
+        if name in ("sinh", "cosh"):
+            return self._call("cosh" if name == "sinh" else "sinh", a), value
+        if name == "exp":
+            return value, value
+        first = g.div(one, a if name == "log" else twice)
+        return first, g.sub(self.zero, g.mul(first, first) if name == "log" else g.div(first, g.mul(two, a)))
 
 
 def rational(tree: ast.expr) -> Fraction:
@@ -76,94 +136,3 @@ def rational(tree: ast.expr) -> Fraction:
         case ast.BinOp(left=left, op=ast.Div(), right=right):
             return rational(left) / rational(right)
     raise ValueError(f"a record has an exponent that is no rational number: {ast.unparse(tree)}")
-
-
-def parse(text: str) -> ast.expr:
-    return ast.parse(text, mode="eval").body
-
-
-def derivative(tree: ast.expr) -> ast.expr:
-    """The derivative by s of a formula in s, by the rules of calculus."""
-    zero, one = ast.Constant(0), ast.Constant(1)
-    if not _has_parameter(tree):
-        return zero
-    match tree:
-        case ast.Name():
-            return one
-        case ast.UnaryOp(operand=inner):
-            return _minus(zero, derivative(inner))
-        case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
-            return _simple(derivative(left), tree.op, derivative(right))
-        case ast.BinOp(left=left, op=ast.Mult(), right=right):
-            return _plus(_times(derivative(left), right), _times(left, derivative(right)))
-        case ast.BinOp(left=left, op=ast.Div(), right=right) if not _has_parameter(right):
-            return _over(derivative(left), right)
-        case ast.BinOp(left=left, op=ast.Div(), right=right):
-            above = _minus(_times(derivative(left), right), _times(left, derivative(right)))
-            return _over(above, _times(right, right))
-        case ast.BinOp(left=left, op=ast.Pow(), right=right):
-            n = rational(right)
-            lower = _over(ast.Constant((n - 1).numerator), ast.Constant((n - 1).denominator))
-            factor = _over(ast.Constant(n.numerator), ast.Constant(n.denominator))
-            return _times(_times(factor, ast.BinOp(left, ast.Pow(), lower)), derivative(left))
-        case ast.Call(func=ast.Name(id=name), args=[inner]):
-            return _times(_outer(name, inner), derivative(inner))
-    raise ValueError(f"a record has a formula that cannot be read: {ast.unparse(tree)}")
-
-
-def _has_parameter(tree: ast.expr) -> bool:
-    return any(isinstance(node, ast.Name) and node.id == "s" for node in ast.walk(tree))
-
-
-def _outer(name: str, u: ast.expr) -> ast.expr:
-    """The derivative of a function at u."""
-
-    def call(other: str) -> ast.expr:
-        return ast.Call(ast.Name(other), [u], [])
-
-    one = ast.Constant(1)
-    rules = {
-        "sin": call("cos"),
-        "cos": _minus(ast.Constant(0), call("sin")),
-        "tan": _plus(one, _times(call("tan"), call("tan"))),
-        "sinh": call("cosh"),
-        "cosh": call("sinh"),
-        "tanh": _minus(one, _times(call("tanh"), call("tanh"))),
-        "exp": call("exp"),
-        "log": _over(one, u),
-        "sqrt": _over(one, _times(ast.Constant(2), call("sqrt"))),
-    }
-    if name not in rules:
-        raise ValueError(f"a record has the function {name}, which the checker does not cover")
-    return rules[name]
-
-
-def _simple(a: ast.expr, op: ast.operator, b: ast.expr) -> ast.expr:
-    """a op b without terms and factors that are zero or one."""
-    if isinstance(op, ast.Mult) and (_is(a, 0) or _is(b, 1)) or isinstance(op, ast.Div) and (_is(a, 0) or _is(b, 1)):
-        return a
-    if isinstance(op, ast.Mult) and (_is(b, 0) or _is(a, 1)) or isinstance(op, ast.Add) and _is(a, 0):
-        return b
-    if isinstance(op, ast.Add | ast.Sub) and _is(b, 0):
-        return a
-    return ast.BinOp(a, op, b)
-
-
-def _is(tree: ast.expr, value: int) -> bool:
-    return isinstance(tree, ast.Constant) and tree.value == value
-
-
-def _plus(a: ast.expr, b: ast.expr) -> ast.expr:
-    return _simple(a, ast.Add(), b)
-
-
-def _minus(a: ast.expr, b: ast.expr) -> ast.expr:
-    return _simple(a, ast.Sub(), b)
-
-
-def _times(a: ast.expr, b: ast.expr) -> ast.expr:
-    return _simple(a, ast.Mult(), b)
-
-
-def _over(a: ast.expr, b: ast.expr) -> ast.expr:
-    return _simple(a, ast.Div(), b)

@@ -21,7 +21,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from .balls import Ball, FixedPoint
-from .formulas import Formula, derivative, parse
+from .formulas import Formula
 from .graph import Graph
 
 SLIPS = {"slip_forward": 1, "slip_backward": -1}
@@ -48,10 +48,7 @@ class _Curve(NamedTuple):
 
 
 def _curve(g: Graph, texts: list[str], s: int) -> _Curve:
-    x, y = (parse(text) for text in texts)
-    forms = Formula(g, {"s": s})
-    xp, yp = derivative(x), derivative(y)
-    X, Y, Xp, Yp, Xs, Ys = (forms.node(tree) for tree in (x, y, xp, yp, derivative(xp), derivative(yp)))
+    (X, Xp, Xs), (Y, Yp, Ys) = (Formula(g, {"s": s}).jet(text) for text in texts)
     square = g.sum_of_products(Xp, Xp, Yp, Yp)
     speed = g.sqrt(square)
     cross = g.sum_of_products(Xp, Ys, g.sub(g.constant(0), Yp), Xs)
@@ -147,7 +144,7 @@ class System:
         and −ω h_t across."""
         g, scene, (V, falls) = self.graph, self.scene, velocity
         tx, ty = track.tx, track.ty
-        fx, fy = (Formula(g, {}).node(parse(text)) for text in scene["gravity"])
+        fx, fy = (Formula(g, {}).node(text) for text in scene["gravity"])
         M = g.constant(0)
         if scene["load_per_mass"]:
             (ht, hn) = arm
@@ -159,7 +156,7 @@ class System:
                 "vy": g.sub(g.mul(V, ty), g.mul(falls, tx)),
                 "omega": omega,
             }
-            lx, ly, M = (Formula(g, names).node(parse(text)) for text in scene["load_per_mass"])
+            lx, ly, M = (Formula(g, names).node(text) for text in scene["load_per_mass"])
             fx, fy = g.add(fx, lx), g.add(fy, ly)
         return g.add(g.mul(fx, tx), g.mul(fy, ty)), g.sub(g.mul(fy, tx), g.mul(fx, ty)), M
 
