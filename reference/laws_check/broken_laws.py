@@ -89,8 +89,8 @@ def _broken_by(case: Case, motion: Trajectory, rtol: float) -> tuple[BrokenLaw, 
         )
         results += [one for defects in of_finer if (one := worst(defects, rtol))]
     others = chain(
-        start_defects(samples, scales), _other_defects(samples, scales, sudden), following_defects(samples, scales),
-        end_defects(samples, scales, motion, case.duration),
+        start_defects(samples, scales, rtol), _other_defects(samples, scales, sudden, rtol), following_defects(samples, scales),
+        end_defects(samples, scales, motion, case.duration, rtol),
     )  # fmt: skip
     results += [one for defects in others if (one := worst(defects, rtol))]
     return worst_first(results)
@@ -151,7 +151,7 @@ def _of_contacts(samples: MotionSamples, scales: MotionScales, sudden: Joins) ->
             yield from contact_defects(samples, solved, scales, _is_listed(samples, sudden.times, solved.steps))
 
 
-def _other_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins) -> Iterator[Defects]:
+def _other_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, rtol: float) -> Iterator[Defects]:
     reach, speed, every = scales.reach, scales.speed, laws.joins(samples)
     yield from _of_contacts(samples, scales, sudden)
     turns = [laws.turns_of(one, scales.last) for one in samples.plates]
@@ -159,7 +159,7 @@ def _other_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins) 
     if len(sudden.steps):
         closed = {contact.law.name for contact in samples.contacts}
         yield from laws.impact_defects(samples.case, samples.transitions, sudden, closed, reach, speed)
-        yield from impact_defects(samples, scales, sudden)
+        yield from impact_defects(samples, scales, sudden, rtol)
     yield from laws.energy_defects(samples, speed)
     yield from event_defects(samples, scales, sudden.times)
     for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):

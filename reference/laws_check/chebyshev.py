@@ -21,6 +21,8 @@ _EVEN = np.arange(COUNT) % 2 == 0
 WEIGHTS = 0.5 * np.where(_EVEN, 2.0 / (1.0 - np.arange(COUNT) ** 2 + (~_EVEN)), 0.0) @ _FIT
 # Values at the nodes -> rates at the nodes of a step of unit length.
 RATES = 2.0 * (chebyshev.chebvander(_X, _DEGREE - 1) @ chebyshev.chebder(np.eye(COUNT), axis=0)) @ _FIT
+# By how much roundings of values are larger in a rate at the first node.
+AMPLIFICATION = float(np.abs(RATES[0]).sum())
 # Between the nodes a least value is looked for at so many points, and refined by so many steps of Newton's method.
 _FINE = np.linspace(-1.0, 1.0, 201)
 _ON_FINE = chebyshev.chebvander(_FINE, _DEGREE) @ _FIT

@@ -6,24 +6,31 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cases import Case, Mode, StartPose, Trajectory, Unilateral
+from cases import Chain, Curve, Impact, Mode, StartPose, Trajectory, Unilateral
+from cases.contact.nearest import contacts
+from cases.errors import DoesNotFit
 from cases.motion.trajectory import CONTACT
+from cases.scene.free_plates import names_of, plates_of
+from cases.scene.supports import TRACK, base_of
 
 from ..endings import (
     ACCUMULATION,
     BREAKDOWN,
     COMPLETION,
     ENDS,
+    FLAT,
+    LANDING_END,
     LIFT_OFF,
     NO_MODE,
     NOT_UNIQUE,
 )  # fmt: skip
 from . import events
+from .impact_check import impact_at, is_impact, passes_piece
 from .laws import Defects, MotionScales
 from .next_motion import Consistent, NextMotions, next_motions
 from .samples import CLOSE, MotionSamples, law_at
-from .tolerances import AMPLIFIED, EPS, SLIP
-from .touches import plates_at, row_of, touch
+from .tolerances import AMPLIFIED, EPS, PARTS, SLIP
+from .touches import Touch, plates_at, row_of, touch
 
 # Accelerations that differ by less than this part of the largest are one.
 SAME = 1e-6
@@ -33,6 +40,9 @@ AT_END = 1e-12
 SINGULAR = 1e5
 # The outline's parameter with a given tangent is between two of so many, which are halved so often.
 LEVEL_SAMPLES, HALVINGS = 4001, 60
+MEETINGS = (LANDING_END[0], FLAT[0])
+# Two places of a curve that are so far apart, in parts of the plate's size, are two; a gap in parts of the scene's size.
+APART, MEETS = 1e-5, 1e-9
 NO_MOTION = (NO_MODE[0], ACCUMULATION[0], BREAKDOWN)
 
 
@@ -43,7 +53,7 @@ def _one(law: str, place: str, t: float, size: float, scale: float, unit: str, f
 # --- start ------------------------------------------------------------------------------------------------------------
 
 
-def start_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[Defects]:
+def start_defects(samples: MotionSamples, scales: MotionScales, rtol: float) -> Iterator[Defects]:
     """The motion begins where and as the case says."""
     case, plates = samples.case, plates_at(samples, 0, 0)
     start, law = case.start, law_at(case, CONTACT)
@@ -61,27 +71,25 @@ def start_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[Defe
         assert isinstance(pose, StartPose)
         far = abs(plates.place[i] - complex(pose.x, pose.y))
         yield _one("place of the start", other.name, 0.0, far, scales.extent, "m", 1e-12)
-    if any(change.time == 0.0 for change in samples.transitions):
-        return
-    for i, other in enumerate(case.others, start=1):
-        off = abs(plates.velocity[i] - complex(other.start.vx, other.start.vy))
-        yield _one("velocity of the start", other.name, 0.0, off, scales.speed, "m/s", SLIP)
-    yield from _first_velocities(case, scales, one._replace(point=one.point + one.gap), plates)
+    yield from _first_velocities(samples, scales, one, rtol)
 
 
-def _first_velocities(case: Case, scales: MotionScales, one, plates) -> Iterator[Defects]:
-    start, law, floor = case.start, one.law, SLIP + AMPLIFIED * float(scales.condition[0])
-    off = abs(float(plates.spin[0]) - start.omega)
-    yield _one("spin of the start", "plate", 0.0, off, scales.speed / scales.size, "rad/s", SLIP)
-    if start.gap_rate < 0.0 and start.gap == 0.0:
-        return  # an impact at once
-    moving = plates.velocity[0] + 1j * plates.spin[0] * (one.point - plates.place[0])
-    along = moving * np.conj(one.tangent)
+def _first_velocities(samples: MotionSamples, scales: MotionScales, one: Touch, rtol: float) -> Iterator[Defects]:
+    """The velocities are those of the case's start, or these have changed by an impact."""
+    case, start, law, plates = samples.case, samples.case.start, one.law, plates_at(samples, 0, 0)
     belt = float(law.belt.at(0.0)[0]) if law.belt else 0.0
-    yield _one("slip of the start", law.name, 0.0, abs(along.real - belt - start.slip), scales.speed, "m/s", floor)
-    yield _one(
-        "rate of the gap at the start", law.name, 0.0, abs(along.imag - start.gap_rate), scales.speed, "m/s", floor
-    )
+    spins = np.array([start.omega, *(other.start.omega for other in case.others)])
+    lever = one.point + one.gap - plates.place[0]
+    first = one.tangent * complex(start.slip + belt, start.gap_rate) - 1j * start.omega * lever
+    velocities = np.array([first, *(complex(other.start.vx, other.start.vy) for other in case.others)])
+    off = np.abs(plates.velocity - velocities) + np.array(scales.reach) * np.abs(plates.spin - spins)
+    floor = SLIP + AMPLIFIED * float(scales.condition[0])
+    if case.effect(Impact) is not None and off.max() > (floor + PARTS * rtol) * scales.speed:
+        before = plates._replace(velocity=velocities, spin=spins)
+        yield from impact_at(samples, scales, (before, plates), 0, 0.0, rtol)
+        return
+    for name, size in zip(names_of(case), off.tolist(), strict=True):
+        yield _one("velocity of the start", name, 0.0, size, scales.speed, "m/s", floor)
 
 
 def _level_parameters(samples: MotionSamples, xi1: float) -> list[float]:
@@ -119,7 +127,7 @@ def following_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[
     instants = [t for t in samples.start.tolist() if np.abs(listed - t).min() <= near]
     for t in instants:
         step = int(np.searchsorted(samples.start, t))
-        if t >= last or samples.is_straight[step]:
+        if t >= last or samples.is_straight[step] or passes_piece(samples, t):
             continue
         follow = next_motions(samples, scales, t)
         if follow is None:
@@ -147,7 +155,9 @@ def _held(samples: MotionSamples, every: list[Consistent]) -> list[Consistent]:
 # --- end --------------------------------------------------------------------------------------------------------------
 
 
-def end_defects(samples: MotionSamples, scales: MotionScales, motion: Trajectory, duration: float) -> Iterator[Defects]:
+def end_defects(
+    samples: MotionSamples, scales: MotionScales, motion: Trajectory, duration: float, rtol: float
+) -> Iterator[Defects]:
     """The condition that the status names holds at the end, and the motion does not last longer than its case."""
     status, end = motion.status, float(motion.t[-1])
     far = end - duration
@@ -156,9 +166,15 @@ def end_defects(samples: MotionSamples, scales: MotionScales, motion: Trajectory
         yield from _lift_off(samples, scales, end)
     elif status == ENDS["track_end"][0]:
         yield from _track_end(samples, end)
+    elif status in MEETINGS:
+        yield from _meeting(samples, scales, end)
     elif status == NOT_UNIQUE or status in NO_MOTION and scales.condition[-1] < SINGULAR:
+        if is_impact(samples, scales, rtol):
+            return
         follow = next_motions(samples, scales, end, is_end=True)
-        if follow is not None:
+        if follow is not None and not (
+            any(c.law.is_rough for c in samples.contacts) and not any(one.is_strict for one in follow.every)
+        ):
             yield _of_next_motions(follow, status, end)
 
 
@@ -197,3 +213,43 @@ def _track_end(samples: MotionSamples, end: float) -> Iterator[Defects]:
     place = float(rows[0][0].xi1[rows[0][1], -1])
     far = min(abs(place - e) for e in ends) / (ends[1] - ends[0])
     yield _one("track ends", CONTACT, end, far, 1.0, "of its length", AT_END)
+
+
+def _meeting(samples: MotionSamples, scales: MotionScales, end: float) -> Iterator[Defects]:
+    """A plate meets a curve in a place where it is not in contact."""
+    if len(plates_of(samples.case)) > 1:
+        return
+    every = [_free_gaps(samples, *pair) for pair in _curve_pairs(samples)]
+    if None not in every:
+        least = min((gap for gaps in every for gap in gaps or ()), default=np.inf)
+        yield _one("plate meets a curve", "", end, least, scales.extent, "m", MEETS)
+
+
+def _curve_pairs(samples: MotionSamples) -> Iterator[tuple[int, str, Curve]]:
+    """Each plate with the track and each support: its number, the contact's base and the curve."""
+    case = samples.case
+    curves = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
+    return ((body, name, curve) for body in range(len(plates_of(case))) for name, curve in curves)
+
+
+def _free_gaps(samples: MotionSamples, body: int, base: str, curve: Curve) -> list[float] | None:
+    """The sizes of the gaps at the end of a motion between a plate and a curve, but for those of closed contacts. The
+    plate's nearest places are searched by `cases.contact.nearest`, which no solver uses; None if that fails."""
+    step = len(samples.start) - 1
+    plates, plate = plates_at(samples, step, -1), plates_of(samples.case)[body]
+    closed = [
+        c.xi1[row, -1]
+        for c in samples.contacts
+        if c.law.body == body and base_of(c.law.name) == base and (row := row_of(c, step)) is not None
+    ]
+    place, angle = plates.place[body], float(plates.angle[body])
+    try:
+        every = contacts(curve, plate.outline, float(place.real), float(place.imag), angle)
+    except DoesNotFit:
+        return None
+    apart = (
+        APART * plate.reach / float(curve.speed(every[0].xi1))
+        if every and not isinstance(curve, Chain)
+        else APART * plate.reach
+    )
+    return [abs(one.gap) for one in every if all(abs(one.xi1 - xi1) > apart for xi1 in closed)]

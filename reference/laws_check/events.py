@@ -17,7 +17,7 @@ from ..endings import CAUSES
 from . import chebyshev
 from .laws import SENSE, STICKING, Defects, MotionScales, force_scale_at, relative_spin
 from .samples import CLOSE, ContactInstants, MotionSamples, law_at
-from .tolerances import AMPLIFIED, EPS
+from .tolerances import AMPLIFIED, CLOSED, EPS
 from .touches import is_at_joint, plates_at, row_of, touch
 
 # A quantity that falls by less than this part of its scale in a step grazes zero: its slope is no measure of time.
@@ -49,8 +49,9 @@ def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndar
             continue
         if samples.is_straight[step]:
             continue
+        with_others = sum(abs(other.time - change.time) <= near for other in samples.transitions) > 1
         if change.before is Mode.FLIGHT:
-            yield from _landing(samples, scales, change, step)
+            yield from _landing(samples, scales, change, step, with_others)
             continue
         contact = next((c for c in samples.contacts if c.law.name == (change.contact or CONTACT)), None)
         if contact is None:
@@ -58,7 +59,6 @@ def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndar
         row = row_of(contact, step)
         if row is None or is_at_joint(contact.law.outline, contact.xi2[row, -1]) and _moves_on(contact, row):
             continue
-        with_others = sum(abs(other.time - change.time) <= near for other in samples.transitions) > 1
         is_impact = bool(len(impacts)) and np.abs(impacts - change.time).min() <= near
         if is_impact or with_others and "another contact" in change.cause:
             continue  # the law of impact, or the condition of the other contact
@@ -121,8 +121,11 @@ def _sense(
         )
 
 
-def _landing(samples: MotionSamples, scales: MotionScales, change: Transition, step: int) -> Iterator[Defects]:
-    """The curves meet where the transition says, and approach each other."""
+def _landing(
+    samples: MotionSamples, scales: MotionScales, change: Transition, step: int, with_others: bool
+) -> Iterator[Defects]:
+    """The curves meet where the transition says, and approach each other; at once with others an impact there may
+    press them together."""
     if not np.isfinite(change.xi1 + change.xi2):
         return
     law, when = law_at(samples.case, change.contact or CONTACT), np.array([change.time])
@@ -131,7 +134,9 @@ def _landing(samples: MotionSamples, scales: MotionScales, change: Transition, s
     rate, gap = float(met.across @ plates.rates), float((met.gap * met.tangent.conjugate()).imag)
     floor = LANDING + AMPLIFIED * float(scales.condition[step])
     yield Defects("curves meet", law.name, when, np.array([abs(met.gap)]), scales.extent, "m", floor)
-    yield Defects("curves approach", law.name, when, np.array([rate]), scales.speed, "m/s", 1e-9)
+    if not with_others:
+        yield Defects("curves approach", law.name, when, np.array([rate]), scales.speed, "m/s", 1e-9)
     if rate < -1e-9 * scales.speed:
         last = float(samples.end[-1])
-        yield Defects("curves meet in time", law.name, when, np.array([abs(gap / rate)]), last, "s", floor)
+        late = floor + CLOSED * scales.extent / -rate / last  # what roundings of the gap make of it
+        yield Defects("curves meet in time", law.name, when, np.array([abs(gap / rate)]), last, "s", late)

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
-from scipy.optimize import linprog
 
-from cases import Impact
+from cases import Impact, Mode
 from cases.motion.trajectory import CONTACT
 
+from ..endings import CAUSES
 from .laws import Defects, Joins, MotionScales
 from .samples import CLOSE, MotionSamples, law_at
-from .tolerances import AMPLIFIED
+from .tolerances import AMPLIFIED, CLOSED, PARTS
 from .touches import PlatesNow, Touch, couple_row, masses, plates_at, touch, touches_at
 
 # Parts of the speed: an impact at one contact, at several by linear programs, and a velocity that is none.
@@ -24,41 +24,88 @@ TOUCHES = 1e-9
 MOST_PHASES = 20
 
 
-def impact_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins) -> Iterator[Defects]:
+def impact_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, rtol: float) -> Iterator[Defects]:
     """Velocities jump as the law of impact says, and where something touches. Impacts that are not listed of a plate
-    that flies before and after have no place, and are checked by their energy alone."""
+    that flies before and after have no place, and are checked by their energy alone, as are those of several contacts
+    that are not listed."""
     if samples.case.effect(Impact) is None:
         return
     for time, step in zip(sudden.times.tolist(), sudden.steps.tolist(), strict=True):
-        if samples.is_straight[step] or samples.is_straight[step - 1]:
+        if samples.is_straight[step] or samples.is_straight[step - 1] or passes_piece(samples, time):
             continue
-        places = _places(samples, scales, step)
-        if places:
-            yield from _one_impact(samples, scales, places, step, time)
+        plates = plates_at(samples, step - 1, -1), plates_at(samples, step, 0)
+        yield from impact_at(samples, scales, plates, step, time, rtol)
 
 
-def _places(samples: MotionSamples, scales: MotionScales, step: int) -> list[Touch]:
-    """Where plates touch at the start of a step: contacts that are closed before or after, and those that are listed."""
-    time, near = float(samples.start[step]), CLOSE * float(samples.end[-1])
-    plates, case = plates_at(samples, step - 1, -1), samples.case
-    places = {one.law.name: (one.xi1, one.xi2, one.mode) for one in touches_at(samples, step - 1, -1)}
-    places |= {one.law.name: (one.xi1, one.xi2, one.mode) for one in touches_at(samples, step, 0)}
+def is_impact(samples: MotionSamples, scales: MotionScales, rtol: float) -> bool:
+    """Whether something approaches that it touches at the end of a motion: what follows is an impact."""
+    plates, last = plates_at(samples, len(samples.start) - 1, -1), float(samples.end[-1])
+    places = _places(samples, scales, plates, len(samples.start), last, rtol, TOUCHES)
+    limit = -(STILL + PARTS * rtol) * scales.speed
+    return any(float(one.across @ plates.rates) < limit for one in places)
+
+
+def passes_piece(samples: MotionSamples, time: float) -> bool:
+    """Whether a contact passes to the next piece of its curve, where the direction of an impulse is not defined."""
+    near = CLOSE * float(samples.end[-1])
+    return any(c.cause == CAUSES["piece"] and abs(c.time - time) <= near for c in samples.transitions)
+
+
+def impact_at(
+    samples: MotionSamples,
+    scales: MotionScales,
+    plates: tuple[PlatesNow, PlatesNow],
+    step: int,
+    time: float,
+    rtol: float,
+) -> Iterator[Defects]:
+    """The law of an impact at the start of a step, from the velocities before to those after it."""
+    places = _places(samples, scales, plates[0], step, time, rtol)
+    near = CLOSE * float(samples.end[-1])
+    is_listed = time == 0.0 or any(abs(change.time - time) <= near for change in samples.transitions)
+    if places and (is_listed or len(samples.motion.contact_names) == 1):
+        yield from _one_impact(samples, scales, places, plates, step, time, rtol)
+
+
+def _places(
+    samples: MotionSamples, scales: MotionScales, plates: PlatesNow, step: int, time: float, rtol: float,
+    touching: float = CLOSED,
+) -> list[Touch]:  # fmt: skip
+    """Where plates touch at the start of a step: contacts that are closed before or after, those that are listed, and
+    those whose columns have a gap that is none."""
+    near, case, motion = CLOSE * float(samples.end[-1]), samples.case, samples.motion
+    places = {
+        one.law.name: (one.xi1, one.xi2, one.mode) for one in touches_at(samples, max(step - 1, 0), -1 if step else 0)
+    }
+    if step < len(samples.start):
+        places |= {one.law.name: (one.xi1, one.xi2, one.mode) for one in touches_at(samples, step, 0)}
     for change in samples.transitions:
         if abs(change.time - time) <= near and np.isfinite(change.xi1 + change.xi2):
-            places.setdefault(change.contact or CONTACT, (change.xi1, change.xi2, change.after))
+            places.setdefault(change.contact or CONTACT, (change.xi1, change.xi2, Mode.ROLL))
+    if motion.contact_columns is not None:
+        columns = getattr(motion.contact_columns, "without_ranges", motion.contact_columns)
+        for name in motion.contact_names:
+            for t in (np.nextafter(time, -np.inf), time):
+                now = columns(name, np.array([min(max(t, 0.0), float(samples.end[-1]))]))
+                xi1, xi2 = float(now.xi1[0]), float(now.xi2[0])
+                if np.isfinite(xi1 + xi2):
+                    places.setdefault(name, (xi1, xi2, Mode.FLIGHT))
     every = [touch(case, law_at(case, name), mode, plates, xi1, xi2, time) for name, (xi1, xi2, mode) in places.items()]
-    return [one for one in every if abs(one.gap) < TOUCHES * scales.extent]
+    closed = (TOUCHES + PARTS * rtol) * scales.extent
+    return [
+        one for one in every if abs(one.gap) < (closed if one.mode is not Mode.FLIGHT else touching * scales.extent)
+    ]
 
 
 def _one_impact(
-    samples: MotionSamples, scales: MotionScales, places: list[Touch], step: int, time: float
-) -> Iterator[Defects]:
-    case, law = samples.case, places[0].law
-    before, after = plates_at(samples, step - 1, -1), plates_at(samples, step, 0)
+    samples: MotionSamples, scales: MotionScales, places: list[Touch], plates: tuple[PlatesNow, PlatesNow], step: int,
+    time: float, rtol: float,
+) -> Iterator[Defects]:  # fmt: skip
+    (before, after), case, law = plates, samples.case, places[0].law
     impact = next(e for e in law.effects if isinstance(e, Impact))
     own, inverse = masses(case)
     when, jump = np.array([time]), after.rates - before.rates
-    floor = AMPLIFIED * float(max(scales.condition[step], scales.condition[step - 1]))
+    floor = AMPLIFIED * float(max(scales.condition[step], scales.condition[max(step - 1, 0)]))
     if len(places) == 1 and not law.arm:
         rows = np.array([places[0].along, places[0].across])
         matrix = rows * inverse @ rows.T
@@ -70,7 +117,7 @@ def _one_impact(
         off = jump - inverse * (rows.T @ impulse)
         yield Defects("law of impact", law.name, when, np.array([_size(off, scales)]), scales.speed, "m/s", ONE + floor)
         return
-    yield from _impact_of_several(scales, places, (before, after), own, when, floor)
+    yield from _impact_of_several(scales, places, (before, after), own, when, floor + PARTS * rtol)
 
 
 def _in_impact(law, slip: float) -> float:
@@ -149,7 +196,7 @@ def _impact_of_several(
     """Impulses inside the cones make the jump, of contacts that may have one: by a linear program. With Poisson's
     restitution, and where slip reverses, friction is anywhere in its cone."""
     before, after = plates
-    count, limit = len(before.place), STILL * scales.speed
+    count, limit = len(before.place), (STILL + floor) * scales.speed
     unit, columns = np.tile([1.0, 1.0, 1.0 / scales.size], count), list[np.ndarray]()
     for one in places:
         law, impact = one.law, next(e for e in one.law.effects if isinstance(e, Impact))
@@ -179,6 +226,8 @@ def _impact_of_several(
     largest = max(float(np.abs(rest).max()), np.finfo(float).tiny)
     off = 1.0
     if columns:
+        from scipy.optimize import linprog  # takes a tenth of a second to import
+
         pull, m = (np.array(columns) * unit).T, len(rest)
         cost = np.r_[np.zeros(pull.shape[1]), np.ones(2 * m)]
         off = linprog(cost, A_eq=np.c_[pull, np.eye(m), -np.eye(m)], b_eq=rest / largest).fun

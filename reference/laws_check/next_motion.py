@@ -7,13 +7,12 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import linprog
 
 from cases import Mode, Unilateral
 from cases.motion.trajectory import CONTACT
 from cases.own_effects import own_effects
 
-from .chebyshev import RATES
+from .chebyshev import AMPLIFICATION, RATES
 from .laws import MotionScales, own_force, weight_and_load
 from .samples import MotionSamples, law_at
 from .tolerances import EPS
@@ -85,7 +84,9 @@ def next_motions(samples: MotionSamples, scales: MotionScales, t: float, is_end:
         for modes in product(*choices)
         if (result := _solve(case, places, modes, force, unit, largest, small)) is not None
     ]
-    noise = 1e-5 + 600 * EPS * float(scales.condition[step]) * scales.speed / (samples.length[step] * largest)
+    noise = 1e-5 + 4 * EPS * AMPLIFICATION * float(scales.condition[step]) * scales.speed / (
+        samples.length[step] * largest
+    )
     return NextMotions(every, claim * unit, noise)
 
 
@@ -121,16 +122,16 @@ def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, 
         if any(curves == other and abs(one.point - point) < NEAR * scales.extent for other, point in points):
             continue  # one place with two names
         points.append((curves, one.point))
-        place = _place(samples, one, plates, t)
+        place = _place(one, plates, t)
         if place is None:
             return None
         result.append(place)
     return result
 
 
-def _place(samples: MotionSamples, one: Touch, plates: PlatesNow, t: float) -> _Place | None:
+def _place(one: Touch, plates: PlatesNow, t: float) -> _Place | None:
     """The second-order terms at a contact: its point moves along both curves, whose tangents turn."""
-    law, case = one.law, samples.case
+    law = one.law
     if is_at_joint(law.track, one.xi1):
         return None
     below = bend_at(law.track, one.xi1) * (-1.0 if law.base is not None else 1.0)
@@ -239,6 +240,8 @@ def _solve(case, places, modes, force, unit, largest, small) -> Consistent | Non
 
 def _program(total, pull, equal, above, inverse, unit, largest, own) -> Consistent | None:
     """Unknowns: accelerations and forces, in units of the scene, and the margin."""
+    from scipy.optimize import linprog  # takes a tenth of a second to import
+
     n, m = len(own), pull.shape[1]
     newton = largest * float(own.max())
     matrix, rest = np.zeros((n + len(equal), n + m + 1)), np.zeros(n + len(equal))

@@ -107,8 +107,7 @@ class ContactInstants(NamedTuple):
 class MotionSamples(NamedTuple):
     """The samples of a motion: starts and ends of n steps (s), times (n, 25), plates in the order of the case's, and
     contacts. `is_straight`: which steps are no solution of the equations but the rest of a series of impacts, (n,);
-    `near`: parameters of track and supports, by name, at which plates touch them or are near; `transitions`: those of
-    the motion. The `case` has a track at rest."""
+    `near`: parameters of track and supports, by name, at which plates touch them or are near; `motion`: itself. The `case` has a track at rest."""
 
     case: Case
     start: np.ndarray
@@ -118,7 +117,12 @@ class MotionSamples(NamedTuple):
     contacts: tuple[ContactInstants, ...]
     is_straight: np.ndarray
     near: dict[str, np.ndarray]
-    transitions: tuple[Transition, ...] = ()
+    motion: Trajectory
+
+    @property
+    def transitions(self) -> tuple[Transition, ...]:
+        """Those of the motion."""
+        return self.motion.transitions
 
     @property
     def length(self) -> np.ndarray:
@@ -186,7 +190,7 @@ def of_motion(case: Case, motion: Trajectory, start: np.ndarray, end: np.ndarray
     is_straight = np.isin(end, rests) if rests else np.zeros(len(start), dtype=bool)
     return MotionSamples(
         case, start, end, times, plates, tuple(c for c in contacts if len(c.steps)), is_straight,
-        {name: np.array(values) for name, values in near.items()}, motion.transitions,
+        {name: np.array(values) for name, values in near.items()}, motion,
     )  # fmt: skip
 
 

@@ -118,14 +118,21 @@ def masses(case: Case) -> tuple[np.ndarray, np.ndarray]:
 
 
 def is_at_joint(curve: Curve, s: float) -> bool:
-    """Whether a place of a chain is the end of one of its pieces."""
-    if not isinstance(curve, Chain):
+    """Whether a place of a curve is the end of one of its pieces."""
+    starts = _joints(curve)
+    if not len(starts):
         return False
-    starts = np.array([element.start for element in curve.elements] + [curve.span[1]])
     off = s - starts
     if curve.period:
         off = (off + 0.5 * curve.period) % curve.period - 0.5 * curve.period
     return bool(np.abs(off).min() < JOINT)
+
+
+@lru_cache(maxsize=256)
+def _joints(curve: Curve) -> np.ndarray:
+    if isinstance(curve, Chain):
+        return np.array([element.start for element in curve.elements] + [curve.span[1]])
+    return np.array(getattr(curve, "knots", ()))
 
 
 def bend_at(curve: Curve, s: float) -> float:
