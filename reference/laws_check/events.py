@@ -26,6 +26,8 @@ GRAZES, GRAZING = 1e-6, 1e-10
 ROUNDING = 40 * EPS
 # Part of the duration that is an error of a time; of landings, whose places are searched.
 INSTANT, LANDING = 1e-12, 1e-11
+# Impacts whose intervals have a ratio below one that changes by less than the other have a known limit.
+MOST_RATIO, RATIO_CHANGE = 0.95, 0.02
 # Causes after which another condition than that of the modes vanishes.
 _OTHER_CAUSES = (CAUSES["piece"], CAUSES["track_start"], CAUSES["rest"])
 
@@ -45,6 +47,8 @@ def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndar
     near = CLOSE * last
     for change in samples.transitions:
         step = int(np.argmin(np.abs(samples.end - change.time)))
+        if change.cause == CAUSES["rest"]:
+            yield from _limit_of_impacts(change, impacts, last)
         if change.time <= 0.0 or abs(samples.end[step] - change.time) > near or change.cause in _OTHER_CAUSES:
             continue
         if samples.is_straight[step]:
@@ -140,3 +144,19 @@ def _landing(
         last = float(samples.end[-1])
         late = floor + CLOSED * scales.extent / -rate / last  # what roundings of the gap make of it
         yield Defects("curves meet in time", law.name, when, np.array([abs(gap / rate)]), last, "s", late)
+
+
+def _limit_of_impacts(change: Transition, impacts: np.ndarray, last: float) -> Iterator[Defects]:
+    """Impacts that follow each other at a fixed ratio end at the limit of their times (Aitken's extrapolation). Its
+    error is that of the ratio, which changes from one to the next; where it is not nearly fixed the limit is open."""
+    times = impacts[impacts < change.time - CLOSE * last][-4:]
+    if len(times) < 4:
+        return
+    one, two, three = np.diff(times)
+    ratio, before = three / two, two / one
+    if not (0.0 < ratio < MOST_RATIO and abs(ratio - before) < RATIO_CHANGE):
+        return
+    limit = times[-1] + three * ratio / (1.0 - ratio)
+    error = 5.0 * three * abs(ratio - before) / (1.0 - ratio) ** 3
+    late, where = np.array([abs(change.time - limit)]), change.contact or CONTACT
+    yield Defects("impacts end at their limit", where, np.array([change.time]), late, last, "s", LANDING + error / last)

@@ -184,9 +184,6 @@ FAULTS = {
     "friction of a box a billionth larger": Fault(BOX, friction(MORE)),
     "gravity on a pile a billionth stronger": Fault(catalogue("pile_of_discs"), effect(lambda c: _gravity(c, MORE))),
     "restitution of a rocking block a millionth": Fault(catalogue("rocking_block"), _impact(1e-6)),
-    "friction of a block under a disc a millionth larger": Fault(
-        catalogue("disc_off_free_block", speed=1.5), friction(1 + 1e-6)
-    ),
     # loads and ripples that are stepped over
     "bump of a load in time stepped over": Fault(
         loaded(fx="20*exp(-((t-0.7)/1e-4)**2)"), scene(lambda c: with_effect(c, None, Load))
@@ -322,6 +319,12 @@ def _no_friction(case: Case) -> Case | None:
     own = case.effect(CoulombFriction)
     return with_effect(case, CoulombFriction(1e-12)) if own and not case.effect(Belt) else None
 
+
+# What the check does not see, with the reason.
+ESCAPES = {
+    "false status unfinished": "it is a limit on work, and no law says that work is done",
+    "gravity on a pile a billionth stronger": "at rest, with forces that are not unique, whose sum is checked to 1e-8",
+}
 
 # Changes of a scene's data; None where it has none of them.
 MUTATIONS: dict[str, Callable[[Case], Case | None]] = {
