@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cases import BadValue
-from cases.errors import whole
+from cases.errors import whole_in
 from cases.files.command_line import Parser, status
 from cases.version import in_clone
 
@@ -47,7 +47,7 @@ def main(argv: Sequence[str] | None = None, path: Path | None = None) -> int:
 
 def _rebuild(words: list[str], path: Path | None) -> int:
     options = parser().parse_args(words)
-    jobs = _jobs(options.jobs)
+    jobs = whole_in("--jobs", options.jobs or str(os.cpu_count() or 1), 1, 1000)
     path = path or _path(options.out)
     from .certification import rebuild  # with SymPy, which help does not need
 
@@ -67,14 +67,6 @@ def _path(out: str | None) -> Path:
     from .certification import TRUTH
 
     return TRUTH
-
-
-def _jobs(text: str | None) -> int:
-    cores = os.cpu_count() or 1
-    try:
-        return cores if text is None else whole("--jobs", int(text), 1, 1000)
-    except ValueError as problem:
-        raise BadValue(f"--jobs is {text!r}; give a whole number, for example {cores}") from problem
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cases import BadValue, NotSupported, lookup
+from cases.errors import whole_in
 from cases.files import owned_folder
 from cases.files.command_line import PROGRAMS, Parser, program, status
 
@@ -44,7 +45,10 @@ def _run(argv: list[str]) -> int:
     options = parser().parse_args(argv)
     if find_spec("flint") is None:
         raise BadValue('proofs need python-flint, which is not installed; type: pip install "slip-to-roll[proofs]"')
-    digits, transitions = _count("--digits", options.digits), _count("--transitions", options.transitions)
+    from .prover import ALL, MOST_DIGITS, prove
+
+    digits = whole_in("--digits", options.digits, 1, MOST_DIGITS)
+    transitions = options.transitions and whole_in("--transitions", options.transitions, 1, ALL)
     selection = lookup.case_name(options.prove).every()
     if options.out and len(selection) > 1:
         raise BadValue(
@@ -53,12 +57,10 @@ def _run(argv: list[str]) -> int:
     paths = [Path(options.out or _file_name(case.label)) for case in selection]
     for path in paths:
         owned_folder.check_new(path, options.force)
-    from .prover import prove
-
     incomplete = 0
     for case, path in zip(selection, paths, strict=True):
         try:
-            proof = prove(case, digits or 20, transitions, report=lambda text: print(f"  {text}", flush=True))
+            proof = prove(case, digits, transitions, report=lambda text: print(f"  {text}", flush=True))
         except NotSupported as problem:
             print(f"not proved: {problem}")
             incomplete += 1
@@ -69,13 +71,6 @@ def _run(argv: list[str]) -> int:
             print(f"not proved further: {proof.reason}")
             incomplete += 1
     return 1 if incomplete else 0
-
-
-def _count(option: str, text: str | None) -> int | None:
-    try:
-        return None if text is None else int(text)
-    except ValueError as problem:
-        raise BadValue(f"{option} is {text!r}; give a whole number, for example 20") from problem
 
 
 def _file_name(label: str) -> str:

@@ -16,8 +16,7 @@ from cases.version import __version__
 
 from .equations import Dynamics, equations
 from .motion import MotionProof, follow
-from .record import DecimalInterval, Proof, ProvedPhase, ProvedTransition, statement
-from .rounding import outward
+from .record import DecimalInterval, Proof, ProvedPhase, ProvedTransition, outward, statement
 from .scene import Scene, exact_scene
 from .single_contact import second_contact
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -37,6 +38,26 @@ class DecimalInterval(NamedTuple):
 
     def __str__(self) -> str:
         return f"[{self.low}, {self.high}]"
+
+
+def outward(ball: Any, digits: int) -> DecimalInterval:
+    """A decimal interval that contains a ball of Arb, with each end rounded outward to so many significant digits."""
+    return DecimalInterval(
+        _decimal(fraction(ball.lower()), digits, ROUND_FLOOR), _decimal(fraction(ball.upper()), digits, ROUND_CEILING)
+    )
+
+
+def fraction(exact: Any) -> Fraction:
+    """A ball without radius as a number."""
+    mantissa, exponent = (int(part) for part in exact.man_exp())
+    return Fraction(mantissa) * Fraction(2) ** exponent
+
+
+def _decimal(number: Fraction, digits: int, rounding: str) -> str:
+    """The number rounded to so many significant digits, as text without an exponent."""
+    context = Context(digits, rounding)
+    quotient = context.divide(*map(Decimal, number.as_integer_ratio()))
+    return f"{context.normalize(quotient):f}"
 
 
 @dataclass(frozen=True)
@@ -104,27 +125,18 @@ class Proof:
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Proof:
         """The record from what `as_data` returns."""
-        values = {key: value for key, value in data.items() if key != "format"}
-        values["transitions"] = tuple(_transition(row) for row in data["transitions"])
-        values["phases"] = tuple(_phase(row) for row in data["phases"])
-        values["end"] = DecimalInterval(**data["end"])
-        return cls(**values | {key: tuple(data[key]) for key in ("proved", "assumptions")})
+        values = {key: _with_intervals(value) for key, value in data.items() if key not in ("format", "scene")}
+        transitions = tuple(ProvedTransition(**row) for row in values.pop("transitions"))
+        phases = tuple(ProvedPhase(**row) for row in values.pop("phases"))
+        return cls(**values, transitions=transitions, phases=phases, scene=data["scene"])
 
 
-def _transition(row: Mapping[str, Any]) -> ProvedTransition:
-    share = row["rolling_share"]
-    return ProvedTransition(
-        **{key: row[key] for key in ("before", "after", "cause", "decision")},
-        time=DecimalInterval(**row["time"]),
-        xi1=DecimalInterval(**row["xi1"]),
-        state={name: DecimalInterval(**ends) for name, ends in row["state"].items()},
-        rolling_share=None if share is None else DecimalInterval(**share),
-    )
-
-
-def _phase(row: Mapping[str, Any]) -> ProvedPhase:
-    begin, end = DecimalInterval(**row["begin"]), DecimalInterval(**row["end"])
-    return ProvedPhase(row["mode"], begin, end, tuple(row["conditions"]), row["steps"])
+def _with_intervals(value: Any) -> Any:
+    """What `_plain` was made from, with tuples for lists."""
+    if isinstance(value, Mapping):
+        parts = {key: _with_intervals(part) for key, part in value.items()}
+        return DecimalInterval(**parts) if parts.keys() == set(DecimalInterval._fields) else parts
+    return tuple(map(_with_intervals, value)) if isinstance(value, list) else value
 
 
 def _plain(value: Any) -> Any:

@@ -61,23 +61,13 @@ def _refine(value: StateExpansion, rate: StateExpansion, low: arb, high: arb) ->
         part = interval(low, high)
         middle = exact(part)
         newton = middle - value(middle) / rate(part)  # interval Newton: the zero is in it
-        new_low = max(low, exact(newton.lower()), key=_Order)
-        new_high = min(high, exact(newton.upper()), key=_Order)
+        new_low = max(low, exact(newton.lower()))
+        new_high = min(high, exact(newton.upper()))
         if value(middle) > 0:
-            new_low = max(new_low, middle, key=_Order)
+            new_low = max(new_low, middle)
         elif value(middle) < 0:
-            new_high = min(new_high, middle, key=_Order)
+            new_high = min(new_high, middle)
         if not new_high - new_low < (high - low) * 0.9:
             break
         low, high = new_low, new_high
     return Zero(low, high)
-
-
-class _Order:
-    """Exact numbers in their order, for `min` and `max`."""
-
-    def __init__(self, number: arb):
-        self.number = number
-
-    def __lt__(self, other: _Order) -> bool:
-        return bool(self.number < other.number)

@@ -16,6 +16,7 @@ by its value.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import sympy as sp
@@ -112,60 +113,50 @@ def _bounded(formula: CurveSeries, span: arb, above: arb, below: arb | None = No
             return True
         return False if kappa > above or (below is not None and kappa < below) else None
 
-    return _everywhere(span, holds)
+    return _everywhere([span], holds)
 
 
-def _everywhere(span: arb, holds) -> bool:
-    """Whether a condition on balls is true on the span, by division into parts."""
-    parts, most = [(exact(span.lower()), exact(span.upper()))], MOST_PARTS
-    for _ in range(most):
-        if not parts:
+def _everywhere(spans: Sequence[arb], holds: Callable[..., bool | None]) -> bool:
+    """Whether a condition on a ball of each span is true everywhere, by division of the longest into halves; a
+    condition that is neither true nor false there is None."""
+    boxes = [[(exact(span.lower()), exact(span.upper())) for span in spans]]
+    for _ in range(MOST_PARTS):
+        if not boxes:
             return True
-        low, high = parts.pop()
-        verdict = holds(interval(low, high))
+        box = boxes.pop()
+        verdict = holds(*(interval(*side) for side in box))
         if verdict is False:
             return False
         if verdict is None:
+            longest = max(range(len(box)), key=lambda i: float(box[i][1] - box[i][0]))
+            low, high = box[longest]
             middle = exact((low + high) / 2)
             if not (low < middle and middle < high):
                 return False
-            parts += [(low, middle), (middle, high)]
+            boxes += [[*box[:longest], half, *box[longest + 1 :]] for half in ((low, middle), (middle, high))]
     return False
 
 
 def _is_graph(track: Pair, span: arb) -> bool:
     """Whether X grows along the whole track."""
     formula = Formula([PARAMETER], [sp.diff(track[0], PARAMETER)])
-    return _everywhere(span, lambda part: True if formula(arb_series([part]))[0][0] > 0 else None)
+    return _everywhere([span], lambda part: True if formula(arb_series([part]))[0][0] > 0 else None)
 
 
 def _apart(scene: Scene, span: arb, reached: arb) -> bool:
     """Whether the disc touches the track at ξ₁ only, for each ξ₁ that the motion reaches."""
     jets = [sp.diff(part, PARAMETER, order) for order in range(3) for part in scene.track]
     formula, r = Formula([PARAMETER], jets), number(scene.disc)
-    square = r * r
-    tasks = [((exact(reached.lower()), exact(reached.upper())), (exact(span.lower()), exact(span.upper())))]
-    for _ in range(MOST_PARTS):
-        if not tasks:
-            return True
-        here, there = tasks.pop()
-        at, other = interval(*here), interval(*there)
+
+    def holds(at: arb, other: arb) -> bool | None:
         X, Y, Xp, Yp, _, _ = (row[0] for row in formula(arb_series([at])))
         speed = (Xp * Xp + Yp * Yp).sqrt()
         cx, cy = X - r * Yp / speed, Y + r * Xp / speed
-        x, y, xp, yp, xs, ys = (row[0] for row in formula(arb_series([other])))
-        dx, dy = x - cx, y - cy
-        if dx * dx + dy * dy > square:
-            continue
+        x, y, *_ = (row[0] for row in formula(arb_series([other])))
+        if (x - cx) * (x - cx) + (y - cy) * (y - cy) > r * r:
+            return True
         # Where the squared distance is convex along the hull of both balls, ξ₁ is its only minimum there.
         x, y, xp, yp, xs, ys = (row[0] for row in formula(arb_series([interval(at, other)])))
-        if xp * xp + yp * yp + (x - cx) * xs + (y - cy) * ys > 0:
-            continue
-        first, second = float(here[1] - here[0]), float(there[1] - there[0])
-        low, high = here if first > second else there
-        middle = exact((low + high) / 2)
-        if not (low < middle and middle < high):
-            return False
-        halves = ((low, middle), (middle, high))
-        tasks += [(half, there) for half in halves] if first > second else [(here, half) for half in halves]
-    return False
+        return True if xp * xp + yp * yp + (x - cx) * xs + (y - cy) * ys > 0 else None
+
+    return _everywhere([reached, span], holds)

@@ -21,7 +21,7 @@ from reference.proof_checker.__main__ import main  # noqa: E402
 from reference.proof_checker.balls import FixedPoint  # noqa: E402
 from reference.proof_checker.formulas import Formula  # noqa: E402
 from reference.proof_checker.graph import Graph  # noqa: E402
-from reference.proofs import equations, motion, prove, rounding  # noqa: E402
+from reference.proofs import equations, motion, prove, record  # noqa: E402
 from reference.proofs.catalogue import CATALOGUE  # noqa: E402
 
 
@@ -111,10 +111,10 @@ def test_wrong_sign_of_friction_is_rejected(monkeypatch):
 
 
 def test_ends_that_are_not_rounded_outward_are_rejected(monkeypatch):
-    def nearest(number: Fraction, places: int, up: bool) -> str:
-        return str(float(round(number, places)))
+    def nearest(number: Fraction, digits: int, rounding: str) -> str:
+        return f"{float(number):.{digits}g}"
 
-    monkeypatch.setattr(rounding, "_decimal", nearest)
+    monkeypatch.setattr(record, "_decimal", nearest)
     with pytest.raises(NotConfirmed, match="time of transition 1"):
         check(record_of("disc_on_line[mu=0.1]"))
 

@@ -17,9 +17,9 @@ flint = pytest.importorskip("flint")
 from flint import arb, ctx  # noqa: E402
 
 import reference  # noqa: E402
-from reference.proofs import equations, motion, prove, rounding, signs, steps  # noqa: E402
+from reference.proofs import equations, motion, prove, record, signs, steps  # noqa: E402
 from reference.proofs.command import main  # noqa: E402
-from reference.proofs.rounding import outward  # noqa: E402
+from reference.proofs.record import outward  # noqa: E402
 from reference.proofs.scene import exact_scene  # noqa: E402
 
 # Section 4.2 of the paper with 50 digits. The first 20 digits of each were computed with mpmath by a quadrature of the
@@ -125,7 +125,7 @@ def test_interval_of_a_record_contains_its_ball():
             for digits in (5, 30, 60):
                 ball = arb(text) * arb.pi() + arb(0, f"1e-{digits}")
                 interval = outward(ball, digits)
-                low, high = (rounding._fraction(end) for end in (ball.lower(), ball.upper()))
+                low, high = (record.fraction(end) for end in (ball.lower(), ball.upper()))
                 assert Fraction(interval.low) <= low < high <= Fraction(interval.high)
     finally:
         ctx.prec = precision
