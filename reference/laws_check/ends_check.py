@@ -169,7 +169,7 @@ def end_defects(
     elif status in MEETINGS:
         yield from _meeting(samples, scales, end)
     elif status == NOT_UNIQUE or status in NO_MOTION and scales.condition[-1] < SINGULAR:
-        if is_impact(samples, scales, rtol):
+        if samples.case.effect(Impact) is not None and _may_be_impact(samples, scales, rtol):
             return
         follow = next_motions(samples, scales, end, is_end=True)
         if follow is not None and not (
@@ -253,3 +253,12 @@ def _free_gaps(samples: MotionSamples, body: int, base: str, curve: Curve) -> li
         else APART * plate.reach
     )
     return [abs(one.gap) for one in every if all(abs(one.xi1 - xi1) > apart for xi1 in closed)]
+
+
+def _may_be_impact(samples: MotionSamples, scales: MotionScales, rtol: float) -> bool:
+    """Whether a plate may meet something at the end of a motion that it does not touch: of several plates that is not
+    known."""
+    if is_impact(samples, scales, rtol) or samples.case.others:
+        return True
+    every = [_free_gaps(samples, *pair) for pair in _curve_pairs(samples)]
+    return any(gaps is None or any(gap < (MEETS + PARTS * rtol) * scales.extent for gap in gaps) for gaps in every)

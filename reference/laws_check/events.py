@@ -47,7 +47,7 @@ def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndar
     near = CLOSE * last
     for change in samples.transitions:
         step = int(np.argmin(np.abs(samples.end - change.time)))
-        if change.cause == CAUSES["rest"]:
+        if change.cause == CAUSES["rest"] and len(samples.motion.contact_names) == 1:
             yield from _limit_of_impacts(change, impacts, last)
         if change.time <= 0.0 or abs(samples.end[step] - change.time) > near or change.cause in _OTHER_CAUSES:
             continue
@@ -83,7 +83,7 @@ def _guards(
     force = force_scale_at(samples, law, scales)
     if before in SENSE and (after in STICKING or after in SENSE):
         yield Guard("slip velocity vanishes", SENSE[before] * contact.slip[row], scales.speed, "m/s")
-    elif before in STICKING and after in SENSE:
+    elif before in STICKING and (after in SENSE or change.cause == CAUSES["cone_forward"]):
         cone = law.stick * np.abs(contact.normal[row]) - np.abs(contact.friction[row])
         if np.isfinite(cone).all():
             yield Guard("friction reaches its cone", cone, force, "N")
@@ -148,7 +148,8 @@ def _landing(
 
 def _limit_of_impacts(change: Transition, impacts: np.ndarray, last: float) -> Iterator[Defects]:
     """Impacts that follow each other at a fixed ratio end at the limit of their times (Aitken's extrapolation). Its
-    error is that of the ratio, which changes from one to the next; where it is not nearly fixed the limit is open."""
+    error is that of the ratio, which changes from one to the next; where it is not nearly fixed the limit is open, as it is for two
+    corners that bounce alternately."""
     times = impacts[impacts < change.time - CLOSE * last][-4:]
     if len(times) < 4:
         return

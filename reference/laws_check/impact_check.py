@@ -63,8 +63,21 @@ def impact_at(
     places = _places(samples, scales, plates[0], step, time, rtol)
     near = CLOSE * float(samples.end[-1])
     is_listed = time == 0.0 or any(abs(change.time - time) <= near for change in samples.transitions)
-    if places and (is_listed or len(samples.motion.contact_names) == 1):
-        yield from _one_impact(samples, scales, places, plates, step, time, rtol)
+    if is_listed or len(samples.motion.contact_names) == 1:
+        for group in _groups(places):
+            yield from _one_impact(samples, scales, group, plates, step, time, rtol)
+
+
+def _groups(places: list[Touch]) -> list[list[Touch]]:
+    """The contacts that hang together: those of the same plates."""
+    groups = list[tuple[set[int], list[Touch]]]()
+    for one in places:
+        bodies, own = {one.law.body} | ({one.law.base} if one.law.base is not None else set()), [one]
+        for group in [each for each in groups if each[0] & bodies]:
+            groups.remove(group)
+            bodies, own = bodies | group[0], group[1] + own
+        groups.append((bodies, own))
+    return [own for _, own in groups]
 
 
 def _places(
@@ -104,7 +117,11 @@ def _one_impact(
     (before, after), case, law = plates, samples.case, places[0].law
     impact = next(e for e in law.effects if isinstance(e, Impact))
     own, inverse = masses(case)
-    when, jump = np.array([time]), after.rates - before.rates
+    bodies = {body for one in places for body in (one.law.body, one.law.base)}
+    is_of_group = np.repeat([body in bodies for body in range(len(before.place))], 3)
+    when, jump = np.array([time]), np.where(is_of_group, after.rates - before.rates, 0.0)
+    if _size(jump, scales) <= (ONE + PARTS * rtol) * scales.speed:
+        return
     floor = AMPLIFIED * float(max(scales.condition[step], scales.condition[max(step - 1, 0)]))
     if len(places) == 1 and not law.arm:
         rows = np.array([places[0].along, places[0].across])
@@ -117,7 +134,7 @@ def _one_impact(
         off = jump - inverse * (rows.T @ impulse)
         yield Defects("law of impact", law.name, when, np.array([_size(off, scales)]), scales.speed, "m/s", ONE + floor)
         return
-    yield from _impact_of_several(scales, places, (before, after), own, when, floor + PARTS * rtol)
+    yield from _impact_of_several(scales, places, (before, after), own * is_of_group, when, floor + PARTS * rtol)
 
 
 def _in_impact(law, slip: float) -> float:
@@ -202,17 +219,20 @@ def _impact_of_several(
         law, impact = one.law, next(e for e in one.law.effects if isinstance(e, Impact))
         closing, opening = float(one.across @ before.rates), float(one.across @ after.rates)
         slip = one.slip + float(one.along @ (after.rates - before.rates))
-        yield Defects("curves part", law.name, when, np.array([-opening]), scales.speed, "m/s", STILL + floor)
+        if one.mode is not Mode.FLIGHT:
+            yield Defects("curves part", law.name, when, np.array([-opening]), scales.speed, "m/s", STILL + floor)
         e = impact.restitution
-        if (impact.law == "moreau" or e == 0.0) and opening + e * min(closing, 0.0) > limit:
+        is_exact = impact.law == "moreau" or (e == 0.0 and len(places) > 1)
+        if is_exact and opening + e * min(closing, 0.0) > limit:
             continue  # no impulse where it opens faster than by restitution
         moving, stick = (
             _in_impact(law, one.slip),
             float(law.impact_cone(one.slip)) if np.isfinite(law.stick) else np.inf,
         )
-        sticks, certain = abs(slip) < limit, impact.law == "moreau" or e == 0.0 or moving == 0.0
+        sticks, certain = abs(slip) < limit, is_exact or moving == 0.0
         if np.isinf(moving) or (sticks and np.isinf(stick)):
-            own_columns = [one.across, one.along, -one.along]
+            own_columns = [one.across]
+            columns += [one.along, -one.along]
         elif sticks or not certain:
             ratio = stick if sticks else moving
             own_columns = [one.across + sense * ratio * one.along for sense in (1.0, -1.0)]

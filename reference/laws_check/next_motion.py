@@ -21,6 +21,8 @@ from .touches import PlatesNow, Touch, bend_at, couple_row, is_at_joint, masses,
 # Laws hold strictly with this margin, in parts of the largest acceleration; an open contact is one within this part of
 # the scene's size, which does not part.
 STRICT, NEAR = 1e-7, 1e-9
+# Two contacts of a pair that are nearer to each other, in parts of a plate's size, change their names next.
+ALMOST_ONE = 1e-4
 # Of more choices of modes than this nothing is said.
 MOST_CHOICES = 200
 
@@ -115,12 +117,17 @@ def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, 
                 every.append(again)
     start = case.start
     if t == 0.0 and start.in_contact and start.xi2 is not None and CONTACT not in names:
-        every.append(touch(case, law_at(case, CONTACT), Mode.FLIGHT, plates, start.xi1, start.xi2, t))
+        first = touch(case, law_at(case, CONTACT), Mode.FLIGHT, plates, start.xi1, start.xi2, t)
+        if abs(float(first.across @ plates.rates)) <= NEAR * scales.speed:
+            every.append(first)
     result, points = list[_Place](), list[tuple]()
     for one in every:
         curves = one.law.body, one.law.base, one.law.track
-        if any(curves == other and abs(one.point - point) < NEAR * scales.extent for other, point in points):
+        apart = min((abs(one.point - point) for other, point in points if curves == other), default=np.inf)
+        if apart < NEAR * scales.extent:
             continue  # one place with two names
+        if apart < ALMOST_ONE * scales.size:
+            return None
         points.append((curves, one.point))
         place = _place(one, plates, t)
         if place is None:
@@ -211,12 +218,11 @@ def _solve(case, places, modes, force, unit, largest, small) -> Consistent | Non
         kind, turn, sign = mode
         if kind == "stick":
             equal.append((one.along, place.slip_rate))
-            pull = [one.along, -one.along] if law.is_rough else []
-            own_columns = (
-                [sign * one.across] + pull
-                if law.is_rough
-                else [sign * one.across + s * law.stick * one.along for s in (1, -1)]
-            )
+            if law.is_rough:
+                own_columns = [sign * one.across]
+                columns += [one.along, -one.along]
+            else:
+                own_columns = [sign * one.across + s * law.stick * one.along for s in (1.0, -1.0)]
         elif kind == "slide":
             own_columns = [sign * one.across]
         else:
