@@ -145,39 +145,26 @@ def own_torsor(case: Case, k: Kinematics, time: float, slip: float) -> list[Any]
 # --- A ----------------------------------------------------------------------------------------------------------------
 
 
-def sliding_column(k: Kinematics, mu: float, arm: float = 0.0) -> np.ndarray:
-    """Ã of (33), shape (3, 1), with the corrected Ũ = I₂ − μU of (32); mu carries the sign of (30).
+def sliding_column(k: Kinematics, mu: Any, arm: float = 0.0) -> list[Any]:
+    """Ã of (33), three entries, with the corrected Ũ = I₂ − μU of (32); mu carries the sign of (30).
 
     `arm` is the couple per normal force of a rolling resistance; N = λ |R_p|.
     """
-    return np.array(_sliding_numbers(k, mu, arm)).reshape(3, 1)
-
-
-def _sliding_numbers(k: Kinematics, mu: Any, arm: float) -> list[Any]:
     Rp_x, Rp_y = k.tangent
     x, y = Rp_x + mu * Rp_y, Rp_y - mu * Rp_x
     return [-y, x, dot((x, y), k.turned[0]) + (arm * length(k.tangent) if arm else 0.0)]
 
 
-def tangential_column(k: Kinematics) -> np.ndarray:
-    """The column of the rolling plate's tangential multiplier, shape (3, 1): a force along R_p and its moment."""
-    return np.array(_tangential_numbers(k)).reshape(3, 1)
-
-
-def _tangential_numbers(k: Kinematics) -> list[Any]:
+def tangential_column(k: Kinematics) -> list[Any]:
+    """The column of the rolling plate's tangential multiplier, three entries: a force along R_p and its moment."""
     return [*k.tangent, cross(k.turned[0], k.tangent)]
 
 
 # --- B, D and C -------------------------------------------------------------------------------------------------------
 
 
-def constraints(k: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def constraints(k: Kinematics) -> tuple[list[list[Any]], list[list[Any]], list[Any]]:
     """B (3×3), D (3×2) of (23) from (8) and (9), and C (3,) of (25), where the third derivatives enter."""
-    B, D, C = _constraint_rows(k)
-    return np.array(B), np.array(D), np.array(C)
-
-
-def _constraint_rows(k: Kinematics) -> tuple[list[list[Any]], list[list[Any]], list[Any]]:
     # Products of the derivatives p, s, t of the track with the outline's, rotated by θ: directly and with U between
     # them (U² = −I₂).
     (Rp, Rs, Rt), (arm, rp, rs, rt) = k.derivatives, k.turned
@@ -199,17 +186,12 @@ def _constraint_rows(k: Kinematics) -> tuple[list[list[Any]], list[list[Any]], l
     return B, D, C
 
 
-def rolling_row(k: Kinematics, belt: tuple[float, float] = (0.0, 0.0)) -> tuple[np.ndarray, float]:
-    """R_pᵀ v = |R_p| b with v of (12), differentiated: coefficients of q̈₂, shape (2,), and the right-hand side.
+def rolling_row(k: Kinematics, belt: tuple[Any, Any]) -> tuple[list[Any], Any]:
+    """R_pᵀ v = |R_p| b with v of (12), differentiated: two coefficients of q̈₂, and the right-hand side.
 
     `belt` is the speed b of the track's surface (m/s) and its rate; (27) changes only on this row's right-hand side, by
     d(|R_p| b)/dt = |R_p| ḃ + b ξ̇₁ R_pᵀ R_s/|R_p|.
     """
-    coefficients, right = _rolling_numbers(k, belt)
-    return np.array(coefficients), right
-
-
-def _rolling_numbers(k: Kinematics, belt: tuple[Any, Any]) -> tuple[list[Any], Any]:
     (u1, u2), turning, tangent = components(k.q_dot), k.turning, k.tangent
     (Rp, Rs, _), (_, rp, rs, _) = k.derivatives, k.turned
     rate = u2 * rs[0] - turning * rp[1], u2 * rs[1] + turning * rp[0]  # of θ r_p
@@ -279,7 +261,9 @@ def _layout(
     row = parameter = 3 * len(bodies)
     column, blocks, held = row + sum(len(one.k.free) for one in contacts), list[ContactBlock](), set[int]()
     for one in contacts:
-        arm, is_held = resistance(one.case, one.mode, one.side, one.turn, one.k.turning)
+        arm, is_held = 0.0, False
+        if one.base is None:  # nothing resists the rotation of two bodies on each other
+            arm, is_held = resistance(one.case, one.mode, one.side, one.turn, one.k.turning)
         held |= {one.body} if is_held else set()
         belt, rolls = belt_of(one.case, motions[one.body][0]), one.mode in WITHOUT_SLIP
         ratio = friction_ratio(one.case, one.mode, one.side, one.k, belt[0])
@@ -293,17 +277,17 @@ def _enter(rows: list[list[Any]], right: list[Any], block: ContactBlock) -> None
     """Enter a contact's rows (8), (9), which is left out at a corner, and that of rolling, and its columns of A."""
     one, row, k = block.contact, block.row, block.contact.k
     x, y = _base_arm(one) if one.base is not None else (0.0, 0.0)
-    for i, (of_q1, of_q2, rate) in enumerate(zip(*_constraint_rows(k), strict=True)):
+    for i, (of_q1, of_q2, rate) in enumerate(zip(*constraints(k), strict=True)):
         if i > len(k.free):
             break
         rows[row][_own(one.body)], rows[row][block.parameters], right[row] = of_q1, [of_q2[j] for j in k.free], rate
         if one.base is not None:  # c̈ and α̈ of the track, which C has for a drive
             rows[row][_own(one.base)] = ([-1.0, 0.0, y], [0.0, -1.0, -x], [0.0, 0.0, -of_q1[2]])[i]
         row += 1
-    columns = [_sliding_numbers(k, block.ratio, block.arm)]
+    columns = [sliding_column(k, block.ratio, block.arm)]
     if block.rolls:
-        columns.append(_tangential_numbers(k))
-        of_q2, right[row] = _rolling_numbers(k, block.belt)
+        columns.append(tangential_column(k))
+        of_q2, right[row] = rolling_row(k, block.belt)
         rows[row][block.parameters] = [of_q2[j] for j in k.free]
     for column, (fx, fy, moment) in enumerate(columns, block.column):
         for j, value in enumerate((fx, fy, moment), 3 * one.body):
@@ -380,14 +364,6 @@ def _angle(case: Case, state: Sequence[float], k: Kinematics) -> float:
     return angle + (k.track.angle if k.track else 0.0) + (case.turn if isinstance(case, PieceCase) else 0.0)
 
 
-def augmented_system(
-    case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
-) -> tuple[np.ndarray, np.ndarray]:
-    """The matrix and right-hand side of (27); arguments as in `fill`."""
-    system = fill(case, mode, state, side, turn, time)
-    return system.matrix, system.right
-
-
 def solve_full_system(
     case: Case, mode: Mode, state: Sequence[float], side: int = 1, turn: int | None = None, time: float = 0.0
 ) -> Solution:
@@ -443,7 +419,7 @@ def uniqueness(system: AugmentedSystem) -> Any:
     makes (27) singular in any case. Of n instants shape (n,).
     """
     smooth, (block,) = system.matrix.copy(), system.contacts
-    smooth[..., :3, block.column] = -_array([_sliding_numbers(system.k, 0.0, 0.0)], system.k.q.shape[1:])[..., 0, :]
+    smooth[..., :3, block.column] = -_array([sliding_column(system.k, 0.0, 0.0)], system.k.q.shape[1:])[..., 0, :]
     without = np.linalg.det(smooth)
     value = np.full(np.shape(without), nan)
     np.divide(np.linalg.det(system.matrix), without, out=value, where=without != 0.0)

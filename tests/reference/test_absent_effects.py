@@ -210,10 +210,10 @@ def test_without_friction_the_matrix_is_symmetric_and_with_it_it_is_not():
 
     from cases import Mode
     from reference.minimal.modes import start_state
-    from reference.paper.augmented import augmented_system
+    from reference.paper.augmented import fill
 
     def turn_between(case, mode):
-        matrix, _ = augmented_system(case, mode, start_state(case))
+        matrix = fill(case, mode, start_state(case)).matrix
         combination = null_space(matrix[3:, 3:5].T)[:, 0]
         row, column = combination @ matrix[3:, :3], -matrix[:3, 5]
         return 1 - abs(row @ column) / np.linalg.norm(row) / np.linalg.norm(column)

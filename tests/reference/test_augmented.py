@@ -31,7 +31,7 @@ from cases.scene.piece_case import has_pieces
 from reference.augmented_integrator import ContactQuantities, LiteralSystem
 from reference.minimal.elimination import Elimination
 from reference.minimal.modes import Regime, candidates, phase, start_state, state_in, without_slip, without_turning
-from reference.paper.augmented import augmented_system, condition, flight_acceleration, solve_full_system, uniqueness
+from reference.paper.augmented import condition, fill, flight_acceleration, solve_full_system, uniqueness
 from reference.paper.kinematics import U, kinematics, slip_vector, slip_vector_of_plate
 from tests.scenes.elliptic import elliptic_scenes, examples
 
@@ -95,7 +95,7 @@ def test_eliminated_equations_agree_with_the_literal_matrix(case):
         literal = [*solution.q2_ddot, solution.normal_force, solution.friction_force, solution.q1_ddot[2]]
         fast = [eliminated.u1_dot, eliminated.u2_dot, eliminated.normal, eliminated.friction, eliminated.omega_dot]
         # Both lose digits with the literal matrix's condition; 1e-12 of the largest is the bound the suite promises.
-        matrix, _ = augmented_system(case, mode, state)
+        matrix = fill(case, mode, state).matrix
         scale = 1e-12 * (1 + np.abs(literal).max()) * max(1.0, np.linalg.cond(matrix) * 1e-3)
         assert np.array(fast) == pytest.approx(np.array(literal), abs=scale)
 
@@ -114,7 +114,7 @@ def test_the_two_forms_of_the_slip_velocity_agree(case):
 def test_matrix_is_six_by_six_in_slip_and_seven_by_seven_in_roll(case):
     for mode in modes(case):
         size = 7 if mode is Mode.ROLL else 6
-        assert augmented_system(case, mode, _state(case, mode))[0].shape == (size, size)
+        assert fill(case, mode, _state(case, mode)).matrix.shape == (size, size)
 
 
 # --- loads, resistance, guides, rest ----------------------------------------------------------------------------------
@@ -250,7 +250,7 @@ def test_rolling_resistance_and_rest_are_rows_and_columns_of_their_own():
     resting = solve_full_system(case, Mode.REST, (*y[:2], 0.0, 0.0))
     assert [*resting.q1_ddot, *resting.q2_ddot, resting.friction_force, resting.couple] == pytest.approx([0.0] * 7)
     assert resting.normal_force == pytest.approx(2.0 * 9.81, rel=1e-14)
-    sizes = {mode: len(augmented_system(case, mode, y)[0]) for mode in (Mode.SLIP_FORWARD, Mode.ROLL, Mode.REST)}
+    sizes = {mode: len(fill(case, mode, y).matrix) for mode in (Mode.SLIP_FORWARD, Mode.ROLL, Mode.REST)}
     assert sizes == {Mode.SLIP_FORWARD: 6, Mode.ROLL: 7, Mode.REST: 8}
 
 
