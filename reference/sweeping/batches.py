@@ -20,11 +20,11 @@ from .. import endings
 from ..effect_laws import laws
 from ..minimal import contact_end, phase_end
 from ..minimal.assembly import contact_system
-from ..minimal.decision import Undecidable
+from ..minimal.decision import Undecidable, close
 from ..minimal.integrators import taylor
 from ..minimal.integrators.segment import MOST_STEPS
 from ..minimal.modes import able, candidates, full_state, phase, start_state, state_in
-from ..scales import EPS
+from ..scales import EPS, slip_error
 from ..solve import INTEGRATORS, METHODS, first_regime
 from . import geometry
 from .decisions import NO_DECISION, Columns, decide
@@ -136,8 +136,8 @@ class _Wave:
         f, h = self._places(self.all_indices, inputs["xi1"], inputs["xi2"])
         along = np.abs(self.y[2]) * f.speed, np.abs(self.y[3]) * h.speed
         rotation = along[0] * np.abs(f.curvature), along[1] * np.abs(h.curvature)
-        slips = np.sign(inputs["slip"]) * (np.abs(inputs["slip"]) > 8 * EPS * np.maximum(*along))
-        turns = np.sign(inputs["omega"]) * (np.abs(inputs["omega"]) > 8 * EPS * np.maximum(*rotation))
+        slips = np.sign(inputs["slip"]) * (np.abs(inputs["slip"]) > slip_error(EPS) * np.maximum(*along))
+        turns = np.sign(inputs["omega"]) * (np.abs(inputs["omega"]) > slip_error(EPS) * np.maximum(*rotation))
         for slip, turn in set(zip(slips.tolist(), turns.tolist(), strict=True)):
             indices = np.flatnonzero((slips == slip) & (turns == turn))
             numbers, choice = self._decide(
@@ -282,14 +282,12 @@ class _Wave:
         columns = self.columns[number].only(indices)
         place = list(columns.system.guards).index("normal_force")
         slope, bend, force = course(columns, t, y[columns.places], place)
-        deep = slope**2 > 2e6 * max(self.rtol, phase_end.LOCATION_ERROR) * force * bend
+        deep = slope**2 > 2.0 * close(max(self.rtol, phase_end.LOCATION_ERROR)) * force * bend
         free = self.columns[-1].only(indices)
         m = free.system.record(*free.system.outputs_of_arrays(t, y[free.places], free.parameters))
         forces = np.abs(m.normal) + np.abs(m.friction) + np.abs(m.slip_dot)
-        own = y[free.places][free.system.positions :]
-        fastest = np.max([np.abs(u) / unit for u, unit in zip(own, free.lengths, strict=False)] or [0.0 * t], axis=0)
-        scale = forces + free.size * (np.abs(m.omega_dot) + fastest**2)
-        return (slope < 0.0) & deep & (m.free_approach <= 1e6 * phase_end.LOCATION_ERROR * scale)
+        scale = forces + free.size * (np.abs(m.omega_dot) + free.fastest(y[free.places]) ** 2)
+        return (slope < 0.0) & deep & (m.free_approach <= close(phase_end.LOCATION_ERROR) * scale)
 
     def _leave(self, number: int, indices: np.ndarray, t, y: np.ndarray) -> None:
         """The plate leaves its track: the motion ends, or flies and is then simulated alone."""

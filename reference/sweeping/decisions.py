@@ -35,6 +35,11 @@ class Columns(NamedTuple):
         parameters, lengths = self.parameters[:, indices], tuple(unit[indices] for unit in self.lengths)
         return self._replace(parameters=parameters, size=self.size[indices], lengths=lengths)
 
+    def fastest(self, own: np.ndarray) -> np.ndarray:
+        """The largest of the speeds over size, 1/s (n,), of the regime's own variables; 0 of one without speeds."""
+        speeds = [np.abs(u) / unit for u, unit in zip(own[self.system.positions :], self.lengths, strict=False)]
+        return np.max(speeds, axis=0) if speeds else np.zeros(own.shape[1])
+
 
 def decide(among: Sequence[Columns], t: np.ndarray, y: np.ndarray, error: float) -> np.ndarray:
     """The index in `among` of the first regime that follows from full states `y` (rows, n) at `t`, or NO_DECISION."""
@@ -58,8 +63,7 @@ def follows(candidate: Columns, t: np.ndarray, y: np.ndarray, error: float) -> t
     if system.condition_rates:
         names = list(system.conditions)
         rates = rows(system.condition_rates_of_arrays(t, own, candidate.parameters), len(t))
-        speeds = [abs(u) / unit for u, unit in zip(own[system.positions :], candidate.lengths, strict=False)]
-        bound = slip_error(error) * candidate.size * np.max(speeds, axis=0)
+        bound = slip_error(error) * candidate.size * candidate.fastest(own)
         for name, rate in zip(system.condition_rates, rates, strict=True):
             row = names.index(name)
             values[row] = np.where(np.abs(values[row]) <= bound, rate, values[row])

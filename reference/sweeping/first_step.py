@@ -11,13 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..minimal.integrators.first_step import dip, runge_kutta
+from ..minimal.integrators.first_step import PART, dip, runge_kutta
+from ..scales import EPS
 from .decisions import Columns, rows
 
-# The step, in parts of the motion's time scale: its fifth power, which is the method's error, is rounding.
-PART = 1e-3
-# The whole step and the two half steps may differ by this many roundings of the state's natural sizes.
-ROUNDINGS = 64 * float(np.finfo(float).eps)
+# The step is PART of the motion's time scale: its fifth power, which is the method's error, is rounding. The whole step
+# and the two half steps may differ by this many roundings of the state's natural sizes.
+ROUNDINGS = 64 * EPS
 # A slip or spin below this part of the plate's speed may still be zero: it is a difference of speeds that carry
 # rounding errors. The slip of the paper's disc, released on the level wall, grows to 1e-3 of the speed here.
 CLEAR = 1e-12
@@ -49,8 +49,7 @@ def leave(now: Columns, t: np.ndarray, y: np.ndarray, end: np.ndarray) -> FirstS
     values = [rows(now.system.guards_of_arrays(t, y, now.parameters), len(t))]
     for part, state in ((0.5, half), (1.0, later)):
         values.append(rows(now.system.guards_of_arrays(t + part * h, state, now.parameters), len(t)))
-        speed = np.max([abs(u) / unit for u, unit in zip(state[p:], now.lengths, strict=False)] or [0.0 * t], axis=0)
-        least = np.outer(velocities, CLEAR * now.size * speed)
+        least = np.outer(velocities, CLEAR * now.size * now.fastest(state))
         sound &= (values[-1] > least).all(axis=0)
     sound &= ~dip(*values)[0].any(axis=0)
     return FirstSteps(t + h, later, sound)
@@ -62,9 +61,9 @@ def _largest_rate(now: Columns, t: np.ndarray, y: np.ndarray) -> np.ndarray:
     forces = now.system.record(*now.system.outputs_of_arrays(t, y, now.parameters))
     fastest = np.sqrt(np.maximum(np.abs(forces.normal), np.abs(forces.friction)) / now.size)
     rates = rows(now.system.rates_of_arrays(t, y, now.parameters), len(t))
-    for speed, acceleration, length in zip(y[p:], rates[p:], now.lengths, strict=False):
-        fastest = np.maximum(fastest, np.maximum(np.abs(speed) / length, np.sqrt(np.abs(acceleration) / length)))
-    return fastest
+    for acceleration, length in zip(rates[p:], now.lengths, strict=False):
+        fastest = np.maximum(fastest, np.sqrt(np.abs(acceleration) / length))
+    return np.maximum(fastest, now.fastest(y))
 
 
 def _step(now: Columns, t: np.ndarray, y: np.ndarray, h: np.ndarray) -> np.ndarray:

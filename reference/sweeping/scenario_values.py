@@ -25,13 +25,11 @@ from cases import (
     CoulombFriction,
     Curve,
     Drive,
-    Gravity,
     Load,
     RollingResistance,
 )
 from cases.contact import start_motion
 from cases.contact.overlap_search import deepest_overlap, first_overlap, span
-from cases.formulas.expressions import constants
 from cases.own_effects import own_effects
 from cases.scene.piece_case import has_pieces
 from cases.scene.supports import has_slip_law
@@ -150,17 +148,12 @@ def numbers(case: Case) -> dict[str, float]:
     values = {"xi1": start.xi1, "slip": start.slip, "omega": start.omega, "duration": case.duration}
     values |= {"mass": plate.mass, "inertia": plate.inertia}
     values |= {} if start.xi2 is None else {"xi2": start.xi2}
-    for effect in case.effects:
-        if isinstance(effect, Gravity):
-            values["gx"], values["gy"] = effect.vector
-        elif isinstance(effect, CoulombFriction):
-            values |= {"mu": effect.mu, "mu_stick": effect.stick}
-        elif isinstance(effect, RollingResistance):
-            values["arm"] = effect.arm
-        elif isinstance(effect, Load):
-            values |= {f"load_c{i}": value for i, value in enumerate(constants(effect.expression))}
-        elif isinstance(effect, Belt):
-            values |= {f"belt_c{i}": value for i, value in enumerate(constants([effect.expression]))}
+    for law in (*laws(case).loads, laws(case).belt):
+        values |= law.values(case)
+    if friction := case.effect(CoulombFriction):
+        values |= {"mu": friction.mu, "mu_stick": friction.stick}
+    if resistance := case.effect(RollingResistance):
+        values["arm"] = resistance.arm
     for name, curve in (("track", case.track), ("outline", plate.outline)):
         values |= {f"{name}_c{i}": value for i, value in enumerate(curve.constants)}
         if curve.domain:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 import pyarrow as pa
 
-from cases import BadValue, CaseError, Mode
+from cases import BadValue, CaseError
 
 from .batches import move
 from .motions import MODES, Motions, simulate_rows
@@ -175,8 +175,3 @@ def _bars(plan: Plan, parameters: Mapping[str, np.ndarray], columns: dict) -> pa
         else:
             columns["reason"][i] += f" Not certified: the witnesses find {ARROW.join(modes) or 'no transition'}."
     return pa.array(bars, COLUMNS["error_bars"][0])
-
-
-def rolls(mode: str) -> bool:
-    """Whether a mode has no slip."""
-    return mode in (Mode.ROLL, Mode.REST)
