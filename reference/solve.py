@@ -301,13 +301,11 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         times = np.concatenate([segment.times for segment in segments])
         return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
 
-    if case.others:
-        every = solver.AllContacts(case, segments, transitions, _observe)
-        common |= dict(contact_names=every.names, contact_columns=every)
-        common |= dict(plate_names=names_of(case), plate_columns=solver.AllPlates(case, segments))
-    elif any(isinstance(segment.phase, solver.SolverPhase) for segment in segments):
+    if case.others or any(isinstance(segment.phase, solver.SolverPhase) for segment in segments):
         contacts = solver.AllContacts(case, segments, transitions, _observe)
         common |= dict(contact_names=contacts.names, contact_columns=contacts)
+    if case.others:
+        common |= dict(plate_names=names_of(case), plate_columns=solver.AllPlates(case, segments))
     first_mode = _first_mode(segments, transitions)
     return Trajectory.on_demand(samples, **common, first_mode=first_mode, dense=_Dense(case, segments))
 

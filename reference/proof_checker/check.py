@@ -61,7 +61,9 @@ class _Check:
         self._is(record["first_mode"], regime, "the motion begins in")
         for n, claim in enumerate(record["transitions"], start=1):
             self._is(claim["before"], regime, f"transition {n} begins in")
-            regime, cause, before = self._to_change(regime, cause, n)
+            regime, cause, before = self._to_change(regime, cause)
+            if before is None:
+                raise NotConfirmed(f"transition {n} was not found: the plate rests")
             shift = self._shift(self.scene["track_parameter"])
             self._compare(f"time of transition {n}", self.time, claim["time"])
             self._compare(f"xi1 of transition {n}", add(before["xi1"], shift), claim["xi1"])
@@ -175,28 +177,27 @@ class _Check:
 
     # --- phases -----------------------------------------------------------------------------------------------------
 
-    def _to_change(self, regime: Regime, cause: str, n: int) -> tuple[Regime, str, State]:
-        """Integrate to the next change of mode: the regime after it, its cause, and the state."""
-        while True:
-            if regime is REST:
-                raise NotConfirmed(f"transition {n} was not found: the plate rests")
-            cause = self._phase(regime, cause, None) or ""
-            before, after = dict(self.state), self._after(regime, cause)
-            if after.mode != regime.mode:
-                return after, cause, before
-            regime = after
-
-    def _to_end(self, regime: Regime, cause: str, end: Fraction) -> None:
-        """Confirm that the motion changes its mode no more."""
+    def _to_change(self, regime: Regime, cause: str, end: Fraction | None = None) -> tuple[Regime, str, State | None]:
+        """Integrate to the next change of mode: the regime after it, its cause, and the state. None for the state if
+        the plate rests, or if there is no change until `end`."""
         while regime is not REST:
             found = self._phase(regime, cause, end)
             if found is None:
-                return
-            after = self._after(regime, found)
+                break
+            before, after = dict(self.state), self._after(regime, found)
             if after.mode != regime.mode:
-                raise NotConfirmed(f"{found} vanishes before the end, at {self.f.text(self.time)}")
+                return after, found, before
             regime, cause = after, found
-        if any("t" in text.replace("sqrt", "").replace("tan", "") for text in self.scene["load_per_mass"] or ()):
+        return regime, cause, None
+
+    def _to_end(self, regime: Regime, cause: str, end: Fraction) -> None:
+        """Confirm that the motion changes its mode no more."""
+        regime, cause, change = self._to_change(regime, cause, end)
+        if change is not None:
+            raise NotConfirmed(f"{cause} vanishes before the end, at {self.f.text(self.time)}")
+        if regime is REST and any(
+            "t" in text.replace("sqrt", "").replace("tan", "") for text in self.scene["load_per_mass"] or ()
+        ):
             raise ValueError("the checker does not cover a plate that rests under a load that depends on time")
 
     def _after(self, regime: Regime, cause: str) -> Regime:

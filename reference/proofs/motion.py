@@ -69,14 +69,7 @@ class MotionProof:
     covered: bool = True  # whether more digits may prove more
 
 
-class _Event(NamedTuple):
-    name: str
-    zero: Zero
-
-
-def follow(
-    equations: Dynamics, order: int, tolerance: arb, most: int, report: Report = lambda text: None
-) -> MotionProof:
+def follow(equations: Dynamics, order: int, tolerance: arb, most: int, report: Report | None = None) -> MotionProof:
     """Prove the motion up to its duration, its end, or its first `most` transitions."""
     scene, result = equations.scene, MotionProof()
     t, end = arb(0), number(scene.duration)
@@ -102,7 +95,8 @@ def follow(
                 if then.regime is not None or then.status == "lift_off":
                     at = ModeChange(regime.mode, after, t, phase.state, phase.event, then.reason, then.share)
                     result.transitions.append(at)
-                    report(f"{regime.mode} -> {after} at {t.str(12, radius=False)} s")
+                    if report is not None:
+                        report(f"{regime.mode} -> {after} at {t.str(12, radius=False)} s")
             if then.regime is None:
                 if then.status == "lift_off" and scene.flies:
                     raise NotCovered("the plate flies, and proofs do not follow flights")
@@ -163,7 +157,7 @@ class _RegimeProof:
             now, guards, event = self._step(remaining, first=n == 0)
             self.guards = tuple(guards)
             self.steps += 1
-            length = event.zero.high if event else now.length
+            length = event.high if event else now.length
             part = now.states[0](interval(arb(0), length))
             self._range = part if self._range is None else self._range.union(part)
             if event is None:
@@ -172,17 +166,17 @@ class _RegimeProof:
                     self.time = end
                     return n + 1
                 continue
-            if self.time + event.zero.low > end:
+            if self.time + event.low > end:
                 self.time = end
                 return n + 1
-            self._advance(now, event.zero.enclosure)
+            self._advance(now, event.enclosure)
             if not self.time < end:
                 raise NotProved("an event lies within the error of the motion's end")
             self.event = event.name
             return n + 1
         raise NotCovered(f"the motion takes more than {MOST_STEPS} steps")
 
-    def _step(self, longest: arb, first: bool) -> tuple[ValidStep, dict[str, StateExpansion], _Event | None]:
+    def _step(self, longest: arb, first: bool) -> tuple[ValidStep, dict[str, StateExpansion], Zero | None]:
         """A validated step with all signs proved; a shorter one where the remainder of a guard hides its sign."""
         for n in range(MOST_SHORTER):
             now = step(self._field, self._values(), longest, self._guess, self.order, self.tolerance)
@@ -225,21 +219,12 @@ class _RegimeProof:
             result[name] = StateExpansion((arb(0),) * zeros + rest, zeros)
         return result
 
-    def _first_event(self, guards: Mapping[str, StateExpansion], length: arb) -> _Event | None:
+    def _first_event(self, guards: Mapping[str, StateExpansion], length: arb) -> Zero | None:
         """The first zero of any guard, before which all others are positive."""
-        found = []
-        for name, guard in guards.items():
-            zero = first_zero(guard, length, name)
-            if zero is not None:
-                found.append(_Event(name, zero))
-        if not found:
-            return None
-        first = found[0]
-        for other in found[1:]:
-            if other.zero.high < first.zero.low:
-                first = other
-        for other in found:
-            if other is not first and not first.zero.high < other.zero.low:
+        zeros = [zero for name, guard in guards.items() if (zero := first_zero(guard, length, name)) is not None]
+        first = min(zeros, key=lambda zero: zero.low, default=None)
+        for other in zeros:
+            if first is not None and other is not first and not first.high < other.low:
                 raise NotProved(f"{first.name} and {other.name} vanish too close to each other")
         return first
 

@@ -14,7 +14,7 @@ from cases import BadValue, Case
 from cases.errors import whole
 from cases.version import __version__
 
-from .equations import Dynamics, equations
+from .equations import equations
 from .motion import MotionProof, follow
 from .record import DecimalInterval, Proof, ProvedPhase, ProvedTransition, outward, statement
 from .scene import Scene, exact_scene
@@ -73,10 +73,11 @@ def prove(
     try:
         for reserve in RESERVES:
             working = digits + reserve
-            motion, exact_equations = _follow(scene, working, most, report)
+            ctx.prec = bits_of(working)
+            motion = follow(equations(scene), order_of(working), arb(10) ** -working, most, report)
             if _is_narrow(motion, digits) and (motion.status != "unproved" or not motion.covered):
                 break
-        return _record(case, scene, exact_equations, motion, digits, working, time.process_time() - began)
+        return _record(case, scene, motion, digits, working, time.process_time() - began)
     finally:
         ctx.prec, ctx.cap = precision, cap
 
@@ -85,25 +86,17 @@ def order_of(working: int) -> int:
     return max(20, round(ORDER_PER_DIGIT * working))
 
 
-def _follow(scene: Scene, working: int, most: int, report) -> tuple[MotionProof, Dynamics]:
-    ctx.prec = round(working * 3.33) + 64
-    exact_equations = equations(scene)
-    return follow(exact_equations, order_of(working), arb(10) ** -working, most, report or (lambda text: None)), (
-        exact_equations
-    )
+def bits_of(working: int) -> int:
+    return round(working * 3.33) + 64
 
 
 def _is_narrow(motion: MotionProof, digits: int) -> bool:
     return all(2 * t.time.rad() <= t.time.mid() * arb(10) ** -digits for t in motion.transitions)
 
 
-def _record(
-    case: Case, scene: Scene, exact_equations: Dynamics, motion: MotionProof, digits: int, working: int, cpu: float
-) -> Proof:
-    precision = digits + 3
-
+def _record(case: Case, scene: Scene, motion: MotionProof, digits: int, working: int, cpu: float) -> Proof:
     def ends(ball: arb) -> DecimalInterval:
-        return outward(ball, precision)
+        return outward(ball, digits + 3)
 
     transitions = tuple(
         ProvedTransition(
@@ -140,7 +133,7 @@ def _record(
         precision={
             "digits": digits,
             "working_digits": working,
-            "bits": round(working * 3.33) + 64,
+            "bits": bits_of(working),
             "order": order_of(working),
         },
         versions={

@@ -15,6 +15,7 @@ MOST_PARTS, MOST_REFINEMENTS = 5000, 200
 class Zero(NamedTuple):
     """The first zero of a guard on a step: in (low, high), unique there, the guard positive before and decreasing."""
 
+    name: str
     low: arb
     high: arb
 
@@ -45,7 +46,7 @@ def first_zero(guard: StateExpansion, length: arb, name: str) -> Zero | None:
             if end > 0:
                 continue
             if end < 0:
-                return _refine(value, rate, low, high)
+                return _refine(name, value, rate, low, high)
         if slope > 0 and value(low) > 0:
             continue
         middle = exact((low + high) / 2)
@@ -55,7 +56,7 @@ def first_zero(guard: StateExpansion, length: arb, name: str) -> Zero | None:
     raise NotProved(f"the sign of {name} could not be proved: it comes too close to zero (grazing)")
 
 
-def _refine(value: StateExpansion, rate: StateExpansion, low: arb, high: arb) -> Zero:
+def _refine(name: str, value: StateExpansion, rate: StateExpansion, low: arb, high: arb) -> Zero:
     """The zero in (low, high), where the function decreases from positive to negative, in a small interval."""
     for _ in range(MOST_REFINEMENTS):
         part = interval(low, high)
@@ -70,4 +71,4 @@ def _refine(value: StateExpansion, rate: StateExpansion, low: arb, high: arb) ->
         if not new_high - new_low < (high - low) * 0.9:
             break
         low, high = new_low, new_high
-    return Zero(low, high)
+    return Zero(name, low, high)
