@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import frexp, ldexp, sqrt
+from math import ceil, frexp, ldexp, log10, sqrt
 from typing import Any, Protocol
 
 import numpy as np
@@ -122,3 +122,30 @@ def inverse_mass_scale(delassus: np.ndarray) -> float:
     to a power of two, so that these units add no rounding."""
     largest = float(np.abs(np.diag(delassus)).max(initial=0.0))
     return power_of_two(largest) or 1.0
+
+
+# --- phases -----------------------------------------------------------------------------------------------------
+
+# A motion ends where MANY phases together take less than NO_TIME of its time scale, or STUCK in a row no time at all.
+MANY, NO_TIME, STUCK = 1000, 1e-9, 50
+
+# Limit on the steps of one run: their record, which is made when samples are requested, fills a gigabyte or two. (A
+# hundred thousand changes of a limping wheel take 830,000.)
+MOST_STEPS = 1_000_000
+
+# Relative error of an event's location, whatever the tolerance of the motion that led there.
+LOCATION_ERROR = 1e-12
+
+# Values within this part of a bound are at it where phases of zero length follow each other: a thousand times the
+# location's error.
+ROUGH = 1e-9
+
+# From this many phases of zero length in a row (a slip that begins, ends and begins again), values within ROUGH of a
+# bound count as being at it.
+IDLE = 4
+
+
+def error_range(error: float) -> list[float]:
+    """Relative errors from an event's to that of the motion, by powers of ten."""
+    count = 1 + ceil(log10(max(error, LOCATION_ERROR) / LOCATION_ERROR))
+    return np.geomspace(LOCATION_ERROR, max(error, LOCATION_ERROR), count).tolist()

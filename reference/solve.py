@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from cases import BadValue, Case, Chain, Cost, Load, Mode, NotSupported, Passage, State, Trajectory
-from cases.contact import belt_speed, pose
 from cases.curves.corner import Corner
 from cases.curves.element import Element
 from cases.errors import between, unknown_name
@@ -31,7 +30,7 @@ from . import augmented_integrator, solver
 from .endings import BREAKDOWN, LIFT_OFF, undecidable
 from .minimal.decision import Undecidable
 from .minimal.integrators import taylor
-from .minimal.integrators.segment import Segment, blocks
+from .minimal.integrators.segment import Segment
 from .minimal.modes import (
     FLIGHT,
     Phase,
@@ -207,7 +206,7 @@ def as_trajectory(
     if (
         any(t.contact for t in transitions)
         and solver.begins_alone(case)
-        and solver.AllContacts(case, segments, transitions, _observe).names == (CONTACT,)
+        and solver.AllContacts(case, segments, transitions).names == (CONTACT,)
     ):
         transitions = [replace(change, contact="") for change in transitions]  # the only one has no name
     warning = augmented_integrator.warning(segments)
@@ -288,7 +287,7 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         # No motion and no contact force: the plate leaves at once, or no force is consistent.
         first, nothing = start_state(case), np.zeros(1)
         now = phase_at(start_pieces(case), candidates(case)[-1], first)
-        start = _observe(case, now, nothing, np.array(state_in(now, first))[:, None])
+        start = solver.observe(case, now, nothing, np.array(state_in(now, first))[:, None])
         start = start._replace(normal_force=nothing, friction_force=nothing)
         if case.others:
             poses = {name: pose[:, None] for name, pose in zip(names_of(case), start_poses(case), strict=True)}
@@ -297,17 +296,20 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
 
     def samples() -> tuple[np.ndarray, State]:
         with np.errstate(all="ignore"):
-            states = [_observe(case, s.phase, s.times, s.states(s.times)) for s in segments]
-        times = np.concatenate([segment.times for segment in segments])
-        return times, State(*(np.concatenate(column) for column in zip(*states, strict=True)))
+            return np.concatenate([segment.times for segment in segments]), _states(case, segments, None)
 
     if case.others or any(isinstance(segment.phase, solver.SolverPhase) for segment in segments):
-        contacts = solver.AllContacts(case, segments, transitions, _observe)
+        contacts = solver.AllContacts(case, segments, transitions)
         common |= dict(contact_names=contacts.names, contact_columns=contacts)
     if case.others:
         common |= dict(plate_names=names_of(case), plate_columns=solver.AllPlates(case, segments))
     first_mode = _first_mode(segments, transitions)
     return Trajectory.on_demand(samples, **common, first_mode=first_mode, dense=_Dense(case, segments))
+
+
+def _states(case: Case, segments: list[Segment], times: np.ndarray | None) -> State:
+    """The motion at times (n,), or at its samples."""
+    return State(*solver.evaluate(segments, times, lambda s, when: solver.observe(case, s.phase, when, s.states(when))))
 
 
 def _first_mode(segments: list[Segment], transitions) -> Mode:
@@ -331,10 +333,7 @@ class _Dense:
         self._case, self._segment_list, self._pickle = case, segments, b""
 
     def __call__(self, when: np.ndarray) -> State:
-        segments, values = self._segments, np.empty((len(State._fields), len(when)))
-        for i, block in blocks(np.array([segment.start for segment in segments]), when):
-            values[:, block] = _observe(self._case, segments[i].phase, when[block], segments[i].states(when[block]))
-        return State(*values)
+        return _states(self._case, self._segments, when)
 
     @property
     def _segments(self) -> list[Segment]:
@@ -352,26 +351,3 @@ class _Dense:
 def at_once(status: str) -> Mode | None:
     """The mode of a motion that ends at its start: flight if the plate leaves its track, else none."""
     return Mode.FLIGHT if status == LIFT_OFF[0] else None
-
-
-def _observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
-    """Pose by (5) and (6), velocities by (8), forces from (27)."""
-    if isinstance(now, solver.SolverPhase):
-        return solver.observe(case, now, times, y)
-    if now.regime == FLIGHT:
-        none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
-        return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)
-    with np.errstate(over="ignore"):  # a load's exp(u) may overflow where 1/(1 + exp(u)) vanishes
-        outputs = now.system.outputs_of_arrays(times, y, now.parameters)
-    m = now.system.record(*(np.broadcast_to(row, times.shape) for row in outputs))
-    xi1, xi2 = y[0], y[1]
-    pieces = now.case if isinstance(now.case, PieceCase) else None
-    if pieces:
-        xi1, xi2 = pieces.to_whole(xi1, xi2)
-    x, y0, theta = pose(case, xi1, xi2)
-    tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
-    point = m.slip + belt_speed(case, times)  # (11) has the velocity of the plate's point
-    vx = point * tangent[0] + m.omega * (contact[1] - y0)
-    vy = point * tangent[1] - m.omega * (contact[0] - x)
-    mass = case.plate.mass
-    return State(x, y0, theta, vx, vy, m.omega, m.slip, mass * m.normal, mass * m.friction, xi1, xi2)

@@ -1,29 +1,8 @@
-"""Impacts: the law of restitution, and the numbers that all effects of a contact give an impact."""
+"""Impacts: the law of restitution."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from cases import Case, Impact
-
-from .scene_laws import laws
-
-
-class ImpactNumbers(NamedTuple):
-    """Coefficients of friction against slip and without it, the arm of rolling resistance (m), restitution, and the
-    name of its law (`cases.Impact`)."""
-
-    mu: float
-    stick: float
-    arm: float
-    restitution: float
-    name: str
-
-
-def impact_numbers(contact: Case, slip: float) -> ImpactNumbers:
-    """The numbers of an impact that begins at a slip velocity (m/s); without restitution where there is no law."""
-    law, (mu, stick) = laws(contact), laws(contact).friction.in_impact(contact, slip)
-    return ImpactNumbers(mu, stick, law.resistance.arm(contact), restitution(contact), impact_law(contact))
 
 
 def restitution(contact: Case) -> float:

@@ -207,8 +207,17 @@ def _flight_equations(law: Laws) -> Equations:
     return Equations((x, y, theta, vx, vy, omega), 3, rates, nothing, load_quantities=law.checked_quantities)
 
 
+# Guards at the ends of a piece: whether it is the track's, and which way the contact leaves it.
+PIECE_ENDS = {
+    "track_start": (True, -1),
+    "track_end": (True, 1),
+    "outline_start": (False, -1),
+    "outline_end": (False, 1),
+}
+
+
 def end_guards(ends: Iterable[str], of_contact: str = "") -> Conditions:
-    """Guards for ends of the elements, by the names of `phase_end.PIECE_ENDS`; `of_contact`: with what the names of a
+    """Guards for ends of the elements, by the names of PIECE_ENDS; `of_contact`: with what the names of a
     contact's symbols end."""
     guards = dict[str, Node]()
     for name in ends:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from ..effect_laws import laws
 from ..effect_laws.own_forces import OWN_END, own_ending, own_force_values
 from ..endings import (
     BREAKDOWN,
+    COMPLETION,
     CONCAVE,
     ENDS,
     FLAT,
@@ -27,8 +29,8 @@ from ..endings import (
     singular_ending,
     work_limit_ending,
 )
-from ..scales import approach_scale
-from .assembly import Kind
+from ..scales import LOCATION_ERROR, ROUGH, approach_scale, error_range
+from .assembly import PIECE_ENDS, Kind
 from .decision import AT_BOUND, Undecidable, decide, slack_of
 from .elimination import Elimination
 from .grazing import may_touch, over_touch
@@ -51,10 +53,24 @@ from .modes import (
     slip_and_spin,
     state_in,
 )
-from .phase_end import LOCATION_ERROR, PIECE_ENDS, ROUGH, Step, error_range
 
 # Derivatives that must be continuous at a knot for the forces, and the rates of the contact point, to be continuous.
 SMOOTH = 2
+
+
+class Step(NamedTuple):
+    """The result of a phase: its segments, time, place (ξ₁, ξ₂) and cause of its end, and the full state and regime
+    that follow, or the ending."""
+
+    segments: tuple[Segment, ...]
+    time: float
+    place: tuple[float, float] = (np.nan, np.nan)
+    cause: str = ""
+    state: tuple[float, ...] = ()
+    regime: Regime | None = None
+    ending: Ending = COMPLETION
+    is_listed: bool = True  # whether an impact between two flights is listed
+    pieces: PieceCase | None = None  # those that the contact passes to
 
 
 def after_contact(case: Case, segment: Segment, begin: Sequence[float], error: float) -> Step:

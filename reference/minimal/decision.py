@@ -60,7 +60,7 @@ def follows(
     vanished: the state does not show its error if surfaces move that it is a difference to. So has a force per mass of
     less than `weak` (m/s²): where all forces of the contacts vanish, they do not show it either."""
     quick = _by_value(candidate, t, y, error, still, weak)
-    return _by_series(candidate, t, y, error, still=still, weak=weak) if quick is None else quick
+    return _by_series(candidate, t, y, error, still, weak) if quick is None else quick
 
 
 def _by_value(candidate: Phase, t, y, error, still: float, weak: float) -> bool | None:
@@ -91,13 +91,10 @@ def close(error: float) -> float:
     return 1e6 * max(error, series.EPS)
 
 
-def _by_series(
-    candidate: Phase, t, y, error, positive: frozenset[str] = frozenset(), still: float = 0.0, weak: float = 0.0
-) -> bool:
-    """Whether the conditions hold, but those that are known to be positive."""
+def _by_series(candidate: Phase, t, y, error, still: float, weak: float) -> bool:
+    """Whether the conditions hold, by the signs of their series."""
     for order in (QUICK, MIDDLE, ORDER):
         signs = _leading_signs(candidate, t, y, error, order, still, weak)
-        signs = {name: sign for name, sign in signs.items() if name not in positive}
         has_zero = any(sign == 0 for sign in signs.values())
         if not has_zero or any(sign < 0 for sign in signs.values()):
             break

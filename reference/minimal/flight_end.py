@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import hypot
 
 import numpy as np
@@ -18,15 +19,14 @@ from ..endings import (
     search_limit_ending,
     work_limit_ending,
 )
-from ..scales import frequency
+from ..scales import MOST_STEPS, frequency
 from .bouncing import Bounces, is_unresolved
-from .contact_end import breakdown, contact_step, free_quantities, own_lift
+from .contact_end import Step, breakdown, contact_step, free_quantities, own_lift
 from .curve_pieces import TooMuch
 from .impact import collide, energy, law_of
 from .integrators.segment import LOST_SIGHT, OUT_OF_STEPS, Segment
 from .landing import Landing, Landings
 from .modes import FLIGHT, Phase, in_contact, in_flight
-from .phase_end import MOST_STEPS, Step
 
 
 def simulate_flight(
@@ -45,9 +45,9 @@ def simulate_flight(
         try:
             landing = landings.first(segment, place, under_way=bool(segments))
         except TooMuch:
-            segments.append(segment.until(landings.flies_until, segment.evaluations).ended_by(LOST_SIGHT))
+            segments.append(segment.cut(landings.flies_until, LOST_SIGHT))
             return segments, None
-        segments.append(segment.until(landing.time, segment.evaluations) if landing else segment)
+        segments.append(segment.cut(landing.time, None) if landing else segment)
         if landing or segment.event.guard or segment.event.time >= case.duration:
             return segments, landing
         if sum(segment.steps for segment in segments) >= MOST_STEPS:
@@ -65,7 +65,7 @@ def start_flight(
 ) -> tuple[list[Segment], Landing]:
     """The flight of zero length before the impact that a case begins with, and that impact."""
     segment = integrate(now, t, y, 1e3 * np.spacing(t), rtol)
-    return [segment.until(t, 0)], landings.start_impact(segment)
+    return [replace(segment.cut(t, None), evaluations=0)], landings.start_impact(segment)
 
 
 def _may_last(now: Phase, t: float, y: Sequence[float]) -> float:

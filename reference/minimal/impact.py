@@ -24,7 +24,8 @@ import numpy as np
 
 from cases import Case
 
-from ..effect_laws.restitution import impact_numbers
+from ..effect_laws import laws
+from ..effect_laws.restitution import impact_law, restitution
 from .decision import Undecidable
 
 # Slip and spin each end, and may begin again in the other direction, once in compression and once in restitution: an
@@ -215,4 +216,6 @@ def _stops(law: Law, now: ContactVelocity) -> ContactVelocity:
 def law_of(case: Case, arm_t: float, arm_n: float, slip: float) -> Law:
     """The law of an impact of the case at a contact with that arm from the centre of mass, which begins at that slip
     velocity (m/s)."""
-    return Law(arm_t, arm_n, case.plate.inertia / case.plate.mass, *impact_numbers(case, slip))
+    law = laws(case)
+    numbers = *law.friction.in_impact(case, slip), law.resistance.arm(case), restitution(case), impact_law(case)
+    return Law(arm_t, arm_n, case.plate.inertia / case.plate.mass, *numbers)

@@ -203,7 +203,7 @@ class MeetingSearch:
     def _apart(self, motion: Windows, window: int, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """How far the two points are apart along the track's tangent and its normal (m), the angle between both
         tangents (not of a disc, whose point has the track's), and their derivatives by time and both parameters."""
-        (x, y, theta), (vx, vy, omega) = motion.one(window, float(at[0]))
+        (x, y, theta), (vx, vy, omega) = (row[:, 0].tolist() for row in motion.at(np.array([window]), at[:1]))
         X0, Y0, Xp, Yp, Xs, Ys, _, _ = self.geometry.track.jet(float(at[1]))
         P = hypot(Xp, Yp)
         bend = (Xp * Ys - Yp * Xs) / P**3

@@ -152,32 +152,19 @@ def slip_and_spin(case: Case, t: float, y: Sequence[float]) -> tuple[float, floa
     return along[0] - along[1] - belt_speed(case, t), turning[0] - turning[1]
 
 
-def phase(case: Case, regime: Regime, parts: tuple[int, int] = WHOLE) -> Phase:
-    """The equations of that regime with the case's parameters, on pieces of curves in pieces."""
-    return _phase(case, regime, WHOLE) if parts == WHOLE else _phase_on(case, regime, parts)
-
-
 def phase_at(case: Case, regime: Regime, y: Sequence[float]) -> Phase:
     """The equations of that regime at a full state: of curves in pieces, on those that it belongs to."""
     track, outline = case.track.parts, case.plate.outline.parts
     if (track is None and outline is None) or regime.mode is Mode.FLIGHT:
-        return _phase(case, regime, WHOLE)
+        return phase(case, regime, WHOLE)
     return phase(case, regime, (track.number(y[0]) if track else 0, outline.number(y[1]) if outline else 0))
 
 
-# Phases on further pieces have equations of the first, and numbers of their own.
-@lru_cache(maxsize=2048)
-def _phase_on(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
-    return _make_phase(case, regime, parts)
-
-
-# A phase holds its compiled equations: the cache takes half a megabyte for each structure.
-@lru_cache(maxsize=256)
-def _phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
-    return _make_phase(case, regime, parts)
-
-
-def _make_phase(case: Case, regime: Regime, parts: tuple[int, int]) -> Phase:
+# A phase holds its compiled equations, half a megabyte for each structure; those on further pieces, and with other
+# numbers, have equations of the first.
+@lru_cache(maxsize=1024)
+def phase(case: Case, regime: Regime, parts: tuple[int, int] = WHOLE) -> Phase:
+    """The equations of that regime with the case's parameters, on pieces of curves in pieces."""
     track, outline, size = case.track.part(parts[0]), case.plate.outline.part(parts[1]), case.plate.gyration
     if regime.mode is Mode.FLIGHT:
         equations = flight_system(case)

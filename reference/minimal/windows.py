@@ -41,14 +41,6 @@ class Windows(NamedTuple):
         z = (2.0 * times - start - end) / (end - start)
         return _values(self.places[which], z), _values(self.rates[which], z)
 
-    def one(self, which: int, time: float) -> tuple[list[float], list[float]]:
-        """(x, y, θ) and (vx, vy, ω) in one window at one time, as numbers."""
-        start, end = float(self.start[which]), float(self.end[which])
-        z = (2.0 * time - start - end) / (end - start)
-        return [_value(row, z) for row in self.places[which].tolist()], [
-            _value(row, z) for row in self.rates[which].tolist()
-        ]
-
 
 def windows(poses: Poses, edges: np.ndarray, size: float, degree: int = DEGREE) -> Windows:
     """The windows between the times `edges`, halved where the polynomials are not accurate. `poses` maps times (m,) to
@@ -138,11 +130,3 @@ def _values(coefficients: np.ndarray, z: np.ndarray) -> np.ndarray:
     for part in parts[-2:0:-1]:
         b1, b2 = part + twice * b1 - b2, b1
     return parts[0] + z * b1 - b2
-
-
-def _value(coefficients: list[float], z: float) -> float:
-    """The same recurrence for one number."""
-    b1 = b2 = 0.0
-    for part in coefficients[:0:-1]:
-        b1, b2 = part + 2.0 * z * b1 - b2, b1
-    return coefficients[0] + z * b1 - b2

@@ -5,17 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from cases import Case, Mode, State, Transition
+from cases.contact import belt_speed, pose
 from cases.motion.trajectory import CONTACT, ContactColumns
 from cases.scene.couples import couples
 from cases.scene.free_plates import names_of
+from cases.scene.piece_case import PieceCase
 
 from ..effect_laws.friction import STICKING
 from ..minimal.integrators.segment import Segment, blocks
-from ..minimal.modes import Phase
+from ..minimal.modes import FLIGHT, Phase
 from . import forces
 from .accelerations import balance_of, is_steady, load_and_units
 from .places import ContactPlace, couple_of, groups, place
@@ -29,6 +32,23 @@ MOST_INSTANTS = 2**14
 ForcesByContact = dict[str, tuple[np.ndarray, np.ndarray]]
 
 
+def evaluate(
+    segments: Sequence[Segment], times: np.ndarray | None, of: Callable[[Segment, np.ndarray], Sequence[Any]]
+) -> list[np.ndarray]:
+    """Columns of a motion at times (n,), along their last axis; None: at its samples. `of`: those of a segment."""
+    if times is None or not len(times):
+        some = segments if times is None else segments[:1]
+        parts = [of(segment, segment.times if times is None else times) for segment in some]
+        return [np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)]
+    columns = list[np.ndarray]()
+    for i, block in blocks(np.array([segment.start for segment in segments]), times):
+        values = of(segments[i], times[block])
+        columns = columns or [np.empty((*value.shape[:-1], len(times))) for value in values]
+        for column, value in zip(columns, values, strict=True):
+            column[..., block] = value
+    return columns
+
+
 @dataclass
 class AllPlates:
     """The plates of a motion: (name, times) -> State without contact columns; None instead of times: those of its
@@ -39,13 +59,7 @@ class AllPlates:
 
     def __call__(self, name: str, times: np.ndarray | None) -> State:
         body = names_of(self.case).index(name)
-        if times is None:
-            parts = [plate_state(self.case, segment.states(segment.times), body) for segment in self.segments]
-            return State(*(np.concatenate(column) for column in zip(*parts, strict=True)))
-        values = np.empty((len(State._fields), len(times)))
-        for i, block in blocks(np.array([segment.start for segment in self.segments]), times):
-            values[:, block] = plate_state(self.case, self.segments[i].states(times[block]), body)
-        return State(*values)
+        return State(*evaluate(self.segments, times, lambda one, when: plate_state(self.case, one.states(when), body)))
 
 
 def plate_state(case: Case, y: np.ndarray, body: int) -> State:
@@ -58,13 +72,11 @@ def plate_state(case: Case, y: np.ndarray, body: int) -> State:
 
 @dataclass
 class AllContacts:
-    """The contacts of a motion: (name, times) -> ContactColumns; None instead of times: those of its samples. `observe`
-    gives the State of a phase with one contact at some times."""
+    """The contacts of a motion: (name, times) -> ContactColumns; None instead of times: those of its samples."""
 
     case: Case
     segments: list[Segment]
     transitions: Sequence[Transition]
-    observe: Callable[[Case, Phase, np.ndarray, np.ndarray], State]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -80,14 +92,7 @@ class AllContacts:
         return tuple(sorted(names, key=lambda name: (order.index(name.partition(" ")[0]), _number(name))))
 
     def __call__(self, name: str, times: np.ndarray | None) -> ContactColumns:
-        if times is None:
-            parts = [self._of(segment, segment.times, name) for segment in self.segments]
-            return ContactColumns(*(np.concatenate(columns, axis=-1) for columns in zip(*parts, strict=True)))
-        columns = [np.empty(len(times)) for _ in range(6)] + [np.empty((2, len(times))) for _ in range(2)]
-        for i, block in blocks(np.array([segment.start for segment in self.segments]), times):
-            for column, values in zip(columns, self._of(self.segments[i], times[block], name), strict=True):
-                column[..., block] = values
-        return ContactColumns(*columns)
+        return ContactColumns(*evaluate(self.segments, times, lambda one, when: self._of(one, when, name)))
 
     def _of(self, segment: Segment, times: np.ndarray, name: str) -> ContactColumns:
         phase, y = segment.phase, segment.states(times)
@@ -96,7 +101,7 @@ class AllContacts:
         none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
         if name != CONTACT:
             return ContactColumns(none, none, nothing, nothing, none, none, *np.zeros((2, 2, len(times))))
-        now = self.observe(self.case, phase, times, y)
+        now = observe(self.case, phase, times, y)
         slip, normal, friction, xi1, xi2 = (
             np.broadcast_to(v, times.shape) for v in (now.slip, now.normal_force, now.friction_force, now.xi1, now.xi2)
         )
@@ -209,9 +214,28 @@ def _places(case: Case, regime: SolverRegime, y: np.ndarray, some: Sequence[int]
     return [place(pair_of(case, regime.pairs[k]), state, points[k]) for k in some]
 
 
-def observe(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarray) -> State:
-    """Pose and velocities of the first plate, with slip, forces and parameters of its first closed contact with track
-    or support; as in flight if none is closed."""
+def observe(case: Case, now: Phase, times: np.ndarray, y: np.ndarray) -> State:
+    """Pose by (5) and (6), velocities by (8), forces from (27), of the first plate. Of several contacts those of its
+    first closed one with track or support; as in flight if none is closed."""
+    none, nothing = np.full(times.shape, np.nan), np.zeros(times.shape)
+    if isinstance(now, SolverPhase):
+        return _observe_poses(case, now, times, y)
+    if now.regime == FLIGHT:
+        return State(y[0], y[1], y[2], y[3], y[4], y[5], none, nothing, nothing, none, none)
+    with np.errstate(over="ignore"):  # a load's exp(u) may overflow where 1/(1 + exp(u)) vanishes
+        outputs = now.system.outputs_of_arrays(times, y, now.parameters)
+    m = now.system.record(*(np.broadcast_to(row, times.shape) for row in outputs))
+    xi1, xi2 = now.case.to_whole(y[0], y[1]) if isinstance(now.case, PieceCase) else (y[0], y[1])
+    x, y0, theta = pose(case, xi1, xi2)
+    tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
+    point = m.slip + belt_speed(case, times)  # (11) has the velocity of the plate's point
+    vx = point * tangent[0] + m.omega * (contact[1] - y0)
+    vy = point * tangent[1] - m.omega * (contact[0] - x)
+    mass = case.plate.mass
+    return State(x, y0, theta, vx, vy, m.omega, m.slip, mass * m.normal, mass * m.friction, xi1, xi2)
+
+
+def _observe_poses(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarray) -> State:
     state, regime = plate_state(case, y, 0), regime_of(now)
     every = couples(case)
     own = [

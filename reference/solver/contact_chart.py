@@ -22,7 +22,7 @@ from cases.scene.piece_case import PieceCase, lies_flat, piece_case_of
 from ..curvature_proof import fits
 from ..endings import CAUSES, FLAT, OFF, Ending, second_place
 from ..minimal.bouncing import Bounces
-from ..minimal.contact_end import after_contact, leave
+from ..minimal.contact_end import Step, after_contact, leave
 from ..minimal.decision import AT_BOUND, decide
 from ..minimal.element_meetings import ElementMeeting
 from ..minimal.flight_end import after_flight, closes, simulate_flight, start_flight
@@ -43,8 +43,7 @@ from ..minimal.modes import (
     start_state,
     state_in,
 )
-from ..minimal.phase_end import IDLE, LOCATION_ERROR, ROUGH, Step
-from ..scales import EPS
+from ..scales import EPS, IDLE, LOCATION_ERROR, ROUGH
 from .meet import Meetings
 from .places import start_of
 from .plate_numbers import load_scale

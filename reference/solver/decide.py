@@ -170,7 +170,7 @@ def _holds(now: DecisionInstant, contacts: Sequence[ContactPlace], some: GroupMo
         phase, y = phase_of(now.case, closed, some.some(which)), variables(now.state, closed)
         return follows(now.case, phase, now.time, y, now.error, still, weak)
     phase = phase_of(now.case, contacts, some)
-    return _by_series(phase, now.time, variables(now.state, contacts), now.error, frozenset(), still, weak)
+    return _by_series(phase, now.time, variables(now.state, contacts), now.error, still, weak)
 
 
 def _sticking(modes: Sequence[Mode]) -> int:

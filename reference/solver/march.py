@@ -26,8 +26,7 @@ from ..minimal.curve_pieces import TooMuch
 from ..minimal.decision import Undecidable
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.modes import Regime
-from ..minimal.phase_end import MANY, MOST_STEPS, NO_TIME, STUCK
-from ..scales import frequency
+from ..scales import MANY, MOST_STEPS, NO_TIME, STUCK, frequency
 from ..time_limit import check_time
 from .contact_chart import ContactChart, Departure
 from .pose_chart import PoseChart

@@ -22,13 +22,13 @@ from ..endings import (
     ENDS,
     Ending,
 )
+from ..minimal.assembly import PIECE_ENDS
 from ..minimal.contact_end import ending_by
 from ..minimal.element_meetings import ElementMeeting, points_at
 from ..minimal.grazing import may_touch, over_touch
 from ..minimal.integrators.segment import Segment, Segments
 from ..minimal.modes import start_pieces, start_state
-from ..minimal.phase_end import IDLE, LOCATION_ERROR, PIECE_ENDS, ROUGH, error_range
-from ..scales import TOUCHES, frequency, looks_between
+from ..scales import IDLE, LOCATION_ERROR, ROUGH, TOUCHES, error_range, frequency, looks_between
 from . import forces
 from .accelerations import balance_of, first_loss, first_loss_in, is_steady, looks_at_load, rest_margin
 from .contact_chart import Departure, pair_in_couple

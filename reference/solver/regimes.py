@@ -19,9 +19,8 @@ from ..effect_laws.applied_forces import applied_load
 from ..effect_laws.friction import STICKING
 from ..effect_laws.rolling_resistance import NoResistance
 from ..effect_laws.scene_laws import effects_in_time
-from ..minimal.assembly import curve_sizes, parameter_values, structure
+from ..minimal.assembly import PIECE_ENDS, curve_sizes, parameter_values, structure
 from ..minimal.modes import Phase, Regime, _features
-from ..minimal.phase_end import PIECE_ENDS
 from ..minimal.system import slack_name
 from .contact_terms import NO_ROWS, ContactForm, ContactRows
 from .places import couple_of, sides_of

@@ -16,9 +16,9 @@ import numpy as np
 
 from cases import CoulombFriction, Flight, Mode, RollingResistance, Unilateral
 
-from .. import endings
+from .. import endings, scales
 from ..effect_laws import laws
-from ..minimal import contact_end, phase_end
+from ..minimal import contact_end
 from ..minimal.assembly import contact_system
 from ..minimal.decision import Undecidable, close
 from ..minimal.integrators import taylor
@@ -267,7 +267,7 @@ class _Wave:
         if guard in contact_end.BEGINS and len(among) == 1:
             numbers, choice = np.array([self.regimes.index(among[0])]), np.where(sure, 0, NO_DECISION)
         else:
-            numbers, choice = self._decide(among, indices, t, y, phase_end.LOCATION_ERROR)
+            numbers, choice = self._decide(among, indices, t, y, scales.LOCATION_ERROR)
             choice[~sure] = NO_DECISION
         for i in indices[choice == NO_DECISION].tolist():
             self._one(i)
@@ -282,12 +282,12 @@ class _Wave:
         columns = self.columns[number].only(indices)
         place = list(columns.system.guards).index("normal_force")
         slope, bend, force = course(columns, t, y[columns.places], place)
-        deep = slope**2 > 2.0 * close(max(self.rtol, phase_end.LOCATION_ERROR)) * force * bend
+        deep = slope**2 > 2.0 * close(max(self.rtol, scales.LOCATION_ERROR)) * force * bend
         free = self.columns[-1].only(indices)
         m = free.system.record(*free.system.outputs_of_arrays(t, y[free.places], free.parameters))
         forces = np.abs(m.normal) + np.abs(m.friction) + np.abs(m.slip_dot)
         scale = forces + free.size * (np.abs(m.omega_dot) + free.fastest(y[free.places]) ** 2)
-        return (slope < 0.0) & deep & (m.free_approach <= close(phase_end.LOCATION_ERROR) * scale)
+        return (slope < 0.0) & deep & (m.free_approach <= close(scales.LOCATION_ERROR) * scale)
 
     def _leave(self, number: int, indices: np.ndarray, t, y: np.ndarray) -> None:
         """The plate leaves its track: the motion ends, or flies and is then simulated alone."""
@@ -315,7 +315,7 @@ class _Wave:
         try:
             own = state_in(now, tuple(self.y[:, i].tolist()))
             segment = integrate(now, float(self.t[i]), own, case.duration, self.rtol)
-            step = contact_end.after_contact(case, segment, own, max(self.rtol, phase_end.LOCATION_ERROR))
+            step = contact_end.after_contact(case, segment, own, max(self.rtol, scales.LOCATION_ERROR))
         except Undecidable:
             self.now[i] = _ALONE
             return
@@ -343,7 +343,7 @@ class _Wave:
         self.idle[indices] = np.where(t == self.t[indices], self.idle[indices] + 1, 0)
         self.phases[indices] += 1
         self.now[indices], self.t[indices], self.y[:, indices] = after, t, y
-        stuck = (self.idle[indices] > phase_end.IDLE) | (self.phases[indices] > phase_end.MANY)
+        stuck = (self.idle[indices] > scales.IDLE) | (self.phases[indices] > scales.MANY)
         self.now[indices[stuck]] = _ALONE
 
     def _end(self, indices: np.ndarray, t, y: np.ndarray, ending: tuple[str, str]) -> None:

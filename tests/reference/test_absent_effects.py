@@ -125,7 +125,7 @@ OPERATIONS = {
     "disc_in_circle[mu=0.2]": [51, 52, 52, 6],
     "ellipse_in_circle": [122, 122, 122, 6],
     "disc_on_line": [25, 33, 33, 6],
-    "disc_rolling_to_rest": [24, 38, 38, 33, 45, 45, 33, 45, 45, 6],
+    "disc_rolling_to_rest": [24, 38, 38, 32, 45, 45, 32, 45, 45, 6],
 }
 
 

@@ -43,7 +43,7 @@ def test_the_level_of_a_start_is_searched_once_for_all_frictions(monkeypatch):
 
 
 def test_a_motion_asked_for_its_transitions_alone_makes_no_samples(monkeypatch):
-    observed = counted(monkeypatch, solve, "_observe")
+    observed = counted(monkeypatch, solve.solver, "observe")
     motion = reference.simulate(cases.load("disc_in_circle", mu=0.2))
     assert len(motion.transitions) == 4 and motion.cost.steps > 0 and not observed
     assert len(motion.x) == len(motion.t) and observed

@@ -4,12 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.integrate import DOP853
 
 import cases
 import reference
 from reference.minimal.integrators import step_zeros
-from reference.minimal.integrators.dop853 import DirectDOP853
 
 
 def step_with_guard(guard):
@@ -34,17 +32,3 @@ def test_a_zero_at_which_other_guards_have_no_value_is_located(rtol):
     """Where the curvatures are equal, the forces are quotients by zero; the search raised an error of SciPy's."""
     motion = reference.simulate(cases.load("disc_rocking_in_groove"), rtol=rtol, method="dop853")
     assert motion.status == "completed" and len(motion.transitions) == 8
-
-
-def test_the_direct_solver_is_scipys_to_the_last_bit_with_its_count_of_evaluations():
-    def rates(t, state):
-        return [float(state[1]), -float(np.sin(state[0])) + 0.1 * t]
-
-    options = {"rtol": 1e-10, "atol": np.array([1e-10, 1e-11]), "first_step": 1e-2}
-    direct, plain = (solver(rates, 0.0, np.array([1.0, 0.0]), 3.0, **options) for solver in (DirectDOP853, DOP853))
-    while plain.status == "running":
-        direct.step()
-        plain.step()
-        assert (direct.t, direct.y.tolist()) == (plain.t, plain.y.tolist())
-        assert direct.dense_output().F.tolist() == plain.dense_output().F.tolist()
-    assert (direct.status, direct.nfev) == (plain.status, plain.nfev)

@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import sqrt
-from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853, DenseOutput
@@ -120,7 +119,7 @@ def _integrate(phase: Phase, t: float, y, end: float, rtol: float, cuts: int) ->
         return _end_event(phase, [t], [], Event(None if end <= t else BREAKDOWN, t, tuple(y)), 1)
     # A flight is integrated over its estimated duration, often by one step: a constant force needs no more.
     first = end - t if phase.regime == FLIGHT else _first_step(often, rhs, t, y, end, rtol, atol)
-    solver = DirectDOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
+    solver = DOP853(rhs, t, np.array(y, dtype=float), end, rtol=rtol, atol=atol, first_step=first)
     times: list[float] = [t]
     pieces: list[DenseOutput] = []
     tries = shorter = 0
@@ -207,7 +206,7 @@ def _step(solver: DOP853, phase: Phase, rtol: float) -> int:
 
 def _restart(solver: DOP853, piece: DenseOutput, rhs, end: float, rtol: float, atol: np.ndarray) -> DOP853:
     """The solver at the start of its last step, which is to be shorter."""
-    again = DirectDOP853(rhs, piece.t_old, piece.y_old, end, rtol=rtol, atol=atol, first_step=SHORTENED * piece.h)
+    again = DOP853(rhs, piece.t_old, piece.y_old, end, rtol=rtol, atol=atol, first_step=SHORTENED * piece.h)
     again.nfev += solver.nfev
     return again
 
@@ -266,7 +265,7 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
     whole, start = piece.t - piece.t_old, piece.t_old
     if whole <= 0.0 or when <= start:
         return piece, Event(guard, start, tuple(piece.y_old.tolist()))
-    again = DirectDOP853(rhs, start, piece.y_old, when, rtol=rtol, atol=atol, first_step=when - start)
+    again = DOP853(rhs, start, piece.y_old, when, rtol=rtol, atol=atol, first_step=when - start)
     pieces: list[DenseOutput] = []
     while again.status == "running" and len(pieces) < MOST_LOOKED_AT:
         again.step()
@@ -353,17 +352,3 @@ def _at_instant(piece: DenseOutput, time: float) -> np.ndarray:
         factor = 1.0 - x if i % 2 else x
         y = [(value + own) * factor for value, own in zip(y, row, strict=True)]
     return np.array([[value + own] for value, own in zip(y, piece.y_old.tolist(), strict=True)])
-
-
-class DirectDOP853(DOP853):
-    """DOP853 whose rates (t, state) -> list of floats are called without SciPy's two functions around them, which check
-    and convert: they take half a microsecond of each evaluation, a fortieth of a disc's motion on a line."""
-
-    def __init__(self, rates: Callable[[float, np.ndarray], Sequence[float]], t, y, end: float, **options: Any):
-        super().__init__(rates, t, y, end, **options)
-
-        def counted(time, state):
-            self.nfev += 1
-            return np.array(rates(time, state), dtype=float)
-
-        self.fun = counted

@@ -96,16 +96,11 @@ class Segment:
             return [steps.at_step(0), steps.inside(0, 0.5 * (self.event.time - self.start)), last]
         return [steps.at_step(0), steps.at_step(len(times) // 2), last]
 
-    def until(self, time: float, evaluations: int) -> Segment:
-        """The same motion cut at a time, with the given number of evaluations."""
-        times = np.append(self.times[self.times < time], time)
-        event = self.event._replace(time=time, state=tuple(self.states(np.array([time]))[:, 0].tolist()))
-        return Segment.of(self.phase, times, self.states, event, evaluations)
-
     def cut(self, time: float, guard: str | None) -> Segment:
         """The same motion that ends at a time (s) by that guard, in its state there."""
-        cut = self.until(time, self.evaluations)
-        return replace(cut, event=cut.event._replace(guard=guard))
+        times = np.append(self.times[self.times < time], time)
+        event = Event(guard, time, tuple(self.states(np.array([time]))[:, 0].tolist()))
+        return Segment.of(self.phase, times, self.states, event, self.evaluations)
 
     def ended_by(self, guard: str) -> Segment:
         """The same motion, with another reason for its end."""
