@@ -41,7 +41,7 @@ OVERLAPS = 1e-9
 CENTRE = Corner(0.0, 0.0, 0.0, pi)
 
 
-class _PolygonPair(NamedTuple):
+class SeenPolygon(NamedTuple):
     """Corners (2, n) about `middle` (2, 1), seen from there at rising `angles` (n,); None where these do not rise."""
 
     corners: np.ndarray
@@ -102,7 +102,7 @@ def first_overlap(
     """
     if not outline.period:
         return None
-    polygon = _polygon(outline)
+    polygon = polygon_of(outline)
     samples = _samples(track, *span(track, xi1, polygon.reach), polygon.size, polygon.reach)
     c, s = np.cos(theta), np.sin(theta)
     mx, my = polygon.middle
@@ -155,7 +155,8 @@ def overlaps(curve: Curve, outline: Curve, x: float, y: float, theta: float) -> 
 
 
 @lru_cache(maxsize=64)
-def _polygon(outline: Curve) -> _PolygonPair:
+def polygon_of(outline: Curve) -> SeenPolygon:
+    """A polygon inside a closed outline: its corners, and more where it has features."""
     low, high = outline.span
     if isinstance(outline, Chain):
         places = outline.vertices(CHAIN_TURN)
@@ -177,7 +178,7 @@ def _polygon(outline: Curve) -> _PolygonPair:
     corners, angles = np.roll(corners, -first, axis=1), np.roll(angles, -first)
     reach = float(np.hypot(*corners).max())
     size = float(np.ptp(corners, axis=1).max())
-    return _PolygonPair(corners, middle, angles if np.all(np.diff(angles) > 0.0) else None, reach, size)
+    return SeenPolygon(corners, middle, angles if np.all(np.diff(angles) > 0.0) else None, reach, size)
 
 
 @lru_cache(maxsize=64)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..curves.chain import Chain
-from ..curves.corner import Corner, Edge
+from ..curves.corner import Corner
+from .outline_features import sides
 
 if TYPE_CHECKING:
     from ..scene.plate import Plate
@@ -61,11 +62,7 @@ class Region(NamedTuple):
 
 def is_polygon(plate: Plate) -> bool:
     """Whether the outline has straight edges only and its corners turn to the left: a convex polygon."""
-    outline = plate.outline
-    if not isinstance(outline, Chain) or not outline.is_closed:
-        return False
-    pieces = [element.piece for element in outline.elements]
-    return all(isinstance(p, Edge) or (isinstance(p, Corner) and p.turn > 0.0) for p in pieces) and len(pieces) > 5
+    return len(sides(plate.outline)) > 5
 
 
 def size_of_plate(plate: Plate) -> float:

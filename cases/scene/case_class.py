@@ -100,7 +100,7 @@ class Case:
                 )
             self.start.check(self.track, self.plate.outline, self.effects)
             if self.supports:
-                _check_start_at_supports(self)
+                check_start(self, *self.start.motion(self.track, self.plate.outline)[:3])
             if self.others:
                 check_places(self)
 
@@ -188,12 +188,6 @@ class Case:
 
 # The names of its fields.
 FIELDS = tuple(f.name for f in fields(Case))
-
-
-def _check_start_at_supports(case: Case) -> None:
-    """Raise DoesNotFit if the plate overlaps a support where it begins."""
-    begin = case.start.motion(case.track, case.plate.outline)
-    check_start(case, begin.x, begin.y, begin.theta)
 
 
 def _check_name(name: object) -> str:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..contact.polygon_features import local_centre
 from ..curves import Curve
 from ..curves.backwards import backwards, forwards
 from .case_class import Case
@@ -49,9 +50,8 @@ class Couple(CasePart):
         x, y, theta = poses[3 * self.body : 3 * self.body + 3]
         if self.base is None:
             return x, y, theta
-        u, v, turn = poses[3 * self.base : 3 * self.base + 3]
-        c, s, dx, dy = np.cos(turn), np.sin(turn), x - u, y - v
-        return c * dx + s * dy, c * dy - s * dx, theta - turn
+        base = poses[3 * self.base : 3 * self.base + 3]
+        return *local_centre(base, x, y), theta - base[2]
 
     def whole_xi1(self, xi1):
         """A parameter of the track as one of the boundary's own curve: of a plate its outline."""

@@ -10,6 +10,7 @@ from math import cos, inf, pi, sin, sqrt
 import numpy as np
 
 from ..contact.geometry import bends
+from ..contact.overlap_search import polygon_of
 from ..curves import Curve
 from ..curves.area import area_inside
 from ..curves.chain import translate
@@ -179,13 +180,8 @@ def _runs_clockwise(outline: Curve) -> bool:
 
 
 def _contains(outline: Curve, points) -> bool:
-    """Whether points (n, 2) are inside a closed outline: its tangent polygon winds around each."""
-    x, y = outline.point(samples_around(outline))
-    for px, py in points:
-        angles = np.arctan2(y - py, x - px)
-        if round(float(((np.diff(angles) + pi) % (2 * pi) - pi).sum()) / (2 * pi)) == 0:
-            return False
-    return True
+    """Whether points (n, 2) are inside a closed outline."""
+    return bool(polygon_of(outline).holds(*np.asarray(points).T).all())
 
 
 def is_convex(outline: Curve) -> bool:
