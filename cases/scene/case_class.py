@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass, field, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import sin
 from types import MappingProxyType
@@ -19,7 +19,7 @@ from .free_plates import FreePlate, check_others, check_places
 from .limits import check_limits
 from .pair_effects import Pair, check_pairs
 from .plate import Plate
-from .size_limits import check_arm, check_belt, check_load, check_sizes
+from .size_limits import check_sizes
 from .start import Start
 from .start_pose import StartPose, as_start, from_flat_side
 from .supports import Support, check_start, check_supports
@@ -90,14 +90,7 @@ class Case:
             for where, plate, omega in poses:
                 if not plate.turns and omega != 0.0:
                     raise BadValue(f"a plate of infinite inertia does not turn; give omega=0 in {where}, not {omega:g}")
-            check_sizes(self.track, self.plate, self.effects, self.start, self.duration)
-            for other in self.others:
-                check_load(other.plate, other.load, astuple(other.start))
-            for support in self.supports:
-                check_belt(effects.one(support.effects or (), effects.Belt))
-                check_arm(
-                    self.track, self.plate, effects.one(support.effects or (), effects.RollingResistance), self.start
-                )
+            check_sizes(self)
             self.start.check(self.track, self.plate.outline, self.effects)
             if self.supports:
                 check_start(self, *self.start.motion(self.track, self.plate.outline)[:3])

@@ -7,11 +7,13 @@ from the origin in sizes of the plate.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import astuple
 from functools import lru_cache
 from math import hypot, isfinite
+from typing import Any
 
 from ..curves import Curve
-from ..effects import Belt, CoulombFriction, Drive, Effect, Gravity, Load, RollingResistance, one
+from ..effects import Belt, CoulombFriction, Drive, Gravity, Load, RollingResistance, one
 from ..errors import BadValue
 from .plate import Plate
 from .start import Start
@@ -30,49 +32,42 @@ FURTHEST = 1e8
 TINY, ENORMOUS = 1e-60, 1e60
 
 
-def check_load(plate: Plate, load: Load | None, state: Sequence[float]) -> None:
+def check_sizes(case: Any) -> None:
+    """Raise BadValue, with one sentence, for a number of a case at which solvers lose their digits."""
+    extent, gravity = _extent(case.track, case.plate, case.start), case.effect(Gravity)
+    for effects in (case.effects, *(part.effects or () for part in (*case.supports, *case.pairs))):
+        friction, resistance = one(effects, CoulombFriction), one(effects, RollingResistance)
+        if friction and friction.stick > STRONGEST_FRICTION:
+            name = "mu" if friction.at_rest > STRONGEST_FRICTION else "mu_static"
+            raise BadValue(
+                f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or "
+                "PerfectlyRough()"
+            )
+        if resistance and resistance.arm > RATIO * extent:
+            raise BadValue(
+                f"arm of RollingResistance is {resistance.arm / extent:.3g} times the plate's length; give at most "
+                f"{RATIO:g} times"
+            )
+        check_belt(one(effects, Belt))
+    check_drive(case.effect(Drive))
+    _check_load(case.plate, case.effect(Load), case.start.motion(case.track, case.plate.outline)[:6])
+    for other in case.others:
+        _check_load(other.plate, other.load, astuple(other.start))
+    _check_numbers({"g of Gravity": gravity.g if gravity else 0.0, "duration of the case": case.duration})
+    if case.duration < TINY:
+        raise BadValue(f"duration of the case is {case.duration:g}; give at least {TINY:g}")
+
+
+def _check_load(plate: Plate, load: Load | None, state: Sequence[float]) -> None:
     """Raise BadValue for a load that is not finite or too large at the start: x, y, θ, vx, vy, ω."""
-    if load is None:
-        return
-    values = [float(v) for v in load.at(0.0, *state)]
+    values = [float(v) for v in load.at(0.0, *state)] if load else [0.0]
     if not all(isfinite(value) for value in values):
         raise BadValue("the Load has no finite value where the motion begins; give one that is finite at t = 0")
-    if max(map(abs, values)) > ENORMOUS * plate.mass:
+    largest = max(map(abs, values))
+    if largest > ENORMOUS * plate.mass:
         raise BadValue(
-            f"the Load is {max(map(abs, values)):g} where the motion begins, {max(map(abs, values)) / plate.mass:.3g} "
-            f"times the plate's mass; give one up to {ENORMOUS:g} times"
-        )
-
-
-def check_sizes(track: Curve, plate: Plate, effects: tuple[Effect, ...], start: Start, duration: float) -> None:
-    """Raise BadValue, with one sentence, for a number at which solvers lose their digits."""
-    friction, resistance, gravity = (
-        one(effects, CoulombFriction),
-        one(effects, RollingResistance),
-        one(effects, Gravity),
-    )
-    if friction and friction.stick > STRONGEST_FRICTION:
-        name = "mu" if friction.at_rest > STRONGEST_FRICTION else "mu_static"
-        raise BadValue(
-            f"{name} of CoulombFriction is {friction.stick:g}; give at most {STRONGEST_FRICTION:g}, or PerfectlyRough()"
-        )
-    check_arm(track, plate, resistance, start)
-    check_load(plate, one(effects, Load), start.motion(track, plate.outline)[:6])
-    check_drive(one(effects, Drive))
-    check_belt(one(effects, Belt))
-    numbers = {"g of Gravity": gravity.g if gravity else 0.0, "duration of the case": duration}
-    _check_numbers(numbers)
-    if duration < TINY:
-        raise BadValue(f"duration of the case is {duration:g}; give at least {TINY:g}")
-
-
-def check_arm(track: Curve, plate: Plate, resistance: RollingResistance | None, start: Start) -> None:
-    """Raise BadValue for an arm that is too large for its plate."""
-    extent = _extent(track, plate, start)
-    if resistance and resistance.arm > RATIO * extent:
-        raise BadValue(
-            f"arm of RollingResistance is {resistance.arm / extent:.3g} times the plate's length; give at most "
-            f"{RATIO:g} times"
+            f"the Load is {largest:g} where the motion begins, {largest / plate.mass:.3g} times the plate's mass; give "
+            f"one up to {ENORMOUS:g} times"
         )
 
 

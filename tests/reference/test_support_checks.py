@@ -11,6 +11,7 @@ from adapters import lookup
 from cases import (
     BadValue,
     Case,
+    CoulombFriction,
     Curve,
     DoesNotFit,
     Gravity,
@@ -75,6 +76,7 @@ DISC, ROD = disc(0.5, 1.0), Plate.rectangle(1.0, 0.2, 1.0)
         (lambda: _with(supports=(Support(line(0.5), "a"), Support(line(0.4), "a"))), "give each its own"),
         (lambda: _with((Gravity(G),), supports=(Support(line(0.5), "a"),)), "add Unilateral"),
         (lambda: _with(supports=(Support(line(0.5), "a", (Impact(0.1, "newton"),)),)), "with the same law"),
+        (lambda: _with(supports=(Support(line(0.5), "a", (CoulombFriction(1e5),)),)), "is 100000; give at most 10000"),
         (lambda: _with(supports=(Support(line(0.5), "a"),)), "overlaps support 'a'"),
         (lambda: _with(supports=(Support(Curve(lambda s: (s, s**2 + 3.0), (-2, 2)), "bowl"),)), "lies behind support"),
     ],
