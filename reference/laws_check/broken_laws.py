@@ -20,7 +20,7 @@ from .formula_steps import finer_steps
 from .impact_check import impact_defects
 from .laws import Defects, Joins, MotionScales
 from .samples import ContactInstants, MotionSamples, of_motion, steps_of
-from .tolerances import AMPLIFIED, CLOSED, MOMENTUM, PARTS
+from .tolerances import AMPLIFIED, DRIVEN, MOMENTUM, OVERLAPS, PARTS, POSE
 
 OVERLAP = "no overlap"
 # Steps whose forces the nodes do not resolve are divided into so many parts, so many times: the worst of them.
@@ -66,26 +66,27 @@ def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLa
     if len(motion.t) < 2:
         return ()
     with np.errstate(all="ignore"):
-        return _broken_by(relative, seen, rtol)
+        return _broken_by(relative, seen, rtol, POSE if relative is case else DRIVEN)
 
 
-def _broken_by(case: Case, motion: Trajectory, rtol: float) -> tuple[BrokenLaw, ...]:
+def _broken_by(case: Case, motion: Trajectory, rtol: float, poses: float) -> tuple[BrokenLaw, ...]:
     """The laws that a motion breaks, of a case with a track at rest. A motion that ends where it begins has no steps,
     and breaks none."""
     start, end = steps_of(motion)
     if not len(start):
         return ()
     samples = of_motion(case, motion, start, end)
-    scales = laws.motion_scales(samples)
+    scales = laws.motion_scales(samples, poses)
     results = list[BrokenLaw]()
     for defects in _motion_defects(samples, scales):
-        if worst(defects, rtol) and (closer := _closer(case, motion, samples, defects, rtol)):
+        if worst(defects, rtol) and (closer := _closer(case, motion, samples, defects, rtol, poses)):
             results.append(closer)
     finer = _finer(case, motion, samples, scales)
     sudden = laws.jumps(laws.joins(samples), scales.reach, scales.speed, _sudden_part(scales, rtol))
     if finer is not None:
         of_finer = chain(
-            _motion_defects(finer, laws.motion_scales(finer)), _of_contacts(finer, laws.motion_scales(finer), sudden)
+            _motion_defects(finer, laws.motion_scales(finer, poses)),
+            _of_contacts(finer, laws.motion_scales(finer, poses), sudden),
         )
         results += [one for defects in of_finer if (one := worst(defects, rtol))]
     others = chain(
@@ -101,7 +102,9 @@ def worst_first(laws: list[BrokenLaw]) -> tuple[BrokenLaw, ...]:
     return tuple(sorted(laws, key=lambda one: (one.law != OVERLAP, one.limit / one.size)))
 
 
-def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, rtol: float) -> BrokenLaw | None:
+def _closer(
+    case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, rtol: float, poses: float
+) -> BrokenLaw | None:
     """The broken law of some steps if it is broken also with more instants: forces may change more quickly than those
     of a step resolve."""
     parts, limit = 1, defects.limit(rtol)
@@ -113,7 +116,7 @@ def _closer(case: Case, motion: Trajectory, samples: MotionSamples, defects: Def
         knots = samples.start[steps, None] + samples.length[steps, None] * (np.arange(parts + 1) / parts)
         knots[:, -1] = samples.end[steps]
         again = of_motion(case, motion, knots[:, :-1].ravel(), knots[:, 1:].ravel())
-        scales = laws.motion_scales(again)
+        scales = laws.motion_scales(again, poses)
         one = next(d for d in _motion_defects(again, scales) if (d.law, d.place) == (defects.law, defects.place))
         sizes = one.sizes.reshape(-1, parts).sum(axis=1)
         steps, sizes = (values[np.abs(sizes) > limit[steps]] for values in (steps, sizes))
@@ -154,8 +157,8 @@ def _of_contacts(samples: MotionSamples, scales: MotionScales, sudden: Joins) ->
 def _other_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, rtol: float) -> Iterator[Defects]:
     reach, speed, every = scales.reach, scales.speed, laws.joins(samples)
     yield from _of_contacts(samples, scales, sudden)
-    turns = [laws.turns_of(one, scales.last) for one in samples.plates]
-    yield from laws.continuity_defects(samples.case, every, reach, turns)
+    is_series = ~(_is_listed(samples, sudden.times, every.steps) & _is_listed(samples, sudden.times, every.steps - 1))
+    yield from laws.continuity_defects(samples, every, scales, is_series)
     if len(sudden.steps):
         closed = {contact.law.name for contact in samples.contacts}
         yield from laws.impact_defects(samples.case, samples.transitions, sudden, closed, reach, speed)
@@ -163,7 +166,7 @@ def _other_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, 
     yield from laws.energy_defects(samples, speed)
     yield from event_defects(samples, scales, sudden.times)
     for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):
-        yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, scales.extent, "m", CLOSED)
+        yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, scales.extent, "m", OVERLAPS)
 
 
 def _is_listed(samples: MotionSamples, sudden: np.ndarray, steps: np.ndarray) -> np.ndarray:

@@ -6,9 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cases import Chain, Curve, Impact, Mode, StartPose, Trajectory, Unilateral
-from cases.contact.nearest import contacts
-from cases.errors import DoesNotFit
+from cases import Curve, Impact, Mode, StartPose, Trajectory, Unilateral
 from cases.motion.trajectory import CONTACT
 from cases.scene.free_plates import names_of, plates_of
 from cases.scene.supports import TRACK, base_of
@@ -27,6 +25,7 @@ from ..endings import (
 from . import events
 from .impact_check import impact_at, is_impact, passes_piece
 from .laws import Defects, MotionScales
+from .meetings import meeting_gaps
 from .next_motion import Consistent, NextMotions, next_motions
 from .samples import CLOSE, MotionSamples, law_at
 from .tolerances import AMPLIFIED, EPS, PARTS, SLIP
@@ -41,8 +40,8 @@ SINGULAR = 1e5
 # The outline's parameter with a given tangent is between two of so many, which are halved so often.
 LEVEL_SAMPLES, HALVINGS = 4001, 60
 MEETINGS = (LANDING_END[0], FLAT[0])
-# Two places of a curve that are so far apart, in parts of the plate's size, are two; a gap in parts of the scene's size.
-APART, MEETS = 1e-5, 1e-9
+# A gap that is none, in parts of the scene's size.
+MEETS = 1e-9
 NO_MOTION = (NO_MODE[0], ACCUMULATION[0], BREAKDOWN)
 
 
@@ -233,26 +232,17 @@ def _curve_pairs(samples: MotionSamples) -> Iterator[tuple[int, str, Curve]]:
 
 
 def _free_gaps(samples: MotionSamples, body: int, base: str, curve: Curve) -> list[float] | None:
-    """The sizes of the gaps at the end of a motion between a plate and a curve, but for those of closed contacts. The
-    plate's nearest places are searched by `cases.contact.nearest`, which no solver uses; None if that fails."""
+    """The gaps at the end of a motion between a plate and a curve, but for those of closed contacts; None where they
+    are not known."""
     step = len(samples.start) - 1
     plates, plate = plates_at(samples, step, -1), plates_of(samples.case)[body]
-    closed = [
-        c.xi1[row, -1]
-        for c in samples.contacts
-        if c.law.body == body and base_of(c.law.name) == base and (row := row_of(c, step)) is not None
+    rows = [
+        (contact, row_of(contact, step))
+        for contact in samples.contacts
+        if contact.law.body == body and base_of(contact.law.name) == base
     ]
-    place, angle = plates.place[body], float(plates.angle[body])
-    try:
-        every = contacts(curve, plate.outline, float(place.real), float(place.imag), angle)
-    except DoesNotFit:
-        return None
-    apart = (
-        APART * plate.reach / float(curve.speed(every[0].xi1))
-        if every and not isinstance(curve, Chain)
-        else APART * plate.reach
-    )
-    return [abs(one.gap) for one in every if all(abs(one.xi1 - xi1) > apart for xi1 in closed)]
+    closed = [float(contact.xi1[row, -1]) for contact, row in rows if row is not None]
+    return meeting_gaps(curve, plate, complex(plates.place[body]), complex(plates.turn[body]), closed)
 
 
 def _may_be_impact(samples: MotionSamples, scales: MotionScales, rtol: float) -> bool:

@@ -29,6 +29,10 @@ INSTANT, LANDING = 1e-12, 1e-11
 # Impacts whose intervals have a ratio below one that changes by less than the other have a known limit.
 MOST_RATIO, RATIO_CHANGE = 0.95, 0.02
 # Causes after which another condition than that of the modes vanishes.
+_GUARDS = {
+    CAUSES["slip"]: "slip", CAUSES["cone_forward"]: "cone", CAUSES["normal_force"]: "normal", CAUSES["turn"]: "turn",
+}  # fmt: skip
+_OTHER_GUARDS = (CAUSES["couple_forward"],)
 _OTHER_CAUSES = (CAUSES["piece"], CAUSES["track_start"], CAUSES["rest"])
 
 
@@ -79,19 +83,28 @@ def _moves_on(contact: ContactInstants, row: int) -> bool:
 def _guards(
     samples: MotionSamples, scales: MotionScales, contact: ContactInstants, row: int, change: Transition
 ) -> Iterator[Guard]:
-    law, before, after = contact.law, change.before, change.after
-    force = force_scale_at(samples, law, scales)
-    if before in SENSE and (after in STICKING or after in SENSE):
-        yield Guard("slip velocity vanishes", SENSE[before] * contact.slip[row], scales.speed, "m/s")
-    elif before in STICKING and (after in SENSE or change.cause == CAUSES["cone_forward"]):
+    law, force = contact.law, force_scale_at(samples, contact.law, scales)
+    which = _GUARDS.get(change.cause) or _by_modes(change)
+    if which == "slip" and change.before in SENSE:
+        yield Guard("slip velocity vanishes", SENSE[change.before] * contact.slip[row], scales.speed, "m/s")
+    elif which == "cone" and change.before in STICKING:
         cone = law.stick * np.abs(contact.normal[row]) - np.abs(contact.friction[row])
         if np.isfinite(cone).all():
             yield Guard("friction reaches its cone", cone, force, "N")
-    elif after is Mode.FLIGHT and samples.case.effect(Unilateral) is not None:
+    elif which == "normal" and samples.case.effect(Unilateral) is not None:
         yield normal_guard(samples, scales, contact, row)
-    elif before is Mode.ROLL and after is Mode.REST and change.cause == CAUSES["turn"]:
+    elif which == "turn":
         spin = relative_spin(samples, law, contact.steps[row])
         yield Guard("rotation vanishes", np.abs(spin), scales.speed / scales.size, "rad/s")
+
+
+def _by_modes(change: Transition) -> str:
+    """What vanishes between two modes, for motions without these causes."""
+    if change.cause in _OTHER_GUARDS:
+        return ""
+    if change.after is Mode.FLIGHT:
+        return "normal"
+    return "slip" if change.before in SENSE else "cone" if change.after in SENSE else ""
 
 
 def normal_guard(samples: MotionSamples, scales: MotionScales, contact: ContactInstants, row: int) -> Guard:

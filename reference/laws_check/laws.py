@@ -30,7 +30,7 @@ from .samples import (
     law_at,
     place_at,
 )
-from .tolerances import AMPLIFIED, EPS, EXACT, MOMENTUM, PARTS, POSE
+from .tolerances import AMPLIFIED, EPS, EXACT, MOMENTUM, PARTS, POSE, SERIES
 
 # The sign of the slip in each mode that has one, and the modes without slip.
 SENSE = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
@@ -63,8 +63,8 @@ class Defects(NamedTuple):
 
 class MotionScales(NamedTuple):
     """The scales of a motion: its speed (m/s), the plates' sizes and the largest of them (m), how far they are from the
-    origin (m), weight and load per mass (m/s²), the last time (s), and the factor by which roundings are amplified in
-    each step, (steps,)."""
+    origin (m), weight and load per mass (m/s²), the last time (s), the factor by which roundings are amplified in
+    each step, (steps,), and the part of a pose that they leave."""
 
     speed: float
     reach: list[float]
@@ -73,6 +73,7 @@ class MotionScales(NamedTuple):
     acceleration: float
     last: float
     condition: np.ndarray
+    poses: float
 
 
 class Sums(NamedTuple):
@@ -197,11 +198,11 @@ def motion_defects(samples: MotionSamples, total: Sums, scales: MotionScales) ->
             yield Defects("angular momentum", name, end, off, turning, "rad/s", floor)
         way = one.place[:, -1] - one.place[:, 0] - length * (one.velocity @ WEIGHTS)
         scale = np.abs(one.place[:, 0]) + size + speed * length
-        yield Defects("velocity is the rate of the place", name, end, way, scale, "m", POSE)
+        yield Defects("velocity is the rate of the place", name, end, way, scale, "m", scales.poses)
         angle = length * (one.spin @ WEIGHTS)
         off = np.angle(one.turn[:, -1] * one.turn[:, 0].conj() * np.exp(-1j * angle)) + 0j
         scale = turns_of(one, scales.last) + np.abs(angle)
-        yield Defects("spin is the rate of the angle", name, end, off, scale, "rad", POSE)
+        yield Defects("spin is the rate of the angle", name, end, off, scale, "rad", scales.poses)
 
 
 def turns_of(one: PlateSamples, last: float) -> float:
@@ -256,12 +257,12 @@ def speed_of(samples: MotionSamples, reach: list[float], outer: float) -> float:
     return max(*speeds, speed_scale(outer, size)) or size / samples.case.duration
 
 
-def motion_scales(samples: MotionSamples) -> MotionScales:
+def motion_scales(samples: MotionSamples, poses: float = POSE) -> MotionScales:
     """The scales of a motion."""
     reach, outer = [plate.reach for plate in plates_of(samples.case)], acceleration(samples)
     extent, last = extent_of(samples, reach), float(samples.times.max(initial=0.0))
     speed = speed_of(samples, reach, outer)
-    return MotionScales(speed, reach, max(reach), extent, outer, last, condition_numbers(samples))
+    return MotionScales(speed, reach, max(reach), extent, outer, last, condition_numbers(samples), poses)
 
 
 def condition_numbers(samples: MotionSamples) -> np.ndarray:
@@ -332,13 +333,17 @@ def jumps(every: Joins, reach: list[float], speed: float, part: float) -> Joins:
     return Joins(every.times[large], every.steps[large], every.before[..., large], every.after[..., large])
 
 
-def continuity_defects(case: Case, every: Joins, reach: list[float], turns: Sequence[float]) -> Iterator[Defects]:
-    """Poses are continuous; `turns`: the scale of each plate's angles, rad."""
+def continuity_defects(
+    samples: MotionSamples, every: Joins, scales: MotionScales, is_series: np.ndarray
+) -> Iterator[Defects]:
+    """Poses are continuous, but for what is left of a hop in a series of impacts (`is_series`: which joins are)."""
     change = np.abs(every.after[:, :2] - every.before[:, :2])
-    for b, (name, size) in enumerate(zip(names_of(case), reach, strict=True)):
+    floor = np.where(is_series, SERIES, scales.poses)
+    for b, (name, size, one) in enumerate(zip(names_of(samples.case), scales.reach, samples.plates, strict=True)):
         scale = np.abs(every.after[b, 0]) + size
-        yield Defects("place is continuous", name, every.times, change[b, 0], scale, "m", POSE)
-        yield Defects("angle is continuous", name, every.times, change[b, 1], turns[b], "rad", POSE)
+        yield Defects("place is continuous", name, every.times, change[b, 0], scale, "m", floor)
+        turns = turns_of(one, scales.last)
+        yield Defects("angle is continuous", name, every.times, change[b, 1], turns, "rad", floor)
 
 
 def impact_defects(

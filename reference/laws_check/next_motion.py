@@ -198,7 +198,9 @@ def _choices(place: _Place, small: float, is_unilateral: bool) -> list[tuple]:
     if law.arm:
         reach = place.touch.law.outline.sizes[0]
         turns = [float(np.sign(place.spin))] if abs(place.spin) * reach > small else [1.0, -1.0, 0.0]
-    open_one = [("open", None)] if is_unilateral else []
+    # What an effect of a package does ends with the contact, which it holds.
+    holds = place.touch.mode is not Mode.FLIGHT and bool(own_effects(law.effects))
+    open_one = [("open", None)] if is_unilateral and not holds else []
     signs = [1.0] if is_unilateral else [1.0, -1.0]
     return open_one + [(mode, turn, sign) for mode in modes for turn in turns for sign in signs]
 
