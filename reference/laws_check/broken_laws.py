@@ -32,7 +32,8 @@ SIGN_PARTS = 16
 @dataclass(frozen=True)
 class BrokenLaw:
     """A law that a motion breaks: its name, between which bodies ("plate/track") or of which ("plate"), the time (s)
-    at which it is broken most, by how much, in `unit`, and how much would be an error of the motion."""
+    at which it is broken most, by how much, in `unit`, and how much would be an error of the motion. `part_of_friction`:
+    the same in units of μ N, for Coulomb's law in slip."""
 
     law: str
     place: str
@@ -40,10 +41,12 @@ class BrokenLaw:
     size: float
     unit: str
     limit: float
+    part_of_friction: float | None = None
 
     def __str__(self) -> str:
         where = self.place and f" at {self.place}"
-        return f"{self.law}{where}: broken by {self.size:.3g} {self.unit} at t = {self.time:.9g} s"
+        part = "" if self.part_of_friction is None else f" ({self.part_of_friction:.2g} μN)"
+        return f"{self.law}{where}: broken by {self.size:.3g} {self.unit}{part} at t = {self.time:.9g} s"
 
 
 def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLaw, ...]:
@@ -191,4 +194,5 @@ def worst(defects: Defects, rtol: float) -> BrokenLaw | None:
     parts = np.where(sizes > limits, sizes / np.maximum(limits, np.finfo(float).tiny), 0.0)
     i = np.unravel_index(int(np.argmax(parts)), parts.shape)
     time, size = float(defects.times[i]), float(sizes[i])
-    return BrokenLaw(defects.law, defects.place, time, size, defects.unit, float(limits[i]))
+    part = size / float(defects.friction[i]) if defects.friction is not None and defects.friction[i] else None
+    return BrokenLaw(defects.law, defects.place, time, size, defects.unit, float(limits[i]), part)

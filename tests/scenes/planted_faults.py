@@ -25,7 +25,8 @@ from cases import (
     Unilateral,
     disc,
 )
-from tests.scenes.moving import Adhesion
+from tests.scenes import loads, rolling_resistance, several_laws, slip_laws, supports
+from tests.scenes.moving import Adhesion, random_scenes
 from tests.scenes.planted_motions import (
     MORE,
     Change,
@@ -319,6 +320,16 @@ def _no_friction(case: Case) -> Case | None:
     own = case.effect(CoulombFriction)
     return with_effect(case, CoulombFriction(1e-12)) if own and not case.effect(Belt) else None
 
+
+# Families of random scenes whose data are changed, by seed.
+FAMILIES: dict[str, Callable[[int], Case]] = {
+    "loads": lambda seed: loads.scene(np.random.default_rng(seed))[0],
+    "friction by the slip speed": lambda seed: slip_laws.random_scene(np.random.default_rng(seed)),
+    "supports": supports.random_case,
+    "several laws": several_laws.random_scene,
+    "rolling resistance": rolling_resistance.random_scene,
+    "belts": lambda seed: next(iter(random_scenes("belts", seed, 1))),
+}
 
 # What the check does not see, with the reason.
 ESCAPES = {
