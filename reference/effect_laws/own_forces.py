@@ -69,10 +69,8 @@ def own_ending(case: Case, guard: str) -> tuple[str, str]:
 
 def own_guard(case: Case, guard: str, t: float, slip: float, omega: float) -> float:
     """The value of a guard of such an effect."""
-    effects = own_effects(case.effects)
-    values = [
-        (f"{OWN_END}{end.status}", value)
-        for effect in effects
-        for end, value in zip(effect.ends(), effect.at(t, slip, omega)[OWN_COMPONENTS:], strict=True)
-    ]
-    return next(value for name, value in values if name == guard)
+    for effect in own_effects(case.effects):
+        for end, value in zip(effect.ends(), effect.at(t, slip, omega)[OWN_COMPONENTS:], strict=True):
+            if guard == f"{OWN_END}{end.status}":
+                return value
+    raise KeyError(guard)

@@ -56,18 +56,3 @@ def sliding_disc_in_circle(R, r, mu, g, digits: int = 20) -> FirstZero:
         if g / 3 * abs(mp.cos(xi)) <= mu * (g * mp.sin(xi) + L * u(xi)):
             return FirstZero(time, xi, Mode.ROLL)
         return FirstZero(time, xi, Mode.SLIP_BACKWARD if mp.cos(xi) < 0 else Mode.SLIP_FORWARD)
-
-
-def pendulum_period(length, g, amplitude):
-    """Period of a pendulum: 4 √(l/g) K(sin²(a/2)) (from energy, by sin(φ/2) = sin(a/2) sin u)."""
-    return 4 * mp.sqrt(mp.mpf(length) / mp.mpf(g)) * mp.ellipk(mp.sin(mp.mpf(amplitude) / 2) ** 2)
-
-
-def departure_cosine(rolling: bool):
-    """cos φ where a disc released on top of a cylinder leaves it: 2/3 sliding without friction, 4/7 always rolling."""
-    return mp.mpf(4) / 7 if rolling else mp.mpf(2) / 3
-
-
-def cycloid_period(radius, g):
-    """Period on a cycloid of that rolling radius: 4π √(a/g) (derived: the height is s²/(8a), s the arc)."""
-    return 4 * mp.pi * mp.sqrt(mp.mpf(radius) / mp.mpf(g))

@@ -46,7 +46,6 @@ class Scene:
     `disc` is the radius of a plate that is a disc about its centre of mass, else None and `outline` is its curve.
     """
 
-    label: str
     track: Pair
     track_domain: tuple[Fraction, Fraction] | None
     track_turns: int  # ξ₁ is the parameter of `track` plus so many quarter turns
@@ -54,7 +53,6 @@ class Scene:
     outline: Pair
     outline_domain: tuple[Fraction, Fraction] | None
     outline_turns: int
-    mass: Fraction
     gyration: Fraction  # J/m
     gravity: Pair
     load: tuple[sp.Expr, sp.Expr, sp.Expr] | None  # force and moment per mass, in `cases.effects.MOTION`
@@ -72,7 +70,7 @@ class Scene:
 
     def described(self) -> dict[str, object]:
         """The scene as texts, for a record."""
-        texts: dict[str, object] = {
+        return {
             "track": [str(part) for part in self.track],
             "track_domain": _texts(self.track_domain),
             "track_parameter": _parameter("xi1", self.track_turns),
@@ -92,7 +90,6 @@ class Scene:
             "start": {name: _text(getattr(self, name)) for name in ("xi1", "xi2", "slip", "omega")},
             "duration": _text(self.duration),
         }
-        return texts
 
 
 def _parameter(name: str, turns: int) -> str:
@@ -123,7 +120,6 @@ def exact_scene(case: Case) -> Scene:
     outline, outline_domain, xi2, outline_turns = _curve(plate.outline, 0.0 if start.xi2 is None else start.xi2)
     static = None if friction is None or friction.mu_static is None else exact(friction.mu_static)
     return Scene(
-        label=case.label,
         track=track,
         track_domain=domain,
         track_turns=turns,
@@ -131,7 +127,6 @@ def exact_scene(case: Case) -> Scene:
         outline=outline,
         outline_domain=None if radius is not None else outline_domain,
         outline_turns=outline_turns,
-        mass=mass,
         gyration=_gyration(plate.inertia, mass, radius),
         gravity=_gravity(case.effect(Gravity)),
         load=None if load is None else _load(load, mass),
