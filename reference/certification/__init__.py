@@ -2,8 +2,7 @@
 
 from .agreement import contradiction, is_within_bars
 from .bars import Bar
-from .certificate import Certificate, NotCertified, certify
-from .proof_kind import PROVED, WITNESSED
+from .certificate import PROVED, WITNESSED, Certificate, NotCertified, certify
 from .truth_file import TRUTH, DamagedTruth, read, stored_or_new, write
 
 __all__ = [

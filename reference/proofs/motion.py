@@ -13,8 +13,7 @@ from cases.effects import MOTION
 
 from .decision import Following, cone_margins, first_regime, following
 from .equations import ContactRegime, Dynamics, number
-from .signs import Zero, first_zero
-from .steps import NotCovered, NotProved, StateExpansion, ValidStep, exact, interval, step
+from .steps import NotCovered, NotProved, StateExpansion, ValidStep, Zero, exact, first_zero, interval, step
 
 # Steps of one motion, and phases: beyond them the rest of the motion is not proved.
 MOST_STEPS, MOST_PHASES = 2_000, 500

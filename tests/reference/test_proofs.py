@@ -17,7 +17,7 @@ flint = pytest.importorskip("flint")
 from flint import arb, ctx  # noqa: E402
 
 import reference  # noqa: E402
-from reference.proofs import equations, motion, prove, record, signs, steps  # noqa: E402
+from reference.proofs import equations, motion, prove, record, steps  # noqa: E402
 from reference.proofs.command import main  # noqa: E402
 from reference.proofs.record import outward  # noqa: E402
 from reference.proofs.scene import exact_scene  # noqa: E402
@@ -153,7 +153,7 @@ def test_step_encloses_an_exact_solution():
 def test_first_of_two_zeros_is_found():
     """(s − 1)(s − 2) on [0, 3] decreases to its first zero, at 1."""
     guard = steps.StateExpansion((arb(2), arb(-3), arb(1), arb(0)))
-    zero = signs.first_zero(guard, arb(3), "test")
+    zero = steps.first_zero(guard, arb(3), "test")
     assert zero is not None and zero.low <= 1 <= zero.high and zero.high < 1.1
 
 
@@ -162,13 +162,13 @@ def test_double_zero_is_not_proved(shift):
     """(s − 1)² + e with an uncertain e: a touch is neither a zero nor none."""
     guard = steps.StateExpansion((1 + arb(0, "1e-20") + arb(shift), arb(-2), arb(1), arb(0)))
     with pytest.raises(steps.NotProved, match="grazing"):
-        signs.first_zero(guard, arb(3), "test")
+        steps.first_zero(guard, arb(3), "test")
 
 
 def test_start_that_is_zero_is_divided_out():
     """s (1 − s) is zero at the start, positive after it, and zero again at 1."""
     guard = steps.StateExpansion((arb(0), arb(1), arb(-1), arb(0)), zeros=1)
-    zero = signs.first_zero(guard, arb(2), "test")
+    zero = steps.first_zero(guard, arb(2), "test")
     assert zero is not None and zero.low <= 1 <= zero.high
 
 
