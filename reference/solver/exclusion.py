@@ -36,35 +36,44 @@ def solve_stack(
 
 class ImpactModes(NamedTuple):
     """Combinations of modes of an impact, (combinations, n) each: which contacts have impulses, which of these end the
-    slip, and the senses of slip of the others."""
+    slip, and the senses of slip of the others; and the senses of the resisted rotations, (combinations, m): NaN where
+    no contact with an impulse resists."""
 
     closed: np.ndarray
     sticking: np.ndarray
     signs: np.ndarray
+    senses: np.ndarray
 
 
 def impact_exclusions(
     modes: ImpactModes, inverse: np.ndarray, rows: np.ndarray, before: np.ndarray, restitution: np.ndarray,
-    mu: np.ndarray, small: float,
+    mu: np.ndarray, arms: np.ndarray, gyration: float, small: float,
 ) -> np.ndarray:  # fmt: skip
     """Whether impulses or velocities after an impact violate its law clearly, (combinations,).
 
-    `rows`: of lift and slip velocities, (2n, 3N); `before`: these velocities, (2n,), m/s; `small`: their rounding.
+    `rows`: of lift and slip velocities and resisted rotations, (2n + m, 3N); `before`: these velocities, (2n + m,),
+    m/s; `arms`: of the resistance of each contact to each rotation, (n, m), m; `gyration`: the length that makes
+    rotations velocities, m; `small`: the velocities' rounding.
     """
-    closed, sticking, signs = modes
+    closed, sticking, signs, senses = modes
     n, finite = len(mu), np.where(np.isfinite(mu), mu, 0.0)
-    delassus, goals = rows * inverse @ rows.T, -before * np.append(1.0 + restitution, np.ones(n))
-    used, result = np.hstack([closed, sticking]), np.zeros(len(closed), dtype=bool)
+    delassus = rows * inverse @ rows.T
+    goals = -before * np.concatenate([1.0 + restitution, np.ones(len(before) - n)])
+    used, result = np.hstack([closed, sticking, senses == 0.0]), np.zeros(len(closed), dtype=bool)
+    senses = np.nan_to_num(senses)
     for first in range(0, len(closed), TOGETHER):
         some = slice(first, first + TOGETHER)
-        mix = np.tile(np.eye(2 * n), (len(used[some]), 1, 1))
+        mix = np.tile(np.eye(len(before)), (len(used[some]), 1, 1))
         mix[:, range(n, 2 * n), range(n)] -= signs[some] * finite
+        mix[:, 2 * n :, :n] -= senses[some][:, :, None] * arms.T / gyration
         regular, values = solve_stack(delassus, mix, used[some], goals, REGULAR)
         after = before + (mix[regular] @ values[..., None])[..., 0] @ delassus
-        normal, friction, limit = values[:, :n], values[:, n:], CLEARLY * small
-        shut, slips = closed[some][regular], signs[some][regular]
+        normal, friction, limit = values[:, :n], values[:, n : 2 * n], CLEARLY * small
+        shut, slips, turns = closed[some][regular], signs[some][regular], senses[some][regular]
         violations = (~shut & (after[:, :n] + restitution * before[:n] < -limit)) | (shut & (normal < -limit))
-        violations |= slips * after[:, n:] < -limit
+        violations |= slips * after[:, n : 2 * n] < -limit
         violations |= np.isfinite(mu) & (np.abs(friction) > finite * normal + limit)
-        result[some][regular] = violations.any(axis=1)
+        turning = turns * after[:, 2 * n :] < -limit
+        turning |= gyration * np.abs(values[:, 2 * n :]) > np.maximum(normal, 0.0) @ arms + limit
+        result[some][regular] = violations.any(axis=1) | turning.any(axis=1)
     return result

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations, product
-from math import inf
+from math import inf, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +36,7 @@ from .impact_modes import (
     in_modes,
 )
 from .places import ContactPlace, couple_of
-from .plate_numbers import bodies
+from .plate_numbers import Turns, bodies, senses_of, turning_row
 
 
 class NoImpact(ArithmeticError):
@@ -86,20 +86,17 @@ def _collide(
         for mu in law.mu
     ]
     solutions: list[tuple[ImpactVelocities, np.ndarray]] = []
-    resisting = list(dict.fromkeys(at.sides for at, arm in zip(places_hit, law.arms, strict=True) if arm))
-    senses, alike = product((0, 1, -1), repeat=len(resisting)), _with_one_slip(inertia, places_hit, law)
-    combinations_of = [
-        modes for modes in product(*options)
+    alike = _with_one_slip(inertia, places_hit, law)
+    possible = [
+        (modes, turns) for modes in product(*options)
         if all(modes[i] == modes[j] or OPEN in (modes[i], modes[j]) for i, j in alike)
+        for turns in _turns(modes, places_hit, law)
     ]  # fmt: skip
-    if not resisting and not law.least.any():
-        combinations_of = _possible(combinations_of, inertia, before, places_hit, law, speed)
-    for modes, some in product(combinations_of, senses):
-        for one in in_modes(
-            modes, before, places_hit,
-            law._replace(turns=tuple(zip(resisting, some, strict=True)), gyration=inertia.lengths[2]),
-            inertia.inverse, speed,
-        ):  # fmt: skip
+    law = law._replace(gyration=inertia.lengths[2])
+    if not law.least.any():
+        possible = _possible(possible, inertia, before, places_hit, law, speed)
+    for modes, turns in possible:
+        for one in in_modes(modes, before, places_hit, law._replace(turns=turns), inertia.inverse, speed):
             if all(_differ(one[0], other[0], inertia.lengths, speed) for other in solutions):
                 solutions.append(one)
     if len(solutions) != 1:
@@ -109,21 +106,37 @@ def _collide(
 
 
 def _possible(
-    modes: list[tuple[str, ...]], inertia: Inertia, before: np.ndarray, places_hit: Sequence[TouchedContact],
-    law: ImpactLaw, speed: float,
-) -> list[tuple[str, ...]]:  # fmt: skip
-    """The combinations that their impulses and velocities do not exclude."""
+    modes: list[tuple[tuple[str, ...], Turns]], inertia: Inertia, before: np.ndarray,
+    places_hit: Sequence[TouchedContact], law: ImpactLaw, speed: float,
+) -> list[tuple[tuple[str, ...], Turns]]:  # fmt: skip
+    """The combinations, with the senses of resisted rotations, that their impulses and velocities do not exclude."""
     closed, sticking = (
-        np.array([[test(mode) for mode in one] for one in modes]) for test in (OPEN.__ne__, STICK.__eq__)
+        np.array([[test(mode) for mode in one] for one, _ in modes]) for test in (OPEN.__ne__, STICK.__eq__)
     )
-    signs = np.array([[SIGN.get(mode, 0.0) for mode in one] for one in modes]) * (np.array(law.mu) > 0.0)
-    rows = np.array([at.lift_row for at in places_hit] + [at.slip_row for at in places_hit])
-    velocities = rows @ before - np.append(np.zeros(len(places_hit)), law.belts)
-    some = ImpactModes(closed, sticking, signs)
+    signs = np.array([[SIGN.get(mode, 0.0) for mode in one] for one, _ in modes]) * (np.array(law.mu) > 0.0)
+    resisting = list(dict.fromkeys(sides for _, turns in modes for sides, _ in turns))
+    senses = np.array([[dict(turns).get(sides, nan) for sides in resisting] for _, turns in modes])
+    turning = [law.gyration * turning_row(sides, len(before)) for sides in resisting]
+    arms = np.array(
+        [[arm * (at.sides == sides) for sides in resisting] for at, arm in zip(places_hit, law.arms, strict=True)]
+    )
+    rows = np.array([at.lift_row for at in places_hit] + [at.slip_row for at in places_hit] + turning)
+    count = len(places_hit)
+    velocities = rows @ before - np.concatenate([np.zeros(count), law.belts, np.zeros(len(turning))])
+    some = ImpactModes(closed, sticking, signs, senses)
     without = impact_exclusions(
-        some, inertia.inverse, rows, velocities, law.restitution, np.array(law.mu), ROUNDING * speed
+        some, inertia.inverse, rows, velocities, law.restitution, np.array(law.mu), arms, law.gyration, ROUNDING * speed
     )
     return [one for one, is_out in zip(modes, without, strict=True) if not is_out]
+
+
+def _turns(modes: Sequence[str], places_hit: Sequence[TouchedContact], law: ImpactLaw) -> list[Turns]:
+    """The senses of the rotations that contacts with impulses in these modes resist."""
+    resisting = dict.fromkeys(
+        at.sides for at, mode, arm, least in zip(places_hit, modes, law.arms, law.least, strict=True)
+        if arm and (mode != OPEN or least > 0.0)
+    )  # fmt: skip
+    return [tuple(zip(resisting, some, strict=True)) for some in senses_of(tuple(resisting))]
 
 
 def _with_one_slip(inertia: Inertia, places_hit: Sequence[TouchedContact], law: ImpactLaw) -> list[tuple[int, int]]:

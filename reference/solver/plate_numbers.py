@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
+from itertools import product
 from math import hypot
 from typing import NamedTuple
 
@@ -121,3 +122,30 @@ def rigid_pairs(turns: Turns) -> list[Sides]:
             together[max(first, second)] = min(first, second)
             result.append(sides)
     return result
+
+
+@lru_cache(maxsize=256)
+def senses_of(resisting: tuple[Sides, ...]) -> list[tuple[int, ...]]:
+    """The senses (1, −1; 0: none) that the rotations of these pairs of plates, or against what is fixed, may have at
+    once: those of an order of the plates' spins."""
+    every = list(product((0, 1, -1), repeat=len(resisting)))
+    if len(resisting) < 3:  # without a round of pairs each sense goes with each other
+        return every
+    numbers = {body: k for k, body in enumerate(dict.fromkeys([FIXED, *(b for sides in resisting for b in sides)]))}
+    pairs = [(numbers[sides[0]], numbers[sides[1] if len(sides) > 1 else FIXED]) for sides in resisting]
+    return [senses for senses in every if _is_order(pairs, senses, len(numbers))]
+
+
+def _is_order(pairs: Sequence[tuple[int, int]], senses: Sequence[int], count: int) -> bool:
+    """Whether no number is above another one that is at least as high."""
+    at_least, above = np.eye(count, dtype=bool), list[tuple[int, int]]()
+    for (one, other), sense in zip(pairs, senses, strict=True):
+        if sense >= 0:
+            at_least[one, other] = True
+        if sense <= 0:
+            at_least[other, one] = True
+        if sense:
+            above.append((one, other) if sense > 0 else (other, one))
+    for k in range(count):
+        at_least |= np.outer(at_least[:, k], at_least[k])
+    return not any(at_least[low, high] for high, low in above)

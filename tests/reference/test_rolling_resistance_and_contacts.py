@@ -1,5 +1,6 @@
 """Rolling resistance at several contacts: exact motions, two formulations, the paper's matrix, and what is rejected."""
 
+from itertools import product
 from math import cos, pi, sin, sqrt
 
 import numpy as np
@@ -30,6 +31,7 @@ from cases import (
 from cases.contact import start_motion
 from cases.library import line
 from cases.scene.contact_pairs import pairs
+from reference.solver.plate_numbers import senses_of
 from reference.witness import complementarity
 from reference.witness.contacts import PlateDynamics, frictions, pair_at
 from tests.scenes.agreement import check_several_contacts
@@ -327,3 +329,17 @@ def test_both_formulations_agree_for_corners_that_resist_rolling(name, mu, e, ar
     track, plate, start, supports = CORNERS[name]
     effects = (*INELASTIC[:3], Impact(e, "moreau"), *surface(mu, arm))
     check_several_contacts(Case(track, plate, effects, start, 1.5, supports=supports))
+
+
+@pytest.mark.parametrize(
+    "turning", [[(0,)], [(0,), (1, 0)], [(0,), (1,), (1, 0)], [(0,), (1, 0), (2, 1), (2, 0)], [(1, 0), (2, 1), (3, 2)]]
+)
+def test_rotations_have_the_senses_of_an_order_of_spins(turning):
+    """Those of all spins between −3 and 3, where what is fixed has none."""
+    bodies = 1 + max(body for sides in turning for body in sides)
+    expected = {
+        tuple(int(np.sign(spins[sides[0]] - (spins[sides[1]] if len(sides) > 1 else 0))) for sides in turning)
+        for spins in product(range(-3, 4), repeat=bodies)
+    }
+    senses = senses_of(tuple(turning))
+    assert len(senses) == len(set(senses)) and set(senses) == expected
