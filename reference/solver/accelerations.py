@@ -31,6 +31,9 @@ SAME = 1e-7
 VIOLATED = 1e-6
 # Accelerations by this part of the largest apart are tried where forces that are not unique may change them.
 OTHER = 1e-3
+# Of the modes: the sign of a slip; 0 for a contact without friction.
+_OPEN, _STICKS = 3, 2
+_KINDS = {Mode.FLIGHT: _OPEN, Mode.SLIDE: 0} | dict.fromkeys(STICKING, _STICKS) | SLIP_SIGN
 # Rows are dependent if one is the sum of others to this part.
 DEPENDENT = 1e-9
 
@@ -121,12 +124,17 @@ class GroupRows:
         self.biases = np.array([at.lift_bias for at in contacts] + slips + [0.0] * len(rotations))
         mu = np.array([at.mu_of(velocity, now.time) for at in contacts])
         self.mu = np.where(np.isfinite(mu), mu, 0.0)  # without bound on friction there is no slip
-        self.stick = np.array([at.stick for at in contacts])
+        stick = np.array([at.stick for at in contacts])
+        self.is_bounded = np.isfinite(stick)
+        self.stick = np.where(self.is_bounded, stick, 0.0)
         every = zip(self.pairs, lengths, strict=True)
         arms = [[at.resisting_arm / length * (at.sides == sides) for at in contacts] for sides, length in every]
         self.arms = np.array(arms).reshape(-1, self.count)
+        # Which contacts have one slip: the first that sticks has the friction force of all.
         same = sharing(contacts)
-        self.first = [same.get(k, k) for k in range(self.count)]
+        first = np.array([same.get(k, k) for k in range(self.count)])
+        self.shared = first[:, None] == first
+        self.after = np.triu(self.shared, 1)
         self.begins = np.array([abs(at.slip(velocity, now.time)) <= now.still for at in contacts])
 
     def answers(
@@ -140,55 +148,56 @@ class GroupRows:
 
     def _together(self, combinations: Sequence[tuple[tuple[Mode, ...], Turns]]):
         n, now, some, inverse = self.count, self.now, self.some, self.some.inverse
-        every = [modes for modes, _ in combinations]
-        closed = np.array([[mode is not Mode.FLIGHT for mode in modes] for modes in every])
-        sticking = np.array([[mode in STICKING for mode in modes] for modes in every])
-        signs = np.array([[SLIP_SIGN.get(mode, 0.0) for mode in modes] for modes in every])
-        holders = sticking & ~np.array([self._before(sticking, k) for k in range(n)]).T
+        kinds = np.array([[_KINDS[mode] for mode in modes] for modes, _ in combinations])
+        closed, sticking, signs = kinds != _OPEN, kinds == _STICKS, np.where(np.abs(kinds) == 1, kinds, 0)
+        holders = sticking & ~(sticking @ self.after)
         senses = np.array([[dict(turns).get(sides, nan) for sides in self.pairs] for _, turns in combinations])
-        holds = senses.reshape(len(every), -1) == 0.0
+        holds = senses.reshape(len(kinds), -1) == 0.0
         # Which forces each unknown is: a normal force also gives friction of a slip, and a couple against a rotation.
-        mix = np.tile(np.eye(len(self.rows)), (len(every), 1, 1))
-        mix[:, range(n, 2 * n), range(n)] -= signs * self.mu
-        mix[:, 2 * n :, :n] -= np.nan_to_num(senses).reshape(*holds.shape, 1) * self.arms
-        loads = np.tile(now.load, (len(every), 1))
+        mix = np.empty((len(kinds), len(self.rows), len(self.rows)))
+        mix[:] = np.eye(len(self.rows))
+        mix[:, n : 2 * n, :n] -= (signs * self.mu)[:, :, None] * np.eye(n)
+        if self.pairs:
+            mix[:, 2 * n :, :n] -= np.nan_to_num(senses)[:, :, None] * self.arms
+        loads = now.load[None]
         if laws(now.case).own:
-            loads += [own_load(now.case, now.time, now.velocity, self.contacts, modes) for modes in every]
+            loads = loads + [
+                own_load(now.case, now.time, now.velocity, self.contacts, modes) for modes, _ in combinations
+            ]
         used, goals = np.hstack([closed, holders, holds]), -(loads @ self.rows.T + self.biases)
         regular, values = solve_stack(self.rows * inverse @ self.rows.T, mix, used, goals, DEPENDENT)
+        loads = np.broadcast_to(loads, (len(kinds), len(now.load)))
         acceleration = loads[regular] + inverse * ((mix[regular] @ values[..., None])[..., 0] @ self.rows)
-        largest, heaviest = now.scale, float((some.masses / some.lengths**2).max())
-        force = VIOLATED * np.maximum(largest * heaviest, np.abs(values).max(axis=1))[:, None]
-        rate = VIOLATED * np.maximum(largest, np.abs(acceleration * some.lengths).max(axis=1))[:, None]
-        shut, normal = closed[regular], values[:, :n]
-        lift = acceleration @ self.rows[:n].T + self.biases[:n]
-        violations = np.where(shut, normal < -force, lift < -rate).any(axis=1)
-        violations |= self._turns_back(signs[regular], acceleration, rate)
-        with np.errstate(invalid="ignore"):
-            bounds = self.stick * np.maximum(normal, 0.0) + force * (1.0 + np.minimum(self.stick, 1e3))
-        bounds = np.where(sticking[regular], bounds, 0.0)
-        for k in range(n):
-            whole = bounds[:, [j for j in range(n) if self.first[j] == self.first[k]]].sum(axis=1)
-            violations |= holders[regular][:, k] & (np.abs(values[:, n + k]) > whole)
-        couples = np.where(shut, np.maximum(normal, 0.0), 0.0) @ self.arms.T + force
-        violations |= (holds[regular] & (np.abs(values[:, 2 * n :]) > couples)).any(axis=1)
-        opens, numbers = (shut | (lift > rate)).all(axis=1), np.cumsum(regular) - 1
+        heaviest = float((some.masses / some.lengths**2).max())
+        force = VIOLATED * np.maximum(now.scale * heaviest, np.abs(values).max(axis=1))[:, None]
+        rate = VIOLATED * np.maximum(now.scale, np.abs(acceleration * some.lengths).max(axis=1))[:, None]
+        shut, normal, sticks = closed[regular], values[:, :n], sticking[regular]
+        lift, pressing = acceleration @ self.rows[:n].T + self.biases[:n], np.maximum(normal, 0.0)
+        violations = np.where(shut, normal < -force, lift < -rate) | self._turns_back(
+            signs[regular], acceleration, rate
+        )
+        bounds = (
+            np.where(sticks, self.stick * pressing + force * (1.0 + np.minimum(self.stick, 1e3)), 0.0) @ self.shared
+        )
+        violations |= holders[regular] & self.is_bounded & (np.abs(values[:, n : 2 * n]) > bounds)
+        is_violated = violations.any(axis=1)
+        if self.pairs:
+            couples = np.where(shut, pressing, 0.0) @ self.arms.T + force
+            is_violated |= (holds[regular] & (np.abs(values[:, 2 * n :]) > couples)).any(axis=1)
+        opens, number = (shut | (lift > rate)).all(axis=1), 0
         for i, (modes, turns) in enumerate(combinations):
-            k = numbers[i]
             if not regular[i]:
                 yield modes, turns, self._by_guides(modes, turns, mix[i], loads[i])
-            elif not violations[k]:
-                yield modes, turns, GroupAccelerations(acceleration[k], True, bool(opens[k]))
-
-    def _before(self, sticking: np.ndarray, k: int) -> np.ndarray:
-        """Whether an earlier contact that sticks has the friction force of contact k."""
-        return np.asarray(sticking[:, [j for j in range(k) if self.first[j] == self.first[k]]].any(axis=1))
+                continue
+            if not is_violated[number]:
+                yield modes, turns, GroupAccelerations(acceleration[number], True, bool(opens[number]))
+            number += 1
 
     def _turns_back(self, signs: np.ndarray, acceleration: np.ndarray, rate: np.ndarray | float) -> np.ndarray:
-        """Whether a slip that has vanished begins against the direction of its mode, by more than `rate` (m/s²)."""
+        """Which slips that have vanished begin against the directions of their modes, by more than `rate` (m/s²)."""
         own = slice(self.count, 2 * self.count)
         rates = acceleration @ self.rows[own].T + self.biases[own]
-        return np.asarray((self.begins & (signs * rates < -rate)).any(axis=-1))
+        return np.asarray(self.begins & (signs * rates < -rate))
 
     def _by_guides(
         self, modes: Sequence[Mode], turns: Turns, mix: np.ndarray, load: np.ndarray
@@ -213,7 +222,7 @@ class GroupRows:
         if np.abs(self.rows[others] @ acceleration + self.biases[others]).max(initial=0.0) > rate:
             return None
         signs, violated = np.array([SLIP_SIGN.get(mode, 0.0) for mode in modes]), VIOLATED / SAME * rate
-        if self._turns_back(signs, acceleration, violated):
+        if self._turns_back(signs, acceleration, violated).any():
             return GroupAccelerations(acceleration, False, False)
         contacts, own_modes = [self.contacts[k] for k in closed], [modes[k] for k in closed]
 
