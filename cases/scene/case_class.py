@@ -15,14 +15,14 @@ from .. import effects
 from ..curves import Curve
 from ..effects import E, Effect, Gravity
 from ..errors import BadValue, instance, parameter, positive, real
-from .free_plates import FreePlate, check_others, check_places
+from .free_plates import FreePlate, check_parts, check_places
 from .limits import check_limits
 from .pair_effects import Pair, check_pairs
 from .plate import Plate
 from .size_limits import check_sizes
 from .start import Start
 from .start_pose import StartPose, as_start, from_flat_side
-from .supports import Support, check_start, check_supports
+from .supports import Support, check_start
 
 if TYPE_CHECKING:
     from ..pictures.layout import DrawnScene
@@ -81,8 +81,7 @@ class Case:
         object.__setattr__(self, "parameters", _check_parameters(self.parameters))
         _check_name(self.name)
         with np.errstate(all="ignore"):  # what is not finite does not fit
-            check_supports(self)
-            check_others(self)
+            check_parts(self)
             check_pairs(self)
             check_limits(self)
             poses = [("Start", self.plate, self.start.omega)]

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .. import effects as all_effects
+from ..contact.outline_features import is_arc
 from ..contact.overlap_search import OVERLAPS, overlaps
 from ..contact.polygon_features import (
     Region,
@@ -33,9 +34,10 @@ from ..curves.line_or_circle import Line, as_line
 from ..effects import Drive, E, Effect, Load
 from ..errors import BadValue, DoesNotFit, NotSupported
 from .contact_names import FIRST, TRACK, check_word, contact_name
+from .pair_effects import check_law
 from .plate import Plate, is_convex
 from .start_pose import StartPose
-from .supports import check_side, effects_at, is_straight
+from .supports import Support, check_side, effects_at, is_straight
 
 # Pose and velocities of a plate, in the order of rows.
 POSE = ("x", "y", "theta", "vx", "vy", "omega")
@@ -104,13 +106,7 @@ def why_not_closed_forms(case: Any) -> str:
     if len(polygons) > 1:
         return f"{polygons[0]!r} and {polygons[1]!r} are polygons"
     for name, plate in zip(names_of(case), plates_of(case), strict=True):
-        angles = np.linspace(0.0, 6.0, 17)
-        is_disc = plate.radius is not None and np.allclose(
-            plate.outline.point(parameter(plate.outline, angles)),
-            plate.radius * np.array([np.cos(angles), np.sin(angles)]),
-            rtol=0.0,
-            atol=1e-12 * plate.radius,
-        )
+        is_disc = plate.radius is not None and is_arc(plate.outline)  # run through evenly
         if not is_disc and not is_polygon(plate):
             return f"{name!r} is no disc and no convex polygon"
     for name, curve in ((TRACK, case.track), *((s.name, s.curve) for s in case.supports)):
@@ -200,17 +196,24 @@ def gap_of(contact: PlateContact, poses: np.ndarray | list[list[float]]) -> floa
     return float((y - py) * tx - (x - px) * ty) - radius
 
 
-def check_others(case: Any) -> None:
-    """Raise BadValue or DoesNotFit for free plates that the case cannot have."""
-    if not isinstance(case.others, tuple):
-        raise BadValue(f'others is {case.others!r}; give a tuple such as (FreePlate(disc(0.1, 1.0), …, "upper"),)')
-    taken = {support.name for support in case.supports}
-    for other in case.others:
-        if not isinstance(other, FreePlate):
-            raise BadValue(f'{other!r} is no FreePlate; give FreePlate(plate, StartPose(x, y), "name")')
-        if other.name in taken:
-            raise BadValue(f"two supports or plates have the name {other.name!r}; give each its own")
-        taken.add(other.name)
+def check_parts(case: Any) -> None:
+    """Raise BadValue for supports and free plates that the case cannot have."""
+    taken = {TRACK}
+    for what, parts, kind, example in (
+        ("supports", case.supports, Support, 'Support(curve, "name")'),
+        ("others", case.others, FreePlate, 'FreePlate(plate, StartPose(x, y), "name")'),
+    ):
+        if not isinstance(parts, tuple):
+            raise BadValue(f"{what} is {parts!r}; give a tuple such as ({example},)")
+        for part in parts:
+            if not isinstance(part, kind):
+                raise BadValue(f"{part!r} is no {kind.__name__}; give {example}")
+            if part.name in taken:
+                raise BadValue(f"two supports or plates have the name {part.name!r}; give each its own")
+            taken.add(part.name)
+    for support in case.supports:
+        all_effects.check_formula(support.acting(case.effects))
+        check_law(case, f"support {support.name!r}", support.effects or ())
 
 
 def check_places(case: Any) -> None:

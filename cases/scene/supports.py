@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from .. import effects as all_effects
 from ..contact.geometry import bends
 from ..contact.nearest import nearest_samples
 from ..contact.overlap_search import CENTRE, overlaps
@@ -21,7 +20,7 @@ from ..effects import CoulombFriction, Effect, Impact, RollingResistance
 from ..errors import BadValue, DoesNotFit, items
 from ..moving_surface import Belt
 from .contact_names import TRACK, check_word
-from .pair_effects import RESISTING, check_law, of_pair, own_effects_of, with_own
+from .pair_effects import RESISTING, of_pair, own_effects_of, with_own
 
 # A plate is behind a curve if the normal of the sample next to it points away from it by at least this (a cosine).
 BEHIND = 0.1
@@ -72,21 +71,6 @@ def effects_at(case: Any, contact: str) -> tuple[Effect, ...]:
     own = next((support.acting(case.effects) for support in case.supports if support.name == base), None)
     otherwise = case.effects if base == TRACK else _without_belt(case.effects) if own is None else own
     return of_pair(case, contact.partition(" ")[0], otherwise)
-
-
-def check_supports(case: Any) -> None:
-    """Raise BadValue or DoesNotFit for supports that the case cannot have."""
-    if not isinstance(case.supports, tuple):
-        raise BadValue(f'supports is {case.supports!r}; give a tuple such as (Support(line(pi/2), "wall"),)')
-    names = [TRACK]
-    for support in case.supports:
-        if not isinstance(support, Support):
-            raise BadValue(f'{support!r} is no Support; give Support(curve, "name")')
-        if support.name in names:
-            raise BadValue(f"two supports have the name {support.name!r}; give each its own")
-        names.append(support.name)
-        all_effects.check_formula(support.acting(case.effects))
-        check_law(case, f"support {support.name!r}", support.effects or ())
 
 
 def has_belt(case: Any) -> bool:
