@@ -217,28 +217,29 @@ def check_parts(case: Any) -> None:
 
 
 def check_places(case: Any) -> None:
-    """Raise DoesNotFit if plates overlap each other or a support where the motion begins."""
+    """Raise DoesNotFit if plates overlap each other or a support, or lie behind one, where the motion begins."""
     names, plates, poses = names_of(case), plates_of(case), start_poses(case)
     for name, (x, y, *_) in zip(names, poses.tolist(), strict=True):
         for support in case.supports:
-            check_side(support, f"{name!r}", x, y)
-    if not why_not_closed_forms(case):
+            check_side(support, repr(name) if case.others else "the plate", x, y)
+    if case.others and not why_not_closed_forms(case):
         for contact in plate_contacts(case):
             gap = gap_of(contact, poses)
             if gap < -OVERLAPS * size_of(poses, tuple(map(size_of_plate, plates))):
                 raise DoesNotFit(f"{contact.name} overlap by {-gap:.6g} m where they begin; give another StartPose")
         return
-    fixed = [(TRACK, case.track), *((support.name, support.curve) for support in case.supports)]
+    fixed = {support.name: support.curve for support in case.supports} | ({TRACK: case.track} if case.others else {})
     for b, plate in enumerate(plates):
-        pose = poses[b, :3].tolist()
-        for name, curve in fixed:
-            if overlaps(curve, plate.outline, *pose):
-                raise DoesNotFit(f"{names[b]}/{name} overlap where they begin; give another StartPose")
+        x, y, theta, *_ = poses[b].tolist()
+        bases = [name for name, curve in fixed.items() if overlaps(curve, plate.outline, x, y, theta)]
         for a, base in enumerate(plates[:b]):
-            x, y = local_centre(poses[a], *pose[:2])
-            is_near, theta = hypot(x, y) <= plate.reach + base.reach, pose[2] - float(poses[a, 2])
-            if is_near and overlaps(backwards(base.outline), plate.outline, float(x), float(y), theta):
-                raise DoesNotFit(f"{names[b]}/{names[a]} overlap where they begin; give another StartPose")
+            u, v = local_centre(poses[a], x, y)
+            turn, is_near = theta - float(poses[a, 2]), hypot(u, v) <= plate.reach + base.reach
+            if is_near and overlaps(backwards(base.outline), plate.outline, float(u), float(v), turn):
+                bases.append(names[a])
+        if bases:
+            both, alone = f"{names[b]}/{bases[0]} overlap where they begin", f"the plate overlaps support {bases[0]!r}"
+            raise DoesNotFit(f"{both if case.others else alone + ' where it begins'}; give another start")
 
 
 def size_of(poses: np.ndarray, radii: tuple[float, ...]) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..contact.geometry import bends
 from ..contact.nearest import nearest_samples
-from ..contact.overlap_search import CENTRE, overlaps
+from ..contact.overlap_search import CENTRE
 from ..curves import Curve
 from ..curves.line_or_circle import as_line
 from ..effects import CoulombFriction, Effect, Impact, RollingResistance
@@ -109,14 +109,6 @@ def is_hill(curve: Curve) -> bool:
     """Whether a smooth support is closed and bends to its right everywhere, away from the plate: corners and edges of a
     convex polygon touch it, and the nearest points are unique."""
     return bool(curve.period) and bends(curve)[1] < 0.0
-
-
-def check_start(case: Any, x: float, y: float, theta: float) -> None:
-    """Raise DoesNotFit if the plate overlaps a support where the motion begins."""
-    for support in case.supports:
-        check_side(support, "the plate", x, y)
-        if overlaps(support.curve, case.plate.outline, x, y, theta):
-            raise DoesNotFit(f"the plate overlaps support {support.name!r} where it begins; give another start")
 
 
 def check_side(support: Support, who: str, x: float, y: float) -> None:
