@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from decimal import Context, Decimal
 from fractions import Fraction
+from math import ceil, floor
 from typing import Any, NamedTuple
 
 KIND, FORMAT = "proved", 1
+# Records have at most some thousand digits, none of which is rounded again.
+EXACT = Context(prec=100_000)
 
 
 class DecimalInterval(NamedTuple):
@@ -41,10 +44,12 @@ class DecimalInterval(NamedTuple):
 
 
 def outward(ball: Any, digits: int) -> DecimalInterval:
-    """A decimal interval that contains a ball of Arb, with each end rounded outward to so many significant digits."""
-    return DecimalInterval(
-        _decimal(fraction(ball.lower()), digits, ROUND_FLOOR), _decimal(fraction(ball.upper()), digits, ROUND_CEILING)
-    )
+    """A decimal interval that contains a ball of Arb, with ends rounded outward to so many significant digits of its
+    middle, give or take one."""
+    low, high = fraction(ball.lower()), fraction(ball.upper())
+    above, below = max(abs(low), abs(high)).as_integer_ratio()
+    places = digits - (len(str(above)) - len(str(below)) + 1) if above else 0
+    return DecimalInterval(_decimal(low, places, floor), _decimal(high, places, ceil))
 
 
 def fraction(exact: Any) -> Fraction:
@@ -53,11 +58,10 @@ def fraction(exact: Any) -> Fraction:
     return Fraction(mantissa) * Fraction(2) ** exponent
 
 
-def _decimal(number: Fraction, digits: int, rounding: str) -> str:
-    """The number rounded to so many significant digits, as text without an exponent."""
-    context = Context(digits, rounding)
-    quotient = context.divide(*map(Decimal, number.as_integer_ratio()))
-    return f"{context.normalize(quotient):f}"
+def _decimal(number: Fraction, places: int, rounding: Callable[[Fraction], int]) -> str:
+    """The number rounded to so many decimal places, as text without an exponent."""
+    whole = Decimal(rounding(number * Fraction(10) ** places))
+    return f"{whole.scaleb(-places, EXACT).normalize(EXACT):f}"
 
 
 @dataclass(frozen=True)

@@ -111,8 +111,8 @@ def test_wrong_sign_of_friction_is_rejected(monkeypatch):
 
 
 def test_ends_that_are_not_rounded_outward_are_rejected(monkeypatch):
-    def nearest(number: Fraction, digits: int, rounding: str) -> str:
-        return f"{float(number):.{digits}g}"
+    def nearest(number: Fraction, places: int, rounding: object) -> str:
+        return str(float(round(number, places)))
 
     monkeypatch.setattr(record, "_decimal", nearest)
     with pytest.raises(NotConfirmed, match="time of transition 1"):
