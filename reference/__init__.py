@@ -12,29 +12,28 @@ if TYPE_CHECKING:
 
 __all__ = ["METHODS", "BrokenLaw", "certify", "check", "prove", "simulate", "sweep", "sweep_chunks"]
 
+_MODULE_OF = {
+    "certify": "certification.certificate",
+    **dict.fromkeys(("BrokenLaw", "check"), "laws_check"),
+    "prove": "proofs.prover",
+    **dict.fromkeys(("METHODS", "simulate"), "solve"),
+    **dict.fromkeys(("sweep", "sweep_chunks"), "sweeping"),
+}
+
 
 def __getattr__(name: str) -> Any:
     """Import each name on first use, so that help needs none, and a simulation neither certification nor sweeps."""
-    if name in ("METHODS", "simulate"):  # from now on an attribute
-        value = globals()[name] = getattr(import_module(".solve", __name__), name)
-        return value
-    if name == "certify":
-        from .certification.certificate import certify
-
-        return certify
-    if name in ("BrokenLaw", "check"):
-        return getattr(import_module(".laws_check", __name__), name)
-    if name == "prove":
-        try:
-            from .proofs.prover import prove
-        except ModuleNotFoundError as problem:
-            if problem.name != "flint":
-                raise
-            message = 'reference.prove needs python-flint; type: pip install "slip-to-roll[proofs]"'
-            raise AttributeError(message) from problem
-        return prove
-    if name in ("sweep", "sweep_chunks"):
-        return getattr(import_module(".sweeping", __name__), name)
     if name == "certification":
         return import_module(".certification", __name__)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    try:
+        value = getattr(import_module(f".{_MODULE_OF[name]}", __name__), name)
+    except ModuleNotFoundError as problem:
+        if problem.name != "flint":
+            raise
+        message = 'reference.prove needs python-flint; type: pip install "slip-to-roll[proofs]"'
+        raise AttributeError(message) from problem
+    if _MODULE_OF[name] == "solve":  # from now on an attribute
+        globals()[name] = value
+    return value

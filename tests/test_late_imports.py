@@ -16,7 +16,7 @@ pytestmark = pytest.mark.builds
 ROOT = Path(__file__).parents[1]
 
 
-@pytest.mark.parametrize("package", ["cases", "adapters.laws"])
+@pytest.mark.parametrize("package", ["cases", "adapters.laws", "reference"])
 def test_every_public_name_is_what_type_checkers_read(package):
     module = importlib.import_module(package)
     tree = ast.parse(Path(module.__file__).read_bytes())
