@@ -275,7 +275,7 @@ def _write(
     }
     facts["not installed"] = "; ".join(missing_words(local_runs.versions))
     facts["solvers"] |= external_motions.sources(plan.trajectories)
-    output = table_files.Tables(place / "tables", command, local_runs.versions, plan.paper)
+    output = table_files.Tables(place / "tables", command, local_runs.versions)
     rows, pair_rows = table_files.write(output, experiment, local_runs, costs, study_results)
     calls.times.book("tables")
     figures = place / "figures"

@@ -15,6 +15,7 @@ import numpy as np
 
 from cases.files.owned_folder import atomic_path, write
 
+from . import options
 from .show import MADE_BY, case_of, check_free, main
 
 if TYPE_CHECKING:
@@ -28,7 +29,8 @@ FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv")
 
 def run(words: Sequence[str]) -> None:
     """Write the files; raises CaseError for invalid arguments."""
-    case, out, force, points = case_of("cases export", words, "Write a case as data for other tools.", "out", "points")
+    case, out, force, more = case_of("cases export", words, "Write a case as data for other tools.", "out", "points")
+    points = options.points_of(more.points)
     folder = out or Path(case.name)
     for name in FILES:
         check_free(folder / name, force)

@@ -80,6 +80,10 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         metavar="DIR",
         help="folder of submitted motions, ENGINE/VERSION/CASE.csv; each version is a separate solver",
     ),
+    "engines": dict(
+        action="store_true",
+        help="also draw the motions and errors of all engines; they run first, except those in --store",
+    ),
     "creep": dict(
         metavar="SPEED",
         default="0",
@@ -94,7 +98,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         help=f"folder that stores finished runs for reuse (default: {STORE}); it may be deleted",
     ),
     "fresh": dict(action="store_true", help="run everything again, without stored results"),
-    "paper": dict(action="store_true", help="figures also as PDF, tables also as LaTeX"),
+    "paper": dict(action="store_true", help="figures also as PDF"),
     "force": dict(action="store_true", help="replace existing files"),
     "verbose": dict(action="store_true", help="print more: a second table, where the time went, and the store"),
     "list": dict(action="store_true", help="print cases and solvers, and stop"),
@@ -187,7 +191,7 @@ class BuildPlan:
     store: Path | None = None  # folder of the store of finished runs
     fresh: bool = False  # whether stored results are ignored
     trajectories: tuple[External, ...] = ()
-    paper: bool = False  # whether figures are also written as PDF and tables as LaTeX
+    paper: bool = False  # whether figures are also written as PDF
     dask: str | None = None  # scheduler of the cluster for untimed runs
     verbose: bool = False  # whether the terminal shows details
     points: int | None = None  # points of each curve in the scenes of `own_engines`

@@ -166,9 +166,7 @@ def _check(manifest: Mapping[str, Any], report: Path, names: Sequence[str]) -> N
 _LINE = re.compile(r'<p>(?:<a href="figures/[^"]*">[^<]*</a>(?:, )?)+, as separate figures\.</p>')
 _LINK = re.compile(r'<a href="figures/[^"]*">(.*?)</a>', re.DOTALL)
 _SEPARATE = re.compile(r'<div class="printed">.*?</div>', re.DOTALL)
-_INSTEAD = (
-    "<noscript><p>Scene and motion are drawn by scripts here, and as figures by a report of your own.</p></noscript>"
-)
+_INSTEAD = "<noscript><p>The plot is drawn by scripts here, and as figures by a report of your own.</p></noscript>"
 _REFERENCE = re.compile(r'(?:href|src)="((?:figures|tables)/[^"]+|[\w.]+)"')
 
 

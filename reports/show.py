@@ -1,13 +1,16 @@
 """`python -m cases show NAME [mu=0.3 …] [--case-file FILE] [--out FILE]`: draw scene and motion, and print the facts.
 
+With `--engines` also what the engines make of it: their motions, and their errors against their steps.
 It is in `reports` because it needs solvers; `python -m cases` finds it as an entry point.
 """
 
 from __future__ import annotations
 
+import argparse
 import inspect
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -21,6 +24,8 @@ from cases.pictures import MADE_BY
 from . import options
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from cases import Case, Trajectory
 
 _CHANGES = "parameters that differ from the defaults"
@@ -33,40 +38,75 @@ class ShowRequest(NamedTuple):
     case: Case
     out: Path | None
     force: bool
-    points: int | None
+    more: argparse.Namespace
 
 
 def run(words: Sequence[str]) -> None:
     """Draw and print; raises CaseError for invalid arguments."""
-    case, out, force, _ = case_of(
-        "cases show", words, "Draw a case and its motion; print its facts and the solvers that can run it.", "out file"
-    )
+    case, out, force, more = case_of(
+        "cases show", words, "Draw a case and its motion; print its facts and the solvers that can run it.",
+        "out file", "engines", "store",
+    )  # fmt: skip
     picture = out or Path(f"{case.name}.png")
     if picture.suffix not in KINDS:
         raise BadValue(f"--out is {str(picture)!r}; give a file that ends in {', '.join(KINDS)}")
-    check_free(picture, force)
+    by_name = {name: picture.with_stem(f"{picture.stem}_{name}") for name in ("engines", "errors") if more.engines}
+    for path in (picture, *by_name.values()):
+        check_free(path, force)
+    store = options.check_store(more.store, picture.resolve())
     import reference
 
     motion = reference.simulate(case)
     picture.parent.mkdir(parents=True, exist_ok=True)
-    metadata = {"Software" if picture.suffix == ".png" else "Creator": MADE_BY}
-    with atomic_path(picture, replace=force) as partial:
-        motion.plot().savefig(partial, metadata=metadata)
+    _write(motion.plot(), picture, force)
     print(facts(case, motion))
     print(f"picture: {picture}")
+    for name, figure in engine_figures(case, store).items() if more.engines else ():
+        _write(figure, by_name[name], force)
+        print(f"{name}: {by_name[name]}")
+
+
+def _write(figure: Figure, path: Path, force: bool) -> None:
+    metadata = {"Software" if path.suffix == ".png" else "Creator": MADE_BY}
+    with atomic_path(path, replace=force) as partial:
+        figure.savefig(partial, metadata=metadata)
+
+
+def engine_figures(case: Case, store: Path) -> dict[str, Figure]:
+    """The figures of the runs that a default report has of the case: the motions of all engines ("engines") and, if one
+    is larger than the truth's error bar, the errors against the steps ("errors"). Raises BadValue without a truth."""
+    import matplotlib
+
+    from .drawing import figures
+    from .drawing.style import STYLE, looks_of
+    from .running.calls import Calls
+    from .running.experiment import run_cases
+    from .running.ladder_selection import select_rungs
+    from .running.processes.progress import Display
+    from .running.storage.result_store import Store
+
+    with Display() as display, Calls(store=Store(store), progress=display) as calls:
+        calls.begin(options.solvers())
+        experiment = run_cases([case], options.solvers(), calls, partial(select_rungs, "default", False))
+    failure = experiment.truths[case.label].failure
+    if failure:
+        raise BadValue(f"there is no truth to compare engines with: {failure}; leave out --engines")
+    looks = looks_of(experiment)
+    with matplotlib.rc_context(STYLE):
+        drawn = {"engines": figures.motion(experiment, case, looks), "errors": figures.errors(experiment, case, looks)}
+    return {name: figure for name, figure in drawn.items() if figure is not None}
 
 
 def case_of(command: str, words: Sequence[str], says: str, *more: str) -> ShowRequest:
     """Parse the command line, with more options of the command: the case, the output path, whether existing files may
-    be replaced, and the points of a curve if the command has --points. `more`: "out" or "out file", and others."""
+    be replaced, and the command's other options. `more`: "out" or "out file", and others."""
     positional = {"CASE": options.A_CASE, "parameter=value*": _CHANGES}
     parser = options.parser(command, says, "case_file", "force", *more, words=positional)
     arguments = parser.parse_args(list(words))
     out = arguments.out and place("folder or file of --out", arguments.out)
-    points = options.points_of(getattr(arguments, "points", None))
     options.load_files(arguments.case_file)
     case = lookup.case_name(arguments.CASE).one(getattr(arguments, "parameter=value"))
-    return ShowRequest(case, out, arguments.force, points)
+    return ShowRequest(case, out, arguments.force, arguments)
 
 
 def check_free(path: Path, force: bool) -> None:

@@ -52,7 +52,7 @@ def _work(words: list[str]) -> None:
 def _make(
     name: str, request: studies.Request, out: Path, store_folder: Path, fresh: bool, jobs: int, command: str
 ) -> None:
-    from .drawing.figure_files import embed_command, writes_pdf
+    from .drawing.figure_files import embed_command
     from .page import dictionary, text
     from .page.manifest import manifest
     from .running import versions
@@ -71,7 +71,7 @@ def _make(
     if result.failure:
         raise OSError(f"the study failed: {result.failure}")
     with report_folder.of_study(out).staging(whole=True) as place:
-        files = text.write(result.frames, result.words, place, command, writes_pdf())
+        files = text.write(result.frames, result.words, place, command)
         files += dictionary.write(result.frames, result.words, place, command)
         for figure in result.draw(place):
             embed_command(place, figure, command)

@@ -1,14 +1,14 @@
-"""Figures of runs: the scene, the motion as in the paper, the error against the steps, and the headline figure.
+"""Figures of runs: the headline of a report; of one case the motion as in the paper, and the error against the steps.
 
 Every figure depends only on an `Experiment`. Times in s, lengths in m, angles in rad.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 from itertools import product
 from math import isfinite, nan
+from pathlib import Path
 from typing import NamedTuple
 
 import matplotlib
@@ -18,10 +18,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cases import Case
-from cases.pictures import drawn_scene, plots
-from cases.pictures.layout import Instant, instants, placed_plates
+from cases.pictures import plots
 
-from ..running import per_solver
 from ..running.names import REFERENCE
 from ..running.records import (
     Experiment,
@@ -34,10 +32,8 @@ from ..running.records import (
     routes,
     usable,
 )
-from .figure_files import FigureContent, file_name, picture
-from .panels import blank_panels
-from .plain_ticks import grid, plain_ticks
-from .style import FAINT, POINTS, STYLE, TRUTH, LineStyles, logarithmic
+from .figure_files import FigureEntry, save
+from .style import FAINT, POINTS, STYLE, TRUTH, LineStyles, logarithmic, looks_of
 
 # Smallest error on a logarithmic axis: below the rounding of doubles of order one.
 _SMALLEST = 1e-17
@@ -50,8 +46,6 @@ _FEW, _DOT = 100, 3.0
 _ERRORS_SHOWN, _WINDOW = 3.0, (0.02, 0.1)
 # Height of a line of text, as a fraction of the axis next to it.
 _LINE = 0.075
-# Height of a title on axes without labels above them, so that these are not measured.
-_TITLE = 1.0
 
 
 def _quantities(case: Case) -> list[tuple[str, str, str, str]]:
@@ -69,38 +63,11 @@ def _quantities(case: Case) -> list[tuple[str, str, str, str]]:
     ]
 
 
-def draw_case(case: Case, part: Experiment, looks: LineStyles, main: bool) -> list[FigureContent]:
-    """Draw the figures of one case: scene, motion, error, and the headline if it is the `main` case.
-
-    A figure that fails with the results of a solver is drawn without them.
-    """
-    name = file_name(case.label)
-    figures: list[tuple[Callable[[Experiment], Figure | None], str, tuple[str, str]]] = [
-        (lambda part: scene(part, case), f"scene_{name}", _SCENE_WORDS),
-        (lambda part: motion(part, case, looks), f"motion_{name}", _MOTION_WORDS),
-        (lambda part: errors(part, case, looks), f"errors_{name}", _ERRORS_WORDS),
-    ]
-    if main:
-        figures.insert(0, (lambda part: headline(part, case, looks), "headline", _HEADLINE_WORDS))
-    solvers = [run.solver for run in part.runs]
-    pictures = []
+def draw_headline(case: Case, experiment: Experiment, folder: Path) -> Iterator[FigureEntry]:
+    """Write the headline, also as PNG; yields its entry."""
     with matplotlib.rc_context(STYLE):
-        for figure, file, words in figures:
-
-            def draw(part: Experiment, figure=figure, file=file, words=words) -> FigureContent | None:
-                try:
-                    title, caption = words
-                    drawn = figure(part)
-                    return drawn and picture(
-                        drawn, file, case.label, title, caption, file == "headline", has_margins=words is _MOTION_WORDS
-                    )
-                finally:
-                    plt.close("all")  # also after a failure
-
-            picture_, omissions = per_solver.make_per_solver(draw, (part,), solvers, f"figure {file}")
-            if picture_ is not None:
-                pictures.append(replace(picture_, entry=replace(picture_.entry, left_out=tuple(omissions))))
-    return pictures
+        figure = headline(experiment, case, looks_of(experiment))
+        yield save(figure, folder, "headline", case.label, *_HEADLINE_WORDS, png=True)
 
 
 _HEADLINE_WORDS = (
@@ -108,23 +75,6 @@ _HEADLINE_WORDS = (
     "Every engine with its default settings. Above: the whole motion. Below left: the first transition, where engines "
     "are early or late. Below right: absolute difference from the reference's slip velocity, on a logarithmic axis. "
     "Vertical lines: the truth's transitions, whose error bars are far smaller than the lines' width.",
-)
-_SCENE_WORDS = (
-    "The scene",
-    "The plate at its start (darkest), at each transition and at evenly spaced times between; the spoke turns with the "
-    "plate, and the dot is the contact point. Gravity points down the page.",
-)
-_MOTION_WORDS = (
-    "The motion, as in the paper",
-    "Left: slip velocity, contact parameters, rotation, multiplier λ = N/‖R_p‖ and the centre's position against time, "
-    f"from the finest setting of every route. Right: absolute difference from the truth, the largest value in each of "
-    f"{POINTS} time intervals. λ is missing for a solver without a usable normal force; in flight there is no contact.",
-)
-_ERRORS_WORDS = (
-    "Error against steps",
-    "Each point is one setting; steps are the solver's own. A cross marks an unusable motion (its first "
-    "transition may still be accurate), a hollow marker the engine's default settings. Grey: within the error "
-    "bar of the truth; a figure with points only there is not drawn.",
 )
 
 
@@ -291,32 +241,26 @@ def _dots(ax: Axes, t: np.ndarray, y: np.ndarray, colour: str, label: str) -> No
 
 
 def motion(experiment: Experiment, case: Case, looks: LineStyles) -> Figure:
-    """The paper's diagrams with every route, each with the difference from the truth."""
+    """The paper's diagrams from the finest setting of every route, each with the difference from the truth: the largest
+    in each of POINTS time intervals. λ is missing without a usable normal force; in flight there is no contact."""
     truth, runs = experiment.truths[case.label], _finest(experiment, case.label)
     quantities = _quantities(case)
-    figure, axes = blank_panels(len(quantities), figsize=(9.5, 13.6))
+    figure, axes = plt.subplots(len(quantities), 2, figsize=(9.5, 13.6), sharex=True, layout="constrained")
     for place, (quantity, unit, name, off) in enumerate(quantities):
         row = axes[place]
         _curves(row[0], truth, runs, name, looks)
         row[0].set_ylabel(plots.with_unit(quantity, unit))
+        logarithmic(row[1], "y")
         _log_error(row[1], runs, off, looks)
         row[1].set_ylabel(plots.with_unit("error", unit))
         for side, ax in enumerate(row):
             _mark_transitions(ax, truth, width=270.0 if place == side == 0 else 0.0)
             ax.margins(x=0)
-            ax.patch.set_visible(False)  # white, as the figure's
-    for column in axes.T:
-        column[-1].set_xlabel("time / s")
-        times, (begin, end) = column[-1].get_xticks(), column[-1].get_xlim()
-        plain_ticks(column[-1])
-        for ax in column[:-1]:
-            ax.xaxis.set_visible(False)
-            grid(ax, "x", [time for time in times if begin <= time <= end])
-            plain_ticks(ax, "y")
+    for ax in axes[-1]:
+        ax.set_xlabel("time / s")
     handles, names = axes[0][0].get_legend_handles_labels()
     figure.legend(
-        handles, names, loc="lower center", bbox_to_anchor=(0.545, 0.945), ncols=3, title=case.label,
-        title_fontproperties={"weight": "bold"},
+        handles, names, loc="outside upper center", ncols=3, title=case.label, title_fontproperties={"weight": "bold"},
     )  # fmt: skip
     return figure
 
@@ -331,14 +275,15 @@ class _Point(NamedTuple):
 
 def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure | None:
     """Error of the first transition (without transitions, of the centre) of every rung against its steps; None if no
-    error is larger than the truth's error bar."""
+    error is larger than the truth's error bar. A cross marks an unusable motion (its first transition may still be
+    accurate), a hollow marker the engine's default settings; grey is within the error bar of the truth."""
     truth = experiment.truths[case.label]
     has_transitions = bool(truth.transitions)
     bar = truth.error_bars[0] if has_transitions else truth.centre_bar if isfinite(truth.centre_bar) else 0.0
     points_by_route = _error_points(experiment, case.label)
     if not any(point.error > bar for points in points_by_route.values() for point in points):
         return None
-    figure, ax = plt.subplots(figsize=(7.2, 4.3))
+    figure, ax = plt.subplots(figsize=(7.2, 4.3), layout="constrained")
     for (solver, route), points in points_by_route.items():
         ladder = [p for p in points if not is_default(p.run)]
         look, marker = looks.line(solver, route), looks.marker(solver, route)
@@ -360,8 +305,7 @@ def errors(experiment: Experiment, case: Case, looks: LineStyles) -> Figure | No
     ax.set_ylim(max(low, _SMALLEST / 3), high)
     ax.set_xlabel("steps")
     ax.set_ylabel("error of the first transition's time / s" if has_transitions else "largest error of the centre / m")
-    ax.set_title(case.label, loc="left", fontweight="bold", y=_TITLE)
-    plain_ticks(ax)
+    ax.set_title(case.label, loc="left", fontweight="bold")
     if ax.get_legend_handles_labels()[0]:
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
@@ -378,21 +322,3 @@ def _error_points(experiment: Experiment, label: str) -> dict[tuple[str, str], l
         if isfinite(size):
             points.setdefault((run.solver, run.route), []).append(_Point(run.cost.steps, max(size, _SMALLEST), run))
     return points
-
-
-def scene(experiment: Experiment, case: Case) -> Figure:
-    """Track and plates at several instants, gravity down the page; in flight, the path of the centre."""
-    truth = experiment.truths[case.label]
-    samples = truth.samples
-    x, y, theta, xi1 = (samples[name] for name in ("x", "y", "theta", "xi1"))
-    figure, ax = plt.subplots(figsize=(4.6, 3.8))
-    shades = instants(samples["t"], [t.time for t in truth.transitions])
-    poses = [Instant(x[i], y[i], theta[i], xi1[i], shade) for i, shade in shades]
-    times = samples["t"][[i for i, _ in shades]]
-    further = (truth.plate_samples[other.name] for other in case.others)
-    others = [[np.interp(times, own["t"], own[name]) for name in ("x", "y", "theta")] for own in further]
-    plates = placed_plates(case, others, [shade for _, shade in shades])
-    drawn_scene.draw(ax, case.scene, np.array([x, y]), xi1, poses, plates)
-    ax.set_title(case.label, loc="left", fontweight="bold", y=_TITLE)
-    plain_ticks(ax)
-    return figure

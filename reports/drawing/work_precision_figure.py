@@ -19,7 +19,6 @@ from ..judging.grades import LEVELS, percent
 from ..running.names import REFERENCE
 from ..running.records import Experiment
 from .figure_files import FigureEntry, file_name, save
-from .plain_ticks import plain_ticks
 from .style import STYLE, LineStyles, logarithmic, looks_of
 
 _WORDS = (
@@ -81,7 +80,7 @@ def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, A
     for ax, quantity in zip(axes.flat, quantities, strict=False):
         _panel(ax, of_quantity[quantity,], looks)
         title, axis_label = _TITLES[quantity]
-        ax.set_title(title, loc="left", y=1.0)
+        ax.set_title(title, loc="left")
         ax.set_ylabel(axis_label)
     for ax in axes.flat[len(quantities) :]:
         ax.set_axis_off()
@@ -90,8 +89,6 @@ def case_figure(experiment: Experiment, label: str, points: Sequence[dict[str, A
         if last is not None:
             axes.flat[last].set_xlabel("CPU time of a whole call / s")
             axes.flat[last].tick_params(labelbottom=True)
-    for place, ax in enumerate(axes.flat[: len(quantities)]):  # below others, the common axis has no labels
-        plain_ticks(ax, has_x_labels=place + columns >= len(quantities))
     # A route may have errors in some panels only.
     by_name = {name: handle for ax in axes.flat for handle, name in zip(*ax.get_legend_handles_labels(), strict=True)}
     names, handles = list(by_name), list(by_name.values())

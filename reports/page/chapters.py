@@ -46,8 +46,6 @@ def case_summary(case: Case | None) -> str:
 def cases(
     experiment: Experiment,
     frames: Mapping[str, pd.DataFrame],
-    figure_entries: Sequence[FigureEntry],
-    figures: Path,
     manifest: dict[str, Any],
     moving: set[str],
 ) -> dict[str, Any]:
@@ -58,9 +56,6 @@ def cases(
     finest_runs = [run for group in routes(experiment.runs).values() if (run := finest(group) or group[-1])]
     for case in experiment.cases:
         label, family = case.label, motions.family(case)
-        case_figures = [d for d in figure_entries if d.case == label and d.name != "headline"]
-        # The player and the plots replace the figures of a case; they are read from the folder.
-        is_moving = label in moving
         runs = [run for run in finest_runs if run.case == label]
         settings = {(run.solver, run.route): str(run.setting) for run in runs}
         rows = {name: groups.get(label, []) for name, groups in tables.items()}
@@ -71,8 +66,7 @@ def cases(
             "said": case_summary(case),
             "words": f"{label} {family} {case_summary(case)}".lower(),
             "failure": truth.failure,
-            "moving": is_moving,
-            "pictures": [picture(d, figures, inside=not is_moving) for d in case_figures],
+            "moving": label in moving,
             "transitions": case_tables.transitions(rows["truth"], rows["transitions"], settings),
             "impacts": case_tables.impacts(rows["impacts"], settings),
         }

@@ -63,9 +63,7 @@ def picture(entry: FigureEntry, folder: Path, inside: bool = True) -> dict[str, 
     caption = " ".join(filter(None, (entry.caption, per_solver.words(entry.left_out))))
     data = {"name": entry.name, "title": entry.title, "caption": caption, "failure": not entry.name, "inside": inside}
     if entry.name:
-        # The kind of a figure of a case, or the case of a figure of a kind.
-        kind = entry.name.partition("_")[0]
-        data["short"] = entry.title if inside else "cost" if kind == "work" else kind
+        data["short"] = entry.title
         data["alt"] = f"{entry.title}: {entry.case}" if entry.case else entry.title
         file = folder / f"{entry.name}.svg"
         data["source"] = Markup(_address(file.read_text(encoding="utf-8"))) if inside else f"figures/{file.name}"
@@ -74,11 +72,11 @@ def picture(entry: FigureEntry, folder: Path, inside: bool = True) -> dict[str, 
 
 # Characters with a meaning in a URI or an HTML attribute. Escaping only these keeps a picture a quarter smaller than
 # base64 does.
-_ESCAPES = str.maketrans({"%": "%25", "#": "%23", "&": "%26", '"': "'", "\n": " ", "<": "%3C", ">": "%3E"})
+_ESCAPES = str.maketrans({"%": "%25", "#": "%23", "&": "%26", '"': "%22", "\n": " ", "<": "%3C", ">": "%3E"})
 
 
 def _address(svg: str) -> str:
-    """The picture as a data URI. Quotes become apostrophes, which is safe: our SVG attributes contain none."""
+    """The picture as a data URI."""
     return f"data:image/svg+xml;charset=utf-8,{svg.strip().translate(_ESCAPES)}"
 
 

@@ -62,7 +62,7 @@ def render(
         "solvers": solvers,
         "routes": list(dict.fromkeys(r.route for r in experiment.runs if r.route and r.solver != REFERENCE)),
         **front_page.screen(experiment, frames, moving, manifest),
-        **chapters.cases(experiment, frames, figure_entries, figures, manifest, {motion["label"] for motion in moving}),
+        **chapters.cases(experiment, frames, manifest, {motion["label"] for motion in moving}),
         "headline": chapters.headline(experiment, frames["headline"], figure_entries, figures),
         "cost": cost.section(measurements, frames, figure_entries, figures),
         "has_points": "work_precision" in frames,

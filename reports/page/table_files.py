@@ -29,11 +29,11 @@ HOLDS = "Tables and figures that were made without the results of a solver, beca
 class Tables:
     """Tables of a report by name, their descriptions, and the list of omitted solvers.
 
-    `folder`: output folder; `command` reproduces the report; `versions`: of the solvers; `paper`: also write TeX.
+    `folder`: output folder; `command` reproduces the report; `versions`: of the solvers.
     """
 
-    def __init__(self, folder: Path, command: str, versions: Mapping[str, str], paper: bool = False):
-        self.folder, self.command, self.versions, self.paper = folder, command, versions, paper
+    def __init__(self, folder: Path, command: str, versions: Mapping[str, str]):
+        self.folder, self.command, self.versions = folder, command, versions
         self.frames: dict[str, pd.DataFrame] = {}
         self.words: dict[str, Table] = {}
         self.left_out: list[LeftOut] = []
@@ -55,7 +55,7 @@ class Tables:
             descriptions = words or {
                 name: describe_column(holds[name], map(str, frame.columns)) for name, frame in frames.items()
             }
-            text.write(frames, descriptions, self.folder, command or self.command, self.paper)
+            text.write(frames, descriptions, self.folder, command or self.command)
             return frames, descriptions
 
         (frames, descriptions), omitted = per_solver.make_per_solver(

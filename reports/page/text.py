@@ -1,4 +1,4 @@
-"""Tables as files of comma-separated values, Markdown and TeX, and numbers rounded for reading."""
+"""Tables as files of comma-separated values and Markdown, and numbers rounded for reading."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from cases.errors import printable
 
 from ..analysis.columns import Table, infinite
 from ..analysis.number_format import level, number
-from . import latex
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,11 +32,9 @@ def lost_text(lost_calls: Sequence[str]) -> str:
     return f"{count} ended from outside twice ({lost_calls[0]}); run the same command again to complete the report"
 
 
-def write(
-    tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str, paper: bool = False
-) -> list[Path]:
+def write(tables: Mapping[str, pd.DataFrame], words: Mapping[str, Table], folder: Path, command: str) -> list[Path]:
     """Write each table as NAME.csv (all rows, all digits) and NAME.md (first rows, descriptions of the columns, and the
-    command that reproduces it), for a paper also as NAME.tex; returns the files.
+    command that reproduces it); returns the files.
 
     Raises ValueError for an infinite result.
     """
@@ -53,9 +50,6 @@ def write(
         meanings = "".join(f"- `{column}`: {text}\n" for column, text in words[name].columns.items())
         text = f"{words[name].holds}.\n\n{top(name, frame)}\n" + (f"\n{meanings}" if meanings else "")
         files[-1].write_text(f"{text}\nMake it again: `{command}`\n", encoding="utf-8")
-        if paper:
-            files.append(folder / f"{name}.tex")
-            files[-1].write_text(latex.table(name, frame, words[name].holds, command, shorten), encoding="utf-8")
     return files
 
 

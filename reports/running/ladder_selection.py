@@ -25,7 +25,7 @@ WHOLE_LADDERS = (
     "pebble_on_incline",
 )
 # The paper's application: all its settings are shown in motion, if a report contains it.
-_PAPER_CASE = "disc_in_circle[mu=0.2]"
+PAPER_CASE = "disc_in_circle[mu=0.2]"
 # The reference's route with the paper's matrix.
 LITERAL = "augmented"
 
@@ -54,7 +54,7 @@ def select_rungs(
 def ladder_case(cases: Sequence[Case]) -> str:
     """The label of the case whose motions are kept at every setting: the paper's application, else the first case."""
     labels = [case.label for case in cases]
-    return _PAPER_CASE if _PAPER_CASE in labels else labels[0] if labels else ""
+    return PAPER_CASE if PAPER_CASE in labels else labels[0] if labels else ""
 
 
 def sentence(effort: str, is_selection: bool) -> str:

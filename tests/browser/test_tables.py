@@ -199,11 +199,3 @@ def test_a_point_of_the_precision_plot_tells_its_setting_and_command(open_page):
     assert "h=0.01:" in page.inner_text(".precision .details")
     page.uncheck("input[data-switch=solver][value=pymunk]")
     assert page.locator(".precision circle").count() == 0
-
-
-def test_the_figures_of_a_case_are_small(page_file):
-    """A report of 101 cases takes less than 12 MB: 40 kB for the figures of a case on average; of these two, which have
-    more curves and transitions than most, 99 kB (120 kB before elements shared the groups of their clip paths)."""
-    files = [file for kind in ("motion", "errors", "scene") for file in page_file.parent.glob(f"figures/{kind}_*.svg")]
-    assert len(files) == 3 * len(CASES)
-    assert 0 < sum(file.stat().st_size for file in files) < 107_000

@@ -14,8 +14,8 @@ from cases import Cost, Curve, Mode, Transition, curves, library
 from cases.pictures.plots import parameter_unit
 from reference.sweeping import plan
 from reports.analysis.work_precision import work_precision_rows
-from reports.drawing import figures, panels, work_precision_figure
-from reports.drawing.figure_files import picture
+from reports.drawing import figures, work_precision_figure
+from reports.drawing.figure_files import save
 from reports.drawing.style import STYLE, LineStyles, logarithmic, looks_of
 from reports.judging.distances import Distance
 from reports.judging.ledger import LedgerRow
@@ -91,8 +91,6 @@ def test_errors_that_the_truth_cannot_resolve_make_no_figure():
     assert figures.errors(inside, CASE, looks_of(inside)) is None
     outside = experiment(*inside.runs, run(Setting.of(rtol=1e-6), 3.0 * BAR, rung=4))
     assert figures.errors(outside, CASE, looks_of(outside)) is not None
-    drawn = figures.draw_case(CASE, replace(inside, cases=()), looks_of(inside), main=False)
-    assert [content.entry.name.split("_")[0] for content in drawn] == ["scene", "motion"]
 
 
 def test_a_legend_shows_the_markers_of_its_points():
@@ -102,30 +100,11 @@ def test_a_legend_shows_the_markers_of_its_points():
     assert handle.get_marker() == looks_of(shown).marker("one", "native")
 
 
-@pytest.mark.parametrize("after", [0.3, nan])
-def test_panels_are_emptied_between_two_cases(after):
-    def drawn(value: float) -> str:
-        figure, axes = panels.blank_panels(1, figsize=(4.0, 2.0))
-        for ax in axes.flat:
-            ax.plot([0.0, 3.0 * value, 4.0], [value, 1.0, nan])
-        logarithmic(axes[0, 1], "y")
-        if value > 1.0:
-            axes[0, 0].set_ylim(2.0, 3.0)
-            axes[0, 0].annotate("rolls", (0.5, 0.5))
-            axes[0, 1].vlines([1.0], 0.0, 1.0)
-            figure.legend(axes[0, 0].lines[:1], ["one"])
-        return picture(figure, "one", "", "", "", has_margins=True).svg
-
-    panels._panels.cache_clear()
-    as_new = drawn(after)
-    assert drawn(20.0) != as_new
-    assert drawn(after) == as_new
-
-
-def test_a_map_of_many_cells_is_an_image_in_a_figure_of_paths():
+def test_a_map_of_many_cells_is_an_image_in_a_figure_of_paths(tmp_path):
     figure, ax = plt.subplots()
     ax.pcolormesh(np.arange(21.0), np.arange(21.0), np.arange(400.0).reshape(20, 20), rasterized=True)
-    svg = picture(figure, "map", "", "", "").svg
+    save(figure, tmp_path, "map", "", "", "")
+    svg = (tmp_path / "map.svg").read_text()
     assert svg.count("<image ") == 1 and svg.count("<path") < 50
 
 

@@ -16,9 +16,7 @@ from cases import Cost
 from reports import build, studies
 from reports.analysis import null_scores
 from reports.analysis.work_precision import CostMeasurements
-from reports.drawing import figures, work_precision_figure
-from reports.drawing.figure_files import FigureContent, FigureEntry
-from reports.drawing.palette import LineStyles
+from reports.drawing.figure_files import FigureEntry
 from reports.judging.distances import Distance
 from reports.page import pictures
 from reports.running import experiment, per_solver, tasks
@@ -231,42 +229,6 @@ def test_a_sound_report_says_nothing_of_this(written, monkeypatch, capsys):
     output = capsys.readouterr().out
     assert not (report / "tables" / "left_out.csv").exists() and "made without" not in output
     assert "without the results of a solver" not in (report / "index.html").read_text()
-
-
-# --- figures ----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("rendered", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_a_figure_that_fails_with_a_solver_is_drawn_without_it(rendered, ran, monkeypatch):
-    if not rendered:
-        monkeypatch.setattr(figures, "picture", unrendered)
-    given = spoilt(ran, {}, dict(samples=SHORT, off=SHORT), dict(cost=None))
-    # The headline draws default settings, the other figures the finest one.
-    of_other_length = {"t": np.array([0.0, 1.0]), "slip": np.ones(3)}
-    runs = [
-        replace(run, off=of_other_length) if run.solver == f"{SPOILT}_1" and run.setting.is_default else run
-        for run in given.runs
-    ]
-    given = replace(given, runs=tuple(runs))
-    drawn = figures.draw_case(CASE, given, LineStyles((run.solver, run.route) for run in given.runs), True)
-    left = {one.entry.name.partition("_")[0]: [out.solver for out in one.entry.left_out] for one in drawn}
-    assert left == {
-        "headline": [f"{SPOILT}_1"], "scene": [], "motion": [f"{SPOILT}_1"], "errors": [f"{SPOILT}_2"],
-    }  # fmt: skip
-    assert not rendered or all("<svg" in one.svg for one in drawn)
-    assert f"Without {SPOILT}_1, whose results could not be shown: " in per_solver.words(drawn[0].entry.left_out)
-
-
-def unrendered(figure, name, case, title, caption, png=False, has_margins=False) -> FigureContent:
-    return FigureContent(FigureEntry(name, case, title, caption), "", np.zeros(0, np.uint8), np.zeros(0, np.uint8))
-
-
-def test_what_accuracy_costs_is_drawn_without_a_solver_that_fails(ran, measured, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(work_precision_figure, "save", lambda *given: FigureEntry("", "", "", ""))
-    drawn = pictures.draw_figures("", False, spoilt(ran, dict(distance=None)), measured)
-    assert drawn and all([one.solver for one in each.entry.left_out] == [f"{SPOILT}_0"] for each in drawn)
-    assert not any(each.entry.left_out for each in pictures.draw_figures("", False, ran, measured))
 
 
 # --- timings ----------------------------------------------------------------------------------------------------------

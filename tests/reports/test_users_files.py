@@ -10,7 +10,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, event, example, given, settings
 from hypothesis import strategies as st
@@ -20,8 +19,7 @@ from cases.files.command_line import status
 from cases.files.owned_folder import LIST
 from cases.pictures import animation
 from reports import animate, build, deposit, export, options, publish, show, study, sweep
-from reports.drawing import figures
-from reports.drawing.figure_files import FigureContent, FigureEntry, file_name
+from reports.drawing.figure_files import file_name
 
 from . import test_publish
 
@@ -38,12 +36,6 @@ STUDY = ["settings", "--case", CASE, "--solver", "reference", "--out", "x"]
 def in_cases(run) -> Callable[[list[str]], int]:
     """A command of `python -m cases`."""
     return lambda words: status("cases", run, words)
-
-
-def one_line(case, part, looks, main) -> list[FigureContent]:
-    """A figure of a case that takes no time."""
-    drawn = FigureEntry("headline" if main else f"slip_{file_name(case.label)}", case.label, "A line", "")
-    return [FigureContent(drawn, "<svg></svg>", np.zeros(0, np.uint8), np.zeros(0, np.uint8))]
 
 
 class Command(NamedTuple):
@@ -76,6 +68,7 @@ COMMANDS = {
     ),
     "show": Command(in_cases(show.run), [CASE, "--out", "x/map.png"]),
     "show force": Command(in_cases(show.run), [CASE, "--out", "x/map.png", "--force"], forced=("map.png",)),
+    "show engines": Command(in_cases(show.run), [CASE, "--engines", "--out", "x/map.png"]),
     "show in it": Command(in_cases(show.run), [CASE], inside="x"),
     "animate": Command(animate.main, [CASE, "--out", "x/film.gif"]),
     "animate force": Command(animate.main, [CASE, "--out", "x/film.gif", "--force"], forced=("film.gif",)),
@@ -102,11 +95,9 @@ TAKEN = [name for name in NAMES if name not in (LIST, "tables", ".slip-to-roll")
 
 @pytest.fixture(scope="module")
 def briefly(in_process):
-    """Calls are made in this process, and films and figures are small."""
+    """Calls are made in this process, and films are short."""
     with in_process(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(animation, "FRAMES_A_SECOND", 1)
-        if QUICK:  # figures are most of the rest
-            patch.setattr(figures, "draw_case", one_line)
         yield
 
 

@@ -374,12 +374,12 @@ def test_set_up_and_compilation_are_told_beside_the_times():
 
 
 def test_figures_that_fail_are_told_in_their_place(tmp_path, in_process):
-    from reports.drawing import case_figures
+    from reports.page import pictures
 
     experiment, _ = made(("a", "s", 1e-7, 3.0))  # its truth has no samples to draw
     with in_process(), Calls(1) as calls:
-        (output,) = case_figures.draw(experiment, tmp_path, calls)
-    assert output.name == "" and output.case == experiment.cases[0].label and "could not be drawn" in output.caption
+        (output,), _ = pictures.draw(experiment, experiment, work_precision.CostMeasurements(), [], tmp_path, calls)
+    assert output.name == "" and "could not be drawn" in output.caption
 
 
 def drawn_heights(figure) -> list[float]:
