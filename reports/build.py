@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from .analysis.work_precision import CostMeasurements
     from .running.calls import Calls
-    from .running.per_solver import LeftOut
     from .running.records import Experiment
     from .studies import Result
 
@@ -137,7 +136,7 @@ def _build(plan: BuildPlan) -> int:
             study_results = _study(plan, calls)
             experiment = external_motions.join_external(local_runs, plan.trajectories)
             with report_folder.of_report(plan.out).staging(whole=True) as place, for_print(plan.paper):
-                verdicts, pair_rows, left_out = _write(plan, experiment, local_runs, costs, study_results, calls, place)
+                verdicts, pair_rows = _write(plan, experiment, local_runs, costs, study_results, calls, place)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(store.kept_words()) from None
     except cluster.NoWorkers as problem:
@@ -145,7 +144,7 @@ def _build(plan: BuildPlan) -> int:
     except OSError as problem:
         raise OSError(f"cannot write the report: {problem}") from problem
     store.trim()
-    print(_summary(plan, experiment, verdicts, pair_rows, study_results, left_out, calls))
+    print(_summary(plan, experiment, verdicts, pair_rows, study_results, calls))
     lacking = _without_truth(experiment) + (_run_by_nobody(experiment) if plan.is_selection else [])
     lacking = lacking or _nothing_ran(experiment)
     for sentence in lacking:
@@ -196,7 +195,6 @@ def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasu
     """The timed pass, after all other runs; a quick report has none."""
     from .analysis import null_scores, time_to_accuracy, which_engine
     from .analysis.work_precision import CostMeasurements
-    from .running import per_solver
     from .running.timing import timed_pass
 
     if plan.effort == "quick":
@@ -206,7 +204,7 @@ def _measure(plan: BuildPlan, local_runs: Experiment, calls: Calls) -> CostMeasu
     results = timed_pass.measure(local_runs, full, calls)
     labels = tuple(case.label for case in results.cases)
     costs = CostMeasurements(labels, results.timings, null_scores.measure(results.cases, calls), results.failures)
-    rows, _ = per_solver.make_per_solver(time_to_accuracy.rows, (local_runs, costs), per_solver.solvers_of(local_runs))
+    rows = time_to_accuracy.rows(local_runs, costs)
     extra = timed_pass.measure_extra(local_runs, which_engine.cold_start_keys(rows), full, calls)
     return costs._replace(cold=extra.cold, parts=extra.parts)
 
@@ -250,15 +248,15 @@ def _write(
     study_results: Sequence[Result],
     calls: Calls,
     place: Path,
-) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[LeftOut]]:
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Write tables, figures, page and manifest into a folder.
 
-    Returns the rows of the verdict and of pairs, and the items made without a solver as they fail with its results.
+    Returns the rows of the verdict and of pairs.
     `local_runs`: the experiment without external motions."""
     from .drawing.figure_files import embed_command
     from .page import chapters, html, motions, pictures, report_folder, table_files
     from .page.manifest import manifest
-    from .running import external_motions, per_solver
+    from .running import external_motions
     from .running.solvers import missing_words
     from .running.timing import phase_times
 
@@ -285,27 +283,10 @@ def _write(
     for result in study_results:
         for figure in of_studies[result.name]:
             embed_command(figures, figure, result.command)
-    moving, motion_omissions = motions.motions(experiment)
-    output.note(
-        [
-            *motion_omissions,
-            *(one for some in (entries, *of_studies.values()) for each in some for one in each.left_out),
-        ]
-    )
-
-    def render_page(
-        experiment: Experiment, costs: CostMeasurements, frames: dict[str, Any], study_results: Sequence[Result]
-    ) -> str:
-        frames |= {table_files.OMISSIONS: output.frames[table_files.OMISSIONS]} if output.left_out else {}
-        return html.render(
-            experiment, costs, frames, output.words, entries, study_results, of_studies, moving, figures, facts
-        )
-
-    records = (experiment, costs, dict(output.frames), tuple(study_results))
-    page, omissions = per_solver.make_per_solver(render_page, records, per_solver.solvers_of(experiment), "the page")
-    if omissions:
-        output.note(omissions)
-        page = render_page(*(per_solver.without(each, {one.solver for one in omissions}) for each in records))
+    page = html.render(
+        experiment, costs, output.frames, output.words, entries, study_results, of_studies,
+        motions.motions(experiment), figures, facts,
+    )  # fmt: skip
     table_files.describe(output)
     calls.times.book("page")
     # One total for the page, the terminal and the manifest: all phases up to the complete page.
@@ -315,9 +296,8 @@ def _write(
     )
     page = page.replace(chapters.TOTAL_TIME, phase_times.total_words(calls.times.phases))
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
-    facts["left_out"] = [one._asdict() for one in output.left_out]
     report_folder.sign(place, facts)
-    return rows, pair_rows, output.left_out
+    return rows, pair_rows
 
 
 def _options(plan: BuildPlan) -> str:
@@ -336,7 +316,6 @@ def _summary(
     verdicts: Sequence[dict[str, Any]],
     pair_rows: Sequence[dict[str, Any]],
     study_results: Sequence[Result],
-    left_out: Sequence[LeftOut],
     calls: Calls,
 ) -> str:
     """The text on the terminal at the end: the verdict, the counts, and last the path of the page."""
@@ -357,7 +336,6 @@ def _summary(
     lines += [f"{many} case{'s' * (many != 1)}, {len(experiment.runs):,} runs: {counts}"]
     lines += [f"no truth for {label}: {truth.failure}" for label, truth in experiment.truths.items() if truth.failure]
     lines += [f"{result.name} failed: {result.failure}" for result in study_results if result.failure]
-    lines += [f"{one.item} made without {one.solver}: {one.reason}" for one in left_out]
     lines += missing_words(experiment.versions)
     store = calls.store
     lines += [f"store: {store.taken_words()}{f'; {store.size_words()}' if plan.verbose else ''}"]

@@ -15,8 +15,6 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..running.per_solver import LeftOut
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -29,14 +27,12 @@ _READABLE_BYTES, _DIGITS = 150, 8
 
 @dataclass(frozen=True)
 class FigureEntry:
-    """A figure in a folder: file name without ending ("" if it failed), label of the case ("" for all), title, caption,
-    and the solvers whose results are omitted because the figure fails with them."""
+    """A figure in a folder: file name without ending ("" if it failed), label of its case ("" for all), its words."""
 
     name: str
     case: str
     title: str
     caption: str
-    left_out: tuple[LeftOut, ...] = ()
 
 
 def file_name(label: str) -> str:

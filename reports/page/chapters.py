@@ -17,7 +17,7 @@ from ..running.names import REFERENCE
 from ..running.records import Experiment, finest, routes
 from ..running.solvers import NOT_INSTALLED
 from . import case_tables, motions
-from .fragments import command_of, picture, records, short_percent, switch, table
+from .fragments import command_of, picture, records, short_percent, switch
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -152,14 +152,6 @@ def _failure(word: str, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "cases": f"{', '.join(names[:_NAMED_CASES])}{more}",
         "reason": f"{where}{worst['reason']}",
     }
-
-
-def left_out(frames: Mapping[str, pd.DataFrame]) -> list[dict[str, Any]]:
-    """A table of the tables and figures made without a solver's results; an empty list if there are none."""
-    rows = frames.get("left_out")
-    title = "Tables and figures without the results of a solver"
-    columns = {c: c for c in ("item", "solver", "reason")}
-    return [] if rows is None else [{"title": title, **table(rows, columns, most=len(rows))}]
 
 
 def provenance(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -16,7 +16,6 @@ from ..analysis import tables
 from ..analysis.columns import unit_of
 from ..drawing.figure_files import FigureEntry
 from ..judging.grades import Grade
-from ..running import per_solver
 from ..running.names import REFERENCE
 from .text import shorten
 
@@ -60,8 +59,13 @@ def command_of(label: str, manifest: dict[str, Any]) -> str:
 
 def picture(entry: FigureEntry, folder: Path, inside: bool = True) -> dict[str, Any]:
     """Data of a figure for its template; its source is a data URI, or the file's path if not `inside` the page."""
-    caption = " ".join(filter(None, (entry.caption, per_solver.words(entry.left_out))))
-    data = {"name": entry.name, "title": entry.title, "caption": caption, "failure": not entry.name, "inside": inside}
+    data = {
+        "name": entry.name,
+        "title": entry.title,
+        "caption": entry.caption,
+        "failure": not entry.name,
+        "inside": inside,
+    }
     if entry.name:
         data["short"] = entry.title
         data["alt"] = f"{entry.title}: {entry.case}" if entry.case else entry.title

@@ -70,7 +70,6 @@ def render(
         "proofs": evidence.proofs(experiment),
         "studies": [evidence.study(result, of_studies[result.name], figures) for result in results],
         "failures": chapters.failures(frames["trajectories"]),
-        "left_out": chapters.left_out(frames),
         "tables": [_data_table(name, frame, words[name]) for name, frame in frames.items()],
         "files": [
             {"name": name, "data": Markup(_packed(figures.parent / "tables" / f"{name}.csv"))} for name in frames

@@ -11,7 +11,6 @@ import inspect
 import zlib
 from base64 import b64encode
 from collections.abc import Mapping
-from functools import partial
 from itertools import groupby
 from math import isfinite
 from typing import Any
@@ -24,9 +23,7 @@ from cases.pictures.layout import along_line, support_parameters, visible
 from cases.scene.supports import TRACK, base_of
 
 from ..judging.grades import percent
-from ..running import per_solver
 from ..running.names import REFERENCE
-from ..running.per_solver import LeftOut
 from ..running.records import Experiment, Run, Truth, default, routes
 
 # Samples of a motion, including its transitions: a player 800 pixels wide cannot show more.
@@ -42,16 +39,9 @@ OFF = ("x", "y", "angle", "slip")
 _BITS, _BITS_OF_DIFFERENCES = 16, 10
 
 
-def motions(experiment: Experiment) -> tuple[list[dict[str, Any]], list[LeftOut]]:
-    """Data for the player of each case, and the solvers whose motions are omitted because they make it fail."""
-    data, omissions = [], []
-    for case in experiment.cases:
-        solvers = [run.solver for run in experiment.runs if run.case == case.label]
-        make = partial(lambda case, part: motion(part, case), case)
-        motion_data, omitted = per_solver.make_per_solver(make, (experiment,), solvers, f"player of {case.label}")
-        data += [motion_data] if motion_data else []
-        omissions += omitted
-    return data, omissions
+def motions(experiment: Experiment) -> list[dict[str, Any]]:
+    """Data for the player of each case that has a truth."""
+    return [data for case in experiment.cases if (data := motion(experiment, case))]
 
 
 def motion(experiment: Experiment, case: Case) -> dict[str, Any] | None:

@@ -16,7 +16,6 @@ from ..running.ladder_selection import PAPER_CASE
 from ..running.processes.worker_process import settle
 from ..running.records import Experiment, usable
 from ..studies import Result, study
-from ..studies import draw as draw_study
 
 # Wall-clock limit in seconds for the figures of one study or of all timings. The latter take about 6 s, longer on a
 # busy machine.
@@ -78,10 +77,7 @@ def _without_samples(experiment: Experiment, but: str = "") -> Experiment:
 
 
 def draw_figures(name: str, folder: Path, paper: bool, *inputs: Any) -> list[FigureEntry]:
-    """Draw the headline, the figures of timings, or those of a study from its result, in a worker.
-
-    `paper`: also as PDF. If the results of a solver make a figure fail, it is drawn without them.
-    """
+    """Write the headline, figures of timings, or those of a study, in a worker; `paper`: also as PDF."""
     settle(name)
     function: Callable[..., Iterable[FigureEntry]]
     if name == _HEADLINE:
@@ -91,4 +87,4 @@ def draw_figures(name: str, folder: Path, paper: bool, *inputs: Any) -> list[Fig
     else:
         function = study(name).draw
     with for_print(paper):
-        return draw_study(name, function, inputs, folder)
+        return list(function(*inputs, folder))

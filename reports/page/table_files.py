@@ -1,18 +1,16 @@
-"""The tables of a report. A table that fails with a solver's rows is made without these rows."""
+"""The tables of a report, in their order, as files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from decimal import ROUND_UP, Context
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..analysis import cost_tables, tables, verdict, verdict_text
+from ..analysis import cost_tables, tables, verdict
 from ..analysis.columns import Table, describe_column, with_version
 from ..analysis.work_precision import CostMeasurements
-from ..running import per_solver
-from ..running.per_solver import LeftOut
 from ..running.records import Experiment
 from . import dictionary, text
 from .fragments import records
@@ -22,12 +20,9 @@ if TYPE_CHECKING:
 
     from ..studies import Result
 
-OMISSIONS = "left_out"
-HOLDS = "Tables and figures that were made without the results of a solver, because they fail with them"
-
 
 class Tables:
-    """Tables of a report by name, their descriptions, and the list of omitted solvers.
+    """Tables of a report by name, and their descriptions.
 
     `folder`: output folder; `command` reproduces the report; `versions`: of the solvers.
     """
@@ -36,43 +31,20 @@ class Tables:
         self.folder, self.command, self.versions = folder, command, versions
         self.frames: dict[str, pd.DataFrame] = {}
         self.words: dict[str, Table] = {}
-        self.left_out: list[LeftOut] = []
 
     def add(
         self,
-        make: Callable[..., dict[str, pd.DataFrame]],
-        records: tuple,
+        frames: Mapping[str, pd.DataFrame],
         holds: Mapping[str, str],
-        item: str,
         command: str = "",
         words: Mapping[str, Table] | None = None,
     ) -> None:
-        """Write the tables that `make` returns for the records; described by `holds` (content only) or by `words`."""
-
-        def write_frames(*args: Any) -> tuple[dict[str, pd.DataFrame], Mapping[str, Table]]:
-            frames = {name: with_version(frame, self.versions) for name, frame in make(*args).items()}
-            frames = {name: with_short_numbers(frame) for name, frame in frames.items()}
-            descriptions = words or {
-                name: describe_column(holds[name], map(str, frame.columns)) for name, frame in frames.items()
-            }
-            text.write(frames, descriptions, self.folder, command or self.command)
-            return frames, descriptions
-
-        (frames, descriptions), omitted = per_solver.make_per_solver(
-            write_frames, records, per_solver.solvers_of(records), item
-        )
+        """Write tables, described by `holds` (content only) or by `words`."""
+        frames = {name: with_short_numbers(with_version(frame, self.versions)) for name, frame in frames.items()}
+        words = words or {name: describe_column(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
+        text.write(frames, words, self.folder, command or self.command)
         self.frames |= frames
-        self.words |= descriptions
-        self.left_out += omitted
-
-    def note(self, left_out: Iterable[LeftOut]) -> None:
-        """Add rows to the table of omitted results and write it again."""
-        import pandas as pd
-
-        self.left_out = list(dict.fromkeys([*self.left_out, *left_out]))
-        if self.left_out:
-            frame = pd.DataFrame(self.left_out, columns=list(LeftOut._fields))
-            self.add(lambda: {OMISSIONS: frame}, (), {OMISSIONS: HOLDS}, OMISSIONS)
+        self.words |= words
 
 
 # A column in seconds of the motion, not of the computer.
@@ -105,39 +77,26 @@ def with_short_numbers(frame: pd.DataFrame) -> pd.DataFrame:
 def write(
     output: Tables, shown: Experiment, ran: Experiment, measurements: CostMeasurements, results: Sequence[Result]
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Write all tables of a report except that of omitted results; returns the rows of the verdict and of pairs.
+    """Write all tables of a report; returns the rows of the verdict and of pairs.
 
     `ran`: the experiment without external motions.
     """
     import pandas as pd
 
-    output.add(cost_tables.frames, (ran, measurements), cost_tables.HOLDS, "tables of cost")
-    for name in tables.TABLES:
-        make = lambda experiment, name=name: {name: tables.frame(name, experiment)}  # noqa: E731
-        output.add(make, (shown,), tables.HOLDS, f"table {name}")
+    output.add(cost_tables.frames(ran, measurements), cost_tables.HOLDS)
+    output.add({name: tables.frame(name, shown) for name in tables.TABLES}, tables.HOLDS)
     for result in results:
-        output.left_out += result.left_out
-        output.add(dict, (result.frames,), {}, f"tables of {result.name}", result.command, result.words)
-
-    verdicts, in_pairs = list[dict[str, Any]](), list[dict[str, Any]]()
+        output.add(result.frames, {}, result.command, result.words)
     times = [output.frames[name] for name in ("time_to_accuracy",) if name in output.frames]
-
-    def make_verdict(experiment: Experiment, *times: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        verdicts[:] = verdict.rows(experiment, [row for frame in times for row in records(frame)])
-        # The terminal's text is made here as well, so that a row that fails there is omitted from both.
-        in_pairs[:] = verdict.pairs(experiment)
-        verdict_text.sentence(verdicts, in_pairs)
-        for in_words in (verdict_text.in_terminal, verdict_text.legend, verdict_text.details, verdict_text.notes):
-            in_words(verdicts)
-        return {
-            "verdict": pd.DataFrame(verdicts, columns=list(verdict.COLUMNS)),
-            "pairs": pd.DataFrame(in_pairs, columns=list(verdict.PAIR_COLUMNS)),
-        }
-
-    words = {"verdict": verdict.HOLDS, "pairs": verdict.PAIRS_HOLD}
-    output.add(make_verdict, (shown, *times), words, "tables verdict and pairs")
+    verdicts = verdict.rows(shown, [row for frame in times for row in records(frame)])
+    pairs = verdict.pairs(shown)
+    frames = {
+        "verdict": pd.DataFrame(verdicts, columns=list(verdict.COLUMNS)),
+        "pairs": pd.DataFrame(pairs, columns=list(verdict.PAIR_COLUMNS)),
+    }
+    output.add(frames, {"verdict": verdict.HOLDS, "pairs": verdict.PAIRS_HOLD})
     output.frames = {"verdict": output.frames.pop("verdict")} | output.frames
-    return verdicts, in_pairs
+    return verdicts, pairs
 
 
 def describe(output: Tables) -> None:

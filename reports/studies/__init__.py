@@ -16,8 +16,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -25,9 +24,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import cases
 from cases.errors import unknown_name
 
-from ..running import per_solver
 from ..running.names import REFERENCE
-from ..running.per_solver import LeftOut
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,7 +55,7 @@ class Request(NamedTuple):
 
 class Result(NamedTuple):
     """Outcome of a study: its module, the command that reproduces it, its tables and findings, or the reason of its
-    failure. `left_out`: solvers whose results are omitted because the tables fail with them."""
+    failure."""
 
     name: str
     study: ModuleType
@@ -66,7 +63,6 @@ class Result(NamedTuple):
     frames: dict[str, pd.DataFrame] = {}
     findings: Any = None
     failure: str = ""
-    left_out: tuple[LeftOut, ...] = ()
 
     @property
     def words(self) -> dict[str, Table]:
@@ -83,18 +79,9 @@ class Result(NamedTuple):
             return []
         folder.mkdir(parents=True, exist_ok=True)
         try:
-            return draw(self.name, self.study.draw, (self.findings,), folder)
+            return list(self.study.draw(self.findings, folder))
         except Exception as problem:  # a failed figure must not discard the numbers
             return [FigureEntry("", "", "Pictures", f"They could not be drawn: {type(problem).__name__}: {problem}")]
-
-
-def draw(name: str, function: Callable[..., Iterable[FigureEntry]], records: tuple, folder: Path) -> list[FigureEntry]:
-    """Write the figures of `function(*records, folder)`; if they fail with a solver's results, without these."""
-    solvers = per_solver.solvers_of(records)
-    figures, omissions = per_solver.make_per_solver(
-        lambda *args: list(function(*args, folder)), records, solvers, f"figures of {name}"
-    )
-    return [replace(figure, left_out=tuple(omissions)) for figure in figures]
 
 
 def names() -> tuple[str, ...]:
@@ -116,16 +103,8 @@ def run_study(name: str, request: Request, calls: Calls, command: str) -> Result
     try:
         # Solvers that are not installed are skipped.
         present = calls.present(request.solvers) if request.solvers else ()
-        # If it fails with a solver's results, it runs again without them, using the results in the store.
-        findings, run_omissions = per_solver.make_per_solver(
-            lambda args: module.run(request._replace(solvers=args), calls), (present,), present, f"study {name}"
-        )
-        solvers = per_solver.solvers_of(findings)
-        frames, row_omissions = per_solver.make_per_solver(
-            lambda args: _frames(module.rows(args), calls), (findings,), solvers, f"study {name}"
-        )
-        findings = per_solver.without(findings, {entry.solver for entry in row_omissions})
-        return Result(name, module, command, frames, findings, left_out=(*run_omissions, *row_omissions))
+        findings = module.run(request._replace(solvers=present), calls)
+        return Result(name, module, command, _frames(module.rows(findings), calls), findings)
     except Exception as problem:  # the report continues without this study and shows the reason
         return Result(name, module, command, failure=f"{type(problem).__name__}: {problem}")
 

@@ -303,7 +303,7 @@ def test_a_report_takes_the_place_of_an_older_one_and_runs_nothing_twice(report,
     capsys.readouterr()
     with in_process():
         assert build.main(argv) == 0
-    assert "store: 1 run and " in (output := capsys.readouterr().out) and "nothing made now" in output
+    assert "store: 9 runs and 1 truth" in (output := capsys.readouterr().out) and "nothing made now" in output
     assert {p.name: p.read_bytes() for p in (out / "figures").iterdir()} == before
 
 

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 from adapters.lookup import executables
 from cases import Case
 
-from .. import per_solver
 from ..calls import Calls, StorePolicy
 from ..processes.worker_process import CallResult
 from ..records import Experiment, one_default, routes, usable
@@ -92,10 +91,9 @@ def contestants(experiment: Experiment, case: Case) -> list[Contestant]:
 
 def measure(experiment: Experiment, full: bool, calls: Calls) -> Timings:
     """Time the selected cases one after another, each in one process without other load; stored timings are reused."""
-    solvers = [run.solver for run in experiment.runs]
-    (cases, in_turn), left_out = per_solver.make_per_solver(partial(_in_turn, full), (experiment,), solvers)
+    cases, in_turn = _in_turn(full, experiment)
     timings: dict[Key, Timing] = {}
-    failures = {f"all cases, {one.solver}": one.reason for one in left_out}
+    failures: dict[str, str] = {}
     deadline = time.perf_counter() + BUDGET
     share = FULL_BUDGET_A_CASE if full else BUDGET / max(len(cases), 1)
 
@@ -124,9 +122,7 @@ def measure_extra(experiment: Experiment, selection: Collection[Key], full: bool
     """Measure cold starts and time breakdowns of the settings in `selection`."""
     colds: dict[Key, ColdStart] = {}
     shares: dict[Key, TimeBreakdown] = {}
-    by_case, _ = per_solver.make_per_solver(
-        partial(_entrants_by_case, selection), (experiment,), [key[1] for key in selection]
-    )
+    by_case = _entrants_by_case(selection, experiment)
     cold_budget, parts_budget = (FULL_BUDGET_A_CASE,) * 2 if full else (COLD_BUDGET, PARTS_BUDGET)
 
     def one_by_one(cold_alone: Calls, parts_alone: Calls) -> Iterator[None]:
