@@ -5,16 +5,12 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Sequence
-from contextlib import redirect_stdout
 from difflib import get_close_matches
 from importlib import import_module
-from io import StringIO
 
 import cases
-from cases import registry
 from cases.files.command_line import PROGRAMS
 
 NAME = "slip-to-roll"
@@ -36,22 +32,10 @@ COMMANDS = {
     "publish": ("reports.publish", "publish a report with its release, in a clone"),
     "deposit": ("reports.deposit", "pack a published report for a data repository"),
     "cite": ("reports.cite", "print the citation as BibTeX"),
-    "completion": ("", "print the completion script for bash, zsh or fish"),
 }
 
-_BASH = """\
-_slip_to_roll() {{
-    local IFS=$'\\n'
-    local following=$({name} complete "${{COMP_WORDS[@]:1:COMP_CWORD-1}}" 2>/dev/null)
-    COMPREPLY=($(compgen -W "$following" -- "${{COMP_WORDS[COMP_CWORD]}}"))
-}}
-complete -o default -F _slip_to_roll {name}
-"""
-_SHELLS = {
-    "bash": _BASH,
-    "zsh": "autoload -U +X bashcompinit && bashcompinit\n" + _BASH,
-    "fish": "complete -c {name} -a '({name} complete (commandline -opc)[2..-1] 2>/dev/null)'\n",
-}
+# Commands of older versions: what to type instead.
+GONE = {"completion": f"{NAME} --help lists the commands, {NAME} COMMAND --help the options of one"}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -62,12 +46,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(_help())
     elif name == "--version":
         print(f"{NAME} {cases.__version__}")
-    elif name == "complete":  # called by the shell at every completion
-        print("\n".join(following(rest)))
-    elif name == "completion":
-        return _completion(rest)
     elif name in COMMANDS:
         return _run(name, rest)
+    elif name in GONE:
+        print(f"{NAME}: {name} is gone; {GONE[name]}", file=sys.stderr)
+        return 2
     else:
         near = get_close_matches(name, COMMANDS, 1)
         hint = f"did you mean {near[0]}?" if near else f"give one of {', '.join(COMMANDS)}"
@@ -99,39 +82,6 @@ def _help() -> str:
     ]
     lines += [f"  {name:{width}}  {what}" for name, (_, what) in COMMANDS.items()]
     return "\n".join([*lines, "", f"{NAME} COMMAND --help lists the options of a command."])
-
-
-def _completion(words: Sequence[str]) -> int:
-    if len(words) != 1 or words[0] not in _SHELLS:
-        print(f"{NAME}: give one of {', '.join(_SHELLS)}, for example: {NAME} completion bash", file=sys.stderr)
-        return 2
-    print(_SHELLS[words[0]].format(name=NAME), end="")
-    return 0
-
-
-def following(words: Sequence[str]) -> list[str]:
-    """The completions of a command line: subcommands, cases, solvers, options."""
-    if not words:
-        return list(COMMANDS)
-    if words[0] == "completion":
-        return list(_SHELLS)
-    if words[0] not in COMMANDS:
-        return []
-    if words == ["cases"]:
-        return ["new", "check", "show", "export"]
-    if words[-1] in ("--case", "compare", "show", "export", "check", "sweep", "animate", "prove"):
-        return [case.name for case in registry.summaries()]
-    if words[-1] == "--solver":
-        from .options import solvers
-
-        return list(solvers())
-    output = StringIO()
-    with redirect_stdout(output):
-        try:
-            _run(words[0], ["--help"])
-        except SystemExit:  # argparse exits after the help
-            pass
-    return sorted(set(re.findall(r"--[a-z][a-z-]*", output.getvalue())))
 
 
 if __name__ == "__main__":

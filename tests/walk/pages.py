@@ -214,7 +214,6 @@ WALK = {
             Left(".venv/bin/python -m pytest", CLONE),
             Left('pipx install ".[taylor]"', "the walk installs the wheel in an environment of its own"),
             Step("slip-to-roll report --quick", (r"^3 cases, \d+ runs: \d+ answered \(",), REPORT),
-            Step("slip-to-roll completion bash", (r"^complete -o default -F _slip_to_roll slip-to-roll$",)),
             Left("python -m reports.build", WHOLE),
         )
     ),
