@@ -16,20 +16,22 @@ class Effect(NamedTuple):
     reason: str = ""
 
 
-def _replaced(name: str, by: str = "lambda *given, **options: 0.0") -> Effect:
-    """A function or number, named in full, that is replaced by one that returns nothing useful."""
-    return Effect(f"import {name.rpartition('.')[0]}; {name} = {by}", "crashed", f"{name} was replaced")
+def _replaced(name: str, by: str = "lambda *given, **options: 0.0", fails: str = "") -> Effect:
+    """A function or number, named in full, that is replaced by one that returns nothing useful. Its motion is judged in
+    another process, as good as it is; `fails`: what the engine's own process says where it needs the function."""
+    outcome, reason = ("crashed", fails) if fails else ("answered", "less than 0.0001 %")
+    return Effect(f"import {name.rpartition('.')[0]}; {name} = {by}", outcome, reason)
 
 
 WRONG = "import cases, dataclasses; case = dataclasses.replace(case, plate=cases.disc(0.13, 1.0))"
 EFFECTS = {
     # Functions that motions are computed and judged with.
-    "numpy_hypot": _replaced("numpy.hypot"),
+    "numpy_hypot": _replaced("numpy.hypot", fails="'float' object has no attribute"),
     "numpy_interp": _replaced("numpy.interp"),
     "numpy_solve": _replaced("numpy.linalg.solve"),
     "math_sin": _replaced("math.sin"),
     "math_pi": _replaced("math.pi", by="3.0"),
-    "builtins_abs": _replaced("builtins.abs"),
+    "builtins_abs": _replaced("builtins.abs", fails="ZeroDivisionError"),
     "builtins_sorted": _replaced("builtins.sorted", by="lambda given, **options: list(given)"),
     "scipy_brentq": _replaced("scipy.optimize.brentq"),
     "scipy_solve_ivp": _replaced("scipy.integrate.solve_ivp"),
@@ -42,21 +44,20 @@ EFFECTS = {
     "reference_simulate": _replaced("reference.simulate"),
     "judging_transitions": _replaced("reports.judging.transitions.read_motion"),
     "judging_distances": _replaced("reports.judging.distances.differences"),
-    "adapters_gate": _replaced("adapters.gate.motion"),
+    "adapters_gate": _replaced("adapters.gate.motion", fails="'float' object has no attribute"),
     "limits_of_grades": Effect(
         "from reports.judging import grades; grades.LIMITS[grades.Grade.EXCELLENT] = 1e9",
-        "crashed", "reports.judging.grades.LIMITS was changed",
+        reason="less than 0.0001 %",
     ),
     "code_of_score": Effect(
         "from reports.judging import score; score.score_and_reading.__code__ = (lambda *given: None).__code__",
-        "crashed", "reports.judging.score.score_and_reading was changed",
+        reason="less than 0.0001 %",
     ),
-    "track_speed": Effect("type(case.track).speed = lambda *given: 1.0", "crashed", "speed was replaced"),
-    # A wrong motion; and the same where what judges it, and the comparison after the call, are replaced.
+    "track_speed": Effect("type(case.track).speed = lambda *given: 1.0", reason="less than 0.0001 %"),
+    # A wrong motion; and the same where what judges it is replaced.
     "wrong": Effect(WRONG),
     "wrong_and_flattered": Effect(
-        f"{WRONG}; from reports.running import canary; canary.Canary.change = lambda self: ''; "
-        "from reports.judging import grades, score; grades.LIMITS[grades.Grade.EXCELLENT] = 1e9; "
+        f"{WRONG}; from reports.judging import grades, score; grades.LIMITS[grades.Grade.EXCELLENT] = 1e9; "
         "score.score_and_reading.__code__ = (lambda *given: 1 / 0).__code__; "
         "import numpy; numpy.hypot = lambda *given: 0.0",
     ),

@@ -66,7 +66,7 @@ class Calls:
     `versions`: the version of each solver (`ask_versions`), "" if unknown; results of such a solver are not stored.
     `interruptions`: a sentence for each call that was ended twice from outside, so that its result may differ another
     time. `times`: wall and CPU time of each step. `cluster`: makes the calls of the kinds ELSEWHERE, if given.
-    `is_timed`: nothing but the calls runs in the workers. A context manager that ends the workers of this machine.
+    A context manager that ends the workers of this machine.
     """
 
     jobs: int = 2
@@ -77,10 +77,9 @@ class Calls:
     interruptions: list[str] = field(default_factory=list)
     times: PhaseTimes = field(default_factory=PhaseTimes)
     cluster: Cluster | None = None
-    is_timed: bool = False
 
     def __enter__(self) -> Calls:
-        self._pool = workers.WorkerPool(self.jobs, known_run=not self.is_timed)
+        self._pool = workers.WorkerPool(self.jobs)
         return self
 
     def __exit__(self, *_) -> None:
@@ -98,7 +97,7 @@ class Calls:
 
     def alone(self) -> Calls:
         """A copy for timings: one separate worker on this machine, without a progress display."""
-        return replace(self, jobs=1, progress=silent, cluster=None, is_timed=True)
+        return replace(self, jobs=1, progress=silent, cluster=None)
 
     def ask_versions(self, solvers: Iterable[str]) -> None:
         """Ask the solvers for their versions, unless known."""

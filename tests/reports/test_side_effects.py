@@ -1,30 +1,19 @@
 """What an adapter does to its process changes no digit of another's rows, and its own row says what happened."""
 
 import ctypes
-import decimal
-import gc
-import importlib
-import os
 import platform
-import resource
-import signal
-import sys
 from collections.abc import Iterable
-from copy import deepcopy
 from dataclasses import replace
-from types import FunctionType
 
 import numpy as np
 import pytest
 
 import cases
-import reference
 from reports.running import experiment, solvers, tasks
 from reports.running.calls import Calls
-from reports.running.canary import Canary
+from reports.running.clocked_run import engine_code
 from reports.running.processes import worker_process
 from reports.running.records import Experiment, Run
-from reports.running.third_party import third_party
 
 from .. import fake_adapter, side_effects
 from .identical import identical
@@ -111,118 +100,11 @@ def test_no_engine_is_loaded_among_the_references_calls(monkeypatch):
     assert solvers.solver("pymunk").NAME == "pymunk"
 
 
-@pytest.fixture(scope="module")
-def canary():
-    return Canary()
-
-
-@pytest.mark.parametrize(
-    "place, name",
-    [("numpy", "hypot"), ("cases.motion.trajectory", "Trajectory.__call__"), ("reference", "simulate")],
-)
-def test_a_replaced_function_is_named(place, name, canary, monkeypatch):
-    owner, _, attribute = f"{place}.{name}".rpartition(".")
-    assert canary.change() == ""
-    with monkeypatch.context() as patch:
-        patch.setattr(f"{owner}.{attribute}", lambda *given: None)
-        assert canary.change().endswith(f"{name} was replaced")
-    assert canary.change() == ""
-
-
-@pytest.mark.parametrize(
-    ("module", "name", "value"), [("grades", "LIMITS", {"excellent": 1e9}), ("grades", "USUAL_FRICTION", (0.0, 9.0))]
-)
-def test_a_changed_limit_of_judging_is_named(module, name, value, canary, monkeypatch):
-    """Of a table the content counts, too: with the first an engine 13 % off was excellent."""
-    judging = importlib.import_module(f"reports.judging.{module}")
-    assert canary.change() == ""
-    with monkeypatch.context() as patch:
-        if isinstance(value, dict):
-            patch.setitem(getattr(judging, name), judging.Grade.EXCELLENT, 1e9)
-        else:
-            patch.setattr(judging, name, value)
-        assert canary.change().startswith(f"reports.judging.{module}.{name} was ")
-    assert canary.change() == ""
-
-
-def double(values: np.ndarray) -> None:
-    values.flags.writeable = True
-    values *= 2.0
-
-
-@pytest.mark.parametrize(
-    ("place", "change"),
-    [
-        (
-            "reports.judging.score.score_and_reading",
-            lambda score: setattr(score, "__code__", (lambda *_: None).__code__),
-        ),
-        ("reports.judging.grades.grade", lambda grade: setattr(grade, "__defaults__", (1e9, 0.0))),
-        ("reports.judging.residuals._GAUSS", lambda nodes: double(nodes[1])),
-    ],
-)
-def test_what_is_exchanged_inside_a_function_or_a_table_is_named(place, change, monkeypatch):
-    """The objects are the same as before."""
-    module, _, name = place.rpartition(".")
-    value = getattr(importlib.import_module(module), name)
-    copies = deepcopy(value) if isinstance(value, tuple) else FunctionType(value.__code__, vars(sys.modules[module]))
-    monkeypatch.setattr(f"{module}.{name}", copies)
-    canary = Canary(known_run=False)
-    assert canary.change() == ""
-    change(copies)
-    assert canary.change().endswith(f"{name} was changed")
-
-
-def test_a_late_import_that_is_stored_as_it_is_is_no_replacement(canary, monkeypatch):
-    monkeypatch.setitem(vars(reference), "simulate", reference.simulate)
-    assert canary.change() == ""
-
-
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="the constant is that processor's")
-def test_a_known_run_gives_other_numbers_where_rounding_has_changed(canary):
-    with third_party():
+def test_rounding_and_numpys_errors_are_restored_after_an_engines_code():
+    least, errors = 5e-324, np.geterr()
+    with engine_code():
         ctypes.CDLL("libm.so.6").fesetround(0x800)  # upwards
-        assert canary.change() == "a known run gives other numbers"
-    assert canary.change() == ""
-
-
-def test_settings_of_the_process_are_restored_after_an_engines_code(tmp_path):
-    def settings():
-        context, handler = decimal.getcontext().prec, signal.getsignal(signal.SIGUSR2)
-        limit = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-        return os.getcwd(), context, handler, limit, sys.getrecursionlimit(), gc.isenabled(), np.geterr()
-
-    before = settings()
-    with third_party():
-        os.chdir(tmp_path)
-        decimal.getcontext().prec = 2
-        signal.signal(signal.SIGUSR2, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_NOFILE, (64, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
-        sys.setrecursionlimit(500)
-        gc.disable()
         np.seterr(all="raise")
-        assert all(now != then for now, then in zip(settings(), before, strict=True))
-    assert settings() == before
-
-
-def test_imports_find_what_they_found_before_and_then_what_an_engine_added(tmp_path):
-    """NumPy imports its masked arrays at the first median, and an engine may import its own parts later."""
-    (tmp_path / "part_of_an_engine.py").write_text("")
-    (tmp_path / "colorsys.py").write_text("raise AssertionError")
-    lists = sys.path, sys.path_hooks, sys.meta_path
-    before = [list(one) for one in lists]
-    finder = type("Fails", (), {"find_spec": lambda *given: 1 / 0})()
-    try:
-        with third_party():
-            sys.path = [str(tmp_path), sys.path[0]]
-            sys.path_hooks.clear()
-            sys.meta_path.insert(0, finder)
-        assert sys.path == [*before[0], str(tmp_path)]
-        assert sys.path_hooks == before[1] and sys.meta_path == [*before[2], finder]
-        for name in ("colorsys", "part_of_an_engine"):
-            sys.modules.pop(name, None)
-            importlib.import_module(name)
-    finally:
-        sys.path, sys.path_hooks, sys.meta_path = lists
-        for one, entries in zip(lists, before, strict=True):
-            one[:] = entries
+        assert least * 0.5 > 0.0 and np.geterr() != errors
+    assert least * 0.5 == 0.0 and np.geterr() == errors

@@ -29,7 +29,6 @@ import numpy as np
 from adapters.common import supervision
 
 from ..names import legible
-from ..third_party import LIMITS
 
 # Size limit of a file that an engine writes, in bytes; the largest normal log of one run has a few megabytes.
 _FILE_BYTES = 32 * 2**20
@@ -48,6 +47,7 @@ START_MESSAGE = "begun"
 group: str | None = None
 # The folder of the pool that this worker belongs to; None in other processes.
 pool_folder: Path | None = None
+_LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")]
 # Half a unit in the last place and the least positive number: arithmetic with them shows how this process rounds.
 _HALVES = (1.0, -1.0, 2.0**-53, 2.0**-54, 5e-324)
 
@@ -88,12 +88,11 @@ def without_engines(function: Callable, *arguments: Any) -> Any:
     return NextCall(function, arguments) if group else function(*arguments)
 
 
-def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: bool, preload: str = "") -> None:
+def serve(pipe: Connection, scratch: str, parent: int, engines: str, preload: str = "") -> None:
     """Receive calls and send each answer with the call's number, until the pipe is closed.
 
     `scratch`: the worker's folder, inside the pool's; temporary files of engines and their processes go there, too.
-    `engines`: the worker group; `known_run`: whether a known run is made after each call of an engine; `preload`: a
-    module to import before the first call."""
+    `engines`: the worker group; `preload`: a module to import before the first call."""
     global group, pool_folder
     group, pool_folder = engines, Path(scratch).parent
     tempfile.tempdir = os.environ["TMPDIR"] = scratch
@@ -105,17 +104,12 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
     if preload:
         importlib.import_module(preload)
-    at_first, canary = None, None
+    at_first = None
     while True:
         try:
             number, function, args, limit = pipe.recv()
         except (EOFError, OSError):
             return
-        if group and canary is None:
-            # Made before the first call, after the import of the call's modules and before that of an adapter.
-            from ..canary import Canary
-
-            canary = Canary(known_run)
         at_first = at_first or _resident()
         pipe.send_bytes(dumps((number, START_MESSAGE)))
         # The system's alarm ends the process even if the parent is gone and the engine blocks the interpreter.
@@ -125,13 +119,9 @@ def serve(pipe: Connection, scratch: str, parent: int, engines: str, known_run: 
             answer = _call(function, args, Path(tempfile.mkdtemp(dir=scratch)))
         except OSError as problem:
             answer = CallResult("lost", reason=legible(f"its folder cannot be used: {problem}"))
-        change = canary.change() if canary else ""
-        if change:
-            answer = CallResult("raised", reason=f"it left its process changed, so its result is not used: {change}")
         signal.alarm(0)
         retire = (
-            bool(change)
-            or _resident() - at_first > _GROWTH_BYTES
+            _resident() - at_first > _GROWTH_BYTES
             or _numerics() != before
             or not state <= _required_state()
             or _has_leftovers()
@@ -164,7 +154,7 @@ def _required_state() -> set[tuple[str, Any]]:
             for name in ("stdin", "stdout", "stderr")
             if not getattr(getattr(sys, name, None), "closed", True)
         ),
-        *((f"limit {limit}", resource.getrlimit(limit)[1]) for limit in LIMITS),
+        *((f"limit {limit}", resource.getrlimit(limit)[1]) for limit in _LIMITS),
     }
 
 

@@ -59,11 +59,10 @@ class WorkerPool:
     """Worker processes that make calls, `jobs` at a time. Raises OSError if they can have no folder for their files.
 
     `close` kills them and removes their scratch directories; leftovers of a killed main process are removed by the next
-    pool. `known_run`: whether a worker makes a known run after each call of an engine; off if that would change
-    timings."""
+    pool."""
 
-    def __init__(self, jobs: int, known_run: bool = True):
-        self._jobs, self._known_run = jobs, known_run
+    def __init__(self, jobs: int):
+        self._jobs = jobs
         owned_folder.remove_leftovers()
         self._scratch: owned_folder.TemporaryFolder | None = None
         self._workers: list[_Worker] = []
@@ -72,7 +71,7 @@ class WorkerPool:
     def begin(self, groups: Sequence[str]) -> None:
         """Start a worker for each group; it imports the modules of a report's calls in the background."""
         preload = "reports.running.tasks"
-        self._workers += [_Worker(self._require_folder(), group, self._known_run, preload) for group in groups]
+        self._workers += [_Worker(self._require_folder(), group, preload) for group in groups]
 
     def close(self) -> None:
         """End the workers."""
@@ -192,7 +191,7 @@ class WorkerPool:
             return None
         group = groups[next((i for i in waiting if groups[i] not in at_work), next(iter(waiting)))]
         self._make_room({groups[i] for i in waiting})
-        self._workers.append(worker := _Worker(self._require_folder(), group, self._known_run))
+        self._workers.append(worker := _Worker(self._require_folder(), group))
         return worker, worker.next_of({i: args for i, args in waiting.items() if groups[i] == group}, subjects)
 
     def _make_room(self, groups: set[str]) -> None:
@@ -207,11 +206,11 @@ class WorkerPool:
 class _Worker:
     """A worker process and the pipe to it."""
 
-    def __init__(self, folder: Path, group: str, known_run: bool, preload: str = ""):
+    def __init__(self, folder: Path, group: str, preload: str = ""):
         context = multiprocessing.get_context("spawn")  # fork would copy the parent's threads and open figures
         self._scratch = owned_folder.TemporaryFolder(folder)
         self.pipe, far_end = context.Pipe()
-        process_args = far_end, str(self._scratch.path), os.getpid(), group, known_run, preload
+        process_args = far_end, str(self._scratch.path), os.getpid(), group, preload
         self.process = context.Process(target=serve, args=process_args, daemon=True)
         with _start_environment(versions.paths(group)):
             self.process.start()

@@ -25,10 +25,10 @@ from typing import Any, NamedTuple
 from adapters import Setting
 from cases import Case
 
+from ..clocked_run import engine_code
 from ..names import legible
 from ..processes.worker_process import reap
 from ..solvers import solver
-from ..third_party import third_party
 
 # The median is precise enough if its relative standard error is below this.
 BOUND = 0.02
@@ -193,7 +193,7 @@ def _entry(one: Contestant) -> ClockEntry:
     return ClockEntry(one, partial(module.build, one.case, one.route, one.setting), module.run, module.read)
 
 
-@third_party()
+@engine_code()
 def _import(entry: ClockEntry) -> None:
     """Build once before the budget starts: importing an engine takes seconds with a cold disk cache."""
     try:
@@ -293,7 +293,7 @@ def timing(entry: ClockEntry, loop: float) -> Timing:
     )
 
 
-@third_party()
+@engine_code()
 def _repeat(entry: ClockEntry, loops: list[float]) -> None:
     """Build, run and (until its time is precise) read; appends the calibration loops' times to `loops`."""
     try:
