@@ -22,6 +22,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import cases
+from cases import BadValue
 from cases.errors import unknown_name
 
 from ..running.names import REFERENCE
@@ -34,6 +35,10 @@ if TYPE_CHECKING:
     from ..analysis.columns import Table
     from ..drawing.figure_files import FigureEntry
     from ..running.calls import Calls
+
+
+# Studies of older versions: what to type instead.
+MOVED = {"reference_cost": "python -m tests.benchmarks.reference_cost"}
 
 
 class Request(NamedTuple):
@@ -90,7 +95,9 @@ def names() -> tuple[str, ...]:
 
 
 def study(name: str) -> ModuleType:
-    """The study of that name; raises UnknownName."""
+    """The study of that name; raises UnknownName, and BadValue for one of `MOVED`."""
+    if name in MOVED:
+        raise BadValue(f"{name} is a measurement of the suite itself; in a clone type: {MOVED[name]}")
     if name not in names():
         raise unknown_name("study", name, names())
     module = importlib.import_module(f"{__name__}.{name}")

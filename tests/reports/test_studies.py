@@ -12,22 +12,17 @@ import cases
 from adapters import Setting
 from adapters.lookup import engines
 from cases import CoulombFriction, Gravity, Unilateral
-from reference.paper.closed_form import sliding_disc_in_circle
 from reference.sweeping import plan
 from reports import studies
 from reports.judging.residuals import Residuals
-from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, Truth
-from reports.running.timing.clock import NO_TIMING
 from reports.studies import meanings, paper, uniqueness
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.formulations import measure as formulations
 from reports.studies.maps import Map
 from reports.studies.published import study as published
-from reports.studies.reference_cost import growth, in_c
-from reports.studies.reference_cost import study as reference_cost
 from reports.studies.settings import measure as settings
 from reports.studies.stability import measure as stability
 from reports.studies.stability.sensitivity import Conditioning, Sensitivity
@@ -60,11 +55,6 @@ def short_results() -> dict[str, Any]:
         "meanings": [dict.fromkeys(meanings.COLUMNS, "")],
         "paper": paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {}),
         "published": published.of_one(0)[:1],
-        "reference_cost": reference_cost.CostRows(
-            [reference_cost._row("all", NO_TIMING, reason="It blew up.")],
-            reference_cost._growth_rows([(growth.GROWTHS[0], 100)], [HUNG]),
-            [reference_cost._cold_row("disc_on_line", HUNG)],
-        ),
         "settings": [settings.SettingCell(CASE.label, *WHO[1:], "rung 1", Setting.of(h=0.1), "answered", 1.0, 1e-3)],
         "stability": stability.Stability(
             (CASE,),
@@ -109,48 +99,6 @@ def test_a_picture_that_fails_leaves_the_numbers(tmp_path):
     study = studies.study("stability")
     (drawn,) = studies.Result("stability", study, "", findings=None).draw(tmp_path)
     assert drawn.name == "" and "could not be drawn" in drawn.caption
-
-
-def test_a_bar_is_passed_failed_or_not_timed():
-    bar = reference_cost.BARS[0]
-    for cpu_s, outcome in ((bar.limit, "pass"), (bar.limit * 1.01, "fail"), (nan, "not timed")):
-        hot = [{"contestant": bar.contestant, "cpu_s": cpu_s}, {"contestant": bar.baseline, "cpu_s": 1.0}]
-        output = reference_cost.bars(reference_cost.CostRows(hot, [], []))
-        assert output[0]["outcome"] == outcome and {row["outcome"] for row in output[1:]} == {"not timed"}
-
-
-@pytest.mark.parametrize(("longest", "outcome"), [(0.5, "pass"), (1.014, "pass"), (1.3, "fail")])
-def test_a_motion_may_cost_what_it_grows_by(longest, outcome):
-    what = growth.GROWTHS[0]
-    sizes, seconds = [(what, size) for size in (1, 10, 100)], (0.5, 0.5 + 9e-3, 0.5 + longest * 99e-3)
-    answers = [CallResult("done", growth.GrowthRow(s, s, 0, 0, 0.0, "completed")) for s in seconds]
-    found = reference_cost.CostRows([], reference_cost._growth_rows(sizes, answers), [])
-    assert next(r for r in reference_cost.bars(found) if what.quantity in r["what"])["outcome"] == outcome
-
-
-def test_plain_c_is_the_closed_form():
-    run = in_c.first_slip(0.2, nodes=16)
-    if run is None:
-        pytest.skip("no C compiler")
-    assert run() == pytest.approx(float(sliding_disc_in_circle("1", "0.1", "0.2", "9.81").time), abs=1e-9)
-
-
-@pytest.mark.slow
-def test_what_the_reference_costs():
-    """The whole study, every catalogue case from cold: nothing fails to be timed, and nothing rots unseen.
-
-    Bars are held by ratios on whatever machine this is, beside other tests: twice each, less than what any of the
-    faults costs that they were made for (3 to 170 times).
-    """
-    with Calls(1) as calls:
-        found = reference_cost.run(studies.Request(full=True), calls)
-    assert [row for row in found.hot if row["reason"]] == [] and [row for row in found.cold if row["reason"]] == []
-    assert {row["status"] for row in found.growth} == {"completed"}
-    output = reference_cost.bars(found)
-    assert len(found.cold) == len(cases.names()) and "not timed" not in {row["outcome"] for row in output}
-    missed = {row["what"]: row for row in output if row["measured"] > 2.0 * row["limit"]}
-    # What is known to miss its bar, and why, stands in the study's own words.
-    assert not missed.keys() - reference_cost.EXPLANATIONS.keys()
 
 
 @pytest.mark.parametrize("name", engines())

@@ -6,32 +6,19 @@ Warm contestants are timed in turns: ratios are reliable on a noisy machine, abs
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from math import isnan, nan
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import cases
 from adapters import Setting
+from reports.analysis.columns import Table
+from reports.running.calls import CallResult, Calls
+from reports.running.names import REFERENCE
+from reports.running.timing.clock import NO_TIMING, ClockEntry, Contestant, Timing, take_turns, timing
 
-from ...analysis.columns import Table
-from ...running.calls import CallResult, Calls
-from ...running.names import REFERENCE
-from ...running.timing.clock import NO_TIMING, ClockEntry, Contestant, Timing, take_turns, timing
-from .. import Request
 from . import growth, process_start
 from .contestants import COEFFICIENTS, RTOL, contestants
 
-if TYPE_CHECKING:
-    from ...drawing.figure_files import FigureEntry
-
-TITLE = "What the reference costs"
-QUESTION = (
-    "The general formulation compared with a Taylor integrator on the paper's own closed form; whether its cost grows "
-    "at most in proportion to the motion; and the cost of a new process."
-)
-TAKES = ()
-IN_REPORT = False  # it measures only the reference's own code, no engines
 TABLES = {
     "reference_cost": Table(
         "CPU time of the reference and of heyoka on the paper's closed form, all compiled before",
@@ -145,11 +132,11 @@ class CostRows(NamedTuple):
     import_s: float = nan
 
 
-def run(request: Request, calls: Calls) -> CostRows:
+def run(calls: Calls, full: bool) -> CostRows:
     """Run all timings one after the other, without other load."""
-    budget = FULL_BUDGET if request.full else BUDGET
-    sizes = [(g, size) for g in growth.GROWTHS for size in (g.all_sizes if request.full else g.sizes)]
-    labels = process_start.labels(request.full)
+    budget = FULL_BUDGET if full else BUDGET
+    sizes = [(g, size) for g in growth.GROWTHS for size in (g.all_sizes if full else g.sizes)]
+    labels = process_start.labels(full)
     with calls.alone() as alone:
         (hot,) = alone.all("timings", timings, [(budget,)], limit=budget + _PATIENCE)
         (import_answer,) = alone.all("import", process_start.import_seconds, [()])
@@ -250,8 +237,3 @@ def _bar(what: str, baseline: str, limit: float, value: float) -> dict[str, Any]
     outcome = "not timed" if isnan(value) else "pass" if value <= limit else "fail"
     row = {"what": what, "beside": baseline, "limit": limit, "measured": value, "outcome": outcome}
     return row | {"remark": EXPLANATIONS.get(what, "") if outcome == "fail" else ""}
-
-
-def draw(findings: CostRows, folder: Path) -> Iterator[FigureEntry]:
-    """Write no figure: the study is a few numbers."""
-    return iter(())

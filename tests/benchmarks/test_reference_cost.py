@@ -1,0 +1,57 @@
+"""What the reference costs: its bars, and that the measurement runs."""
+
+from math import nan
+
+import pytest
+
+import cases
+from reference.paper.closed_form import sliding_disc_in_circle
+from reports.running.calls import Calls
+from reports.running.processes.worker_process import CallResult
+
+from .reference_cost import growth, in_c
+from .reference_cost import study as reference_cost
+
+pytestmark = pytest.mark.builds
+
+
+def test_a_bar_is_passed_failed_or_not_timed():
+    bar = reference_cost.BARS[0]
+    for cpu_s, outcome in ((bar.limit, "pass"), (bar.limit * 1.01, "fail"), (nan, "not timed")):
+        hot = [{"contestant": bar.contestant, "cpu_s": cpu_s}, {"contestant": bar.baseline, "cpu_s": 1.0}]
+        output = reference_cost.bars(reference_cost.CostRows(hot, [], []))
+        assert output[0]["outcome"] == outcome and {row["outcome"] for row in output[1:]} == {"not timed"}
+
+
+@pytest.mark.parametrize(("longest", "outcome"), [(0.5, "pass"), (1.014, "pass"), (1.3, "fail")])
+def test_a_motion_may_cost_what_it_grows_by(longest, outcome):
+    what = growth.GROWTHS[0]
+    sizes, seconds = [(what, size) for size in (1, 10, 100)], (0.5, 0.5 + 9e-3, 0.5 + longest * 99e-3)
+    answers = [CallResult("done", growth.GrowthRow(s, s, 0, 0, 0.0, "completed")) for s in seconds]
+    found = reference_cost.CostRows([], reference_cost._growth_rows(sizes, answers), [])
+    assert next(r for r in reference_cost.bars(found) if what.quantity in r["what"])["outcome"] == outcome
+
+
+def test_plain_c_is_the_closed_form():
+    run = in_c.first_slip(0.2, nodes=16)
+    if run is None:
+        pytest.skip("no C compiler")
+    assert run() == pytest.approx(float(sliding_disc_in_circle("1", "0.1", "0.2", "9.81").time), abs=1e-9)
+
+
+@pytest.mark.slow
+def test_what_the_reference_costs():
+    """The whole study, every catalogue case from cold: nothing fails to be timed, and nothing rots unseen.
+
+    Bars are held by ratios on whatever machine this is, beside other tests: twice each, less than what any of the
+    faults costs that they were made for (3 to 170 times).
+    """
+    with Calls(1) as calls:
+        found = reference_cost.run(calls, full=True)
+    assert [row for row in found.hot if row["reason"]] == [] and [row for row in found.cold if row["reason"]] == []
+    assert {row["status"] for row in found.growth} == {"completed"}
+    output = reference_cost.bars(found)
+    assert len(found.cold) == len(cases.names()) and "not timed" not in {row["outcome"] for row in output}
+    missed = {row["what"]: row for row in output if row["measured"] > 2.0 * row["limit"]}
+    # What is known to miss its bar, and why, stands in the study's own words.
+    assert not missed.keys() - reference_cost.EXPLANATIONS.keys()
