@@ -11,6 +11,7 @@ from reference.certification import PROVED
 from reference.proofs import catalogue
 from reference.proofs.record import DecimalInterval, Proof, ProvedTransition
 
+from .. import studies
 from ..drawing.figure_files import FigureEntry
 from ..running.records import Experiment, Truth
 from .chapters import anchor
@@ -76,6 +77,12 @@ def enclosure(interval: DecimalInterval) -> str:
     length = next((i for i, (one, other) in enumerate(zip(low, high, strict=False)) if one != other), len(low) - 1)
     length = min(length, len(low) - 1, len(high) - 1)
     return f"{low[:length]}[{low[length:]}, {high[length:]}]"
+
+
+def on_request(results: Sequence[Result]) -> list[str]:
+    """The names of the studies that the report does not have."""
+    made = {result.name for result in results}
+    return [name for name in studies.names() if name not in made]
 
 
 def study(result: Result, figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any]:

@@ -69,6 +69,7 @@ def render(
         "precision_command": " ".join(["python -m reports.build", manifest["options"]]).strip(),
         "proofs": evidence.proofs(experiment),
         "studies": [evidence.study(result, of_studies[result.name], figures) for result in results],
+        "on_request": evidence.on_request(results),
         "failures": chapters.failures(frames["trajectories"]),
         "tables": [_data_table(name, frame, words[name]) for name, frame in frames.items()],
         "files": [

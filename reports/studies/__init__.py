@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 # Studies of older versions: what to type instead.
-MOVED = {"reference_cost": "python -m tests.benchmarks.reference_cost"}
+MOVED = {name: f"python -m tests.benchmarks {name}" for name in ("formulations", "reference_cost")}
 
 
 class Request(NamedTuple):

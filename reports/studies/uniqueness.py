@@ -33,7 +33,7 @@ QUESTION = (
     "or several, no engine can be right or wrong; the reference then ends with the status paradox or not_unique."
 )
 TAKES = ()
-IN_REPORT = True
+IN_REPORT = False
 TABLES = {
     "uniqueness": Table(
         "Motions of a sliding rod that rigid Coulomb contact allows, counted over friction and angle",

@@ -20,7 +20,6 @@ from reports.running.records import Run, Truth
 from reports.studies import meanings, paper, uniqueness
 from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
-from reports.studies.formulations import measure as formulations
 from reports.studies.maps import Map
 from reports.studies.published import study as published
 from reports.studies.settings import measure as settings
@@ -32,6 +31,7 @@ from reports.sweeping.parts import SweepWork
 
 pytestmark = pytest.mark.builds
 
+ROOT = Path(__file__).parents[2]
 ROUTES = (("reference", ""), ("engine", "native"))
 AREA = plan("disc_in_circle", {"mu": "0.1:0.2:2", "xi1": "0:1:2"})
 CASE = cases.load("disc_on_line", mu=0.1)
@@ -47,7 +47,6 @@ def short_results() -> dict[str, Any]:
     return {
         "effect_costs": [effect_costs._row("in_circle", WHO, {WHO: effect_costs.StageResult("unsupported")}, {})],
         "error_parts": [error_parts.ErrorCell(CASE.label, *WHO[1:], Setting.of(), "unsupported", "No such curve.")],
-        "formulations": [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations._nothing("crashed", "")],
         "maps": [
             Map(*who, AREA, {0: parts.failure_text(SweepWork(AREA, *who), 0, "crashed", "It blew up.")})
             for who in ROUTES
@@ -84,14 +83,21 @@ def test_every_study_has_its_words(name):
             assert list(row) == list(words.columns), table
 
 
+@pytest.mark.parametrize("name", studies.MOVED)
+def test_a_study_that_moved_says_what_to_type(name):
+    with pytest.raises(cases.BadValue, match=f"in a clone type: python -m tests.benchmarks {name}"):
+        studies.study(name)
+    assert (ROOT / "tests" / "benchmarks" / name / "study.py").is_file()
+
+
 def test_a_study_that_fails_is_said_in_its_result(monkeypatch):
-    study = studies.study("formulations")
+    study = studies.study("paper")
 
     def run(request, calls):
         raise ZeroDivisionError("by zero")
 
     monkeypatch.setattr(study, "run", run)
-    result = studies.run_study("formulations", studies.Request(), None, "the command")
+    result = studies.run_study("paper", studies.Request(), None, "the command")
     assert (result.failure, result.frames, result.command) == ("ZeroDivisionError: by zero", {}, "the command")
 
 
@@ -104,7 +110,7 @@ def test_a_picture_that_fails_leaves_the_numbers(tmp_path):
 @pytest.mark.parametrize("name", engines())
 def test_the_page_of_parameters_is_what_the_adapters_tell(name):
     pytest.importorskip(f"adapters.{name}")
-    page = (Path(__file__).parents[2] / "docs" / "engine_parameters.md").read_text(encoding="utf-8").splitlines()
+    page = (ROOT / "docs" / "engine_parameters.md").read_text(encoding="utf-8").splitlines()
     kept = [line for line in page if line.startswith(f"| {name} |")]
     again = "python -m reports.studies.meanings > docs/engine_parameters.md"
     assert kept == meanings.as_lines(meanings.of_one(name)), again

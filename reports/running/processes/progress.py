@@ -25,18 +25,16 @@ _DOUBT = 10.0
 _CASE_SECONDS = {"versions": 0.0, "truth": 0.3, "survey": 0.03, "runs": 1.1}
 _TIMING_SECONDS = {"timings": 45.0, "null scores": 5.0, "cold starts and parts": 30.0}
 _STUDY_SECONDS = {
-    "effects": 15.0, "error parts": 8.0, "formulations": 3.0, "map of": 1.0, "the paper": 1.0, "published numbers": 1.0,
+    "map of": 1.0, "the paper": 1.0, "published numbers": 1.0,
     "scenes": 9.0, "reference": 17.0, "engines": 13.0, "unstable steps": 1.0,
 }  # fmt: skip
-_FIGURE_SECONDS = {"figures": 0.35, "other figures": 0.1}
+_FIGURE_SECONDS = {"figures": 6.0}
 
 
 def usual(cases: int, timings: bool, studies: bool) -> dict[str, float]:
     """The steps of a report and their usual durations (s), for `Display`."""
-    each, figures = (
-        {name: cases * seconds for name, seconds in some.items()} for some in (_CASE_SECONDS, _FIGURE_SECONDS)
-    )
-    return each | (_TIMING_SECONDS if timings else {}) | (_STUDY_SECONDS if studies else {}) | figures
+    each = {name: cases * seconds for name, seconds in _CASE_SECONDS.items()}
+    return each | (_TIMING_SECONDS if timings else {}) | (_STUDY_SECONDS if studies else {}) | _FIGURE_SECONDS
 
 
 def silent(step: str, total: int, answers: Iterator) -> Iterator:

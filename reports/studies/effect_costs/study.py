@@ -14,7 +14,7 @@ from .figure import draw as draw
 TITLE = "What each effect costs"
 QUESTION = "One scene with its effects added one at a time: the cost of each, and the error of the motion without it."
 TAKES = ("solver",)
-IN_REPORT = True
+IN_REPORT = False
 TABLES = {
     "effect_costs": Table(
         "The cost of each effect, and the error of the motion without it",

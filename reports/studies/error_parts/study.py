@@ -17,7 +17,7 @@ QUESTION = (
     "penalty or the regularised friction, and which to refine next."
 )
 TAKES = ("case", "solver")
-IN_REPORT = True
+IN_REPORT = False
 TABLES = {
     "error_parts": Table(
         "The parts of an error due to the step and to the model, and the parameter to refine next",

@@ -1,4 +1,4 @@
-"""What the reference costs: its bars, and that the measurement runs."""
+"""Measurements of the suite itself: their tables, the bars of the reference's cost, and that it can be measured."""
 
 from math import nan
 
@@ -8,11 +8,28 @@ import cases
 from reference.paper.closed_form import sliding_disc_in_circle
 from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
+from reports.running.timing.clock import NO_TIMING
 
+from .formulations import study as formulations
 from .reference_cost import growth, in_c
 from .reference_cost import study as reference_cost
 
 pytestmark = pytest.mark.builds
+
+
+def test_every_column_has_its_words():
+    hung = CallResult("timed_out", reason="It hung.")
+    costs = reference_cost.CostRows(
+        [reference_cost._row("all", NO_TIMING, reason="It blew up.")],
+        reference_cost._growth_rows([(growth.GROWTHS[0], 100)], [hung]),
+        [reference_cost._cold_row("disc_on_line", hung)],
+    )
+    drifts = [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations.measure._nothing("crashed", "")]
+    for study, findings in ((reference_cost, costs), (formulations, drifts)):
+        tables = study.rows(findings)
+        assert tables.keys() == study.TABLES.keys()
+        for name, rows in tables.items():
+            assert all(list(row) == list(study.TABLES[name].columns) for row in rows), name
 
 
 def test_a_bar_is_passed_failed_or_not_timed():

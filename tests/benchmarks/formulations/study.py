@@ -4,19 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...analysis.columns import Table
-from ...running.calls import Calls
-from .. import Request
-from . import measure
-from .figure import draw as draw
+from reports.analysis.columns import Table
+from reports.running.calls import Calls
 
-TITLE = "Which coordinates to integrate"
-QUESTION = (
-    "The paper's ten coordinates without stabilisation, with Baumgarte's, with projection, and the two independent "
-    "ones: the drift of each from its constraints, and its cost."
-)
-TAKES = ()
-IN_REPORT = True
+from . import measure
+
 TABLES = {
     "formulation_study": Table(
         "Ten coordinates plain, stabilised, projected; independent coordinates: drift and cost",
@@ -39,9 +31,9 @@ TABLES = {
 }
 
 
-def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
+def run(calls: Calls, full: bool) -> list[dict[str, Any]]:
     """The rows of all scenes."""
-    return measure.measure(measure.TOLERANCES if request.full else measure.TOLERANCES[::2], calls)
+    return measure.measure(measure.TOLERANCES if full else measure.TOLERANCES[::2], calls)
 
 
 def rows(findings: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:

@@ -26,8 +26,7 @@ from reference.minimal.integrators.dop853 import prepare
 from reference.minimal.modes import Regime, phase
 from reference.paper.augmented import assemble, constraints, solve_full_system
 from reference.paper.kinematics import Kinematics, U, kinematics
-
-from ...running.calls import Calls, StorePolicy
+from reports.running.calls import Calls, StorePolicy
 
 FORMULATIONS = (
     "ten coordinates",
