@@ -18,13 +18,14 @@ NAME = "slip-to-roll"
 COMMANDS = {
     "report": ("reports.build", "run cases through solvers and write the comparison"),
     "cases": ("cases.commands", "list, show, make, check and export cases"),
-    "compare": ("reports.compare", "judge a motion from a file"),
-    "compare-builds": ("reports.compare_builds", "show the differences between two reports"),
+    "compare": (
+        "reports.compare",
+        "judge a motion from a file, or compare two reports",
+    ),
     "submit": ("reports.submit", "check motions before you submit them"),
     "sweep": ("reports.sweep", "a map over any parameters of a case"),
     "animate": ("reports.animate", "write an animation of a motion, GIF or MP4"),
     "history": ("reports.history", "what changed from version to version of an engine"),
-    "gate": ("reports.gate", "whether a report is worse than a baseline, for continuous integration"),
     "study": ("reports.study", "run one of the additional studies"),
     "laws": ("adapters.laws.__main__", "test an engine's adapter against mechanics"),
     "prove": ("reference.proofs.command", "prove the transitions of a case as theorems"),
@@ -34,6 +35,8 @@ COMMANDS = {
     "cite": ("reports.cite", "print the citation as BibTeX"),
 }
 
+# Older names, for one version: `compare` has what they do.
+ALIASES = {"compare-builds": ("reports.compare_builds", ""), "gate": ("reports.gate", "")}
 # Commands of older versions: what to type instead.
 GONE = {"completion": f"{NAME} --help lists the commands, {NAME} COMMAND --help the options of one"}
 
@@ -46,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(_help())
     elif name == "--version":
         print(f"{NAME} {cases.__version__}")
-    elif name in COMMANDS:
+    elif name in COMMANDS | ALIASES:
         return _run(name, rest)
     elif name in GONE:
         print(f"{NAME}: {name} is gone; {GONE[name]}", file=sys.stderr)
@@ -63,11 +66,11 @@ def _run(name: str, words: Sequence[str]) -> int:
     """Run a subcommand, whose help and messages have the name by which it was called."""
     programs = {
         module.removesuffix(".commands").removesuffix(".__main__"): f"{NAME} {name}"
-        for name, (module, _) in COMMANDS.items()
+        for name, (module, _) in (COMMANDS | ALIASES).items()
     }
     before = PROGRAMS.set(programs)
     try:
-        return import_module(COMMANDS[name][0]).main(list(words))
+        return import_module((COMMANDS | ALIASES)[name][0]).main(list(words))
     finally:
         PROGRAMS.reset(before)
 

@@ -1,4 +1,4 @@
-"""`python -m reports.compare_builds A B`: differences between two reports, of two machines, versions or days.
+"""`python -m reports.compare A B`: differences between two reports, of two machines, versions or days.
 
 With the same code and machine, grades and errors must be equal to the last digit. Times vary; only differences outside
 both reports' intervals are shown. A report of an older format is compared in the tables that have the same meaning.
@@ -125,21 +125,26 @@ def _format(folder: Path) -> int:
 
 def _tables(folder: Path, same_format: bool) -> dict[str, pd.DataFrame]:
     """The tables of a report; if the formats differ, only those with the same meaning, without columns that differ."""
-    import pandas as pd
-
     files = sorted((folder / "tables").glob("*.csv"))
     frames: dict[str, pd.DataFrame] = {}
     for file in files if same_format else [file for file in files if file.stem in _OF_EVERY_FORMAT]:
         # Read as text, so that nothing is rounded and empty cells are equal.
         kind = str if file.stem in _ROWS else None
-        content = StringIO(text("table", file, _LARGEST))
-        try:
-            frame = pd.read_csv(content, keep_default_na=file.stem == "time_to_accuracy", dtype=kind)
-        except (ValueError, OverflowError, RecursionError) as problem:
-            raise BadValue(f"{file} cannot be read as comma-separated values: {problem}") from problem
+        frame = read_table(file, keep_default_na=file.stem == "time_to_accuracy", dtype=kind)
         _check_columns(file, frame)
         frames[file.stem] = frame if same_format else frame.drop(columns=[*_OF_ONE_FORMAT & {*frame.columns}])
     return frames
+
+
+def read_table(file: Path, **how: Any) -> pd.DataFrame:
+    """A table of an untrusted report, read as pandas does with these options; raises BadValue."""
+    import pandas as pd
+
+    content = StringIO(text("table", file, _LARGEST))
+    try:
+        return pd.read_csv(content, **how)
+    except (ValueError, OverflowError, RecursionError) as problem:
+        raise BadValue(f"{file} cannot be read as comma-separated values: {problem}") from problem
 
 
 def _check_columns(file: Path, frame: pd.DataFrame) -> None:
@@ -275,8 +280,17 @@ def _manifest(file: Path) -> dict[str, Any]:
     return manifest
 
 
+def show(one: Path, other: Path, solvers: Sequence[str]) -> int:
+    """Print the differences between two reports; returns the exit status of the command."""
+    if len(solvers) not in (0, 2):
+        raise BadValue("give --solver twice, once for A and once for B, or not at all")
+    comparison = compare(one, other, solvers)
+    print(summary_lines(comparison, one, other, solvers))
+    return 0 if comparison.same else 3
+
+
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
+    """Run the command by its older name; returns its exit status."""
 
     def work(words: list[str]) -> int:
         positional = {"A": "the folder of a report", "B": "the folder of another"}
@@ -286,11 +300,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         )  # fmt: skip
         arguments = parser.parse_args(words)
         one, other, solvers = place("report", arguments.A), place("report", arguments.B), arguments.solver or ()
-        if len(solvers) not in (0, 2):
-            raise BadValue("give --solver twice, once for A and once for B, or not at all")
-        comparison = compare(one, other, solvers)
-        print(summary_lines(comparison, one, other, solvers))
-        return 0 if comparison.same else 3
+        return show(one, other, solvers)
 
     return status(COMMAND, work, argv)
 

@@ -1,19 +1,18 @@
-"""`python -m reports.gate --baseline A [REPORT]`: whether a report is worse than a baseline.
+"""`python -m reports.compare BASELINE REPORT --worse-than 10%`: whether a report is worse than a baseline.
 
-Each run of the baseline is compared with the run of the same case, solver, route and setting in REPORT (default:
-`report`). A run is worse if it has no motion any more, if it is missing, or if its error (off) has grown by more than
---worse-than, by more than the doubts of both, and to more than 0.01 %. It is not decided if their doubts leave that
-open. Exit status: 0 if no run is worse, 1 if one is, 3 if none is but some are not decided, and 2 with one sentence if
-the two cannot be compared.
+Each run of the baseline is compared with the run of the same case, solver, route and setting in REPORT. A run is worse
+if it has no motion any more, if it is missing, or if its error (off) has grown by more than --worse-than, by more than
+the doubts of both, and to more than 0.01 %. It is not decided if their doubts leave that open. Exit status: 0 if no run
+is worse, 1 if one is, 3 if none is but some are not decided, and 2 with one sentence if the two cannot be compared.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from io import StringIO
 from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
@@ -22,9 +21,10 @@ from xml.etree import ElementTree
 from cases import BadValue
 from cases.errors import not_negative, number_in
 from cases.files.command_line import status
-from cases.files.user_files import place, text
+from cases.files.user_files import place
 
 from . import options
+from .compare_builds import read_table
 from .running.names import legible
 
 COMMAND = "reports.gate"
@@ -33,10 +33,6 @@ FORMATS = ("text", "json", "junit")
 KEYS, VALUES = ("case", "solver", "route", "setting"), ("outcome", "off", "off_doubt")
 # Smaller errors count as none: 4 digits, as in a ranking.
 LEAST_OFF = 1e-4
-# Size limit of a table in bytes; the largest of a full report has a tenth of it.
-_LARGEST = 100 * 2**20
-
-
 # Exit status where no run is worse but some are not decided: a continuous integration can let it pass, or ask for runs
 # with more samples.
 OPEN = 3
@@ -104,15 +100,10 @@ def _change(old: _Result, new: _Result | None, tolerance: float) -> tuple[str, f
 
 def _results(folder: Path, solvers: Sequence[str]) -> dict[tuple[str, str, str, str], _Result]:
     """The runs of a report by case, solver (without version), route and setting; raises BadValue."""
-    import pandas as pd
-
     file = folder / "tables" / "trajectories.csv"
     if not file.is_file():
         raise BadValue(f"{folder} contains no report; give a folder that `python -m reports.build --out` wrote")
-    try:
-        frame = pd.read_csv(StringIO(text("table", file, _LARGEST)), dtype=str, keep_default_na=False)
-    except (ValueError, OverflowError, RecursionError) as problem:
-        raise BadValue(f"{file} cannot be read as comma-separated values: {problem}") from problem
+    frame = read_table(file, dtype=str, keep_default_na=False)
     missing = [name for name in (*KEYS, *VALUES) if name not in frame.columns]
     if missing:
         raise BadValue(f"{file} has no column {missing[0]}; give a report of version 0.2.0 or newer")
@@ -188,8 +179,17 @@ def tolerance_of(words: str) -> float:
     return number / (100.0 if words.endswith("%") else 1.0)
 
 
+def show(baseline: Path, report: Path, arguments: argparse.Namespace) -> int:
+    """Print the changed runs as the options `worse_than`, `format` and `solver` ask; returns the exit status."""
+    if arguments.format not in FORMATS:
+        raise BadValue(f"--format is {arguments.format!r}; give one of {', '.join(FORMATS)}")
+    changes = compare(baseline, report, tolerance_of(arguments.worse_than), arguments.solver or ())
+    print({"text": as_text, "json": as_json, "junit": as_junit}[arguments.format](changes))
+    return max((_STATUSES.get(run.change, 0) for run in changes), key=(0, OPEN, 1).index, default=0)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
+    """Run the command by its older name; returns its exit status."""
 
     def work(words: list[str]) -> int:
         parser = options.parser(
@@ -197,17 +197,13 @@ def main(argv: Sequence[str] | None = None) -> int:
             "baseline", "solver", "worse_than", "format",
             words={"REPORT*": "the folder of a report (default: report)"},
             example=f"python -m {COMMAND} --baseline old --solver exudyn --worse-than 10% --format junit > gate.xml",
+            worse_than="10%",
         )  # fmt: skip
         arguments = parser.parse_args(words)
         if not arguments.baseline or len(arguments.REPORT) > 1:
             raise BadValue("give --baseline DIR, and at most one report to compare with it")
-        if arguments.format not in FORMATS:
-            raise BadValue(f"--format is {arguments.format!r}; give one of {', '.join(FORMATS)}")
-        tolerance = tolerance_of(arguments.worse_than)
         report = place("report", (arguments.REPORT or ["report"])[0])
-        changes = compare(place("report", arguments.baseline), report, tolerance, arguments.solver or ())
-        print({"text": as_text, "json": as_json, "junit": as_junit}[arguments.format](changes))
-        return max((_STATUSES.get(run.change, 0) for run in changes), key=(0, OPEN, 1).index, default=0)
+        return show(place("report", arguments.baseline), report, arguments)
 
     return status(COMMAND, work, argv)
 

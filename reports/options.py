@@ -114,9 +114,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "rtol": dict(metavar="R", default="1e-10", help="relative tolerance of the reference (default: 1e-10)"),
     "certify": dict(action="store_true", help="compute certified error bars (seconds per scenario)"),
     "baseline": dict(metavar="DIR", help="folder of the report to compare with"),
-    "worse_than": dict(
-        metavar="SHARE", default="10%", help="growth of an error that is accepted, as 10%% or 0.1 (default: 10%%)"
-    ),
+    "worse_than": dict(metavar="SHARE", help="growth of an error that is accepted, as 10%% or 0.1"),
     "from_source": dict(
         action="store_true",
         help="compile versions without a wheel for this Python, by the package's own build; needs a C compiler",

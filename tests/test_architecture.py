@@ -39,8 +39,11 @@ FLOORS = (
     {"running"},
     {"judging"},
 )  # fmt: skip
-# Commands that name one case with the same words.
-NEIGHBOURS = {("export", "show"), ("animate", "show")}
+# Commands that name one case with the same words, and `compare` with its two questions about reports.
+NEIGHBOURS = {
+    ("export", "show"), ("animate", "show"),
+    ("compare", "compare_builds"), ("compare", "gate"), ("gate", "compare_builds"),
+}  # fmt: skip
 
 
 @cache

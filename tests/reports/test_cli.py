@@ -48,7 +48,9 @@ def test_every_command_of_the_suite_is_a_subcommand():
         for file in (root / "reports").glob("*.py")
         if 'if __name__ == "__main__"' in file.read_text() and file.stem not in ("cli", "show", "export")
     }
-    assert modules <= {module for module, _ in cli.COMMANDS.values()}  # show and export are `cases show` and `export`
+    assert modules <= {
+        module for module, _ in (cli.COMMANDS | cli.ALIASES).values()
+    }  # show and export are `cases show` and `export`
 
 
 @pytest.mark.parametrize("name", [n for n in cli.COMMANDS if n != "check-proof"])

@@ -421,3 +421,9 @@ def test_unknown_case_or_file_is_told(tmp_path, capsys):
     assert "disc_in_circle" in capsys.readouterr().err
     assert compare.main([NAME, str(tmp_path / "none.csv")]) == 2
     assert "there is no file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["--solver", "exudyn"], ["--worse-than", "10%"]])
+def test_options_of_two_reports_are_refused_with_a_file(words, capsys):
+    assert compare.main(["disc_on_line[mu=0.1]", "mine.csv", *words]) == 2
+    assert "are for the folders of two reports; leave them out" in capsys.readouterr().err

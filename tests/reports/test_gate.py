@@ -1,4 +1,4 @@
-"""`reports.gate`: which changes of a report make it fail, in every format."""
+"""`reports.compare --worse-than`: which changes of a report make it fail, in every format."""
 
 import json
 from xml.etree import ElementTree
@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 import pandas as pd
 import pytest
 
-from reports import cli, gate
+from reports import cli, compare, gate
 
 KEY = {"case": "disc_on_line[mu=0.1]", "solver": "exudyn", "route": "native", "setting": "h=0.001"}
 RUN = KEY | {"outcome": "answered", "off": 0.02, "off_doubt": 1e-5}
@@ -33,8 +33,10 @@ def report(folder, *rows):
 )
 def test_a_run_is_worse_by_more_than_the_share_and_the_doubt(now, change, status, tmp_path, capsys):
     old, new = report(tmp_path / "old", RUN), report(tmp_path / "new", RUN | now)
-    assert gate.main(["--baseline", old, new, "--worse-than", "10%"]) == status
+    assert compare.main([old, new, "--worse-than", "10%"]) == status
     text = capsys.readouterr().out
+    assert gate.main(["--baseline", old, new]) == status  # the older name
+    assert capsys.readouterr().out == text
     assert text.startswith(
         f"{change}: disc_on_line[mu=0.1], exudyn native, h=0.001: " if change else "0 worse, 0 better"
     )

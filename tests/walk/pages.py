@@ -304,7 +304,7 @@ WALK = {
                 "a whole default report; tests/reports/test_versions.py makes a small one",
             ),
             Left(
-                "python -m reports.compare_builds report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
+                "python -m reports.compare report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
                 "it reads the report above",
             ),
             Left(
@@ -313,10 +313,10 @@ WALK = {
             ),
             Left("python -m reports.history", "the form of the command above"),
             Left(
-                "slip-to-roll gate --baseline A --solver exudyn --worse-than 10%",
+                "slip-to-roll compare A report --solver exudyn --worse-than 10%",
                 "A stands for a report of the reader's",
             ),
-            Left("python -m reports.gate", "the form of the command above; tests/reports/test_gate.py runs it"),
+            Left("python -m reports.compare", "the form of the command above; tests/reports/test_gate.py runs it"),
             Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs: \d+ answered \(",), REPORT),
             Step(
                 "python -m reports.study stability --paper",
