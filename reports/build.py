@@ -253,6 +253,7 @@ def _write(
 
     Returns the rows of the verdict and of pairs.
     `local_runs`: the experiment without external motions."""
+    from .analysis.table_list import Results
     from .drawing.figure_files import embed_command
     from .page import chapters, html, motions, pictures, report_folder, table_files
     from .page.manifest import manifest
@@ -273,8 +274,8 @@ def _write(
     }
     facts["not installed"] = "; ".join(missing_words(local_runs.versions))
     facts["solvers"] |= external_motions.sources(plan.trajectories)
-    output = table_files.Tables(place / "tables", command, local_runs.versions)
-    rows, pair_rows = table_files.write(output, experiment, local_runs, costs, study_results)
+    results = Results(local_runs, experiment, costs)
+    output = table_files.write(place / "tables", results, study_results, command, local_runs.versions)
     calls.times.book("tables")
     figures = place / "figures"
     entries, of_studies = pictures.draw(experiment, local_runs, costs, study_results, figures, calls)
@@ -287,7 +288,6 @@ def _write(
         experiment, costs, output.frames, output.words, entries, study_results, of_studies,
         motions.motions(experiment), figures, facts,
     )  # fmt: skip
-    table_files.describe(output)
     calls.times.book("page")
     # One total for the page, the terminal and the manifest: all phases up to the complete page.
     facts["phases"], facts["seconds"] = (
@@ -297,7 +297,7 @@ def _write(
     page = page.replace(chapters.TOTAL_TIME, phase_times.total_words(calls.times.phases))
     (place / "index.html").write_text(page, encoding="utf-8", errors="backslashreplace")
     report_folder.sign(place, facts)
-    return rows, pair_rows
+    return results.verdicts, results.pairs
 
 
 def _options(plan: BuildPlan) -> str:

@@ -42,7 +42,6 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "motion": ("a motion that ignores friction's law", ""),
     "quantity": ("the quantity of an error: off, " + ", ".join(_QUANTITIES), ""),
     "unit": ("unit of the quantity's errors", ""),
-    "item": ("the table or figure that was made without the solver's results", ""),
     # outcomes
     "outcome": ("answered, unsupported, crashed or timed_out", ""),
     "reason": ("why an answered run has its grade, or why there is no answer", ""),

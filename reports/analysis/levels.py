@@ -19,7 +19,6 @@ from . import quantities
 
 # Values of the column `reached`. "Not known": the doubt of the samples or the truth's error bar exceeds the level.
 WITHIN, ONE_SETTING, BEYOND, OPEN = "reached", "one setting", "not reached", "not known"
-HOLDS = "From which setting on each route stays within each level of accuracy"
 
 
 class FirstWithin(NamedTuple):

@@ -16,7 +16,7 @@ from . import levels
 from .convergence import convergence_rows
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 OUTCOMES = ("answered", "unsupported", "crashed", "timed_out", NOT_INSTALLED)
 
@@ -24,9 +24,8 @@ OUTCOMES = ("answered", "unsupported", "crashed", "timed_out", NOT_INSTALLED)
 # --- the tables -------------------------------------------------------------------------------------------------------
 
 
-def errata_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """The paper's misprints, each formula evaluated; the same for every experiment."""
-
+def errata_rows() -> list[dict[str, Any]]:
+    """The paper's misprints, each formula evaluated."""
     from reference.errata import errata  # it imports SciPy's integrators, a quarter of a second
 
     # The column `verdict` of an erratum would be mistaken for the table `verdict`.
@@ -228,45 +227,3 @@ def outcome_counts(experiment: Experiment) -> str:
     words = [f"{outcomes[name]} {name.replace('_', ' ')}" for name in OUTCOMES if outcomes[name]]
     of_grades = ", ".join(f"{grades[name]} {name}" for name in Grade if grades[name])
     return ", ".join(f"{text} ({of_grades})" if text.endswith("answered") else text for text in words)
-
-
-TABLES = {
-    "headline": headline_rows,
-    "levels": levels.rows,
-    "transitions": transition_rows,
-    "impacts": impact_rows,
-    "trajectories": trajectory_rows,
-    "convergence": convergence_rows,
-    "truth": truth_rows,
-    "errata": errata_rows,
-}
-HOLDS = {
-    "headline": "Grade and errors of each route with default settings and at the finest setting run, case by case",
-    "levels": levels.HOLDS,
-    "transitions": "Every transition of every run, paired with the truth's",
-    "impacts": "Impacts next to the truth's: restitution with one contact, swings and the time of rest with several",
-    "trajectories": "Every run: outcome, grade, score and reason, distance from the truth, cost",
-    "convergence": "Observed order of every route",
-    "truth": "The certified transitions that runs are compared with",
-    "errata": "The paper's misprints, each formula evaluated (residuals relative to what it must equal)",
-}
-
-
-# Columns of a table that may have no rows.
-_IMPACT_COLUMNS = (
-    *("case", "solver", "route", "setting", "event", "contact", "time", "reference_time", "error"),
-    *("swing", "reference_swing"),
-    *("closing_speed", "reference_closing_speed", "restitution", "reference_restitution"),
-)
-
-
-def frames(experiment: Experiment) -> dict[str, pd.DataFrame]:
-    """Every table by name."""
-    return {name: frame(name, experiment) for name in TABLES}
-
-
-def frame(name: str, experiment: Experiment) -> pd.DataFrame:
-    """A table by its name."""
-    import pandas as pd
-
-    return pd.DataFrame(TABLES[name](experiment), columns=_IMPACT_COLUMNS if name == "impacts" else None)

@@ -22,11 +22,6 @@ from ..running.records import Experiment, Run, default, defaults, routes
 from .levels import ONE_SETTING, level_results
 from .time_to_accuracy import WITH_TIMES, cost
 
-HOLDS = (
-    "How far each route is from the truth, and how many cases it answers, over the cases that depend on friction's law "
-    "(1: as bad as ignoring it); engines by themselves first"
-)
-PAIRS_HOLD = "Two engines by themselves compared over the cases that both answer"
 COLUMNS = (
     "solver", "route", "our_part", "friction_cases", "answered", "unsupported", "crashed", "timed_out",
     "common_cases", "common_default_off", "common_finest_off", "default_off", "default_off_best", "default_off_worst",

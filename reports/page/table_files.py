@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from decimal import ROUND_UP, Context
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..analysis import cost_tables, tables, verdict
 from ..analysis.columns import Table, describe_column, with_version
-from ..analysis.work_precision import CostMeasurements
-from ..running.records import Experiment
+from ..analysis.table_list import TABLES, Results, frames
 from . import dictionary, text
-from .fragments import records
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,30 +18,35 @@ if TYPE_CHECKING:
     from ..studies import Result
 
 
-class Tables:
-    """Tables of a report by name, and their descriptions.
+class Tables(NamedTuple):
+    """The tables of a report by name, and their descriptions."""
 
-    `folder`: output folder; `command` reproduces the report; `versions`: of the solvers.
-    """
+    frames: dict[str, pd.DataFrame]
+    words: dict[str, Table]
 
-    def __init__(self, folder: Path, command: str, versions: Mapping[str, str]):
-        self.folder, self.command, self.versions = folder, command, versions
-        self.frames: dict[str, pd.DataFrame] = {}
-        self.words: dict[str, Table] = {}
 
-    def add(
-        self,
-        frames: Mapping[str, pd.DataFrame],
-        holds: Mapping[str, str],
-        command: str = "",
-        words: Mapping[str, Table] | None = None,
-    ) -> None:
-        """Write tables, described by `holds` (content only) or by `words`."""
-        frames = {name: with_short_numbers(with_version(frame, self.versions)) for name, frame in frames.items()}
-        words = words or {name: describe_column(holds[name], map(str, frame.columns)) for name, frame in frames.items()}
-        text.write(frames, words, self.folder, command or self.command)
-        self.frames |= frames
-        self.words |= words
+def write(
+    folder: Path, results: Results, study_results: Sequence[Result], command: str, versions: Mapping[str, str]
+) -> Tables:
+    """Write all tables of a report and their dictionary to a folder. `command` reproduces the report; `versions`: of
+    the solvers."""
+    output = Tables({}, {})
+
+    def add(frames: Mapping[str, pd.DataFrame], words: Callable[[str], Table], command: str) -> None:
+        complete = {name: with_short_numbers(with_version(frame, versions)) for name, frame in frames.items()}
+        output.frames.update(complete)
+        output.words.update({name: words(name) for name in complete})
+        text.write(complete, output.words, folder, command)
+
+    add(
+        frames(results),
+        lambda name: describe_column(TABLES[name].holds, map(str, output.frames[name].columns)),
+        command,
+    )
+    for result in study_results:
+        add(result.frames, result.words.__getitem__, result.command)
+    dictionary.write(output.frames, output.words, folder, command)
+    return output
 
 
 # A column in seconds of the motion, not of the computer.
@@ -72,33 +74,3 @@ def with_short_numbers(frame: pd.DataFrame) -> pd.DataFrame:
     names = [str(c) for c in frame.columns]
     short = {name: frame[name].map(short_time) for name in names if name.endswith("_s") and name not in _OF_MOTIONS}
     return frame.assign(**short, **{name: frame[name].map(short_bar) for name in names if name in _UNCERTAINTIES})
-
-
-def write(
-    output: Tables, shown: Experiment, ran: Experiment, measurements: CostMeasurements, results: Sequence[Result]
-) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
-    """Write all tables of a report; returns the rows of the verdict and of pairs.
-
-    `ran`: the experiment without external motions.
-    """
-    import pandas as pd
-
-    output.add(cost_tables.frames(ran, measurements), cost_tables.HOLDS)
-    output.add({name: tables.frame(name, shown) for name in tables.TABLES}, tables.HOLDS)
-    for result in results:
-        output.add(result.frames, {}, result.command, result.words)
-    times = [output.frames[name] for name in ("time_to_accuracy",) if name in output.frames]
-    verdicts = verdict.rows(shown, [row for frame in times for row in records(frame)])
-    pairs = verdict.pairs(shown)
-    frames = {
-        "verdict": pd.DataFrame(verdicts, columns=list(verdict.COLUMNS)),
-        "pairs": pd.DataFrame(pairs, columns=list(verdict.PAIR_COLUMNS)),
-    }
-    output.add(frames, {"verdict": verdict.HOLDS, "pairs": verdict.PAIRS_HOLD})
-    output.frames = {"verdict": output.frames.pop("verdict")} | output.frames
-    return verdicts, pairs
-
-
-def describe(output: Tables) -> None:
-    """Write the data dictionary of all columns."""
-    dictionary.write(output.frames, output.words, output.folder, output.command)

@@ -22,7 +22,7 @@ import cases
 from adapters import Setting
 from cases.files.owned_folder import LIST
 from reports import build, options
-from reports.analysis import tables
+from reports.analysis.table_list import TABLES
 from reports.drawing import figure_files
 from reports.page import chapters, report_folder, text
 from reports.running import solvers
@@ -166,7 +166,9 @@ def test_report_has_every_promised_file_and_no_other(report):
     files = {*report_folder.of_report(report).names()}
     assert holds(report) == files | {LIST}
     promised = {"index.html", "manifest.json", "figures/headline.png"}
-    promised |= {f"tables/{name}.{kind}" for name in tables.TABLES for kind in ("csv", "md")}
+    promised |= {
+        f"tables/{name}.{kind}" for name, table in TABLES.items() if not table.is_timed for kind in ("csv", "md")
+    }
     promised |= {"tables/columns.md", "tables/datapackage.json"}
     assert promised <= files
     assert [p.name for p in report.parent.iterdir()] == ["report"]  # no partial report is left beside it
@@ -237,7 +239,9 @@ def test_page_is_self_contained_and_tells_how_to_make_it_again(report):
 
 def test_every_figure_and_table_names_the_command_that_makes_it_again(report):
     figures, texts = list((report / "figures").glob("*.svg")), list((report / "tables").glob("*.md"))
-    assert len(figures) == 1 and {text.stem for text in texts} == {*tables.TABLES, "verdict", "pairs", "columns"}
+    assert len(figures) == 1 and {text.stem for text in texts} == {
+        name for name, table in TABLES.items() if not table.is_timed
+    } | {"columns"}
     for figure in figures:
         assert re.search(r"<desc>[^<]*Make it again: python -m reports.build [^<]*</desc>", figure.read_text()), figure
     for file in texts:

@@ -318,8 +318,9 @@ def other_machine() -> str:
 @pytest.fixture(scope="module")
 def rebuilt(tmp_path_factory) -> Path:
     """The accuracy of a default report, made anew by this commit: no timings, no pictures, no studies."""
-    from reports.analysis import tables
+    from reports.analysis import table_list
     from reports.analysis.columns import with_version
+    from reports.analysis.table_list import Results
     from reports.page.text import inert
     from reports.running import experiment
     from reports.running.calls import Calls
@@ -333,7 +334,7 @@ def rebuilt(tmp_path_factory) -> Path:
     with Display([]) as display, Calls(plan.jobs, plan.limit, Store(None), display) as calls:
         ran = experiment.run_cases(plan.cases, plan.solvers, calls, plan.select_rungs)
     (place / "tables").mkdir()
-    for name, frame in tables.frames(ran).items():
+    for name, frame in table_list.frames(Results(ran, ran)).items():
         inert(with_version(frame, ran.versions)).to_csv(place / "tables" / f"{name}.csv", index=False)
     (place / "manifest.json").write_text(json.dumps({"format": FORMAT}))
     return place

@@ -16,7 +16,8 @@ import pytest
 import cases
 from adapters import Setting
 from reports import build, options
-from reports.analysis import tables
+from reports.analysis import table_list
+from reports.analysis.table_list import Results
 from reports.page.table_files import with_short_numbers
 from reports.running import experiment
 from reports.running.calls import Calls
@@ -275,8 +276,9 @@ def test_a_build_stopped_by_kill_9_or_ctrl_c_goes_on_where_it_was(
 
     with in_process(), Calls(1) as calls:
         whole = experiment.run_cases((cases.load(fake_adapter.CASE),), ("fake",), calls, only(builds.kept()))
+    frames = table_list.frames(Results(whole, whole))
     for name in ("trajectories", "transitions", "truth", "headline", "convergence"):
-        with_short_numbers(tables.frames(whole)[name]).to_csv(tmp_path / f"{name}.csv", index=False)
+        with_short_numbers(frames[name]).to_csv(tmp_path / f"{name}.csv", index=False)
         uninterrupted = table(tmp_path / f"{name}.csv")
         resumed = table(tmp_path / "report" / "tables" / f"{name}.csv").drop(columns="version", errors="ignore")
         pd.testing.assert_frame_equal(resumed, uninterrupted)

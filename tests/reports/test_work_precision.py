@@ -15,11 +15,12 @@ from reports.analysis import (
     cost_conclusions,
     null_scores,
     quantities,
-    tables,
+    table_list,
     time_to_accuracy,
     which_engine,
     work_precision,
 )
+from reports.analysis.table_list import Results
 from reports.analysis.work_precision import CostMeasurements
 from reports.drawing.style import looks_of
 from reports.judging.distances import Distance
@@ -236,7 +237,7 @@ def test_two_builds_give_the_same_accuracies_to_the_last_digit():
         with Calls(1) as calls:
             runs = tuple(answer.value for answer in calls.all("runs", tasks.perform, asked))
         experiment = Experiment((case,), {case.label: truth}, runs, 0.0)
-        frames = tables.frames(experiment)
+        frames = table_list.frames(Results(experiment, experiment))
         frames["trajectories"] = frames["trajectories"].drop(columns=["cpu_s", "setup_s", "run_at"])
         builds.append({name: frame.to_csv() for name, frame in frames.items()})
     assert len(runs) == len(asked) and builds[0] == builds[1]
