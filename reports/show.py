@@ -67,8 +67,10 @@ def run(words: Sequence[str]) -> None:
 
 
 def _write(figure: Figure, path: Path, force: bool) -> None:
+    from cases.pictures.style import apply_style  # imports Matplotlib, which a command's help does not need
+
     metadata = {"Software" if path.suffix == ".png" else "Creator": MADE_BY}
-    with atomic_path(path, replace=force) as partial:
+    with apply_style(), atomic_path(path, replace=force) as partial:
         figure.savefig(partial, metadata=metadata)
 
 

@@ -68,7 +68,6 @@ COMMANDS = {
     ),
     "show": Command(in_cases(show.run), [CASE, "--out", "x/map.png"]),
     "show force": Command(in_cases(show.run), [CASE, "--out", "x/map.png", "--force"], forced=("map.png",)),
-    "show engines": Command(in_cases(show.run), [CASE, "--engines", "--out", "x/map.png"]),
     "show in it": Command(in_cases(show.run), [CASE], inside="x"),
     "animate": Command(animate.main, [CASE, "--out", "x/film.gif"]),
     "animate force": Command(animate.main, [CASE, "--out", "x/film.gif", "--force"], forced=("film.gif",)),
