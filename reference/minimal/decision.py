@@ -135,7 +135,8 @@ def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0
     values = dict(zip(candidate.system.conditions, _values(candidate, t, y, bounds, order), strict=True))
     if still:  # a gap may open or close with a velocity of roundings
         values = {
-            name: _with_rate(value, still) if name.startswith("gap:") else value for name, value in values.items()
+            name: _at_event(value, 1, still, 0.0) if name.startswith("gap:") else value
+            for name, value in values.items()
         }
     if weak:
         rates = candidate.system.condition_rates
@@ -150,13 +151,6 @@ def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0
         rounding |= dict.fromkeys(gaps, _gap_rounding(candidate, y, max(abs(_value(gap)) for gap in gaps.values())))
     rounding |= dict.fromkeys(velocities, still)
     return {name: series.sign(v, rounding.get(name, 0.0)) for name, v in values.items()}
-
-
-def _with_rate(gap: Series | float, still: float) -> Series | float:
-    """A gap whose rate has a further error (m/s)."""
-    return (
-        Series(gap.c, [e + (still if k == 1 else 0.0) for k, e in enumerate(gap.e)]) if isinstance(gap, Series) else gap
-    )
 
 
 def _at_event(condition: Series | float, order: int, weak: float, late: float) -> Series | float:

@@ -21,7 +21,8 @@ from ..minimal.integrators.segment import Segment, blocks
 from ..minimal.modes import FLIGHT, Phase
 from . import forces
 from .accelerations import balance_of, is_steady, load_and_units
-from .places import ContactPlace, couple_of, groups, place
+from .places import ContactPlace, couple_of, groups, place, sides_of
+from .plate_numbers import Sides
 from .regimes import SolverPhase, SolverRegime, pair_of, regime_of, solver_phase, split
 from .system import COLUMNS
 
@@ -141,9 +142,9 @@ def contact_columns(case: Case, now: SolverPhase, times: np.ndarray, y: np.ndarr
     return ContactColumns(nothing, slip, normal, friction, xi1, xi2, *pairs)
 
 
-def sides(case: Case, regime: SolverRegime, k: int) -> tuple[int, ...]:
-    couple = couples(case)[regime.pairs[k].couple]
-    return (couple.body,) if couple.base is None else (couple.body, couple.base)
+def sides(case: Case, regime: SolverRegime, k: int) -> Sides:
+    """The numbers of the plates of contact k."""
+    return sides_of(pair_of(case, regime.pairs[k]))
 
 
 def _parameters(case: Case, regime: SolverRegime, y: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:

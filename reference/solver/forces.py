@@ -116,15 +116,23 @@ def margin(
         return 0.0
     right = right / size
     matrix = np.column_stack([columns, columns.sum(axis=1)])
+    independent = _independent(matrix, right, WITHIN)
+    if independent is None:
+        return -inf
+    (rank, count) = independent[0].shape
+    if comb(count, rank) <= MOST_BASES:
+        return _largest_least(*independent, _choices(count, rank))
+    return _margin_by_program(*independent)
+
+
+def _independent(matrix: np.ndarray, right: np.ndarray, within: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """The same equations with independent rows, as a linear program's presolve takes roundings of others for rows; None
+    if they contradict each other by more than `within`."""
     basis, sizes, _ = np.linalg.svd(matrix)
     rank = int((sizes > SINGULAR * sizes[0]).sum())
-    if np.abs(basis[:, rank:].T @ right).max(initial=0.0) > WITHIN:
-        return -inf
-    matrix, right = basis[:, :rank].T @ matrix, basis[:, :rank].T @ right  # presolve takes roundings of others for rows
-    count = columns.shape[1]
-    if comb(count + 1, rank) <= MOST_BASES:
-        return _largest_least(matrix, right, _choices(count + 1, rank))
-    return _margin_by_program(matrix, right)
+    if np.abs(basis[:, rank:].T @ right).max(initial=0.0) > within:
+        return None
+    return basis[:, :rank].T @ matrix, basis[:, :rank].T @ right
 
 
 def _largest_least(matrix: np.ndarray, right: np.ndarray, choices: np.ndarray) -> float:
@@ -207,12 +215,10 @@ def _corners(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 def _vertices(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """The solutions x ≥ 0 of matrix x = right with as many weights as the equations' rank, shape (n, weights)."""
-    count = matrix.shape[1]
-    basis, sizes, _ = np.linalg.svd(matrix)
-    rank = int((sizes > SINGULAR * sizes[0]).sum())
-    if np.abs(basis[:, rank:].T @ right).max(initial=0.0) > FEASIBLE:
+    count, independent = matrix.shape[1], _independent(matrix, right, FEASIBLE)
+    if independent is None:
         return np.empty((0, count))
-    rows, target = basis[:, :rank].T @ matrix, basis[:, :rank].T @ right
+    (rows, target), rank = independent, len(independent[1])
     choices = _choices(count, rank)
     squares = rows[:, choices].swapaxes(0, 1)
     regular = _regular(squares)

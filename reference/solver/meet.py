@@ -26,8 +26,7 @@ from .plate_numbers import bodies
 from .regimes import AT_END
 from .segment_view import SegmentView, remember
 from .shapes import Poses, Shapes, Straight, first_closings, guess, shapes
-from .touching import bend_bounds, inside, pairs_that_touch
-from .watched_plates import APART
+from .touching import SAME_PLACE, bend_bounds, inside, pairs_that_touch
 
 # A corner that comes to a line with a flat side of its own: a few of the coarsest tolerance's errors of an angle, rad.
 # Nothing else than the corner meets the line first, as lines do not meet lines.
@@ -167,7 +166,7 @@ class CoupleSearch:
         `points`: the contacts' parameters, (2,) each, at that time."""
         place, reach = meeting.pair.pieces[0].point(meeting.xi1), self.couple.plate.reach
         return any(
-            np.hypot(*(one.pieces[0].point(xi1) - place)) <= APART * reach and _are_neighbours(one, meeting.pair)
+            np.hypot(*(one.pieces[0].point(xi1) - place)) <= SAME_PLACE * reach and _are_neighbours(one, meeting.pair)
             for one, (xi1, _) in zip(pairs, points, strict=True)
         )
 

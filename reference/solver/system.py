@@ -1,10 +1,8 @@
 """The rows (8)″ and (9)′ of contacts of several plates, and (27) eliminated by hand.
 
-The variables are (x, y, θ) of every plate, (ξ₁, ξ₂) of every contact, and (vx, vy, ω) of every plate. A contact's frame
-is that of its base's curve, turned with the base; `places` has its rows. With q̈₁ from (16) and (19) they are linear in
-the contacts' forces, which are eliminated one after the other. For an open contact with the gap g the places follow
-from the same rows with the velocity of the base's frame at the plate's point: tangents stay parallel,
-ω_A + κ_A ṡ_A = ω_B + κ_B ṡ_B, and the gap stays normal, v + ṡ_B − ṡ_A = −g (ω_A + κ_A ṡ_A).
+The variables are (x, y, θ) of every plate, (ξ₁, ξ₂) of every contact, and (vx, vy, ω) of every plate. `contact_terms`
+has a contact's rows. With q̈₁ from (16) and (19) they are linear in the contacts' forces, which are eliminated one after
+the other.
 """
 
 from __future__ import annotations

@@ -42,9 +42,6 @@ MOST_IMPACTS, NO_GAP = 200, 64 * EPS
 SOME_ROUNDINGS = 8
 # Modes and impulses are enumerated, four for each contact with friction: so many combinations take some ten seconds.
 MOST_COMBINATIONS = 4**8
-# Two contacts are different ones if their points on both curves are farther apart than this part of the plate's size:
-# curves whose curvatures differ by a thousandth of 1/size are apart by less than a pose's rounding there.
-APART = 1e-5
 
 
 class MotionEnds(Exception):
@@ -77,7 +74,7 @@ def is_same_contact(one: PieceCase, points: tuple[float, float], other: PieceCas
     """Whether two contacts are one, in any round of closed curves: of one pair in one place, as curves may touch in
     several."""
     return (couple_of(one), in_round(one)) == (couple_of(other), in_round(other)) and any(
-        not isinstance(piece, Corner) and np.hypot(*(piece.point(s) - piece.point(z))) <= APART * other.plate.reach
+        not isinstance(piece, Corner) and np.hypot(*(piece.point(s) - piece.point(z))) <= SAME_PLACE * other.plate.reach
         for piece, s, z in zip(other.pieces, points, others, strict=True)
     )
 
