@@ -32,7 +32,8 @@ SIGN_PARTS = 16
 @dataclass(frozen=True)
 class BrokenLaw:
     """A law that a motion breaks: its name, between which bodies ("plate/track") or of which ("plate"), the time (s)
-    at which it is broken most, by how much, in `unit`, and how much would be an error of the motion. `part_of_friction`:
+    at which it is broken most, by how much, in `unit`, and how much would be an error of the motion.
+    `part_of_friction`:
     the same in units of μ N, for Coulomb's law in slip."""
 
     law: str
@@ -93,8 +94,8 @@ def _broken_by(case: Case, motion: Trajectory, rtol: float, poses: float) -> tup
         )
         results += [one for defects in of_finer if (one := worst(defects, rtol))]
     others = chain(
-        start_defects(samples, scales, rtol), _other_defects(samples, scales, sudden, rtol), following_defects(samples, scales),
-        end_defects(samples, scales, motion, case.duration, rtol),
+        start_defects(samples, scales, rtol), _other_defects(samples, scales, sudden, rtol),
+        following_defects(samples, scales), end_defects(samples, scales, motion, case.duration, rtol),
     )  # fmt: skip
     results += [one for defects in others if (one := worst(defects, rtol))]
     return worst_first(results)
@@ -173,8 +174,8 @@ def _other_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, 
 
 
 def _is_listed(samples: MotionSamples, sudden: np.ndarray, steps: np.ndarray) -> np.ndarray:
-    """Which of some steps have the modes that the transitions list (`sudden`: times at which velocities jump): not those of a series of impacts that are not
-    listed, from the last transition before one of these to the end of the series."""
+    """Which of some steps have the modes that the transitions list (`sudden`: times at which velocities jump): not
+    those of a series of impacts that are not listed, from the last transition before one of these to the end of the series."""
     instants = np.array([0.0, *(change.time for change in samples.transitions)])
     rests = np.array([*(c.time for c in samples.transitions if c.cause == CAUSES["rest"]), np.inf])
     others = np.setdiff1d(sudden, instants)

@@ -1,4 +1,5 @@
-"""Signorini's and Coulomb's laws at the contacts of a motion, at the nodes of its steps and, for what must not change its
+"""Signorini's and Coulomb's laws at the contacts of a motion, at the nodes of its steps and, for what must not change
+its
 sign, between them."""
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from .tolerances import AMPLIFIED, CLOSED, EPS, FORCE, FRICTION, SLIP, TANGENT
 
 # A polynomial whose last coefficients are below this part of the scale is what it approximates.
 RESOLVED = 1e-9
-# Of steps that are not resolved, those are divided in which a quantity comes nearer to zero than this part of its scale.
+# Steps that are not resolved are divided where a quantity comes nearer to zero than this part of its scale.
 NEAR_ZERO = 1e-3
 # The names of laws that say that a quantity does not change its sign, with the sign of contact_laws' sizes.
 _SIGNS = ("normal force presses", "sense of slip", "Coulomb's cone")
@@ -43,7 +44,11 @@ def contact_defects(
     condition = scales.condition[contact.steps, None]
     still = SLIP + 20 * EPS * scales.acceleration * scales.last / scales.speed + AMPLIFIED * condition
     modes = [mode if listed else None for mode, listed in zip(contact.modes, is_listed.tolist(), strict=True)]
-    floors = {"Coulomb's law in slip": FRICTION, "no friction": FRICTION, "no slip": still}
+    floors: dict[str, np.ndarray | float] = {
+        "Coulomb's law in slip": FRICTION,
+        "no friction": FRICTION,
+        "no slip": still,
+    }
     is_unilateral = samples.case.effect(Unilateral) is not None
     for mode in set(modes):
         here = np.array([other is mode for other in modes])

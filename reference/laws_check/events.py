@@ -161,8 +161,8 @@ def _landing(
 
 def _limit_of_impacts(change: Transition, impacts: np.ndarray, last: float) -> Iterator[Defects]:
     """Impacts that follow each other at a fixed ratio end at the limit of their times (Aitken's extrapolation). Its
-    error is that of the ratio, which changes from one to the next; where it is not nearly fixed the limit is open, as it is for two
-    corners that bounce alternately."""
+    error is that of the ratio, which changes from one to the next; where it is not nearly fixed the limit is
+    open, as it is for two corners that bounce alternately."""
     times = impacts[impacts < change.time - CLOSE * last][-4:]
     if len(times) < 4:
         return

@@ -105,14 +105,14 @@ def _path_formulas(
                 yield from _one(formula_symbols.MOTION, part, columns, plate.mass * scales.acceleration, every)
     for contact in samples.contacts:
         law, steps = contact.law, contact.steps[~samples.is_straight[contact.steps]]
-        columns = _contact_column(motion, law.name)
+        column = _contact_column(motion, law.name)
         if law.belt is not None:
             yield from _one((formula_symbols.TIME,), law.belt.expression, lambda t: t[None], scales.speed, steps)
         if law.friction is not None and law.friction.by_speed:
-            slip = lambda t, c=columns: np.abs(c("slip", t))[None]  # noqa: E731
+            slip = lambda t, c=column: np.abs(c("slip", t))[None]  # noqa: E731
             yield from _one((formula_symbols.SLIP_SPEED,), law.friction.mu, slip, 0.0, steps)
         for bend in _bends(law.track) if law.base is None else ():
-            xi1 = lambda t, c=columns: c("xi1", t)[None]  # noqa: E731
+            xi1 = lambda t, c=column: c("xi1", t)[None]  # noqa: E731
             if degree(bend, bend.symbols) > 2:
                 yield PathFormula(bend, _function(("s",), bend), ("s",), xi1, 100.0 / scales.size, steps)
 

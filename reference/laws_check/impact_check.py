@@ -171,7 +171,8 @@ def _moreau(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, g
 
 
 def _routh(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, impact: Impact) -> np.ndarray:
-    """Routh's construction: friction follows the slip along the normal impulse, until compression and restitution end."""
+    """Routh's construction: friction follows the slip along the normal impulse, until compression and restitution
+    end."""
     total, compression, goal = np.zeros(2), None, -impact.restitution * velocity[1]
     for _ in range(MOST_PHASES):
         sense = np.sign(velocity[0])

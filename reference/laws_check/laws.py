@@ -349,9 +349,8 @@ def continuity_defects(
 def impact_defects(
     case: Case, transitions: Sequence[Transition], sudden: Joins, contacts: set[str], reach: list[float], speed: float
 ) -> Iterator[Defects]:
-    """Velocities jump in impacts only, whose impulses press, lie in the cone, and act at the contact. `contacts`: the
-    names of those that close during the motion."""
-    every_time = sudden.times.tolist()
+    """Velocities jump in impacts only, which give no energy. `contacts`: the names of those that close during the
+    motion."""
     if case.effect(Impact) is None:
         for name, (_, _, change, spin), size in zip(
             names_of(case), np.abs(sudden.after - sudden.before), reach, strict=True
@@ -362,16 +361,8 @@ def impact_defects(
     law = impact_law(case, transitions, contacts)
     if law is None:
         return
-    points = landing_points(law, transitions, every_time)
-    has_place = np.array([t in points for t in every_time])
-    one = sudden.after[0, 0], sudden.before[0, 2:], sudden.after[0, 2:]
-    for name, sizes, scale, unit in energy_of_impact(case, law, *one[1:], speed):
+    for name, sizes, scale, unit in energy_of_impact(case, law, sudden.before[0, 2:], sudden.after[0, 2:], speed):
         yield Defects(name, "", sudden.times, sizes, scale, unit)
-    if points:
-        point, tangent = np.array([points[t] for t in every_time if t in points]).T
-        (centre, before, after), when = (row[..., has_place] for row in one), sudden.times[has_place]
-        for name, sizes, scale, unit in landing_laws(case, law, when, point - centre, tangent, before, after, speed):
-            yield Defects(name, law.name, when, sizes, scale, unit)
 
 
 def impact_law(case: Case, transitions: Sequence[Transition], contacts: set[str]) -> ContactLaw | None:

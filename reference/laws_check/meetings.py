@@ -92,7 +92,8 @@ def _near_samples(curve: Curve, place: complex, reach: float) -> np.ndarray:
 def _common_normal(
     curve: Curve, outline: Curve, place: complex, turn: complex, s: float, o: float
 ) -> tuple[float, float] | None:
-    """The curve's parameter and the distance of the pair that Newton's method finds from a guess: tangents are parallel,
+    """The curve's parameter and the distance of the pair that Newton's method finds from a guess: tangents are
+    parallel,
     and the distance is along the normal."""
     for _ in range(STEPS):
         x, y, dx, dy, ddx, ddy = (float(np.asarray(v)[0]) for v in curve.jets(np.array([s]))[:6])

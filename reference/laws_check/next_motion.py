@@ -1,4 +1,5 @@
-"""Which motions are consistent at an instant: for each choice of modes of the touching contacts a linear program for the
+"""Which motions are consistent at an instant: for each choice of modes of the touching contacts a linear program for
+the
 accelerations and contact forces that obey the laws just after it, with the margin by which they do."""
 
 from __future__ import annotations
@@ -46,7 +47,8 @@ class NextMotions(NamedTuple):
 
 
 class _Place(NamedTuple):
-    """A touching contact, with what its relative accelerations are besides those of the plates' own: the rate of slip is
+    """A touching contact, with what its relative accelerations are besides those of the plates' own: the rate of slip
+    is
     `along`·a − `slip_rate`, that of the opening `across`·a − `opening_rate`; `own`: generalised forces of effects of
     packages; `spin`: the plate's rotation against its base, rad/s."""
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from cmath import rect
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -78,7 +78,7 @@ class ContactLaw(NamedTuple):
         """The coefficient of friction at slip velocities (m/s), an array of their shape or one number."""
         return self.friction.at(abs(slip)) if self.friction else 0.0
 
-    def impact_cone(self, slip: np.ndarray):
+    def impact_cone(self, slip: Any):
         """The largest ratio of the impulses of friction and of pressure in an impact that begins at slip velocities
         (m/s), an array of their shape or one number."""
         return np.inf if self.is_rough else self.friction.in_impact(slip)[1] if self.friction else 0.0
@@ -87,7 +87,8 @@ class ContactLaw(NamedTuple):
 class ContactInstants(NamedTuple):
     """One contact in the m steps in which it is closed, given by their numbers (m,): arrays (m, 25) of the point of its
     base (complex, m) and the unit tangent there (complex), the slip velocity (m/s), normal and friction force (N, NaN
-    where they are not unique), the point of its plate (complex, m) and the unit tangent of its outline (complex), and the
+    where they are not unique), the point of its plate (complex, m) and the unit tangent of its outline (complex), and
+    the
     parameters of both. `modes`: of each step."""
 
     law: ContactLaw
@@ -107,7 +108,8 @@ class ContactInstants(NamedTuple):
 class MotionSamples(NamedTuple):
     """The samples of a motion: starts and ends of n steps (s), times (n, 25), plates in the order of the case's, and
     contacts. `is_straight`: which steps are no solution of the equations but the rest of a series of impacts, (n,);
-    `near`: parameters of track and supports, by name, at which plates touch them or are near; `motion`: itself. The `case` has a track at rest."""
+    `near`: parameters of track and supports, by name, at which plates touch them or are near; `motion`: itself. The
+    `case` has a track at rest."""
 
     case: Case
     start: np.ndarray
@@ -257,7 +259,7 @@ def _contact(
         under = plates[law.base]
         base = under.place[steps] + under.turn[steps] * base
         tangent = -under.turn[steps] * tangent
-    own, direction = point_and_tangent(law.outline, xi2)
-    point = plates[law.body].place[steps] + plates[law.body].turn[steps] * own
+    touching, direction = point_and_tangent(law.outline, xi2)
+    point = plates[law.body].place[steps] + plates[law.body].turn[steps] * touching
     direction = plates[law.body].turn[steps] * direction
     return ContactInstants(law, steps, base, tangent, slip, normal, friction, point, direction, xi1, xi2, mode[steps])

@@ -1,6 +1,7 @@
 """The tolerances of the check of laws: the part of a scale up to which a defect is an error of a motion.
 
-The check of every motion (`part_of`) is for laws that are broken, not for their last digits. Over the catalogue the defects of motions at the default
+The check of every motion (`part_of`) is for laws that are broken, not for their last digits. Over the catalogue the
+defects of motions at the default
 tolerance are 1e-13 of their scale in the median. Where curvatures nearly agree, or the normal equation is nearly
 singular, the rounding of forces is amplified to 8e-9. The error of a step of DOP853 at 1e-6 is up to 2e-5.
 """

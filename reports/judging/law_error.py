@@ -36,8 +36,8 @@ def law_error(case: Case, motion: Trajectory) -> LawError:
     slip is that of the mean velocities. An error of the method of first order in the step remains where forces change
     within it. NaN with a moving track, several plates or contacts, effects of packages, and without friction.
     """
-    friction = case.effect(CoulombFriction)
-    if friction is None or case.others or case.supports or case.effect(Drive) or own_effects(case.effects):
+    friction, drive = case.effect(CoulombFriction), case.effect(Drive)
+    if friction is None or drive is not None or case.others or case.supports or own_effects(case.effects):
         return LawError()
     keep = np.concatenate([np.diff(motion.t) > 0.0, [True]])
     t, x, y, theta, vx, vy, omega = (getattr(motion, name)[keep] for name in _COLUMNS)

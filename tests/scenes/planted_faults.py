@@ -166,7 +166,9 @@ FAULTS = {
     "start a billionth along the track": Fault(CIRCLE, start(xi1=1e-9)),
     "slip of the start a billionth off": Fault(LINE, start(slip=1e-9)),
     "spin of the start a billionth off": Fault(LINE, start(omega=1e-9)),
-    "belt a billionth faster": Fault(catalogue("disc_on_conveyor"), effect(lambda c: Belt(c.effect(Belt).constant * MORE))),
+    "belt a billionth faster": Fault(
+        catalogue("disc_on_conveyor"), effect(lambda c: Belt(c.effect(Belt).constant * MORE))
+    ),
     "restitution a millionth off": Fault(BOUNCE, _impact(1e-6)),
     "restitution 1e-10 off": Fault(BOUNCE, _impact(1e-10)),
     "another law of impact": Fault(ELLIPSE, _impact(0.0, "moreau")),
@@ -262,7 +264,9 @@ FAULTS = {
     "integrated by DOP853 at 1e-6": Fault(CIRCLE, lambda c: simulate(c, 1e-6, "dop853")),
     "integrated at 1e-8": Fault(CIRCLE, lambda c: simulate(c, 1e-8, "dop853")),
     # impacts
-    "an impact without friction": Fault(catalogue("thrown_with_spin", backspin=2), effect(lambda c: CoulombFriction(1e-12))),
+    "an impact without friction": Fault(
+        catalogue("thrown_with_spin", backspin=2), effect(lambda c: CoulombFriction(1e-12))
+    ),
     "an impact that slips where it sticks": Fault(INCLINE, effect(lambda c: CoulombFriction(0.1))),
     "no friction at the second contact": Fault(
         catalogue("disc_between_belt_and_wall"), scene(_of_supports(lambda s: replace(s, effects=())))
