@@ -55,12 +55,13 @@ def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLa
     limit).
 
     `motion`: a Trajectory with dense output, from any solver, with the modes of its contacts in its transitions;
-    `rtol`: its relative accuracy, of which a hundredfold is no broken law. Of each step between two samples the laws
-    are evaluated at five instants, and more closely where these do not resolve the forces: no overlap of any pair,
-    normal forces press, Coulomb's law, no slip in a roll, contacts stay closed, poses are continuous, velocities jump
-    in impacts only, whose impulse lies in the cone, energy is not created (where no load, belt or effect of a package
-    gives some), and momenta change by the forces. Forces that are not unique (NaN) are in no balance, and the modes
-    within a series of impacts that are not listed are not known.
+    `rtol`: its relative accuracy, of which a hundredfold is no broken law (0: it is exact to roundings). Of each step
+    between two samples the laws are evaluated at 25 instants, and more closely where these do not resolve the forces:
+    no overlap of any pair, normal forces press, Coulomb's law, no slip in a roll, contacts stay closed, poses are
+    continuous, velocities jump by the law of impact only, energy is not created (where no load, belt or effect of a
+    package gives some), and momenta change by the forces; at transitions their condition vanishes, and the motion goes
+    on as the laws allow; start and end are the case's, and the status holds. Forces that are not unique (NaN) are in no
+    balance, and the modes within a series of impacts that are not listed are not known.
     Raises BadValue for a motion without dense output.
     """
     if not isinstance(motion, Trajectory) or motion.dense is None:
@@ -175,7 +176,7 @@ def _other_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, 
 
 def _is_listed(samples: MotionSamples, sudden: np.ndarray, steps: np.ndarray) -> np.ndarray:
     """Which of some steps have the modes that the transitions list (`sudden`: times at which velocities jump): not
-    those of a series of impacts that are not listed, from the last transition before one of these to the end of the series."""
+    those of a series of impacts that are not listed, from the last transition before one of these to its end."""
     instants = np.array([0.0, *(change.time for change in samples.transitions)])
     rests = np.array([*(c.time for c in samples.transitions if c.cause == CAUSES["rest"]), np.inf])
     others = np.setdiff1d(sudden, instants)

@@ -29,7 +29,7 @@ from .meetings import meeting_gaps
 from .next_motion import Consistent, NextMotions, next_motions
 from .samples import CLOSE, MotionSamples, law_at
 from .tolerances import AMPLIFIED, EPS, PARTS, SLIP
-from .touches import Touch, plates_at, row_of, touch
+from .touches import ContactPlace, plates_at, row_of, touch
 
 # Accelerations that differ by less than this part of the largest are one.
 SAME = 1e-6
@@ -73,7 +73,9 @@ def start_defects(samples: MotionSamples, scales: MotionScales, rtol: float) -> 
     yield from _first_velocities(samples, scales, one, rtol)
 
 
-def _first_velocities(samples: MotionSamples, scales: MotionScales, one: Touch, rtol: float) -> Iterator[Defects]:
+def _first_velocities(
+    samples: MotionSamples, scales: MotionScales, one: ContactPlace, rtol: float
+) -> Iterator[Defects]:
     """The velocities are those of the case's start, or these have changed by an impact."""
     case, start, law, plates = samples.case, samples.case.start, one.law, plates_at(samples, 0, 0)
     belt = float(law.belt.at(0.0)[0]) if law.belt else 0.0

@@ -17,7 +17,7 @@ from .chebyshev import AMPLIFICATION, RATES
 from .laws import MotionScales, own_force, weight_and_load
 from .samples import MotionSamples, law_at
 from .tolerances import EPS
-from .touches import PlatesNow, Touch, bend_at, couple_row, is_at_joint, masses, plates_at, touch, touches_at
+from .touches import ContactPlace, PlatesNow, bend_at, couple_row, is_at_joint, masses, plates_at, touch, touches_at
 
 # Laws hold strictly with this margin, in parts of the largest acceleration; an open contact is one within this part of
 # the scene's size, which does not part.
@@ -46,13 +46,13 @@ class NextMotions(NamedTuple):
     noise: float
 
 
-class _Place(NamedTuple):
+class _Candidate(NamedTuple):
     """A touching contact, with what its relative accelerations are besides those of the plates' own: the rate of slip
     is
     `along`·a − `slip_rate`, that of the opening `across`·a − `opening_rate`; `own`: generalised forces of effects of
     packages; `spin`: the plate's rotation against its base, rad/s."""
 
-    touch: Touch
+    touch: ContactPlace
     slip: float
     slip_rate: float
     opening_rate: float
@@ -106,7 +106,7 @@ def _rates(samples: MotionSamples, step: int) -> np.ndarray:
     return np.array([[RATES[0] @ row for row in three] for three in rows]).ravel() / samples.length[step]
 
 
-def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, t: float) -> list[_Place] | None:
+def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, t: float) -> list[_Candidate] | None:
     """The contacts that touch at a node, each place once; None where what follows is not known."""
     case, plates = samples.case, plates_at(samples, step, node)
     every = touches_at(samples, step, node)
@@ -122,7 +122,7 @@ def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, 
         first = touch(case, law_at(case, CONTACT), Mode.FLIGHT, plates, start.xi1, start.xi2, t)
         if abs(float(first.across @ plates.rates)) <= NEAR * scales.speed:
             every.append(first)
-    result, points = list[_Place](), list[tuple]()
+    result, points = list[_Candidate](), list[tuple]()
     for one in every:
         curves = one.law.body, one.law.base, one.law.track
         apart = min((abs(one.point - point) for other, point in points if curves == other), default=np.inf)
@@ -131,14 +131,14 @@ def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, 
         if apart < ALMOST_ONE * scales.size:
             return None
         points.append((curves, one.point))
-        place = _place(one, plates, t)
+        place = _candidate(one, plates, t)
         if place is None:
             return None
         result.append(place)
     return result
 
 
-def _place(one: Touch, plates: PlatesNow, t: float) -> _Place | None:
+def _candidate(one: ContactPlace, plates: PlatesNow, t: float) -> _Candidate | None:
     """The second-order terms at a contact: its point moves along both curves, whose tangents turn."""
     law = one.law
     if is_at_joint(law.track, one.xi1):
@@ -173,7 +173,7 @@ def _place(one: Touch, plates: PlatesNow, t: float) -> _Place | None:
     for effect in own_effects(law.effects):
         tangential, normal, couple = (float(np.asarray(v)) for v in own_force(effect)(t, one.slip, spin - base_spin))
         forces += tangential * one.along + normal * one.across + couple * couple_row(law, len(plates.place))
-    return _Place(
+    return _Candidate(
         one,
         one.slip,
         belt_rate - extra.real - turning * opening,
@@ -187,7 +187,7 @@ def _is_corner_near(outline, s: float) -> bool:
     return any(np.isinf(bend_at(outline, s + step)) for step in (-1e-7, 1e-7))
 
 
-def _choices(place: _Place, small: float, is_unilateral: bool) -> list[tuple]:
+def _choices(place: _Candidate, small: float, is_unilateral: bool) -> list[tuple]:
     """The modes that a contact may have, each with the sense of its rotation (0: none, None: it does not matter)."""
     law, slip = place.touch.law, place.slip
     if law.friction is None and not law.is_rough:
