@@ -160,15 +160,14 @@ def _of_contacts(samples: MotionSamples, scales: MotionScales, sudden: Joins) ->
 
 
 def _other_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, rtol: float) -> Iterator[Defects]:
-    reach, speed, every = scales.reach, scales.speed, laws.joins(samples)
+    every = laws.joins(samples)
     yield from _of_contacts(samples, scales, sudden)
     is_series = ~(_is_listed(samples, sudden.times, every.steps) & _is_listed(samples, sudden.times, every.steps - 1))
     yield from laws.continuity_defects(samples, every, scales, is_series)
     if len(sudden.steps):
-        closed = {contact.law.name for contact in samples.contacts}
-        yield from laws.impact_defects(samples.case, samples.transitions, sudden, closed, reach, speed)
+        yield from laws.impact_defects(samples.case, sudden, scales)
         yield from impact_defects(samples, scales, sudden, rtol)
-    yield from laws.energy_defects(samples, speed)
+    yield from laws.energy_defects(samples, scales.speed)
     yield from event_defects(samples, scales, sudden.times)
     for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):
         yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, scales.extent, "m", OVERLAPS)

@@ -22,7 +22,7 @@ from .laws import (
     material_velocity,
     relative_spin,
     turns_of,
-)
+)  # fmt: skip
 from .samples import ContactInstants, MotionSamples
 from .tolerances import AMPLIFIED, CLOSED, EPS, FORCE, FRICTION, SLIP, TANGENT
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from cases import Curve, Impact, Mode, StartPose, Trajectory, Unilateral
+from cases.contact.geometry import level_parameter
 from cases.motion.trajectory import CONTACT
 from cases.scene.free_plates import names_of, plates_of
 from cases.scene.supports import TRACK, base_of
@@ -37,8 +38,6 @@ SAME = 1e-6
 AT_END = 1e-12
 # Of a normal equation that is so nearly singular no program finds the forces: Painlevé's paradox.
 SINGULAR = 1e5
-# The outline's parameter with a given tangent is between two of so many, which are halved so often.
-LEVEL_SAMPLES, HALVINGS = 4001, 60
 MEETINGS = (LANDING_END[0], FLAT[0])
 # A gap that is none, in parts of the scene's size.
 MEETS = 1e-9
@@ -59,11 +58,9 @@ def start_defects(samples: MotionSamples, scales: MotionScales, rtol: float) -> 
     xi2 = start.xi2
     if xi2 is None:
         yield _one("angle of the start", "plate", 0.0, abs(float(plates.angle[0])), 1.0, "rad", 1e-13)
-    parameters = _level_parameters(samples, start.xi1) if xi2 is None else [xi2]
-    every = [touch(case, law, Mode.FLIGHT, plates, start.xi1, each, 0.0) for each in parameters]
-    if not every:
-        return
-    off, one = min(((abs(one.gap - start.gap * 1j * one.tangent), one) for one in every), key=lambda each: each[0])
+        xi2 = level_parameter(case.track, case.plate.outline, start.xi1)
+    one = touch(case, law, Mode.FLIGHT, plates, start.xi1, xi2, 0.0)
+    off = abs(one.gap - start.gap * 1j * one.tangent)
     yield _one("place of the start", law.name, 0.0, off, scales.extent, "m", 1e-12)
     for i, other in enumerate(case.others, start=1):
         pose = other.start
@@ -91,31 +88,6 @@ def _first_velocities(
         return
     for name, size in zip(names_of(case), off.tolist(), strict=True):
         yield _one("velocity of the start", name, 0.0, size, scales.speed, "m/s", floor)
-
-
-def _level_parameters(samples: MotionSamples, xi1: float) -> list[float]:
-    """The outline's parameters at which a plate that is not turned may touch or face the track at xi1: that of the
-    motion's own contact, or those with the track's tangent."""
-    for contact in samples.contacts:
-        row = row_of(contact, 0)
-        if contact.law.name == CONTACT and row is not None and samples.case.start.in_contact:
-            return [float(contact.xi2[row, 0])]
-    outline = samples.case.plate.outline
-    s = np.linspace(*outline.span, LEVEL_SAMPLES)
-    angle = float(np.asarray(samples.case.track.tangent_angle(xi1)))
-    off = outline.tangent_angle(s) - angle
-    turns = np.floor(off / (2 * np.pi))
-    crossing = np.flatnonzero(np.diff(turns) != 0)
-    result = []
-    for i in crossing:
-        low, high, goal = s[i], s[i + 1], 2 * np.pi * max(turns[i], turns[i + 1])
-        sign = 1.0 if off[i + 1] > off[i] else -1.0
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            here = sign * (float(np.asarray(outline.tangent_angle(middle))) - angle - goal)
-            low, high = (middle, high) if here < 0.0 else (low, middle)
-        result.append(0.5 * (low + high))
-    return result
 
 
 # --- what follows -----------------------------------------------------------------------------------------------------

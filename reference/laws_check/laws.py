@@ -29,7 +29,7 @@ from .samples import (
     PlateSamples,
     law_at,
     place_at,
-)
+)  # fmt: skip
 from .tolerances import AMPLIFIED, EPS, EXACT, MOMENTUM, PARTS, POSE, SERIES
 
 # The sign of the slip in each mode that has one, and the modes without slip.
@@ -346,23 +346,14 @@ def continuity_defects(
         yield Defects("angle is continuous", name, every.times, change[b, 1], turns, "rad", floor)
 
 
-def impact_defects(
-    case: Case, transitions: Sequence[Transition], sudden: Joins, contacts: set[str], reach: list[float], speed: float
-) -> Iterator[Defects]:
-    """Velocities jump in impacts only, which give no energy. `contacts`: the names of those that close during the
-    motion."""
+def impact_defects(case: Case, sudden: Joins, scales: MotionScales) -> Iterator[Defects]:
+    """Velocities jump in impacts only."""
     if case.effect(Impact) is None:
-        for name, (_, _, change, spin), size in zip(
-            names_of(case), np.abs(sudden.after - sudden.before), reach, strict=True
-        ):
-            yield Defects("velocity is continuous", name, sudden.times, change, speed, "m/s")
-            yield Defects("spin is continuous", name, sudden.times, spin, speed / size, "rad/s")
-        return
-    law = impact_law(case, transitions, contacts)
-    if law is None:
-        return
-    for name, sizes, scale, unit in energy_of_impact(case, law, sudden.before[0, 2:], sudden.after[0, 2:], speed):
-        yield Defects(name, "", sudden.times, sizes, scale, unit)
+        floor = MOMENTUM + AMPLIFIED * float(scales.condition.max())
+        changes = zip(names_of(case), np.abs(sudden.after - sudden.before), scales.reach, strict=True)
+        for name, (_, _, change, spin), size in changes:
+            yield Defects("velocity is continuous", name, sudden.times, change, scales.speed, "m/s", floor)
+            yield Defects("spin is continuous", name, sudden.times, spin, scales.speed / size, "rad/s", floor)
 
 
 def impact_law(case: Case, transitions: Sequence[Transition], contacts: set[str]) -> ContactLaw | None:

@@ -1,15 +1,20 @@
 """Places where a plate meets a curve at one instant, besides its contacts: pairs of points with a common normal, from
-samples and Newton's method on both parameters. No search of a solver is used."""
+samples and Newton's method on both parameters (`cases.contact.pair_search`), whose pairs have (6).
+"""
 
 from __future__ import annotations
+
+from contextlib import suppress
 
 import numpy as np
 
 from cases import Chain, Curve, Plate
+from cases.contact.pair_search import pair_search
+from cases.errors import DoesNotFit
 
 # Samples of an outline, and of the part of a curve that it may meet.
 OUTLINE_SAMPLES, CURVE_SAMPLES = 1001, 8001
-STEPS, LONGEST = 30, 0.1
+STEPS = 30
 # Of the pairs of samples that are nearer than their neighbours the nearest are refined.
 MOST_PAIRS = 8
 
@@ -27,12 +32,13 @@ def meeting_gaps(curve: Curve, plate: Plate, place: complex, turn: complex, clos
     if plate.radius is not None:
         return _disc_gaps(curve, plate.radius, place, s, closed)
     points, there = _complex(curve.point(s)), place + turn * _complex(outline.point(o))
-    result = []
+    result, search = [], pair_search(curve, outline)
     apart = 1e-5 * reach / float(np.median(curve.speed(s)))
     for i, j in [*_lowest(there, points), *((j, i) for i, j in _lowest(points, there))]:
-        pair = _common_normal(curve, outline, place, turn, float(s[j]), float(o[i]))
-        if pair is not None and all(abs(pair[0] - xi1) > apart for xi1 in closed):
-            result.append(pair[1])
+        with suppress(DoesNotFit):  # no common normal near there
+            pair = search(place.real, place.imag, float(np.angle(turn)), (float(s[j]), float(o[i])))
+            if all(abs(pair.xi1 - xi1) > apart for xi1 in closed):
+                result.append(abs(pair.gap))
     return result
 
 
@@ -87,33 +93,3 @@ def _near_samples(curve: Curve, place: complex, reach: float) -> np.ndarray:
         s = np.union1d(s, curve.features.nodes(s[0], s[-1]))
     points = _complex(curve.point(s))
     return s[np.abs(points - place) < 1.2 * reach]
-
-
-def _common_normal(
-    curve: Curve, outline: Curve, place: complex, turn: complex, s: float, o: float
-) -> tuple[float, float] | None:
-    """The curve's parameter and the distance of the pair that Newton's method finds from a guess: tangents are
-    parallel,
-    and the distance is along the normal."""
-    for _ in range(STEPS):
-        x, y, dx, dy, ddx, ddy = (float(np.asarray(v)[0]) for v in curve.jets(np.array([s]))[:6])
-        u, v, du, dv, ddu, ddv = (float(np.asarray(w)[0]) for w in outline.jets(np.array([o]))[:6])
-        rate, bend = complex(dx, dy), complex(ddx, ddy)
-        own, own_rate, own_bend = (turn * complex(*pair) for pair in ((u, v), (du, dv), (ddu, ddv)))
-        away = place + own - complex(x, y)
-        along, across = (away * rate.conjugate()).real, (rate.conjugate() * own_rate).imag
-        matrix = np.array(
-            [
-                [(away * bend.conjugate()).real - abs(rate) ** 2, (own_rate * rate.conjugate()).real],
-                [(bend.conjugate() * own_rate).imag, (rate.conjugate() * own_bend).imag],
-            ]
-        )
-        if not np.isfinite(matrix).all() or np.linalg.det(matrix) == 0.0:
-            return None
-        step = -np.linalg.solve(matrix, np.array([along, across]))
-        longest = max(abs(step[0]) * abs(rate), abs(step[1]) * abs(own_rate)) / (abs(own) or 1.0)
-        step *= min(1.0, LONGEST / longest) if longest > 0.0 else 1.0
-        s, o = s + float(step[0]), o + float(step[1])
-        if longest < 1e-13:
-            break
-    return (s, abs(away)) if longest < 1e-9 else None

@@ -24,7 +24,7 @@ from cases import (
     State,
     Trajectory,
     Transition,
-)
+)  # fmt: skip
 from cases.curves.corner import Piece
 from cases.effects import Effect, one
 from cases.motion.trajectory import CONTACT
