@@ -131,8 +131,11 @@ def _one_impact(
         friction = float(law.impact_cone(slip)) if np.isfinite(law.stick) else np.inf
         moving = _in_impact(law, slip)
         impulse = impulse_of_one(matrix, np.array([slip, closing]), moving, friction, impact)
-        off = jump - inverse * (rows.T @ impulse)
-        yield Defects("law of impact", law.name, when, np.array([_size(off, scales)]), scales.speed, "m/s", ONE + floor)
+        every = [impulse]
+        if case.others:  # plates that nearly touch have one impact by complementarity
+            every += _whole_impulses(matrix, np.array([slip, closing]), moving, friction, -impact.restitution * closing)
+        off = min(_size(jump - inverse * (rows.T @ each), scales) for each in every)
+        yield Defects("law of impact", law.name, when, np.array([off]), scales.speed, "m/s", ONE + floor)
         return
     yield from _impact_of_several(scales, places, (before, after), own * is_of_group, when, floor + PARTS * rtol)
 
@@ -154,20 +157,22 @@ def impulse_of_one(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: f
     by `matrix` times it; `mu` and `stick`: coefficients of friction with slip and without. NaN where it has none."""
     e = impact.restitution
     if impact.law == "moreau":
-        return _moreau(matrix, velocity, mu, stick, -e * velocity[1])
+        return next(_whole_impulses(matrix, velocity, mu, stick, -e * velocity[1]), np.full(2, np.nan))
     return _routh(matrix, velocity.astype(float), mu, stick, impact)
 
 
-def _moreau(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, goal: float) -> np.ndarray:
-    """Newton's restitution with Coulomb's law between the whole impulses and the velocities after the impact."""
+def _whole_impulses(
+    matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, goal: float
+) -> Iterator[np.ndarray]:
+    """Newton's restitution with Coulomb's law between the whole impulses and the velocities after the impact: the
+    impulses without slip, if that is consistent, and with it."""
     whole = np.linalg.solve(matrix, np.array([0.0, goal]) - velocity)
     if whole[1] >= 0.0 and abs(whole[0]) <= stick * whole[1] * (1.0 + 1e-12):
-        return whole
+        yield whole
     for sense in (1.0, -1.0):
         normal = (goal - velocity[1]) / (matrix[1, 1] - sense * mu * matrix[1, 0])
         if normal >= 0.0 and sense * (velocity[0] + (matrix[0, 1] - sense * mu * matrix[0, 0]) * normal) > 0.0:
-            return np.array([-sense * mu * normal, normal])
-    return np.full(2, np.nan)
+            yield np.array([-sense * mu * normal, normal])
 
 
 def _routh(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, impact: Impact) -> np.ndarray:
