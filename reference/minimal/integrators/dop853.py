@@ -53,6 +53,9 @@ MOST_OF_ONE = 6
 # The phase stops if MOST_TINY_STEPS steps together cover at most the fraction TINY of it so far: near a singularity
 # the tolerance needs digits that are lost to rounding, long before a step is as short as a rounding of the time.
 MOST_TINY_STEPS, TINY = 500, 1e-9
+# A zero inside an accepted step is a few steps away. Where many lead there, the equations are singular before it, which
+# the accepted step has passed over: two contacts of a side that slides off a corner come together.
+MOST_TO_ZERO = 200
 
 
 def _weight_slopes(x):
@@ -267,12 +270,12 @@ def _land(phase: Phase, rhs, piece, guard: str, when: float, rtol: float, atol):
         return piece, Event(guard, start, tuple(piece.y_old.tolist()))
     again = DOP853(rhs, start, piece.y_old, when, rtol=rtol, atol=atol, first_step=when - start)
     pieces: list[DenseOutput] = []
-    while again.status == "running" and len(pieces) < MOST_LOOKED_AT:
+    while again.status == "running" and len(pieces) < MOST_TO_ZERO:
         again.step()
         if again.status != "failed":
             pieces.append(_dense_output(again))
     if again.status != "finished":
-        stop = Event(OUT_OF_STEPS if again.status == "running" else BREAKDOWN, float(again.t), tuple(again.y.tolist()))
+        stop = Event(BREAKDOWN, float(again.t), tuple(again.y.tolist()))
         return _PiecewiseOutput([p.t_old for p in pieces], pieces) if pieces else piece, stop
     index = list(phase.system.guards).index(guard)
     part = (when - start) / whole
