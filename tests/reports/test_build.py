@@ -298,7 +298,7 @@ def test_no_two_labels_share_a_name(labels):
 def test_a_report_takes_the_place_of_an_older_one_and_runs_nothing_twice(report, tmp_path, capsys, in_process):
     out = tmp_path / "report"
     shutil.copytree(report, out)
-    argv = ["--out", str(out), "--quick", "--case", "disc_on_incline[slope=0.2]", "--solver", "reference"]
+    argv = ["--out", str(out), "--quick", "--case", "disc_in_circle[mu=0.2]", "--solver", "reference"]
     with in_process():
         assert build.main(argv) == 0
     assert "disc_on_line" not in (out / "tables" / "truth.csv").read_text()
@@ -307,7 +307,9 @@ def test_a_report_takes_the_place_of_an_older_one_and_runs_nothing_twice(report,
     capsys.readouterr()
     with in_process():
         assert build.main(argv) == 0
-    assert "store: 9 runs and 1 truth" in (output := capsys.readouterr().out) and "nothing made now" in output
+    assert (
+        " runs and 1 truth taken from the store" in (output := capsys.readouterr().out) and "nothing made now" in output
+    )
     assert {p.name: p.read_bytes() for p in (out / "figures").iterdir()} == before
 
 
