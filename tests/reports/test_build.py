@@ -410,7 +410,7 @@ def test_a_named_case_that_no_solver_could_run_shows_in_the_exit_status(outcome,
     ran = Experiment((case,), {case.label: Truth()}, runs, 0.0)
     monkeypatch.setattr("reports.running.experiment.run_cases", lambda *_: ran)
     monkeypatch.setattr(build, "_study", lambda *_: [])
-    monkeypatch.setattr(build, "_write", lambda *arguments: ([], [], []))
+    monkeypatch.setattr(build, "_write", lambda *arguments: ([], []))
     argv = ["--quick", "--case", case.label, "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]
     assert build.main(argv) == status
     sentence = "no solver could run disc_on_line[mu=0.1]; reference unsupported: it has no series"
@@ -421,6 +421,6 @@ def test_a_case_that_lost_its_truth_shows_in_the_exit_status_though_nobody_named
     case = cases.load("disc_on_line[mu=0.1]")
     ran = Experiment((case,), {case.label: Truth(failure="its process was ended")}, (), 0.0)
     monkeypatch.setattr("reports.running.experiment.run_cases", lambda *_: ran)
-    monkeypatch.setattr(build, "_write", lambda *arguments: ([], [], []))
+    monkeypatch.setattr(build, "_write", lambda *arguments: ([], []))
     assert build.main(["--quick", "--out", str(tmp_path / "report"), "--store", str(tmp_path / "store")]) == 3
     assert "no truth for disc_on_line[mu=0.1]: its process was ended" in capsys.readouterr().err
