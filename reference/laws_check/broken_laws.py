@@ -20,7 +20,7 @@ from .formula_steps import finer_steps
 from .impact_check import impact_defects
 from .laws import Defects, Joins, MotionScales
 from .samples import ContactInstants, MotionSamples, of_motion, steps_of
-from .tolerances import AMPLIFIED, DRIVEN, MOMENTUM, OVERLAPS, PARTS, POSE
+from .tolerances import AMPLIFICATION, DRIVEN, MOMENTUM, OVERLAPS, PARTS, POSE
 
 OVERLAP = "no overlap"
 # Steps whose forces the nodes do not resolve are divided into so many parts, so many times: the worst of them.
@@ -138,7 +138,7 @@ def _motion_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[De
 
 def _sudden_part(scales: MotionScales, rtol: float) -> float:
     """The part of the speed by which velocities jump in impacts only."""
-    return MOMENTUM + AMPLIFIED * float(scales.condition.max()) + PARTS * rtol
+    return MOMENTUM + AMPLIFICATION * float(scales.condition.max()) + PARTS * rtol
 
 
 def _finer(case: Case, motion: Trajectory, samples: MotionSamples, scales: MotionScales) -> MotionSamples | None:

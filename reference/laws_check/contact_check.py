@@ -24,7 +24,7 @@ from .laws import (
     turns_of,
 )  # fmt: skip
 from .samples import ContactInstants, MotionSamples
-from .tolerances import AMPLIFIED, CLOSED, EPS, FORCE, FRICTION, SLIP, TANGENT
+from .tolerances import AMPLIFICATION, CLOSED, EPS, FORCE, FRICTION, SLIP, TANGENT
 
 # A polynomial whose last coefficients are below this part of the scale is what it approximates.
 RESOLVED = 1e-9
@@ -42,7 +42,7 @@ def contact_defects(
     law, times = contact.law, samples.times[contact.steps]
     force = force_scale_at(samples, law, scales)
     condition = scales.condition[contact.steps, None]
-    still = SLIP + 20 * EPS * scales.acceleration * scales.last / scales.speed + AMPLIFIED * condition
+    still = SLIP + 20 * EPS * scales.acceleration * scales.last / scales.speed + AMPLIFICATION * condition
     modes = [mode if listed else None for mode, listed in zip(contact.modes, is_listed.tolist(), strict=True)]
     floors: dict[str, np.ndarray | float] = {
         "Coulomb's law in slip": FRICTION,
@@ -57,7 +57,7 @@ def contact_defects(
             continue
         for name, sizes, unit in contact_laws(law, mode, is_unilateral, *rows):
             scale = scales.speed if unit == "m/s" else force
-            floor = floors.get(name, FORCE if unit == "N" else SLIP + AMPLIFIED * condition)
+            floor = floors.get(name, FORCE if unit == "N" else SLIP + AMPLIFICATION * condition)
             floor = np.broadcast_to(floor, (len(here), sizes.shape[1]))[here]
             if name in _SIGNS:
                 yield _between_nodes(name, law.name, times[here], sizes, scale, floor[:, 0], unit)
@@ -102,7 +102,7 @@ def _kinematics(samples, contact, scales, is_listed, still) -> Iterator[Defects]
         sizes,
         scales.speed,
         "m/s",
-        SLIP + AMPLIFIED * scales.condition[contact.steps, None],
+        SLIP + AMPLIFICATION * scales.condition[contact.steps, None],
     )
 
 

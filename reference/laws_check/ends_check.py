@@ -29,8 +29,8 @@ from .laws import Defects, MotionScales
 from .meetings import meeting_gaps
 from .next_motion import Consistent, NextMotions, next_motions
 from .samples import CLOSE, MotionSamples, law_at
-from .tolerances import AMPLIFIED, EPS, PARTS, SLIP
-from .touches import ContactPlace, plates_at, row_of, touch
+from .tolerances import AMPLIFICATION, EPS, PARTS, SLIP
+from .touches import TouchNow, plates_at, row_of, touch
 
 # Accelerations that differ by less than this part of the largest are one.
 SAME = 1e-6
@@ -70,9 +70,7 @@ def start_defects(samples: MotionSamples, scales: MotionScales, rtol: float) -> 
     yield from _first_velocities(samples, scales, one, rtol)
 
 
-def _first_velocities(
-    samples: MotionSamples, scales: MotionScales, one: ContactPlace, rtol: float
-) -> Iterator[Defects]:
+def _first_velocities(samples: MotionSamples, scales: MotionScales, one: TouchNow, rtol: float) -> Iterator[Defects]:
     """The velocities are those of the case's start, or these have changed by an impact."""
     case, start, law, plates = samples.case, samples.case.start, one.law, plates_at(samples, 0, 0)
     belt = float(law.belt.at(0.0)[0]) if law.belt else 0.0
@@ -81,7 +79,7 @@ def _first_velocities(
     first = one.tangent * complex(start.slip + belt, start.gap_rate) - 1j * start.omega * lever
     velocities = np.array([first, *(complex(other.start.vx, other.start.vy) for other in case.others)])
     off = np.abs(plates.velocity - velocities) + np.array(scales.reach) * np.abs(plates.spin - spins)
-    floor = SLIP + AMPLIFIED * float(scales.condition[0])
+    floor = SLIP + AMPLIFICATION * float(scales.condition[0])
     if case.effect(Impact) is not None and off.max() > (floor + PARTS * rtol) * scales.speed:
         before = plates._replace(velocity=velocities, spin=spins)
         yield from impact_at(samples, scales, (before, plates), 0, 0.0, rtol)

@@ -17,7 +17,7 @@ from ..endings import CAUSES
 from . import chebyshev
 from .laws import SENSE, STICKING, Defects, MotionScales, force_scale_at, relative_spin
 from .samples import CLOSE, ContactInstants, MotionSamples, law_at
-from .tolerances import AMPLIFIED, CLOSED, EPS
+from .tolerances import AMPLIFICATION, CLOSED, EPS
 from .touches import is_at_joint, plates_at, row_of, touch
 
 # A quantity that falls by less than this part of its scale in a step grazes zero: its slope is no measure of time.
@@ -149,7 +149,7 @@ def _landing(
     plates = plates_at(samples, step, -1)
     met = touch(samples.case, law, change.before, plates, change.xi1, change.xi2, change.time)
     rate, gap = float(met.across @ plates.rates), float((met.gap * met.tangent.conjugate()).imag)
-    floor = LANDING + AMPLIFIED * float(scales.condition[step])
+    floor = LANDING + AMPLIFICATION * float(scales.condition[step])
     yield Defects("curves meet", law.name, when, np.array([abs(met.gap)]), scales.extent, "m", floor)
     if not with_others:
         yield Defects("curves approach", law.name, when, np.array([rate]), scales.speed, "m/s", 1e-9)

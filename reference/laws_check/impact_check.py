@@ -13,8 +13,8 @@ from cases.motion.trajectory import CONTACT
 from ..endings import CAUSES
 from .laws import Defects, Joins, MotionScales
 from .samples import CLOSE, MotionSamples, law_at
-from .tolerances import AMPLIFIED, CLOSED, PARTS
-from .touches import ContactPlace, PlatesNow, couple_row, masses, plates_at, touch, touches_at
+from .tolerances import AMPLIFICATION, CLOSED, PARTS
+from .touches import PlatesNow, TouchNow, couple_row, masses, plates_at, touch, touches_at
 
 # Parts of the speed: an impact at one contact, at several by linear programs, and a velocity that is none.
 ONE, SEVERAL, STILL = 1e-11, 1e-8, 1e-9
@@ -68,9 +68,9 @@ def impact_at(
             yield from _one_impact(samples, scales, group, plates, step, time, rtol)
 
 
-def _groups(places: list[ContactPlace]) -> list[list[ContactPlace]]:
+def _groups(places: list[TouchNow]) -> list[list[TouchNow]]:
     """The contacts that hang together: those of the same plates."""
-    groups = list[tuple[set[int], list[ContactPlace]]]()
+    groups = list[tuple[set[int], list[TouchNow]]]()
     for one in places:
         bodies, own = {one.law.body} | ({one.law.base} if one.law.base is not None else set()), [one]
         for group in [each for each in groups if each[0] & bodies]:
@@ -83,7 +83,7 @@ def _groups(places: list[ContactPlace]) -> list[list[ContactPlace]]:
 def _places(
     samples: MotionSamples, scales: MotionScales, plates: PlatesNow, step: int, time: float, rtol: float,
     touching: float = CLOSED,
-) -> list[ContactPlace]:  # fmt: skip
+) -> list[TouchNow]:  # fmt: skip
     """Where plates touch at the start of a step: contacts that are closed before or after, those that are listed, and
     those whose columns have a gap that is none."""
     near, case, motion = CLOSE * float(samples.end[-1]), samples.case, samples.motion
@@ -111,7 +111,7 @@ def _places(
 
 
 def _one_impact(
-    samples: MotionSamples, scales: MotionScales, places: list[ContactPlace], plates: tuple[PlatesNow, PlatesNow],
+    samples: MotionSamples, scales: MotionScales, places: list[TouchNow], plates: tuple[PlatesNow, PlatesNow],
     step: int, time: float, rtol: float,
 ) -> Iterator[Defects]:  # fmt: skip
     (before, after), case, law = plates, samples.case, places[0].law
@@ -122,7 +122,7 @@ def _one_impact(
     when, jump = np.array([time]), np.where(is_of_group, after.rates - before.rates, 0.0)
     if _size(jump, scales) <= (ONE + PARTS * rtol) * scales.speed:
         return
-    floor = AMPLIFIED * float(max(scales.condition[step], scales.condition[max(step - 1, 0)]))
+    floor = AMPLIFICATION * float(max(scales.condition[step], scales.condition[max(step - 1, 0)]))
     if len(places) == 1 and not law.arm:
         rows = np.array([places[0].along, places[0].across])
         matrix = rows * inverse @ rows.T
@@ -213,7 +213,7 @@ def _routh(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, im
 
 
 def _impact_of_several(
-    scales: MotionScales, places: list[ContactPlace], plates: tuple[PlatesNow, PlatesNow], own: np.ndarray,
+    scales: MotionScales, places: list[TouchNow], plates: tuple[PlatesNow, PlatesNow], own: np.ndarray,
     when: np.ndarray, floor: float,
 ) -> Iterator[Defects]:  # fmt: skip
     """Impulses inside the cones make the jump, of contacts that may have one: by a linear program. With Poisson's

@@ -30,7 +30,7 @@ from .samples import (
     law_at,
     place_at,
 )  # fmt: skip
-from .tolerances import AMPLIFIED, EPS, EXACT, MOMENTUM, PARTS, POSE, SERIES
+from .tolerances import AMPLIFICATION, EPS, EXACT, MOMENTUM, PARTS, POSE, SERIES
 
 # The sign of the slip in each mode that has one, and the modes without slip.
 SENSE = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
@@ -189,7 +189,7 @@ def motion_defects(samples: MotionSamples, total: Sums, scales: MotionScales) ->
         gain = (length / plate.mass) * (force @ WEIGHTS)
         scale = speed + length * most / plate.mass
         # The velocity at an instant that is rounded.
-        floor = MOMENTUM + AMPLIFIED * scales.condition + 16 * EPS * end * most / plate.mass / scale
+        floor = MOMENTUM + AMPLIFICATION * scales.condition + 16 * EPS * end * most / plate.mass / scale
         yield Defects("momentum", name, end, one.velocity[:, -1] - one.velocity[:, 0] - gain, scale, "m/s", floor)
         if plate.turns:
             spins = (length / plate.inertia) * (moment @ WEIGHTS)
@@ -349,7 +349,7 @@ def continuity_defects(
 def impact_defects(case: Case, sudden: Joins, scales: MotionScales) -> Iterator[Defects]:
     """Velocities jump in impacts only."""
     if case.effect(Impact) is None:
-        floor = MOMENTUM + AMPLIFIED * float(scales.condition.max())
+        floor = MOMENTUM + AMPLIFICATION * float(scales.condition.max())
         changes = zip(names_of(case), np.abs(sudden.after - sudden.before), scales.reach, strict=True)
         for name, (_, _, change, spin), size in changes:
             yield Defects("velocity is continuous", name, sudden.times, change, scales.speed, "m/s", floor)

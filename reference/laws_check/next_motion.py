@@ -17,7 +17,7 @@ from .chebyshev import AMPLIFICATION, RATES
 from .laws import MotionScales, own_force, weight_and_load
 from .samples import MotionSamples, law_at
 from .tolerances import EPS
-from .touches import ContactPlace, PlatesNow, bend_at, couple_row, is_at_joint, masses, plates_at, touch, touches_at
+from .touches import PlatesNow, TouchNow, bend_at, couple_row, is_at_joint, masses, plates_at, touch, touches_at
 
 # Laws hold strictly with this margin, in parts of the largest acceleration; an open contact is one within this part of
 # the scene's size, which does not part.
@@ -52,7 +52,7 @@ class _Candidate(NamedTuple):
     `along`·a − `slip_rate`, that of the opening `across`·a − `opening_rate`; `own`: generalised forces of effects of
     packages; `spin`: the plate's rotation against its base, rad/s."""
 
-    touch: ContactPlace
+    touch: TouchNow
     slip: float
     slip_rate: float
     opening_rate: float
@@ -138,7 +138,7 @@ def _places(samples: MotionSamples, scales: MotionScales, step: int, node: int, 
     return result
 
 
-def _candidate(one: ContactPlace, plates: PlatesNow, t: float) -> _Candidate | None:
+def _candidate(one: TouchNow, plates: PlatesNow, t: float) -> _Candidate | None:
     """The second-order terms at a contact: its point moves along both curves, whose tangents turn."""
     law = one.law
     if is_at_joint(law.track, one.xi1):

@@ -26,7 +26,7 @@ def part_of(rtol: float) -> float:
 # of the catalogue's motions at 1e-12. Where a factor of conditioning is known, it multiplies them.
 MOMENTUM, POSE, CLOSED, TANGENT, SLIP, FORCE, FRICTION = 1e-11, 1e-13, 1e-12, 1e-11, 1e-12, 1e-12, 4e-15
 # Roundings that each unit of a factor of conditioning amplifies.
-AMPLIFIED = 100 * EPS
+AMPLIFICATION = 100 * EPS
 # Overlaps, in parts of the scene's size: where plates meet again after hops of roundings, 1.2e-10 in random scenes.
 OVERLAPS = 3e-10
 # Poses that a moving track turns back: roundings of its own place and angle, ten times those of the case's frame.

@@ -34,7 +34,7 @@ class PlatesNow(NamedTuple):
         return np.column_stack([self.velocity.real, self.velocity.imag, self.spin]).ravel()
 
 
-class ContactPlace(NamedTuple):
+class TouchNow(NamedTuple):
     """A place at which a plate touches a curve or another plate: the laws there, the mode, the point (complex, m), the
     unit tangent, the gap of both curves (m), the rows (3 plates,) of the velocities along the tangent and the normal,
     slip velocity (m/s), and the contact parameters."""
@@ -63,9 +63,9 @@ def row_of(contact: ContactInstants, step: int) -> int | None:
     return i if i < len(contact.steps) and contact.steps[i] == step else None
 
 
-def touches_at(samples: MotionSamples, step: int, node: int) -> list[ContactPlace]:
+def touches_at(samples: MotionSamples, step: int, node: int) -> list[TouchNow]:
     """The closed contacts at a node of a step."""
-    plates, result = plates_at(samples, step, node), list[ContactPlace]()
+    plates, result = plates_at(samples, step, node), list[TouchNow]()
     t = float(samples.times[step, node])
     for contact in samples.contacts:
         i = row_of(contact, step)
@@ -75,7 +75,7 @@ def touches_at(samples: MotionSamples, step: int, node: int) -> list[ContactPlac
     return result
 
 
-def touch(case: Case, law: ContactLaw, mode: Mode, plates: PlatesNow, xi1: float, xi2: float, t: float) -> ContactPlace:
+def touch(case: Case, law: ContactLaw, mode: Mode, plates: PlatesNow, xi1: float, xi2: float, t: float) -> TouchNow:
     """The contact of a pair at given parameters."""
     own, _ = place_at(law.outline, xi2)
     point, tangent = place_at(law.track, xi1)
@@ -86,7 +86,7 @@ def touch(case: Case, law: ContactLaw, mode: Mode, plates: PlatesNow, xi1: float
     along, across = (direction_row(case, law, plates, point, d) for d in (tangent, 1j * tangent))
     belt = float(law.belt.at(t)[0]) if law.belt else 0.0
     slip = float(along @ plates.rates) - belt
-    return ContactPlace(law, mode, point, tangent, outer - point, along, across, slip, xi1, xi2)
+    return TouchNow(law, mode, point, tangent, outer - point, along, across, slip, xi1, xi2)
 
 
 def direction_row(case: Case, law: ContactLaw, plates: PlatesNow, point: complex, direction: complex) -> np.ndarray:

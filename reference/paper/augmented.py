@@ -133,7 +133,7 @@ def applied_torsor(case: Case, motion: Sequence[float]) -> np.ndarray:
 
 def own_torsor(case: Case, k: Kinematics, time: float, slip: float) -> list[Any]:
     """The forces of the user's own effects, which act at the contact, as a torsor at the centre of mass."""
-    (x, y), arm, size = k.tangent, k.turned[0], length(k.tangent)
+    (x, y), arm, size = k.tangent, k.outline_vectors[0], length(k.tangent)
     total: list[Any] = [0.0, 0.0, 0.0]
     for effect in own_effects(case.effects):
         along, across, couple = at_each(effect.at, time, slip, k.turning)[:3]
@@ -152,12 +152,12 @@ def sliding_column(k: Kinematics, mu: Any, arm: float = 0.0) -> list[Any]:
     """
     Rp_x, Rp_y = k.tangent
     x, y = Rp_x + mu * Rp_y, Rp_y - mu * Rp_x
-    return [-y, x, dot((x, y), k.turned[0]) + (arm * length(k.tangent) if arm else 0.0)]
+    return [-y, x, dot((x, y), k.outline_vectors[0]) + (arm * length(k.tangent) if arm else 0.0)]
 
 
 def tangential_column(k: Kinematics) -> list[Any]:
     """The column of the rolling plate's tangential multiplier, three entries: a force along R_p and its moment."""
-    return [*k.tangent, cross(k.turned[0], k.tangent)]
+    return [*k.tangent, cross(k.outline_vectors[0], k.tangent)]
 
 
 # --- B, D and C -------------------------------------------------------------------------------------------------------
@@ -167,7 +167,7 @@ def constraints(k: Kinematics) -> tuple[list[list[Any]], list[list[Any]], list[A
     """B (3×3), D (3×2) of (23) from (8) and (9), and C (3,) of (25), where the third derivatives enter."""
     # Products of the derivatives p, s, t of the track with the outline's, rotated by θ: directly and with U between
     # them (U² = −I₂).
-    (Rp, Rs, Rt), (arm, rp, rs, rt) = k.derivatives, k.turned
+    (Rp, Rs, Rt), (arm, rp, rs, rt) = k.derivatives, k.outline_vectors
     (u1, u2), w, turning = components(k.q_dot), k.theta_dot, k.turning
     S, E, G = dot(Rp, rp), cross(rp, Rs), cross(rs, Rp)
     B = [[1.0, 0.0, -arm[1]], [0.0, 1.0, arm[0]], [0.0, 0.0, -S]]
@@ -193,7 +193,7 @@ def rolling_row(k: Kinematics, belt: tuple[Any, Any]) -> tuple[list[Any], Any]:
     d(|R_p| b)/dt = |R_p| ḃ + b ξ̇₁ R_pᵀ R_s/|R_p|.
     """
     (u1, u2), turning, tangent = components(k.q_dot), k.turning, k.tangent
-    (Rp, Rs, _), (_, rp, rs, _) = k.derivatives, k.turned
+    (Rp, Rs, _), (_, rp, rs, _) = k.derivatives, k.outline_vectors
     rate = u2 * rs[0] - turning * rp[1], u2 * rs[1] + turning * rp[0]  # of θ r_p
     turns = (u1 * Rs[0], u1 * Rs[1]) if 0 in k.free else rate  # of the tangent
     right = u2 * (dot(turns, rp) + dot(tangent, rate)) - u1 * (dot(turns, Rp) + u1 * dot(tangent, Rs))

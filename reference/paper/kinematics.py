@@ -78,13 +78,13 @@ class Kinematics:
         # The components of θ r, θ r_p, θ r_s and θ r_t, and of R_p, R_s and R_t, which every row needs.
         (a, b), (c, d) = self.turn.tolist() if self.turn.ndim == 2 else self.turn
         vectors = map(components, (self.r, self.rp, self.rs, self.rt))
-        self.turned = [(a * x + b * y, c * x + d * y) for x, y in vectors]
+        self.outline_vectors = [(a * x + b * y, c * x + d * y) for x, y in vectors]
         self.derivatives = [components(vector) for vector in (self.Rp, self.Rs, self.Rt)]
 
     @property
     def tangent(self) -> Components:
         """The components of the common tangent, not of unit length: R_p, or θ r_p at a corner of the track."""
-        return self.derivatives[0] if 0 in self.free else self.turned[1]
+        return self.derivatives[0] if 0 in self.free else self.outline_vectors[1]
 
 
 def components(vector: np.ndarray) -> Any:
@@ -154,7 +154,7 @@ def kinematics_on(
         theta = curves[0].tangent_angle(xi1) - curves[1].tangent_angle(xi2) + (track.angle if track else 0.0)
     q, q_dot = np.array([xi1, xi2]), np.array([xi1_dot, xi2_dot])
     k = Kinematics(q, q_dot, R, Rp, Rs, Rt, r, rp, rs, rt, theta, _rotation(theta), R, 0.0, R, track, free)
-    (arm, along, bent, _), (tangent, curving, _) = k.turned, k.derivatives
+    (arm, along, bent, _), (tangent, curving, _) = k.outline_vectors, k.derivatives
     if len(free) == 2:
         # (9); its divisor by NumPy, whose division by 0 raises nothing
         bending = xi1_dot * cross(along, curving) + xi2_dot * cross(bent, tangent)
@@ -175,19 +175,19 @@ def kinematics_on(
 
 def slip_vector(k: Kinematics) -> np.ndarray:
     """(12): the velocity of the plate's point at the contact, relative to the track, shape (2,)."""
-    return k.q_dot[0] * k.Rp - k.q_dot[1] * np.array(k.turned[1])
+    return k.q_dot[0] * k.Rp - k.q_dot[1] * np.array(k.outline_vectors[1])
 
 
 def slip_vector_of_plate(k: Kinematics) -> np.ndarray:
     """(11): the same from the motion of the plate, relative to the track's point, shape (2,)."""
-    velocity = k.R0_dot + k.theta_dot * (U @ k.turned[0])
+    velocity = k.R0_dot + k.theta_dot * (U @ k.outline_vectors[0])
     return velocity if k.track is None else velocity - k.W
 
 
 def slip_velocity(k: Kinematics, belt: float = 0.0) -> float:
     """The slip velocity R_pᵀ v / |R_p|, whose sign is used in (13) and (14), in m/s; relative to a surface that runs
     with the speed `belt` along R_p."""
-    tangent, (u1, u2), along, Rp = k.tangent, components(k.q_dot), k.turned[1], k.derivatives[0]
+    tangent, (u1, u2), along, Rp = k.tangent, components(k.q_dot), k.outline_vectors[1], k.derivatives[0]
     v = u1 * Rp[0] - u2 * along[0], u1 * Rp[1] - u2 * along[1]  # `slip_vector`
     return dot(tangent, v) / length(tangent) - belt
 

@@ -207,16 +207,16 @@ class GroupRows:
         now, some, n, inverse = self.now, self.some, self.count, self.some.inverse
         closed = [k for k, mode in enumerate(modes) if mode is not Mode.FLIGHT]
         columns = mix.T @ self.rows
-        chosen, others = [2 * n + self.pairs.index(sides) for sides in rigid_pairs(turns)], list[int]()
+        basis, others = [2 * n + self.pairs.index(sides) for sides in rigid_pairs(turns)], list[int]()
         for i in [*closed, *(n + k for k in closed if modes[k] in STICKING)]:
-            trial = self.rows[[*chosen, i]] * np.sqrt(inverse)
+            trial = self.rows[[*basis, i]] * np.sqrt(inverse)
             trial /= np.linalg.norm(trial, axis=1, keepdims=True)
-            (chosen if np.linalg.matrix_rank(trial, tol=DEPENDENT) > len(chosen) else others).append(i)
-        inner, outer = self.rows[chosen], columns[chosen]
+            (basis if np.linalg.matrix_rank(trial, tol=DEPENDENT) > len(basis) else others).append(i)
+        inner, outer = self.rows[basis], columns[basis]
         matrix, sizes = inner * inverse @ outer.T, np.sqrt(np.diag(inner * inverse @ inner.T))
-        if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(chosen):
+        if np.linalg.matrix_rank(matrix / np.outer(sizes, sizes), tol=DEPENDENT) < len(basis):
             return None
-        values = np.linalg.solve(matrix, -(inner @ load + self.biases[chosen]))
+        values = np.linalg.solve(matrix, -(inner @ load + self.biases[basis]))
         acceleration = load + inverse * (outer.T @ values)
         rate = SAME * max(now.scale, float(np.abs(acceleration * some.lengths).max()))
         if np.abs(self.rows[others] @ acceleration + self.biases[others]).max(initial=0.0) > rate:
@@ -243,7 +243,7 @@ class GroupRows:
                     (acceleration + s * step for s in (1.0, -1.0) if is_balanced(acceleration + s * step)), another
                 )
         lifts = np.delete(self.rows[:n] @ acceleration + self.biases[:n], closed)
-        guides = tuple((k in chosen, n + k in chosen) for k in range(n))
+        guides = tuple((k in basis, n + k in basis) for k in range(n))
         is_possible, opens = bool((lifts >= -violated).all()), bool((lifts > violated).all())
         return GroupAccelerations(acceleration, is_possible, opens, guides, another)
 

@@ -126,7 +126,7 @@ class CoupleSearch:
             return None
 
         def is_new(meeting: ElementMeeting) -> bool:
-            if meeting.time <= edges[0] + SOON * (edges[1] - edges[0]) and meeting.pair in view.parted:
+            if meeting.time <= edges[0] + SOON * (edges[1] - edges[0]) and meeting.pair in view.partings:
                 return False
             points = [view.points(k, np.array([meeting.time]))[:, 0] for k, _ in in_view]
             return not self._is_in_view(meeting, pairs, points)

@@ -67,7 +67,7 @@ class PoseChart(ModeChanges):
         super().__init__(case, t, state, before is None)
         self.rtol, self.integrate, self.segments = rtol, integrate, segments
         self.idle, self.meetings, self.errors = 0, Meetings(case), error_range(rtol)
-        self.parted: tuple[
+        self.partings: tuple[
             PieceCase, ...
         ] = ()  # pairs that a contact has left over a corner of both, where the phase begins
         self.enter: Callable[[], None] | None = partial(self._enter, before)
@@ -127,8 +127,8 @@ class PoseChart(ModeChanges):
                 loss,
                 {name for name, used in zip(regime.names, regime.guides, strict=True) if used is not None},
             )
-        meeting = self.meetings.first(view_of(segment, self.parted))
-        self.parted = ()
+        meeting = self.meetings.first(view_of(segment, self.partings))
+        self.partings = ()
         if meeting is not None and meeting.time <= segment.event.time:
             segment = segment.cut(meeting.time, None)
         else:
@@ -324,7 +324,7 @@ class PoseChart(ModeChanges):
             self._record({one.name: one.mode for one in self.watches if one is not watch})
             self.watches = [one for one in self.watches if one is not watch]
             self.touching.discard(watch.name)
-            self.parted = (watch.pair,)
+            self.partings = (watch.pair,)
             self._settle(stuck - {watch.name})
             return None
         points = self._start_of(following, whole, of_track, step)

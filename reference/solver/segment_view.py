@@ -36,7 +36,7 @@ class SegmentView:
     points: Callable[[int, np.ndarray], np.ndarray]
     gap: Callable[[int, np.ndarray], np.ndarray]
     resting: frozenset[int]
-    parted: tuple[PieceCase, ...] = ()
+    partings: tuple[PieceCase, ...] = ()
     known: dict[tuple[int, bytes], tuple[Cores, np.ndarray]] = field(default_factory=dict)
 
     @property
@@ -79,7 +79,7 @@ class SegmentView:
         return np.append(ends[0], ends[1, -1])
 
 
-def view_of(segment: Segment, parted: tuple[PieceCase, ...] = ()) -> SegmentView:
+def view_of(segment: Segment, partings: tuple[PieceCase, ...] = ()) -> SegmentView:
     """A segment in poses."""
     phase, states = segment.phase, remember(segment.states)
     regime, half = regime_of(phase), 3 * len(bodies(phase.case).reaches)
@@ -90,7 +90,7 @@ def view_of(segment: Segment, parted: tuple[PieceCase, ...] = ()) -> SegmentView
         lambda k, times: states(times)[half + 2 * k : half + 2 * k + 2],
         lambda k, times: gap_of(phase, k, times, states(times)),
         regime.resting,
-        parted,
+        partings,
     )
 
 
