@@ -67,9 +67,8 @@ class PoseChart(ModeChanges):
         super().__init__(case, t, state, before is None)
         self.rtol, self.integrate, self.segments = rtol, integrate, segments
         self.idle, self.meetings, self.errors = 0, Meetings(case), error_range(rtol)
-        self.partings: tuple[
-            PieceCase, ...
-        ] = ()  # pairs that a contact has left over a corner of both, where the phase begins
+        # Pairs that a contact has left over a corner of both, where the phase begins.
+        self.partings: tuple[PieceCase, ...] = ()
         self.enter: Callable[[], None] | None = partial(self._enter, before)
 
     def phase(self) -> Ending | None:
