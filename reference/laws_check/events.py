@@ -68,8 +68,8 @@ def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndar
         if row is None or is_at_joint(contact.law.outline, contact.xi2[row, -1]) and _moves_on(contact, row):
             continue
         is_impact = bool(len(impacts)) and np.abs(impacts - change.time).min() <= near
-        if is_impact or with_others and "another contact" in change.cause:
-            continue  # the law of impact, or the condition of the other contact
+        if is_impact or "another contact" in change.cause:
+            continue  # the law of impact, or the condition of the other contact, which may pass to another piece
         for guard in _guards(samples, scales, contact, row, change):
             yield vanishing(samples, scales, guard, contact.law.name, step)
         yield from _sense(samples, scales, contact, row, change)
