@@ -42,7 +42,7 @@ MOST_AFTER_STEP, FAR = 8, 1e-3
 LOOKS = 16
 # A contact at the end of an element has no gap in the pair beside either: the search goes on this part of a step later.
 LATER = 0.0, 1e-9, 1e-6, 1e-3
-# A contact that has left a corner over a corner has no gap in its pair for as long.
+# A contact that has left its pair over an end of it has no gap there for as long.
 SOON = 2.0 * LATER[-1]
 # The interval around a meeting in which a zero of the gap is searched is widened by four, at most this many times.
 MOST_WIDENINGS = 20
@@ -126,7 +126,8 @@ class CoupleSearch:
             return None
 
         def is_new(meeting: ElementMeeting) -> bool:
-            if meeting.time <= edges[0] + SOON * (edges[1] - edges[0]) and meeting.pair in view.partings:
+            soon = meeting.time <= edges[0] + SOON * (edges[1] - edges[0])
+            if soon and any(one.whole == couple and in_round(one) == in_round(meeting.pair) for one in view.partings):
                 return False
             points = [view.points(k, np.array([meeting.time]))[:, 0] for k, _ in in_view]
             return not self._is_in_view(meeting, pairs, points)

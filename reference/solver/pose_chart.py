@@ -67,8 +67,8 @@ class PoseChart(ModeChanges):
         super().__init__(case, t, state, before is None)
         self.rtol, self.integrate, self.segments = rtol, integrate, segments
         self.idle, self.meetings, self.errors = 0, Meetings(case), error_range(rtol)
-        # Pairs that a contact has left over a corner of both, where the phase begins.
-        self.partings: tuple[PieceCase, ...] = ()
+        # When (s) a contact has left a pair over an end.
+        self.partings = list[tuple[float, PieceCase]]()
         self.enter: Callable[[], None] | None = partial(self._enter, before)
 
     def phase(self) -> Ending | None:
@@ -126,8 +126,8 @@ class PoseChart(ModeChanges):
                 loss,
                 {name for name, used in zip(regime.names, regime.guides, strict=True) if used is not None},
             )
-        meeting = self.meetings.first(view_of(segment, self.partings))
-        self.partings = ()
+        self.partings = [one for one in self.partings if one[0] == segment.start]
+        meeting = self.meetings.first(view_of(segment, tuple(pair for _, pair in self.partings)))
         if meeting is not None and meeting.time <= segment.event.time:
             segment = segment.cut(meeting.time, None)
         else:
@@ -290,6 +290,7 @@ class PoseChart(ModeChanges):
         following = neighbour(watch.pair, of_track, step)
         if watch.mode is Mode.FLIGHT:
             self.watches.remove(watch)
+            self.parted.append((self.t, watch.pair))
             self._settle(stuck)
             return None
         if following is None:
@@ -323,7 +324,7 @@ class PoseChart(ModeChanges):
             self._record({one.name: one.mode for one in self.watches if one is not watch})
             self.watches = [one for one in self.watches if one is not watch]
             self.touching.discard(watch.name)
-            self.partings = (watch.pair,)
+            self.partings.append((self.t, watch.pair))
             self._settle(stuck - {watch.name})
             return None
         points = self._start_of(following, whole, of_track, step)

@@ -28,7 +28,7 @@ HALVINGS = 16
 class SegmentView:
     """Times (s) of a segment's steps, times (n,) ↦ poses of all plates (3 plates, n); the pairs of elements with a
     contact that is watched, of each its number and times ↦ the parameters (2, n) and the gap (n,), m; the plates at
-    rest; and the pairs that a contact has left over a corner of both curves where the segment begins."""
+    rest; and the pairs that a contact has left over an end where the segment begins."""
 
     times: np.ndarray
     poses: Poses
