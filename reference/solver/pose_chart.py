@@ -290,7 +290,7 @@ class PoseChart(ModeChanges):
         following = neighbour(watch.pair, of_track, step)
         if watch.mode is Mode.FLIGHT:
             self.watches.remove(watch)
-            self.parted.append((self.t, watch.pair))
+            self.partings.append((self.t, watch.pair))
             self._settle(stuck)
             return None
         if following is None:
