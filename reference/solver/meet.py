@@ -35,6 +35,8 @@ AT_FLAT = 0.1
 FASTER = 2.0
 # Points of an element that say where it is.
 ON_ELEMENT = 17
+# Couples with more pairs of lines and circles than this are looked at before gaps are polynomials.
+FEW = 8
 # After each step at most so many pairs of a couple are looked at that were clearly apart: from this part of the plate's
 # reach on.
 MOST_AFTER_STEP, FAR = 8, 1e-3
@@ -204,8 +206,11 @@ class CoupleSearch:
         earliest: ElementMeeting | None = None
         times = fine(poses, edges)
         near_elements = self._near_elements(poses(times))
+        is_apart = _apart(looks := _looks(times), poses(looks)) if len(quick) > FEW else None
         for pair, some in quick:
             if not near_elements[pair.first.number]:
+                continue
+            if is_apart is not None and is_apart(some):
                 continue
             for time in first_closings(some, poses, times, self.couple.plate.reach):
                 if earliest is not None and time >= earliest.time:
@@ -225,6 +230,20 @@ def _place_inside(pair: PieceCase, some: Shapes, x: float, y: float, theta: floa
     an end."""
     near = guess(pair, some, x, y, theta)
     return near if inside(pair, *near, turn=AT_FLAT if isinstance(some.still, Straight) else AT_END) else None
+
+
+def _apart(looks: np.ndarray, at_looks: np.ndarray) -> Callable[[Shapes], bool]:
+    """Whether the gap of a corner or arc of the plate stays open, as it is larger at all looks than the way of its
+    centre between two of them; `at_looks`: the plate's poses there."""
+
+    def is_apart(some: Shapes) -> bool:
+        if not some.from_base:
+            return False
+        x, y, _ = some.path(lambda _: at_looks)(looks)
+        way = float(np.hypot(np.diff(x), np.diff(y)).max(initial=0.0))
+        return bool(some.gap(x, y).min() > FASTER * way)
+
+    return is_apart
 
 
 def _looks(edges: np.ndarray) -> np.ndarray:
