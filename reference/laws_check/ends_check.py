@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from cases import Curve, Impact, Mode, StartPose, Trajectory, Unilateral
+from cases import Chain, Curve, Impact, Mode, StartPose, Trajectory, Unilateral
 from cases.contact.geometry import level_parameter
 from cases.motion.trajectory import CONTACT
 from cases.scene.free_plates import names_of, plates_of
@@ -183,7 +183,21 @@ def _track_end(samples: MotionSamples, end: float) -> Iterator[Defects]:
         return
     place = float(rows[0][0].xi1[rows[0][1], -1])
     far = min(abs(place - e) for e in ends) / (ends[1] - ends[0])
+    if isinstance(samples.case.plate.outline, Chain):  # a side that has turned flat may reach the end
+        far = min(far, *(_from_sides(samples, step, e) / samples.case.plate.reach for e in ends))
     yield _one("track ends", CONTACT, end, far, 1.0, "of its length", AT_END)
+
+
+def _from_sides(samples: MotionSamples, step: int, xi1: float) -> float:
+    """The distance (m) of a point of the track from the nearest straight side of the plate at the end of a motion."""
+    plates, outline = plates_at(samples, step, -1), samples.case.plate.outline
+    x, y = samples.case.track.point(xi1)
+    point = (complex(x, y) - plates.place[0]) / plates.turn[0]
+    starts = np.array([complex(*element.piece.point(element.span[0])) for element in outline.elements])
+    ways = np.roll(starts, -1) - starts
+    sides = np.abs(ways) > 0.0
+    part = ((point - starts[sides]) / ways[sides]).real.clip(0.0, 1.0)
+    return float(np.abs(point - starts[sides] - part * ways[sides]).min())
 
 
 def _meeting(samples: MotionSamples, scales: MotionScales, end: float) -> Iterator[Defects]:
