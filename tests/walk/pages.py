@@ -317,6 +317,11 @@ WALK = {
                 "A stands for a report of the reader's",
             ),
             Left("python -m reports.compare", "the form of the command above; tests/reports/test_gate.py runs it"),
+            Step(
+                'python -m cases show "disc_in_circle[mu=0.2]" --engines --out disc.pdf',
+                (r"^engines: .*disc_engines\.pdf$", r"^errors: .*disc_errors\.pdf$"),
+                ("disc.pdf", "disc_engines.pdf", "disc_errors.pdf"),
+            ),
             Step("python -m reports.build --quick --paper", (r"^3 cases, \d+ runs: \d+ answered \(",), REPORT),
             Step(
                 "python -m reports.study stability --paper",
