@@ -159,6 +159,7 @@ def test_an_end_with_a_wider_bar_than_a_transition_may_have_makes_no_certificate
     assert "the end (completed) is known to 2e-07 s only, more than 1e-07 s" in text
 
 
+@pytest.mark.skipif(not taylor.AVAILABLE, reason="without heyoka no other witness has places")
 def test_a_bar_that_is_no_use_makes_no_certificate(monkeypatch):
     """A place that is known to a hundredth of the plate only."""
 
