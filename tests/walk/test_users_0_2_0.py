@@ -68,7 +68,20 @@ STEPS = {
     ),
 }
 # Commands of its pages that today's pages do not have any more.
-ONLY_THERE: dict[str, Step | Left] = {}
+ONLY_THERE: dict[str, Step | Left] = {
+    "python -m reports.compare_builds report report --solver pymunk@6.11.1 --solver pymunk@7.3.1": Left(
+        "python -m reports.compare report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
+        "an older name of compare; it reads a report of two versions",
+    ),
+    "slip-to-roll gate --baseline A --solver exudyn --worse-than 10%": Left(
+        "slip-to-roll compare A report --solver exudyn --worse-than 10%",
+        "an older name of compare; A stands for a report of the reader's",
+    ),
+    "python -m reports.gate": Left("python -m reports.gate", "tests/reports/test_gate.py runs it"),
+    "slip-to-roll completion bash": Left(
+        "slip-to-roll completion bash", "it is gone, and says what to type: tests/reports/test_cli.py"
+    ),
+}
 # The last digits of a number in a scene: computed points differ between machines by some roundings.
 ROUNDING = 1e-12
 
