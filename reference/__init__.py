@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .certification.certificate import certify
-    from .laws_check import BrokenLaw, check
+    from .laws_check.broken_laws import BrokenLaw
+    from .laws_check.full_check import check
     from .proofs.prover import prove
     from .solve import METHODS, simulate
     from .sweeping import sweep, sweep_chunks
@@ -14,7 +15,8 @@ __all__ = ["METHODS", "BrokenLaw", "certify", "check", "prove", "simulate", "swe
 
 _MODULE_OF = {
     "certify": "certification.certificate",
-    **dict.fromkeys(("BrokenLaw", "check"), "laws_check"),
+    "BrokenLaw": "laws_check.broken_laws",
+    "check": "laws_check.full_check",
     "prove": "proofs.prover",
     **dict.fromkeys(("METHODS", "simulate"), "solve"),
     **dict.fromkeys(("sweep", "sweep_chunks"), "sweeping"),

@@ -19,7 +19,7 @@ from cases.scene.piece_case import PieceCase
 
 from . import solver
 from .endings import Ending, law_ending
-from .laws_check import faults_at
+from .laws_check.automatic_check import faults_at
 from .laws_check.instants import PhaseInstants, PlateInstant, TouchInstant
 from .laws_check.samples import law_at, place_at
 from .minimal.integrators.segment import Instant, Segment

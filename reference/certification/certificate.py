@@ -15,7 +15,7 @@ import numpy as np
 from cases import Case, CaseError, Mode
 
 from ..endings import BROKEN_LAW
-from ..laws_check import check
+from ..laws_check.full_check import check
 from ..proofs import catalogue
 from ..time_limit import OutOfTime, cpu_limit
 from .bars import METHOD_ULPS, Bar, Shares, ambiguity, bar, roundings, shares

@@ -1,6 +1,5 @@
-"""A check of motions by the laws of mechanics: it computes no motion, and needs none but the one that it checks."""
+"""A check of motions by the laws of mechanics: it computes no motion, and needs none but the one that it checks.
 
-from .automatic_check import faults_at
-from .broken_laws import BrokenLaw, check
-
-__all__ = ["BrokenLaw", "check", "faults_at"]
+`automatic_check` is what every motion of the reference gets, `full_check` what is asked for; the first does not import
+the second.
+"""

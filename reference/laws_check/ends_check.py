@@ -28,6 +28,7 @@ from .impact_check import impact_at, is_impact, passes_piece
 from .laws import Defects, MotionScales
 from .meetings import meeting_gaps
 from .next_motion import Consistent, NextMotions, next_motions
+from .penetration import corners_of, distance
 from .samples import CLOSE, MotionSamples, law_at
 from .tolerances import AMPLIFICATION, EPS, PARTS, SLIP
 from .touches import TouchNow, plates_at, row_of, touch
@@ -183,21 +184,12 @@ def _track_end(samples: MotionSamples, end: float) -> Iterator[Defects]:
         return
     place = float(rows[0][0].xi1[rows[0][1], -1])
     far = min(abs(place - e) for e in ends) / (ends[1] - ends[0])
-    if isinstance(samples.case.plate.outline, Chain):  # a side that has turned flat may reach the end
-        far = min(far, *(_from_sides(samples, step, e) / samples.case.plate.reach for e in ends))
+    corners = corners_of(samples.case.plate.outline)
+    if isinstance(samples.case.plate.outline, Chain) and corners is not None:  # a side that turned flat may reach it
+        plates, points = plates_at(samples, step, -1), samples.case.track.point(np.array(ends))
+        own = (points[0] + 1j * points[1] - plates.place[0]) / plates.turn[0]
+        far = min(far, float(np.abs(distance(own, corners)).min()) / samples.case.plate.reach)
     yield _one("track ends", CONTACT, end, far, 1.0, "of its length", AT_END)
-
-
-def _from_sides(samples: MotionSamples, step: int, xi1: float) -> float:
-    """The distance (m) of a point of the track from the nearest straight side of the plate at the end of a motion."""
-    plates, outline = plates_at(samples, step, -1), samples.case.plate.outline
-    x, y = samples.case.track.point(xi1)
-    point = (complex(x, y) - plates.place[0]) / plates.turn[0]
-    starts = np.array([complex(*element.piece.point(element.span[0])) for element in outline.elements])
-    ways = np.roll(starts, -1) - starts
-    sides = np.abs(ways) > 0.0
-    part = ((point - starts[sides]) / ways[sides]).real.clip(0.0, 1.0)
-    return float(np.abs(point - starts[sides] - part * ways[sides]).min())
 
 
 def _meeting(samples: MotionSamples, scales: MotionScales, end: float) -> Iterator[Defects]:

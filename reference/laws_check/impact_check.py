@@ -115,7 +115,6 @@ def _one_impact(
     step: int, time: float, rtol: float,
 ) -> Iterator[Defects]:  # fmt: skip
     (before, after), case, law = plates, samples.case, places[0].law
-    impact = next(e for e in law.effects if isinstance(e, Impact))
     own, inverse = masses(case)
     bodies = {body for one in places for body in (one.law.body, one.law.base)}
     is_of_group = np.repeat([body in bodies for body in range(len(before.place))], 3)
@@ -128,21 +127,14 @@ def _one_impact(
         matrix = rows * inverse @ rows.T
         slip, closing = places[0].slip, float(places[0].across @ before.rates)
         yield Defects("curves approach", law.name, when, np.array([closing]), scales.speed, "m/s", STILL)
-        friction = float(law.impact_cone(slip)) if np.isfinite(law.stick) else np.inf
-        moving = _in_impact(law, slip)
-        impulse = impulse_of_one(matrix, np.array([slip, closing]), moving, friction, impact)
-        every = [impulse]
+        velocity, (moving, stick) = np.array([slip, closing]), map(float, law.in_impact(slip))
+        every = [impulse_of_one(matrix, velocity, moving, stick, law.impact)]
         if case.others:  # plates that nearly touch have one impact by complementarity
-            every += _whole_impulses(matrix, np.array([slip, closing]), moving, friction, -impact.restitution * closing)
+            every += _whole_impulses(matrix, velocity, moving, stick, -law.impact.restitution * closing)
         off = min(_size(jump - inverse * (rows.T @ each), scales) for each in every)
         yield Defects("law of impact", law.name, when, np.array([off]), scales.speed, "m/s", ONE + floor)
         return
     yield from _impact_of_several(scales, places, (before, after), own * is_of_group, when, floor + PARTS * rtol)
-
-
-def _in_impact(law, slip: float) -> float:
-    """The coefficient against slip in an impact; a perfectly rough contact has none."""
-    return np.inf if law.is_rough else float(law.friction.in_impact(slip)[0]) if law.friction else 0.0
 
 
 def _size(rates: np.ndarray, scales: MotionScales) -> float:
@@ -222,7 +214,7 @@ def _impact_of_several(
     count, limit = len(before.place), (STILL + floor) * scales.speed
     unit, columns = np.tile([1.0, 1.0, 1.0 / scales.size], count), list[np.ndarray]()
     for one in places:
-        law, impact = one.law, next(e for e in one.law.effects if isinstance(e, Impact))
+        law, impact = one.law, one.law.impact
         closing, opening = float(one.across @ before.rates), float(one.across @ after.rates)
         slip = one.slip + float(one.along @ (after.rates - before.rates))
         if one.mode is not Mode.FLIGHT:
@@ -231,10 +223,7 @@ def _impact_of_several(
         is_exact = impact.law == "moreau" or (e == 0.0 and len(places) > 1)
         if is_exact and opening + e * min(closing, 0.0) > limit:
             continue  # no impulse where it opens faster than by restitution
-        moving, stick = (
-            _in_impact(law, one.slip),
-            float(law.impact_cone(one.slip)) if np.isfinite(law.stick) else np.inf,
-        )
+        moving, stick = map(float, law.in_impact(one.slip))
         sticks, certain = abs(slip) < limit, is_exact or moving == 0.0
         if np.isinf(moving) or (sticks and np.isinf(stick)):
             own_columns = [one.across]

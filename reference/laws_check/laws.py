@@ -403,7 +403,7 @@ def landing_laws(
     yield "impulse presses", -parts.imag, scale, "N s"
     if isfinite(law.stick):
         surface = law.belt.at_arrays(np.asarray(when)) if law.belt else 0.0
-        cone = law.impact_cone(before_hit.real - surface)
+        _, cone = law.in_impact(before_hit.real - surface)
         yield "impulse in Coulomb's cone", abs(parts.real) - cone * abs(parts.imag), scale, "N s"
     if plate.turns and not law.arm:
         off = plate.inertia * turned.real - plate.mass * (arm.conjugate() * change).imag

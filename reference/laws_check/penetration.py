@@ -37,7 +37,7 @@ class Depth(NamedTuple):
 
 
 @lru_cache(maxsize=256)
-def _corners(outline: Curve) -> np.ndarray | None:
+def corners_of(outline: Curve) -> np.ndarray | None:
     """Corners (k,) of a polygon inside an outline, complex, in the plate's frame; None if it encloses nothing."""
     if not outline.period:
         return None
@@ -83,7 +83,7 @@ def _in_curve(
     pair: str, curve: Curve, plate: Plate, one: PlateSamples, times: np.ndarray, near: np.ndarray | None
 ) -> Iterator[Depth]:
     """A plate in a track or support."""
-    line, corners = line_of(curve), _corners(plate.outline)
+    line, corners = line_of(curve), corners_of(plate.outline)
     if line is not None:
         height = height_above(line, one.place)
         if plate.radius is not None:
@@ -117,14 +117,14 @@ def _in_plate(first: tuple[Plate, PlateSamples], second: tuple[Plate, PlateSampl
         return None
     if other.radius is not None:
         return plate.radius + other.radius - np.abs(one.place - base.place)
-    corners = _corners(other.outline)
+    corners = corners_of(other.outline)
     if corners is None:
         return None
-    return plate.radius - _distance((one.place - base.place) * base.turn.conj(), corners)
+    return plate.radius - distance((one.place - base.place) * base.turn.conj(), corners)
 
 
-def _distance(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """The distance of points from a convex polygon, negative inside; complex."""
+def distance(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """The distance of points from a convex polygon, negative inside; complex. It vanishes on the sides of any other."""
     side = np.roll(corners, -1) - corners
     length = np.abs(side)
     offset = (points[..., None] - corners) * (side.conj() / length)

@@ -18,6 +18,7 @@ from cases import (
     Chain,
     CoulombFriction,
     Curve,
+    Impact,
     Mode,
     PerfectlyRough,
     RollingResistance,
@@ -78,18 +79,24 @@ class ContactLaw(NamedTuple):
         """The coefficient of friction at slip velocities (m/s), an array of their shape or one number."""
         return self.friction.at(abs(slip)) if self.friction else 0.0
 
-    def impact_cone(self, slip: Any):
-        """The largest ratio of the impulses of friction and of pressure in an impact that begins at slip velocities
-        (m/s), an array of their shape or one number."""
-        return np.inf if self.is_rough else self.friction.in_impact(slip)[1] if self.friction else 0.0
+    def in_impact(self, slip: Any) -> tuple[Any, Any]:
+        """The coefficients of friction against slip and without it of an impact that begins at slip velocities (m/s),
+        arrays of their shape or one number each."""
+        if self.is_rough:
+            return np.inf, np.inf
+        return self.friction.in_impact(slip) if self.friction else (0.0, 0.0)
+
+    @property
+    def impact(self) -> Impact:
+        """The law of impact, of a case that has one."""
+        return next(effect for effect in self.effects if isinstance(effect, Impact))
 
 
 class ContactInstants(NamedTuple):
     """One contact in the m steps in which it is closed, given by their numbers (m,): arrays (m, 25) of the point of its
     base (complex, m) and the unit tangent there (complex), the slip velocity (m/s), normal and friction force (N, NaN
     where they are not unique), the point of its plate (complex, m) and the unit tangent of its outline (complex), and
-    the
-    parameters of both. `modes`: of each step."""
+    the parameters of both. `modes`: of each step."""
 
     law: ContactLaw
     steps: np.ndarray

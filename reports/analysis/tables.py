@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from reference.certification import WITNESSED
 
@@ -14,9 +14,6 @@ from ..running.records import Experiment, Run, default, defaults, finest, first_
 from ..running.solvers import NOT_INSTALLED
 from . import levels
 from .convergence import convergence_rows
-
-if TYPE_CHECKING:
-    pass
 
 OUTCOMES = ("answered", "unsupported", "crashed", "timed_out", NOT_INSTALLED)
 

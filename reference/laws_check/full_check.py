@@ -1,0 +1,157 @@
+"""The laws that a motion breaks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import chain
+
+import numpy as np
+
+from cases import BadValue, Case, Trajectory
+from cases.moving_frame import in_track_frame, relative_case
+
+from ..endings import CAUSES
+from . import laws, penetration
+from .broken_laws import OVERLAP, BrokenLaw, worst, worst_first
+from .contact_check import contact_defects, unresolved_steps
+from .ends_check import end_defects, following_defects, start_defects
+from .events import event_defects
+from .formula_steps import finer_steps
+from .impact_check import impact_defects
+from .laws import Defects, Joins, MotionScales
+from .samples import ContactInstants, MotionSamples, of_motion, steps_of
+from .tolerances import AMPLIFICATION, DRIVEN, MOMENTUM, OVERLAPS, PARTS, POSE
+
+# Steps whose forces the nodes do not resolve are divided into so many parts, so many times: the worst of them.
+DIVIDED, DIVISIONS, MOST_DIVIDED = 4, 5, 8
+# Steps in which a sign is not resolved are divided into so many parts.
+SIGN_PARTS = 16
+
+
+def check(case: Case, motion: Trajectory, rtol: float = 1e-10) -> tuple[BrokenLaw, ...]:
+    """The laws that a motion of a case breaks, overlaps first, then the one that is broken most (in parts of its
+    limit).
+
+    `motion`: a Trajectory with dense output, from any solver, with the modes of its contacts in its transitions;
+    `rtol`: its relative accuracy, of which a hundredfold is no broken law (0: it is exact to roundings). Of each step
+    between two samples the laws are evaluated at 25 instants, and more closely where these do not resolve the forces:
+    no overlap of any pair, normal forces press, Coulomb's law, no slip in a roll, contacts stay closed, poses are
+    continuous, velocities jump by the law of impact only, energy is not created (where no load, belt or effect of a
+    package gives some), and momenta change by the forces; at transitions their condition vanishes, and the motion goes
+    on as the laws allow; start and end are the case's, and the status holds. Forces that are not unique (NaN) are in no
+    balance, and the modes within a series of impacts that are not listed are not known.
+    Raises BadValue for a motion without dense output.
+    """
+    if not isinstance(motion, Trajectory) or motion.dense is None:
+        raise BadValue(f"check was given {motion!r}; give a Trajectory with dense output, as reference.simulate does")
+    relative = relative_case(case)
+    seen = motion if relative is case else in_track_frame(motion)
+    if len(motion.t) < 2:
+        return ()
+    with np.errstate(all="ignore"):
+        return _broken_by(relative, seen, rtol, POSE if relative is case else DRIVEN)
+
+
+def _broken_by(case: Case, motion: Trajectory, rtol: float, poses: float) -> tuple[BrokenLaw, ...]:
+    """The laws that a motion breaks, of a case with a track at rest. A motion that ends where it begins has no steps,
+    and breaks none."""
+    start, end = steps_of(motion)
+    if not len(start):
+        return ()
+    samples = of_motion(case, motion, start, end)
+    scales = laws.motion_scales(samples, poses)
+    results = list[BrokenLaw]()
+    for defects in _motion_defects(samples, scales):
+        if worst(defects, rtol) and (closer := _closer(case, motion, samples, defects, rtol, poses)):
+            results.append(closer)
+    finer, every = _finer(case, motion, samples, scales), laws.joins(samples)
+    sudden = laws.jumps(every, scales.reach, scales.speed, _sudden_part(scales, rtol))
+    if finer is not None:
+        own = laws.motion_scales(finer, poses)
+        of_finer = chain(_motion_defects(finer, own), _of_contacts(finer, own, sudden))
+        results += [one for defects in of_finer if (one := worst(defects, rtol))]
+    others = chain(
+        start_defects(samples, scales, rtol), _other_defects(samples, scales, every, sudden, rtol),
+        following_defects(samples, scales), end_defects(samples, scales, motion, case.duration, rtol),
+    )  # fmt: skip
+    results += [one for defects in others if (one := worst(defects, rtol))]
+    return worst_first(results)
+
+
+def _closer(
+    case: Case, motion: Trajectory, samples: MotionSamples, defects: Defects, rtol: float, poses: float
+) -> BrokenLaw | None:
+    """The broken law of some steps if it is broken also with more instants: forces may change more quickly than those
+    of a step resolve."""
+    parts, limit = 1, defects.limit(rtol)
+    steps = np.flatnonzero(np.abs(defects.sizes) > limit)
+    sizes = defects.sizes[steps]
+    for _ in range(DIVISIONS):
+        parts *= DIVIDED
+        steps = steps[np.argsort(-np.abs(sizes) / limit[steps])][:MOST_DIVIDED]
+        knots = samples.start[steps, None] + samples.length[steps, None] * (np.arange(parts + 1) / parts)
+        knots[:, -1] = samples.end[steps]
+        again = of_motion(case, motion, knots[:, :-1].ravel(), knots[:, 1:].ravel())
+        scales = laws.motion_scales(again, poses)
+        one = next(d for d in _motion_defects(again, scales) if (d.law, d.place) == (defects.law, defects.place))
+        sizes = one.sizes.reshape(-1, parts).sum(axis=1)
+        steps, sizes = (values[np.abs(sizes) > limit[steps]] for values in (steps, sizes))
+        if not len(steps):
+            return None
+    return worst(defects._replace(times=defects.times[steps], sizes=sizes, scale=limit[steps], floor=1.0), 0.0)
+
+
+def _motion_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[Defects]:
+    """The defects of momenta and rates of poses in each step."""
+    for one in laws.motion_defects(samples, laws.sums(samples, scales.speed), scales):
+        yield one._replace(sizes=np.where(samples.is_straight, 0.0, one.sizes))
+
+
+def _sudden_part(scales: MotionScales, rtol: float) -> float:
+    """The part of the speed by which velocities jump in impacts only."""
+    return MOMENTUM + AMPLIFICATION * float(scales.condition.max()) + PARTS * rtol
+
+
+def _finer(case: Case, motion: Trajectory, samples: MotionSamples, scales: MotionScales) -> MotionSamples | None:
+    """Samples of the parts of those steps that the nodes do not resolve, or None."""
+    start, end = finer_steps(case, motion, samples, scales)
+    signs = unresolved_steps(samples, scales)[:MOST_DIVIDED]
+    knots = samples.start[signs, None] + samples.length[signs, None] * (np.arange(SIGN_PARTS + 1) / SIGN_PARTS)
+    start, end = np.concatenate([start, knots[:, :-1].ravel()]), np.concatenate([end, knots[:, 1:].ravel()])
+    return of_motion(case, motion, start, end) if len(start) else None
+
+
+def _of_contacts(samples: MotionSamples, scales: MotionScales, sudden: Joins) -> Iterator[Defects]:
+    for contact in samples.contacts:
+        keep = ~samples.is_straight[contact.steps]
+        if keep.any():
+            law, *rows = contact
+            solved = contact if keep.all() else ContactInstants(law, *(row[keep] for row in rows))
+            yield from contact_defects(samples, solved, scales, _is_listed(samples, sudden.times, solved.steps))
+
+
+def _other_defects(
+    samples: MotionSamples, scales: MotionScales, every: Joins, sudden: Joins, rtol: float
+) -> Iterator[Defects]:
+    yield from _of_contacts(samples, scales, sudden)
+    is_series = ~(_is_listed(samples, sudden.times, every.steps) & _is_listed(samples, sudden.times, every.steps - 1))
+    yield from laws.continuity_defects(samples, every, scales, is_series)
+    if len(sudden.steps):
+        yield from laws.impact_defects(samples.case, sudden, scales)
+        yield from impact_defects(samples, scales, sudden, rtol)
+    yield from laws.energy_defects(samples, scales.speed)
+    yield from event_defects(samples, scales, sudden.times)
+    for depth in penetration.depths(samples.case, samples.times, samples.plates, samples.near):
+        yield Defects(OVERLAP, depth.pair, depth.times, depth.depths, scales.extent, "m", OVERLAPS)
+
+
+def _is_listed(samples: MotionSamples, sudden: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Which of some steps have the modes that the transitions list (`sudden`: times at which velocities jump): not
+    those of a series of impacts that are not listed, from the last transition before one of these to its end."""
+    instants = np.array([0.0, *(change.time for change in samples.transitions)])
+    rests = np.array([*(c.time for c in samples.transitions if c.cause == CAUSES["rest"]), np.inf])
+    others = np.setdiff1d(sudden, instants)
+    first = instants[np.searchsorted(instants, others) - 1]
+    last = rests[np.searchsorted(rests, others)]
+    start = samples.start[steps]
+    return ~((start[:, None] >= first) & (start[:, None] < last)).any(axis=1)
