@@ -42,7 +42,8 @@ FEW = 8
 MOST_AFTER_STEP, FAR = 8, 1e-3
 # Samples of a step at which far plates are looked at.
 LOOKS = 16
-# A contact at the end of an element has no gap in the pair beside either: the search goes on this part of a step later.
+# A contact at the end of an element has no gap in the neighbouring pair either: the search goes on this part of a step
+# later.
 LATER = 0.0, 1e-9, 1e-6, 1e-3
 # A contact that has left its pair over an end of it has no gap there for as long.
 SOON = 2.0 * LATER[-1]

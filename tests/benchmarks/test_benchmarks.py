@@ -60,8 +60,8 @@ def test_plain_c_is_the_closed_form():
 def test_what_the_reference_costs():
     """The whole study, every catalogue case from cold: nothing fails to be timed, and nothing rots unseen.
 
-    Bars are held by ratios on whatever machine this is, beside other tests: twice each, less than what any of the
-    faults costs that they were made for (3 to 170 times).
+    The limits are ratios, so that they hold on any machine while other tests run: twice the ratio of each, which is
+    less than what any of the faults costs for which they were made (3 to 170 times).
     """
     with Calls(1) as calls:
         found = reference_cost.run(calls, full=True)

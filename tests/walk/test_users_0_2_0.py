@@ -82,6 +82,8 @@ ONLY_THERE: dict[str, Step | Left] = {
         "slip-to-roll completion bash", "it is gone, and says what to type: tests/reports/test_cli.py"
     ),
 }
+# Commands of its scripts that fail today, with their exit status: a report writes no LaTeX, as CHANGELOG says.
+CHANGED = {"paper": {"$ ls report/figures/*.pdf report/tables/verdict.tex": 2, "$ cat report/tables/verdict.tex": 1}}
 # The last digits of a number in a scene: computed points differ between machines by some roundings.
 ROUNDING = 1e-12
 
@@ -198,8 +200,11 @@ def test_a_page_of_0_2_0_is_walked(name, environment, archive, tmp_path):  # noq
 @pytest.mark.slow
 @pytest.mark.parametrize("name", replay.SCRIPTS)
 def test_a_script_of_0_2_0_runs(name, environment, archive, tmp_path):  # noqa: F811
-    """Each command with the exit status that its record has."""
+    """Each command with the exit status that its record has, or that of a change."""
     record, _ = replay.run(name, environment, tmp_path, archive / "newcomers")
     before = (archive / "newcomers" / f"{name}.txt").read_text(encoding="utf-8")
     kept = [re.findall(r"^\$ .*|^\[exit status .*", text, flags=re.M) for text in (record, before)]
-    assert kept[0] == kept[1] and "Traceback" not in record
+    status, expected = CHANGED.get(name, {}), list[str]()
+    for line in kept[1]:
+        expected += [line, f"[exit status {status[line]}]"] if line in status else [line]
+    assert kept[0] == expected and "Traceback" not in record
