@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
+from fnmatch import fnmatch
 from pathlib import Path
 
 import pandas as pd
@@ -186,7 +187,10 @@ def is_whole(report: Path) -> bool:
 
 def unfinished(folder: Path) -> list[str]:
     """The suite's own files that are not finished."""
-    return [path.name for path in folder.rglob(".slip-to-roll-*")]
+    # os.walk passes over a folder that ends meanwhile; rglob raises.
+    return [
+        name for _, folders, files in os.walk(folder) for name in (*folders, *files) if fnmatch(name, ".slip-to-roll-*")
+    ]
 
 
 def left(folder: Path) -> list[str]:
