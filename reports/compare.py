@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from cases import Case, Trajectory
 
     from .judging.diagnosis import Columns
+    from .judging.law_error import LawError
     from .running.records import Run
 
 COMMAND = "reports.compare"
@@ -96,11 +97,20 @@ def _text(case: Case, motion: Trajectory, run: Run) -> str:
             "Transitions (s)\n" + (tabulate(ledger, head, floatfmt=digits) if ledger else "none, as in the truth"),
             "Distance from the reference (m, rad, m/s)\n" + tabulate(distance, floatfmt=".3g"),
             "Energy\n" + tabulate(energies, floatfmt=".6g"),
+            _law_text(run.law),
             "Laws broken\n" + ("\n".join(violations) if violations else "none"),
             _creep_text(run.score.creep, motion.slip_resolution),
             SHOWN_DIGITS,
         )
     )
+
+
+def _law_text(error: LawError) -> str:
+    """The error of the law of friction in slip, from the file's samples alone."""
+    if not isfinite(error.median):
+        return "Friction force in slip: not known (no slip, several contacts, or a moving track)."
+    most = f"90 % of the steps within {error.upper:.2g}, most at t = {error.time:.3g} s"
+    return f"Friction force in slip: off by {error.median:.2g} of μN (median; {most})."
 
 
 def _creep_text(creep: float, declared: float) -> str:

@@ -130,6 +130,7 @@ class Comparison:
                 "off": run.score.off if run.score else nan,
                 "off_doubt": run.score.doubt if run.score else nan,
                 "friction_factor": run.friction_factor,
+                "law_error": run.law.median,
                 "reason": run.reason,
             }
             rows.append(row | {"first_transition_error": first_error(run)} | run.distance._asdict())

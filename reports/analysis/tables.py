@@ -158,6 +158,8 @@ def _score_columns(run: Run, sensitivity: float) -> dict[str, Any]:
         "off_doubt": score.doubt if score else nan,
         "mu_equivalent": score.off * CHANGE / sensitivity if score and sensitivity >= LEAST else nan,
         "friction_factor": run.friction_factor,
+        "law_error": run.law.median,
+        "law_error_at": run.law.time,
         "reason": run.reason,
         "refusal": run.refusal,
         "sequence": run.sequence,

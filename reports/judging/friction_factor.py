@@ -107,24 +107,29 @@ def losses(case: Case, motion: Trajectory, end: float) -> Losses:
     slip, xi1 = (values[inside] for values in _contact(motion))
     if inside.sum() < 2 or not np.isfinite(xi1).all():
         return INDETERMINATE
-    h = np.diff(motion.t[inside])
+    h, load = np.diff(motion.t[inside]), applied_forces(case, motion, inside)
     vx, vy, omega = (getattr(motion, name)[inside] for name in ("vx", "vy", "omega"))
-    load = applied_forces(case, motion, inside).T
-    weight = case.plate.mass * gravity(case)
-    # Impulses of the contact in each step, N s.
-    push_x = case.plate.mass * np.diff(vx) - h * (weight[0] + _middle(load[:, 0]))
-    push_y = case.plate.mass * np.diff(vy) - h * (weight[1] + _middle(load[:, 1]))
+    push_x, push_y = contact_impulses(case, motion, load, inside)
     normal = np.asarray(case.track.normal(_middle(xi1)))
     impulse = push_x * normal[0] + push_y * normal[1]
     if case.effect(Unilateral) is None:
         impulse = np.abs(impulse)
     rates = friction.at(np.abs(slip)) * np.abs(slip) + (resistance.arm * np.abs(omega) if resistance else 0.0)
-    work = np.sum(h * _middle(load[:, 0] * vx + load[:, 1] * vy + load[:, 2] * omega))
+    work = np.sum(h * _middle(load[0] * vx + load[1] * vy + load[2] * omega))
     if case.effect(Belt) is not None:
         tangent = np.asarray(case.track.tangent(_middle(xi1)))
         work += np.sum((push_x * tangent[0] + push_y * tangent[1]) * _middle(belt_speed(case, motion.t[inside])))
     total = energy(case, motion)[inside]
     return Losses(float(total[0] - total[-1] + work), float(np.sum(_middle(rates) * impulse)))
+
+
+def contact_impulses(case: Case, motion: Trajectory, load: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """Impulse of the contacts with the track from each of the samples `inside` to the next, by the plate's momentum:
+    m Δv − (weight + load) h, shape (2, n − 1), N s. `load`: the forces at the samples, N, shape (2 or more, n)."""
+    forces = load[:2] + case.plate.mass * gravity(case)[:, None]
+    velocity = np.array([motion.vx[inside], motion.vy[inside]])
+    means = 0.5 * (forces[:, 1:] + forces[:, :-1])
+    return case.plate.mass * np.diff(velocity, axis=1) - np.diff(motion.t[inside]) * means
 
 
 def _middle(values: np.ndarray) -> np.ndarray:

@@ -7,22 +7,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, CoulombFriction, Drive, Gravity, Load, Trajectory
-from cases.contact.nearest import nearest
-from cases.errors import DoesNotFit
-from cases.own_effects import own_effects
+from cases import Case, CoulombFriction, Drive, Trajectory
+from cases.motion.mechanics import applied_forces
 
-# Intervals between samples at which the law is looked at: of more, so many that are evenly distributed.
-MOST_INTERVALS = 1000
+from .friction_factor import contact_impulses
+
 # Slip below this part of the largest, and pressure below this part of the median, is left out: near zero both are
-# differences of roundings. A plate that is higher than this part of its size flies.
-SLIPS, PRESSES, FLIES = 0.02, 0.05, 0.05
-_COLUMNS = ("t", "x", "y", "theta", "vx", "vy", "omega")
+# differences of roundings.
+SLIPS, PRESSES = 0.02, 0.05
 
 
 class LawError(NamedTuple):
-    """The error of the law of friction in units of μ N while the plate slips: its median and the value that 90 % of the
-    intervals do not exceed; and the time (s) at which it is largest. NaN where the law is not looked at."""
+    """The error of the law of friction in units of μ N while the plate slips: its median over the steps between samples
+    and the value that 90 % of them do not exceed; and the time (s) at which it is largest. NaN where the law is not
+    looked at."""
 
     median: float = nan
     upper: float = nan
@@ -32,57 +30,32 @@ class LawError(NamedTuple):
 def law_error(case: Case, motion: Trajectory) -> LawError:
     """|T + sign(slip) μ N| / (μ N) of the forces that changed the velocities from sample to sample.
 
-    N and T are the components of m Δv/Δt less weight and load at the point of the track that is nearest to the plate;
-    slip is that of the mean velocities. An error of the method of first order in the step remains where forces change
-    within it. NaN with a moving track, several plates or contacts, effects of packages, and without friction.
+    N and T are the parts of the impulse of the contact, by the plate's momentum, along the normal and the tangent of
+    the track at the place of contact; slip is the mean of both samples. An error of second order in the time between
+    samples remains, and one of first order where forces change at once. NaN with a moving track, several plates or
+    contacts, and without friction.
     """
-    friction, drive = case.effect(CoulombFriction), case.effect(Drive)
-    if friction is None or drive is not None or case.others or case.supports or own_effects(case.effects):
+    friction = case.effect(CoulombFriction)
+    if friction is None or case.effect(Drive) is not None or case.others or case.supports or len(motion.contacts) > 1:
         return LawError()
-    keep = np.concatenate([np.diff(motion.t) > 0.0, [True]])
-    t, x, y, theta, vx, vy, omega = (getattr(motion, name)[keep] for name in _COLUMNS)
-    if len(t) < 2:
+    inside = np.concatenate([np.diff(motion.t) > 0.0, [True]])
+    if np.count_nonzero(inside) < 2:
         return LawError()
-    some = np.unique(np.linspace(0, len(t) - 2, min(len(t) - 1, MOST_INTERVALS)).astype(int))
-    length = t[some + 1] - t[some]
-    middle = [0.5 * (row[some] + row[some + 1]) for row in (t, x, y, theta, vx, vy, omega)]
-    gain = ((vx + 1j * vy)[some + 1] - (vx + 1j * vy)[some]) / length
-    rows = [_forces(case, gain[i], *(float(row[i]) for row in middle)) for i in range(len(some))]
-    normal, tangential, slip = np.array(rows).T
-    return _error(friction, middle[0], normal, tangential, slip)
-
-
-def _forces(
-    case: Case, gain: complex, t: float, x: float, y: float, theta: float, vx: float, vy: float, omega: float
-) -> tuple[float, float, float]:
-    """Normal and friction force (N) and slip velocity (m/s) at the nearest point of the track; NaN in flight."""
-    plate = case.plate
-    try:
-        pair = nearest(case, x, y, theta)
-    except DoesNotFit:
-        pair = None
-    if pair is None or pair.gap > FLIES * plate.reach:
-        return nan, nan, nan
-    gravity, load, belt = case.effect(Gravity), case.effect(Load), case.effect(Belt)
-    force = plate.mass * (gain - (complex(*gravity.vector) if gravity else 0j))
-    if load is not None:
-        force -= complex(*load.at(t, x, y, theta, vx, vy, omega)[:2])
-    force *= complex(*case.track.tangent(pair.xi1)).conjugate()
-    lever = complex(*case.track.point(pair.xi1)) - complex(x, y)
-    moving = (complex(vx, vy) + 1j * omega * lever) * complex(*case.track.tangent(pair.xi1)).conjugate()
-    return force.imag, force.real, moving.real - (belt.at(t)[0] if belt else 0.0)
-
-
-def _error(
-    friction: CoulombFriction, t: np.ndarray, normal: np.ndarray, tangential: np.ndarray, slip: np.ndarray
-) -> LawError:
-    touches = np.isfinite(slip)
+    t, slip, xi1 = (0.5 * (row[inside][1:] + row[inside][:-1]) for row in (motion.t, motion.slip, motion.xi1))
+    push = contact_impulses(case, motion, applied_forces(case, motion, inside), inside) / np.diff(motion.t[inside])
+    place = np.where(np.isfinite(xi1), xi1, case.start.xi1)
+    along, across = (np.sum(push * side(place), axis=0) for side in (case.track.tangent, case.track.normal))
+    touches = np.isfinite(xi1 + slip + along + across)
     if not touches.any():
         return LawError()
     slips = touches & (np.abs(slip) > SLIPS * np.abs(slip[touches]).max())
-    slips &= normal > PRESSES * np.median(np.abs(normal[touches]))
+    # A contact that may pull has friction of either sign of its normal force.
+    pressure = np.abs(across)
+    slips &= pressure > PRESSES * np.median(pressure[touches])
     if not slips.any():
         return LawError()
-    bound = friction.at(np.abs(slip[slips])) * normal[slips]
-    error = np.abs(tangential[slips] + np.sign(slip[slips]) * bound) / bound
-    return LawError(float(np.median(error)), float(np.quantile(error, 0.9)), float(t[slips][np.argmax(error)]))
+    bound = friction.at(np.abs(slip[slips])) * pressure[slips]
+    error = np.abs(along[slips] + np.sign(slip[slips]) * bound) / np.where(bound > 0.0, bound, nan)
+    if not np.isfinite(error).any():
+        return LawError()
+    return LawError(float(np.nanmedian(error)), float(np.nanquantile(error, 0.9)), float(t[slips][np.nanargmax(error)]))

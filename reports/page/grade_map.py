@@ -95,6 +95,8 @@ def _cell(runs: Sequence[Run], run: Run) -> dict[str, Any]:
     tip = [f"{percent(off)} ± {percent(run.score.doubt)} off{spread}", run.grade]
     if isfinite(run.friction_factor):
         tip.append(f"friction × {run.friction_factor:.2g}")
+    if isfinite(run.law.median):
+        tip.append(f"friction force off by {percent(run.law.median)} of μN, most at {run.law.time:.3g} s")
     tip += [run.sequence] if run.sequence else []
     return {
         "off": short_percent(off),

@@ -15,6 +15,7 @@ from cases import Case, Cost, Mode, Transition
 from ..judging.distances import Distance
 from ..judging.grades import LIMITS, Grade, is_within
 from ..judging.impacts import ImpactRow
+from ..judging.law_error import LawError
 from ..judging.ledger import LedgerRow
 from ..judging.score import Scale, Score
 from .names import REFERENCE
@@ -83,7 +84,7 @@ class Run:
     """One row of the experiment: solver, setting, outcome, and the comparison with the truth.
 
     `outcome` is one of answered, unsupported, crashed, timed_out. An answered run has a `score`, a `grade`, its
-    friction × (NaN where it is not known), and as `reason` what the grade is due to; any other has as `reason` why
+    friction × and law error (NaN where they are not known), and as `reason` what the grade is due to; any other has why
     there is no motion. `refusal`: whether the engine cannot do an unsupported case, or its adapter does not yet.
     `samples` and `off` (solver minus truth) are for figures, thinned; `spreads` (s) are the reading doubts of the
     solver's transitions; `impacts` those on the track, or on several contacts. `when`: time of the run, since CPU times
@@ -108,6 +109,7 @@ class Run:
     when: str = ""
     score: Score | None = None
     friction_factor: float = float("nan")
+    law: LawError = LawError()
     grade: str = ""
     sequence: str = ""
     impacts: tuple[ImpactRow, ...] = ()

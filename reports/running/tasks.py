@@ -23,6 +23,7 @@ from reference.certification import Certificate, NotCertified, contradiction, is
 from ..judging import claims, distances, grades, impacts, ledger, several_contacts, transitions, validation
 from ..judging.friction_factor import friction_factor, is_defined
 from ..judging.friction_sensitivity import LEAST, friction_sensitivity
+from ..judging.law_error import law_error
 from ..judging.null_motions import null_motions
 from ..judging.score import Scale, Score, doubt_of_reading, scale_of, score_and_reading
 from ..judging.slip_phases import Reading
@@ -303,6 +304,7 @@ def judge(
         spreads=reading.spreads,
         score=scored,
         friction_factor=friction,
+        law=law_error(case, even or trajectory),
         grade=str(grades.grade(scored.off, scored.doubt)),
         sequence=grades.sequence_note(scored, scale),
         impacts=rows,

@@ -47,6 +47,8 @@ def test_exported_reference_motion_is_excellent(tmp_path, capsys, columns, toler
     assert status == 0
     assert re.search(rf"{re.escape(NAME)}: off [^;]*: excellent;", text)
     assert "Laws broken\nnone" in text
+    law = re.search(r"Friction force in slip: off by (\S+) of μN", text)
+    assert law and float(law[1]) < max(10.0 * tolerance, 1e-5)
     rows = ledger(text)
     assert len(rows) == len(MOTION.transitions)
     for row, event in zip(rows, MOTION.transitions, strict=True):
