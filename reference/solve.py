@@ -203,14 +203,14 @@ def as_trajectory(
     steps, evaluations = sum([s.steps for s in segments]), sum([s.evaluations for s in segments])
     cost = Cost(cost.cpu_s, cost.wall_s, cost.setup_s, steps, evaluations)
     status, reason = ending if _finite(segments) else undecidable(segments[-1].start)
-    if (
-        any(t.contact for t in transitions)
-        and solver.begins_alone(case)
-        and solver.AllContacts(case, segments, transitions).names == (CONTACT,)
-    ):
-        transitions = [replace(change, contact="") for change in transitions]  # the only one has no name
+    contacts = None
+    if case.others or any(isinstance(segment.phase, solver.SolverPhase) for segment in segments):
+        contacts = solver.AllContacts(case, segments, transitions)
+        if contacts.names == (CONTACT,) and solver.begins_alone(case):  # the only one has no name
+            contacts, transitions = None, [replace(change, contact="") for change in transitions]
     warning = augmented_integrator.warning(segments)
-    return _trajectory(case, segments, transitions, status, f"{reason} {warning}" if warning else reason, cost)
+    reason = f"{reason} {warning}" if warning else reason
+    return _trajectory(case, segments, transitions, status, reason, cost, contacts)
 
 
 def _finite(segments: list[Segment]) -> bool:
@@ -279,7 +279,10 @@ def _name(element: Element) -> str:
     return f"{'corner' if isinstance(element.piece, Corner) else 'piece'} {element.number}"
 
 
-def _trajectory(case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost) -> Trajectory:
+def _trajectory(
+    case: Case, segments: list[Segment], transitions, status: str, reason: str, cost: Cost,
+    contacts: solver.AllContacts | None,
+) -> Trajectory:  # fmt: skip
     """A trajectory with samples at the integrator's steps and on both sides of each transition, and a dense output."""
     common: dict[str, Any] = dict(transitions=tuple(transitions), status=status, reason=reason, cost=cost, case=case)
     common["passages"] = passages(segments) if has_pieces(case) else ()
@@ -298,8 +301,7 @@ def _trajectory(case: Case, segments: list[Segment], transitions, status: str, r
         with np.errstate(all="ignore"):
             return np.concatenate([segment.times for segment in segments]), _states(case, segments, None)
 
-    if case.others or any(isinstance(segment.phase, solver.SolverPhase) for segment in segments):
-        contacts = solver.AllContacts(case, segments, transitions)
+    if contacts is not None:
         common |= dict(contact_names=contacts.names, contact_columns=contacts)
     if case.others:
         common |= dict(plate_names=names_of(case), plate_columns=solver.AllPlates(case, segments))

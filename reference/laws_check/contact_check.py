@@ -82,7 +82,8 @@ def _between_nodes(name, place, times, sizes, scale, floor, unit) -> Defects:
 
 
 def _kinematics(samples, contact, scales, is_listed, still) -> Iterator[Defects]:
-    """(5), (6) and (11): one point, one tangent, and the velocity of the plate there."""
+    """(5), (6) and (11): one point, one tangent, and the velocity of the plate there; steps that are not listed may be
+    the rest of an inner series of impacts, in which it is no rate of the gap."""
     law, name, times = contact.law, contact.law.name, samples.times[contact.steps]
     turns = turns_of(samples.plates[law.body], scales.last)
     scale = scales.extent + scales.size * turns
@@ -93,17 +94,10 @@ def _kinematics(samples, contact, scales, is_listed, still) -> Iterator[Defects]
         material_velocity(samples, contact, law.body) - material_velocity(samples, contact, law.base)
     ) * contact.tangent.conj()
     slip = moving.real - (law.belt.at_arrays(times.ravel()).reshape(times.shape) if law.belt else 0.0)
-    yield Defects("contact stays closed", name, times, np.abs(moving.imag), scales.speed, "m/s", still)
-    sizes = np.where(is_listed[:, None], np.abs(slip - contact.slip), 0.0)
-    yield Defects(
-        "slip velocity",
-        name,
-        times,
-        sizes,
-        scales.speed,
-        "m/s",
-        SLIP + AMPLIFICATION * scales.condition[contact.steps, None],
-    )
+    opens, other = np.where(is_listed[:, None], [np.abs(moving.imag), np.abs(slip - contact.slip)], 0.0)
+    yield Defects("contact stays closed", name, times, opens, scales.speed, "m/s", still)
+    floor = SLIP + AMPLIFICATION * scales.condition[contact.steps, None]
+    yield Defects("slip velocity", name, times, other, scales.speed, "m/s", floor)
 
 
 def unresolved_steps(samples: MotionSamples, scales: MotionScales) -> np.ndarray:

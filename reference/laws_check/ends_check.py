@@ -116,12 +116,14 @@ def _apart(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def _held(samples: MotionSamples, every: list[Consistent]) -> list[Consistent]:
-    """Without the motions that slip where static friction, larger than that of slip, holds the plate."""
+    """Those with the most contacts that stick, where static friction is larger than that of slip: a contact that may
+    stick does."""
     frictions = [contact.law.friction for contact in samples.contacts]
     if not any(friction.stick > friction.at_rest for friction in frictions if friction is not None):
         return every
-    sticks = [one for one in every if any(mode[0] == "stick" for mode in one.modes)]
-    return sticks if any(one.is_strict for one in sticks) else every
+    sticking = [sum(mode[0] == "stick" for mode in one.modes) for one in every]
+    most = max((count for count, one in zip(sticking, every, strict=True) if one.is_strict), default=0)
+    return [one for count, one in zip(sticking, every, strict=True) if count >= most]
 
 
 # --- end --------------------------------------------------------------------------------------------------------------

@@ -166,12 +166,13 @@ class CoupleSearch:
         return earliest
 
     def _is_in_view(self, meeting: ElementMeeting, pairs: Sequence[PieceCase], points: Sequence[np.ndarray]) -> bool:
-        """Whether a meeting is at the place of a contact that is watched, in a neighbour of its pair: it passes there.
-        `points`: the contacts' parameters, (2,) each, at that time."""
-        place, reach = meeting.pair.pieces[0].point(meeting.xi1), self.couple.plate.reach
+        """Whether a meeting is at the place of a contact that is watched, in a neighbour of its pair or across the
+        joints of both elements: it passes there. `points`: the contacts' parameters, (2,) each, at that time."""
+        place, reach, other = meeting.pair.pieces[0].point(meeting.xi1), self.couple.plate.reach, meeting.pair
         return any(
-            np.hypot(*(one.pieces[0].point(xi1) - place)) <= SAME_PLACE * reach and _are_neighbours(one, meeting.pair)
-            for one, (xi1, _) in zip(pairs, points, strict=True)
+            np.hypot(*(one.pieces[0].point(at[0]) - place)) <= SAME_PLACE * reach
+            and (_are_neighbours(one, other) or in_round(other) in _across_joints(one, at))
+            for one, at in zip(pairs, points, strict=True)
         )
 
     def _near_elements(self, places: np.ndarray) -> np.ndarray:
@@ -284,10 +285,15 @@ def _exclusions(in_view: Sequence[PieceCase]) -> set[tuple[int, int]]:
 
 
 def _across_joints(pair: PieceCase, points: np.ndarray) -> set[tuple[int, int]]:
-    """The numbers of the pair beyond the joints of both elements, if a contact is at both: it has the same place."""
+    """The numbers of the pairs beyond the joints of both elements, if a contact is at both: it has the same place. A
+    corner is one place, a joint on both sides."""
     result = set[tuple[int, int]]()
     steps = [
-        [step for step, end in zip((-1, 1), piece.ends or (), strict=False) if abs(s - end) <= AT_END]
+        [
+            step
+            for step, end in zip((-1, 1), piece.ends or (), strict=False)
+            if isinstance(piece, Corner) or abs(s - end) <= AT_END
+        ]
         for piece, s in zip(pair.pieces, points, strict=True)
     ]
     for one in steps[0]:

@@ -260,9 +260,14 @@ def without_velocity(
         rotations = [turning_row(sides, half) for sides in still if set(sides) <= plates]
         if rotations:
             rows, goals = np.vstack([rows, rotations]), np.append(goals, np.zeros(len(rotations)))
-        for _ in range(2):  # the second step removes the rounding of the first
-            off = np.linalg.lstsq(rows * some.inverse @ rows.T, rows @ velocity - goals, rcond=1e-10)[0]
-            velocity = velocity - some.inverse * (rows.T @ off)
+        steps = [np.arange(len(rows))] * 2  # the second step removes the rounding of the first
+        if goals.any():  # plates on two belts need not fit both, and stay on them
+            steps.append(np.flatnonzero(np.array(group) < count))
+        for some_rows in steps:
+            chosen = rows[some_rows]
+            missing = chosen @ velocity - goals[some_rows]
+            off = np.linalg.lstsq(chosen * some.inverse @ chosen.T, missing, rcond=1e-10)[0]
+            velocity = velocity - some.inverse * (chosen.T @ off)
         # Plates that their contacts hold have no velocity, to the last bit.
         own = rows_of(plates)
         sizes = np.linalg.svd(rows * np.sqrt(some.inverse), compute_uv=False)

@@ -36,7 +36,7 @@ from .meet import Meetings
 from .mode_changes import ModeChanges
 from .places import couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import rigid_pairs, size, speed
-from .regimes import AT_END, SolverPhase, SolverRegime, ends_flat, join, solver_phase, split
+from .regimes import AT_END, SolverPhase, SolverRegime, ends_flat, is_flat_beyond, join, solver_phase, split
 from .segment_view import view_of
 from .touching import touching_contacts
 from .watched_plates import Watch
@@ -286,8 +286,12 @@ class PoseChart(ModeChanges):
             watch.at_joint = True
             self._settle(stuck)
             return None
-        watch.pass_time, watch.at_joint = self.t, False
+        stayed, watch.pass_time, watch.at_joint = watch.at_joint, self.t, False
         following = neighbour(watch.pair, of_track, step)
+        if watch.mode is Mode.FLIGHT and not stayed and is_flat_beyond(watch.pair, of_track, step):
+            watch.at_joint = True  # a side that lies flat to rounding may turn back
+            self._settle(stuck)
+            return None
         if watch.mode is Mode.FLIGHT:
             self.watches.remove(watch)
             self.partings.append((self.t, watch.pair))
@@ -324,7 +328,10 @@ class PoseChart(ModeChanges):
             self._record({one.name: one.mode for one in self.watches if one is not watch})
             self.watches = [one for one in self.watches if one is not watch]
             self.touching.discard(watch.name)
-            self.partings.append((self.t, watch.pair))
+            # It moves along the side that touched: beyond the end of the other curve's element before, away from the
+            # next.
+            beside = (neighbour(following, on_track, to) for on_track in (True, False) for to in (-1, 1))
+            self.partings += [(self.t, pair) for pair in (watch.pair, *beside) if pair is not None]
             self._settle(stuck - {watch.name})
             return None
         points = self._start_of(following, whole, of_track, step)

@@ -114,7 +114,7 @@ def ends_of(pair: PieceCase, is_open: bool) -> tuple[str, ...]:
     result = list[str]()
     for end, (of_track, step) in PIECE_ENDS.items():
         piece = cast(Piece, pair.pieces[0 if of_track else 1])
-        lies_flat = _is_flat_beyond(pair, of_track, step) and not ends_flat(pair, of_track, step)
+        lies_flat = is_flat_beyond(pair, of_track, step) and not ends_flat(pair, of_track, step)
         stays = piece.ends is None or (lies_flat and (not is_open or isinstance(piece, Corner)))
         if piece.parts is not None or not stays:
             result.append(end)
@@ -127,10 +127,10 @@ def ends_flat(pair: PieceCase, of_track: bool, step: int) -> bool:
     with it."""
     other = cast(Piece, pair.pieces[1 if of_track else 0])
     is_free = other.ends is not None and neighbour(pair, not of_track, step) is None
-    return is_free and _is_flat_beyond(pair, of_track, step)
+    return is_free and is_flat_beyond(pair, of_track, step)
 
 
-def _is_flat_beyond(pair: PieceCase, of_track: bool, step: int) -> bool:
+def is_flat_beyond(pair: PieceCase, of_track: bool, step: int) -> bool:
     """Whether both elements are straight where a contact passes to the next one."""
     following = neighbour(pair, of_track, step)
     return following is not None and all(is_straight(one) for one in following.pieces)
