@@ -104,7 +104,7 @@ def following_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[
         follow = next_motions(samples, scales, t)
         if follow is None:
             continue
-        others = [one for one in _held(samples, follow.every) if one.is_strict]
+        others = [one for one in _held(samples, follow) if one.is_strict]
         apart = max((_apart(one.rates, follow.own) for one in others), default=0.0)
         yield _one("next motion is the only one", "", t, apart, 1.0, "of the acceleration", follow.noise)
         nearest = min((_apart(one.rates, follow.own) for one in follow.every), default=np.inf)
@@ -115,14 +115,15 @@ def _apart(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.abs(one - other).max())
 
 
-def _held(samples: MotionSamples, every: list[Consistent]) -> list[Consistent]:
-    """Those with the most contacts that stick, where static friction is larger than that of slip: a contact that may
-    stick does."""
-    frictions = [contact.law.friction for contact in samples.contacts]
+def _held(samples: MotionSamples, follow: NextMotions) -> list[Consistent]:
+    """The consistent motions with the most contacts that stick, where static friction is larger than that of slip: a
+    contact that may stick does. The samples' own counts also where a force vanishes."""
+    every, frictions = follow.every, [contact.law.friction for contact in samples.contacts]
     if not any(friction.stick > friction.at_rest for friction in frictions if friction is not None):
         return every
     sticking = [sum(mode[0] == "stick" for mode in one.modes) for one in every]
-    most = max((count for count, one in zip(sticking, every, strict=True) if one.is_strict), default=0)
+    holds = [one.is_strict or _apart(one.rates, follow.own) <= follow.noise for one in every]
+    most = max((count for count, is_held in zip(sticking, holds, strict=True) if is_held), default=0)
     return [one for count, one in zip(sticking, every, strict=True) if count >= most]
 
 

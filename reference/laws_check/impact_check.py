@@ -19,9 +19,9 @@ from .touches import PlatesNow, TouchNow, couple_row, masses, plates_at, touch, 
 # Parts of the speed: an impact at one contact, at several by linear programs, and a velocity that is none.
 ONE, SEVERAL, STILL = 1e-11, 1e-8, 1e-9
 # Rebounds at several contacts that are slower than this part of the largest speed have no end that is known
-# (solver/impact_ends.py): contacts that would open so slowly stay closed. What changes velocities by at most ten times
-# as much is compared to within it.
-ABSORBED, OF_ABSORBED = 1e-7, 10.0
+# (solver/impact_ends.py): contacts that would open so slowly stay closed. What changes velocities by at most a hundred
+# times as much is compared to within it.
+ABSORBED, OF_ABSORBED = 1e-7, 100.0
 # A gap below this part of the scene's size is closed.
 TOUCHES = 1e-9
 # Slip stops and compression ends a few times in an impact.
@@ -161,7 +161,10 @@ def _whole_impulses(
     matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, goal: float
 ) -> Iterator[np.ndarray]:
     """Newton's restitution with Coulomb's law between the whole impulses and the velocities after the impact: the
-    impulses without slip, if that is consistent, and with it."""
+    impulses without slip, if that is consistent, and with it. Unbounded friction may lift the contact by itself."""
+    stop = -velocity[0] / matrix[0, 0]
+    if np.isinf(stick) and velocity[1] + matrix[1, 0] * stop >= goal:
+        yield np.array([stop, 0.0])
     whole = np.linalg.solve(matrix, np.array([0.0, goal]) - velocity)
     if whole[1] >= 0.0 and abs(whole[0]) <= stick * whole[1] * (1.0 + 1e-12):
         yield whole
