@@ -20,7 +20,8 @@ from ..curves.corner import Corner
 from ..curves.outline import sizes_of
 from ..formulas.features import union
 from .geometry import Contact
-from .nearest import contacts, nearest_pair, nearest_samples
+from .nearest import contacts, nearest_pair
+from .nearest_samples import nearest_samples
 
 # Number of corners of the polygon, in addition to those that resolve the outline's features.
 CORNERS = 720

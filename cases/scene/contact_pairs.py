@@ -14,7 +14,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from ..contact import find
-from ..contact.nearest import nearest_samples
+from ..contact.nearest_samples import nearest_samples
 from ..contact.outline_features import ArcRange, arc_ranges, features, side_ranges, sides
 from ..curves import Curve
 from ..curves.chain import Chain

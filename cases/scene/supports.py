@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.geometry import bends
-from ..contact.nearest import nearest_samples
+from ..contact.nearest_samples import nearest_samples
 from ..contact.overlap_search import CENTRE
 from ..curves import Curve
 from ..curves.line_or_circle import as_line

@@ -9,8 +9,8 @@ from typing import cast
 import numpy as np
 
 from cases import Case, Chain, Curve, DoesNotFit
+from cases.contact.element_pairs import first_guesses, may_touch
 from cases.contact.geometry import bends, find
-from cases.contact.nearest import nearest_samples
 from cases.contact.overlap_search import OVERLAPS
 from cases.curves.corner import Corner, Piece
 from cases.curves.element import Element
@@ -24,8 +24,8 @@ from .plate_numbers import size
 from .regimes import AT_END
 from .shapes import guess, shapes
 
-# Points of an element that say where it is, and those of an outline's at which a corner's distance is looked at.
-FEW, MANY = 17, 257
+# Points of an element that say where it is.
+FEW = 17
 # Two contacts are one if their place, in units of the plate's reach, and direction differ by less than this: curves
 # whose curvatures differ by a thousandth of 1/reach are apart by less than a pose's rounding there.
 SAME_PLACE = 1e-5
@@ -37,7 +37,8 @@ def pairs_that_touch(couple: Couple) -> tuple[PieceCase, ...]:
     result = list[PieceCase]()
     for first in couple.track.elements:
         for second in couple.plate.outline.elements:
-            if _may_touch(first.piece, second.piece):
+            both_corners = isinstance(first.piece, Corner) and isinstance(second.piece, Corner)
+            if not both_corners and may_touch(first.piece, second.piece, bend_bounds):
                 result.append(piece_case_of(couple, first.number, second.number))
     return tuple(result)
 
@@ -46,17 +47,6 @@ def pairs_that_touch(couple: Couple) -> tuple[PieceCase, ...]:
 def bend_bounds(piece: Piece) -> tuple[float, float]:
     """Bounds on an element's curvature, 1/m, however fine its features; at a corner as `geometry.bends`."""
     return bends(piece) if isinstance(piece, Corner) else curvatures(piece)
-
-
-def _may_touch(track: Piece, outline: Piece) -> bool:
-    """Straight elements touch hollow ones and each other at their ends only, and a corner that points away from the
-    other curve does not."""
-    if isinstance(track, Corner):
-        return not isinstance(outline, Corner) and track.turn < 0.0
-    if isinstance(outline, Corner):
-        return outline.turn > 0.0
-    is_flat = outline.features is None and bend_bounds(track)[0] >= 0.0
-    return not is_flat and not (track.features is None and bend_bounds(outline)[1] <= 0.0)
 
 
 def touching_contacts(
@@ -116,13 +106,7 @@ def _guesses(pair: PieceCase, x: float, y: float, theta: float) -> list[tuple[fl
     track, outline = cast(tuple[Piece, Piece], pair.pieces)
     if some := shapes(pair):
         return [guess(pair, some, x, y, theta)]
-    if not isinstance(track, Corner):
-        return nearest_samples(track, outline, x, y, theta)
-    c, s = np.cos(theta), np.sin(theta)
-    u, v = c * (track.x - x) + s * (track.y - y), c * (track.y - y) - s * (track.x - x)
-    grid = np.linspace(*outline.span, MANY)
-    points = outline.point(grid)
-    return [(0.5 * sum(track.span), float(grid[np.argmin(np.hypot(points[0] - u, points[1] - v))]))]
+    return first_guesses(track, outline, x, y, theta)
 
 
 def name_of(pair: PieceCase, used: set[str]) -> str:

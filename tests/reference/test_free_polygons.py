@@ -29,7 +29,7 @@ from cases import (
     disc,
 )
 from cases.contact.geometry import find
-from cases.contact.nearest import nearest_samples
+from cases.contact.nearest_samples import nearest_samples
 from cases.contact.polygon_features import region_of, regions
 from cases.curves.corner import Corner
 from cases.library import hill, line
