@@ -82,8 +82,7 @@ def _between_nodes(name, place, times, sizes, scale, floor, unit) -> Defects:
 
 
 def _kinematics(samples, contact, scales, is_listed, still) -> Iterator[Defects]:
-    """(5), (6) and (11): one point, one tangent, and the velocity of the plate there; steps that are not listed may be
-    the rest of an inner series of impacts, in which it is no rate of the gap."""
+    """(5), (6) and (11): one point, one tangent, and the velocity of the plate there."""
     law, name, times = contact.law, contact.law.name, samples.times[contact.steps]
     turns = turns_of(samples.plates[law.body], scales.last)
     scale = scales.extent + scales.size * turns
@@ -94,8 +93,8 @@ def _kinematics(samples, contact, scales, is_listed, still) -> Iterator[Defects]
         material_velocity(samples, contact, law.body) - material_velocity(samples, contact, law.base)
     ) * contact.tangent.conj()
     slip = moving.real - (law.belt.at_arrays(times.ravel()).reshape(times.shape) if law.belt else 0.0)
-    opens, other = np.where(is_listed[:, None], [np.abs(moving.imag), np.abs(slip - contact.slip)], 0.0)
-    yield Defects("contact stays closed", name, times, opens, scales.speed, "m/s", still)
+    yield Defects("contact stays closed", name, times, np.abs(moving.imag), scales.speed, "m/s", still)
+    other = np.where(is_listed[:, None], np.abs(slip - contact.slip), 0.0)
     floor = SLIP + AMPLIFICATION * scales.condition[contact.steps, None]
     yield Defects("slip velocity", name, times, other, scales.speed, "m/s", floor)
 

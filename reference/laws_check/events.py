@@ -52,7 +52,7 @@ def event_defects(samples: MotionSamples, scales: MotionScales, impacts: np.ndar
     for change in samples.transitions:
         step = int(np.argmin(np.abs(samples.end - change.time)))
         if change.cause == CAUSES["rest"] and len(samples.motion.contact_names) == 1:
-            yield from _limit_of_impacts(change, impacts, last)
+            yield from limit_of_impacts(change.time, change.contact or CONTACT, impacts, last)
         if change.time <= 0.0 or abs(samples.end[step] - change.time) > near or change.cause in _OTHER_CAUSES:
             continue
         if samples.is_straight[step]:
@@ -159,11 +159,11 @@ def _landing(
         yield Defects("curves meet in time", law.name, when, np.array([abs(gap / rate)]), last, "s", late)
 
 
-def _limit_of_impacts(change: Transition, impacts: np.ndarray, last: float) -> Iterator[Defects]:
+def limit_of_impacts(end: float, where: str, impacts: np.ndarray, last: float) -> Iterator[Defects]:
     """Impacts that follow each other at a fixed ratio end at the limit of their times (Aitken's extrapolation). Its
     error is that of the ratio, which changes from one to the next; where it is not nearly fixed the limit is
     open, as it is for two corners that bounce alternately."""
-    times = impacts[impacts < change.time - CLOSE * last][-4:]
+    times = impacts[impacts < end - CLOSE * last][-4:]
     if len(times) < 4:
         return
     one, two, three = np.diff(times)
@@ -172,5 +172,5 @@ def _limit_of_impacts(change: Transition, impacts: np.ndarray, last: float) -> I
         return
     limit = times[-1] + three * ratio / (1.0 - ratio)
     error = 5.0 * three * abs(ratio - before) / (1.0 - ratio) ** 3
-    late, where = np.array([abs(change.time - limit)]), change.contact or CONTACT
-    yield Defects("impacts end at their limit", where, np.array([change.time]), late, last, "s", LANDING + error / last)
+    late, when = np.array([abs(end - limit)]), np.array([end])
+    yield Defects("impacts end at their limit", where, when, late, last, "s", LANDING + error / last)

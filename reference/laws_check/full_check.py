@@ -15,7 +15,7 @@ from . import laws, penetration
 from .broken_laws import OVERLAP, BrokenLaw, worst, worst_first
 from .contact_check import contact_defects, unresolved_steps
 from .ends_check import end_defects, following_defects, start_defects
-from .events import event_defects
+from .events import event_defects, limit_of_impacts
 from .formula_steps import finer_steps
 from .impact_check import impact_defects
 from .laws import Defects, Joins, MotionScales
@@ -123,11 +123,17 @@ def _finer(case: Case, motion: Trajectory, samples: MotionSamples, scales: Motio
 
 def _of_contacts(samples: MotionSamples, scales: MotionScales, sudden: Joins) -> Iterator[Defects]:
     for contact in samples.contacts:
-        keep = ~samples.is_straight[contact.steps]
+        law, *rows = contact
+        is_listed = _is_listed(samples, sudden.times, contact.steps)
+        # The rest of small impacts that are not listed: a step after one of them, without forces, as of those listed.
+        is_rest = ~is_listed & np.isnan(contact.normal).all(axis=1)
+        is_rest &= np.isin(samples.start[contact.steps], sudden.times)
+        for end in samples.end[contact.steps[is_rest]].tolist():
+            yield from limit_of_impacts(end, law.name, sudden.times, float(samples.end[-1]))
+        keep = ~(samples.is_straight[contact.steps] | is_rest)
         if keep.any():
-            law, *rows = contact
             solved = contact if keep.all() else ContactInstants(law, *(row[keep] for row in rows))
-            yield from contact_defects(samples, solved, scales, _is_listed(samples, sudden.times, solved.steps))
+            yield from contact_defects(samples, solved, scales, is_listed[keep])
 
 
 def _other_defects(
