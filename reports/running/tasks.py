@@ -94,9 +94,9 @@ def _plain(given: object) -> Setting:
 def find_truth(case: Case) -> Truth:
     """The certified truth of a case: from the suite's file for its catalogue, certified now for any other case. There
     is none if the certificate and the reference's motion contradict each other. Raises DamagedTruth."""
-    known = in_catalogue(case)
+    is_stored = in_catalogue(case)
     try:
-        certificate = stored_or_new(case, use_file=known)
+        certificate = stored_or_new(case, use_file=is_stored)
     except NotCertified as problem:
         return Truth(failure=str(problem))
     method = reference.METHODS[0]
@@ -107,7 +107,7 @@ def find_truth(case: Case) -> Truth:
     )
     if contradicted:
         report = "please report the scene"
-        if known:
+        if is_stored:
             report = f'please report it with: python -m reference --only "{case.label}" --out certificate.json'
         return Truth(failure=f"{case.label}: {contradicted}; neither is used; {report}")
     certified = certificate.transitions
@@ -129,7 +129,7 @@ def find_truth(case: Case) -> Truth:
         samples=_drawn_samples(case, _evenly(motion)),
         witnesses=certificate.witnesses,
         centre_bar=_centre_bar(certificate, motion),
-        kinds=certificate.kinds if known else (),
+        kinds=certificate.kinds if is_stored else (),
     )
 
 
@@ -271,10 +271,10 @@ def judge(
     is_sampled = trajectory.dense is not None and is_defined(case, trajectory, truth.scale.losses)
     even = distances.even_samples(trajectory) if is_sampled else None
     off = distances.differences(trajectory, motion, case, even=even)
-    scored, reading = _score(case, trajectory, motion, truth, off)
-    if same_samples and scored.off - scored.doubt > scored.pose:
-        doubt = _doubt_of_reading(case, motion, truth, (scored, reading), same_samples(), has_forces)
-        scored = scored._replace(doubt=max(scored.doubt, doubt))
+    total, reading = _score(case, trajectory, motion, truth, off)
+    if same_samples and total.off - total.doubt > total.pose:
+        doubt = _doubt_of_reading(case, motion, truth, (total, reading), same_samples(), has_forces)
+        total = total._replace(doubt=max(total.doubt, doubt))
     if isinstance(reading, several_contacts.SeveralJudgement):
         scale, paired = reading.scale, reading.ledger
         laws = (*laws, f"worst at {reading.worst}")
@@ -298,15 +298,15 @@ def judge(
     return replace(
         row,
         outcome="answered",
-        reason="; ".join(text for text in [*laws, grades.reason(scored, scale, friction), *remarks] if text),
+        reason="; ".join(text for text in [*laws, grades.reason(total, scale, friction), *remarks] if text),
         first_mode=str(reading.first_mode),
         ledger=paired,
         spreads=reading.spreads,
-        score=scored,
+        score=total,
         friction_factor=friction,
         law=law_error(case, even or trajectory),
-        grade=str(grades.grade(scored.off, scored.doubt)),
-        sequence=grades.sequence_note(scored, scale),
+        grade=str(grades.grade(total.off, total.doubt)),
+        sequence=grades.sequence_note(total, scale),
         impacts=rows,
         distance=distance,
         samples=_drawn_samples(case, trajectory),

@@ -37,8 +37,14 @@ if TYPE_CHECKING:
     from ..running.calls import Calls
 
 
-# Studies of older versions: what to type instead.
-MOVED = {name: f"python -m tests.benchmarks {name}" for name in ("formulations", "reference_cost")}
+# Studies of older versions that measure the suite itself or depend on no engine, and their modules in a clone.
+MOVED = {
+    **{
+        name: f"tests.benchmarks.{name}.study"
+        for name in ("effect_costs", "formulations", "reference_cost", "settings")
+    },
+    **{name: f"tests.benchmarks.{name}" for name in ("meanings", "paper", "uniqueness")},
+}
 
 
 class Request(NamedTuple):
@@ -97,7 +103,7 @@ def names() -> tuple[str, ...]:
 def study(name: str) -> ModuleType:
     """The study of that name; raises UnknownName, and BadValue for one of `MOVED`."""
     if name in MOVED:
-        raise BadValue(f"{name} is a measurement of the suite itself; in a clone type: {MOVED[name]}")
+        raise BadValue(f"{name} is no study of engines' runs; in a clone type: python -m tests.benchmarks {name}")
     if name not in names():
         raise unknown_name("study", name, names())
     module = importlib.import_module(f"{__name__}.{name}")

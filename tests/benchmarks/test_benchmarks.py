@@ -1,20 +1,32 @@
 """Measurements of the suite itself: their tables, the bars of the reference's cost, and that it can be measured."""
 
+from dataclasses import replace
 from math import nan
+from pathlib import Path
 
 import pytest
 
 import cases
+from adapters import Setting
+from adapters.lookup import engines
+from cases import CoulombFriction, Gravity, Unilateral
 from reference.paper.closed_form import sliding_disc_in_circle
 from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
 from reports.running.timing.clock import NO_TIMING
+from reports.studies import Request
 
+from . import meanings, paper, uniqueness
+from .effect_costs import study as effect_costs
 from .formulations import study as formulations
 from .reference_cost import growth, in_c
 from .reference_cost import study as reference_cost
+from .settings import study as settings
 
 pytestmark = pytest.mark.builds
+
+ROOT = Path(__file__).parents[2]
+STAGE = (0, "engine", "native")
 
 
 def test_every_column_has_its_words():
@@ -25,7 +37,18 @@ def test_every_column_has_its_words():
         [reference_cost._cold_row("disc_on_line", hung)],
     )
     drifts = [{"scene": "a", "formulation": "b", "rtol": 1e-3} | formulations.measure._nothing("crashed", "")]
-    for study, findings in ((reference_cost, costs), (formulations, drifts)):
+    unsupported = effect_costs.measure.StageResult("unsupported")
+    rung = settings.SettingCell("disc_on_line", "engine", "native", "rung 1", Setting.of(h=0.1), "answered", 1.0, 1e-3)
+    state = uniqueness.StateRow(uniqueness.FLOOR, 0.5, 0.0625, 0.1, ("floor",))
+    for study, findings in (
+        (reference_cost, costs),
+        (formulations, drifts),
+        (effect_costs, [effect_costs.measure._row("in_circle", STAGE, {STAGE: unsupported}, {})]),
+        (meanings, [dict.fromkeys(meanings.COLUMNS, "")]),
+        (paper, paper.Paper(paper.equation_rows()[:1], paper.claim_rows()[:1], paper.remark_rows()[:1], {})),
+        (settings, [rung]),
+        (uniqueness, [state]),
+    ):
         tables = study.rows(findings)
         assert tables.keys() == study.TABLES.keys()
         for name, rows in tables.items():
@@ -64,7 +87,7 @@ def test_what_the_reference_costs():
     less than what any of the faults costs for which they were made (3 to 170 times).
     """
     with Calls(1) as calls:
-        found = reference_cost.run(calls, full=True)
+        found = reference_cost.run(Request(full=True), calls)
     assert [row for row in found.hot if row["reason"]] == [] and [row for row in found.cold if row["reason"]] == []
     assert {row["status"] for row in found.growth} == {"completed"}
     output = reference_cost.bars(found)
@@ -72,3 +95,20 @@ def test_what_the_reference_costs():
     missed = {row["what"]: row for row in output if row["measured"] > 2.0 * row["limit"]}
     # What is known to miss its bar, and why, stands in the study's own words.
     assert not missed.keys() - reference_cost.EXPLANATIONS.keys()
+
+
+@pytest.mark.parametrize("name", engines())
+def test_the_page_of_parameters_is_what_the_adapters_tell(name):
+    pytest.importorskip(f"adapters.{name}")
+    page = (ROOT / "docs" / "engine_parameters.md").read_text(encoding="utf-8").splitlines()
+    kept = [line for line in page if line.startswith(f"| {name} |")]
+    again = "python -m tests.benchmarks.meanings > docs/engine_parameters.md"
+    assert kept == meanings.as_lines(meanings.of_one(name)), again
+
+
+def test_an_effect_adds_operations_to_the_largest_mode_and_a_case_without_it_has_fewer():
+    smooth, rough = ((Gravity(9.81),), (Gravity(9.81), CoulombFriction(0.1), Unilateral()))
+    case = cases.load("disc_in_circle", mu=0.1)
+    few, events = effect_costs.measure.compiled_size(replace(case, effects=smooth))
+    more, more_events = effect_costs.measure.compiled_size(replace(case, effects=rough))
+    assert 0 < few < more and events < more_events

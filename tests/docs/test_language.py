@@ -11,7 +11,7 @@ import pytest
 pytestmark = pytest.mark.style
 
 ROOT = Path(__file__).parents[2]
-# Its table is written from the adapters by `python -m reports.studies.meanings`.
+# Its table is written from the adapters by `python -m tests.benchmarks.meanings`.
 GENERATED = {"engine_parameters.md"}
 PAGES = [
     ROOT / "README.md",

@@ -14,7 +14,7 @@ from reference.errata import errata
 from reference.paper.equation_list import LINES
 from reports.running.calls import Calls
 from reports.studies import Request
-from reports.studies import paper as study
+from tests.benchmarks import paper as study
 
 PAGE = (Path(__file__).parent.parent.parent / "docs" / "paper.md").read_text(encoding="utf-8")
 

@@ -10,10 +10,7 @@ import adapters.laws.__main__ as laws
 from adapters.laws import law_process
 from reports import build, options, show, studies, study
 from reports.running import calls, experiment
-from reports.studies import meanings
-from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
-from reports.studies.settings import measure as settings
 from reports.studies.stability import measure as stability
 
 from .. import fake_adapter
@@ -76,9 +73,8 @@ def name_of(fault: tuple[str, str]) -> str:
 def installed(tmp_path, monkeypatch):
     """installed(faults) -> names of copies of the fake engine that misbehave so; a sound one is beside them."""
     for module, what in (
-        (calls, "ASKING_SECONDS"), (experiment, "ASKING_SECONDS"), (stability, "_LIMIT"), (effect_costs, "LIMIT"),
-        (error_parts, "LIMIT_SECONDS"), (law_process, "LIMIT_SECONDS"), (settings, "LIMIT_SECONDS"),
-        (meanings, "ASKING_SECONDS"),
+        (calls, "ASKING_SECONDS"), (experiment, "ASKING_SECONDS"), (stability, "_LIMIT"),
+        (error_parts, "LIMIT_SECONDS"), (law_process, "LIMIT_SECONDS"),
     ):  # fmt: skip
         monkeypatch.setattr(module, what, LIMIT)
     monkeypatch.setattr(options, "RUN_SECONDS", {"quick": LIMIT, "default": LIMIT})

@@ -9,9 +9,7 @@ import cases
 from reports import build, studies
 from reports.running import experiment
 from reports.running.calls import Calls
-from reports.studies.effect_costs import measure as effect_costs
 from reports.studies.error_parts import measure as error_parts
-from reports.studies.settings import measure as settings
 from reports.studies.stability import measure as stability
 
 from .. import fake_adapter
@@ -26,9 +24,7 @@ def broken(tmp_path, monkeypatch):
     """broken((part, way), …) -> names of copies of the fake engine that fail so, after one that is sound."""
     # A worker needs a second or two to import what an adapter imports: that is no hang.
     monkeypatch.setattr(experiment, "ASKING_SECONDS", 6.0)
-    for module, limit in (
-        (stability, "_LIMIT"), (effect_costs, "LIMIT"), (error_parts, "LIMIT_SECONDS"), (settings, "LIMIT_SECONDS"),
-    ):  # fmt: skip
+    for module, limit in ((stability, "_LIMIT"), (error_parts, "LIMIT_SECONDS")):
         monkeypatch.setattr(module, limit, 6.0)
     monkeypatch.syspath_prepend(tmp_path)
 
@@ -71,14 +67,13 @@ def test_every_fault_in_every_part_is_a_row(broken, capfd):
 
 # The parts of an adapter that a study of runs calls, and those that others do.
 OF_RUNS = {"import", "refuses", "ladder", "build", "run", "read"}
-CALLED = {"meanings": {"import"}, "error_parts": OF_RUNS - {"ladder"} | {"grid"}}
+CALLED = {"error_parts": OF_RUNS - {"ladder"} | {"grid"}}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in studies.names() if "solver" in studies.study(name).TAKES])
 def test_every_fault_is_a_row_of_every_study(name, broken, capfd):
-    parts = (*PARTS, "grid") if name != "effect_costs" else ("refuses", "ladder", "run")
-    names = broken(*((part, way) for part in parts for way in WAYS))
+    names = broken(*((part, way) for part in (*PARTS, "grid") for way in WAYS))
     with Calls(2, limit=6.0) as calls:
         calls.ask_versions(names)
         chosen = (cases.load(fake_adapter.CASE),) if "case" in studies.study(name).TAKES else ()

@@ -201,3 +201,12 @@ def test_command_tells_an_unknown_name_before_anything_runs(capsys):
     assert "pymunk" in capsys.readouterr().err
     assert study.main(["error_parts", "--case", "disc_in_circel"]) == 2
     assert "disc_in_circle" in capsys.readouterr().err
+
+
+def test_study_takes_executables_and_rejects_a_file_that_is_none(tmp_path, capsys):
+    file = tmp_path / "engine.txt"
+    file.write_text("no program")
+    assert study.main(["error_parts", "--engine", str(file), "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err.strip() == (
+        f"reports.study: the engine {file} is no executable file; give one (chmod +x {file})"
+    )

@@ -21,8 +21,8 @@ from reports.judging.distances import Distance
 from reports.judging.ledger import LedgerRow
 from reports.judging.score import Score
 from reports.running.records import Experiment, Run, Truth
-from reports.studies.effect_costs import figure as effect_costs
 from reports.sweeping.parameter_units import parameter_label
+from tests.benchmarks.effect_costs import figure as effect_costs
 
 from .test_work_precision import made
 

@@ -134,11 +134,7 @@ WALK = {
                 (r"^Off \(100 %: as bad as ignoring friction's law\)", ASSISTED, *BUILT),
                 REPORT,
             ),
-            Step(
-                "python -m reports.study effect_costs",
-                (r"^written: .*effect_costs/effect_costs\.csv$",),
-                ("effect_costs/effect_costs.csv",),
-            ),
+            Left("python -m tests.benchmarks effect_costs", CLONE),
         )
     ),
     "add_an_engine.md": Page(
@@ -204,7 +200,7 @@ WALK = {
             ),
         )
     ),
-    "engine_parameters.md": Page((Left("python -m reports.studies.meanings", OF_A_RELEASE),)),
+    "engine_parameters.md": Page((Left("python -m tests.benchmarks.meanings", OF_A_RELEASE),)),
     "index.md": Page((Left("make report", CLONE), Left("make test", CLONE))),
     "install.md": Page(
         (
@@ -230,11 +226,7 @@ WALK = {
     "paper.md": Page(
         (
             Left("python -m reference --prove disc_in_circle", "the page of proofs does it"),
-            Step(
-                "python -m reports.study paper",
-                (r"^written: .*paper/paper_remark\.csv$",),
-                ("paper/paper_remark.csv", "paper/paper_remark.svg"),
-            ),
+            Left("python -m tests.benchmarks paper --out DIR", CLONE),
         )
     ),
     "process_protocol.md": Page(

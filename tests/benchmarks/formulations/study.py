@@ -6,6 +6,7 @@ from typing import Any
 
 from reports.analysis.columns import Table
 from reports.running.calls import Calls
+from reports.studies import Request
 
 from . import measure
 
@@ -31,9 +32,9 @@ TABLES = {
 }
 
 
-def run(calls: Calls, full: bool) -> list[dict[str, Any]]:
+def run(request: Request, calls: Calls) -> list[dict[str, Any]]:
     """The rows of all scenes."""
-    return measure.measure(measure.TOLERANCES if full else measure.TOLERANCES[::2], calls)
+    return measure.measure(measure.TOLERANCES if request.full else measure.TOLERANCES[::2], calls)
 
 
 def rows(findings: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:

@@ -15,6 +15,7 @@ from reports.analysis.columns import Table
 from reports.running.calls import CallResult, Calls
 from reports.running.names import REFERENCE
 from reports.running.timing.clock import NO_TIMING, ClockEntry, Contestant, Timing, take_turns, timing
+from reports.studies import Request
 
 from . import growth, process_start
 from .contestants import COEFFICIENTS, RTOL, contestants
@@ -132,8 +133,9 @@ class CostRows(NamedTuple):
     import_s: float = nan
 
 
-def run(calls: Calls, full: bool) -> CostRows:
+def run(request: Request, calls: Calls) -> CostRows:
     """Run all timings one after the other, without other load."""
+    full = request.full
     budget = FULL_BUDGET if full else BUDGET
     sizes = [(g, size) for g in growth.GROWTHS for size in (g.all_sizes if full else g.sizes)]
     labels = process_start.labels(full)

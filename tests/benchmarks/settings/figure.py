@@ -8,8 +8,9 @@ from pathlib import Path
 import matplotlib
 from matplotlib import pyplot as plt
 
-from ...drawing.figure_files import FigureEntry, save
-from ...drawing.style import FAINT, STYLE, LineStyles, logarithmic
+from reports.drawing.figure_files import FigureEntry, save
+from reports.drawing.style import FAINT, STYLE, LineStyles, logarithmic
+
 from .measure import SettingCell, points
 
 _WORDS = (

@@ -9,14 +9,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...analysis.columns import Table
-from ...running.calls import Calls
-from .. import Request
+from reports.analysis.columns import Table
+from reports.running.calls import Calls
+from reports.studies import Request
+
 from . import measure
 from .measure import SettingCell
 
 if TYPE_CHECKING:
-    from ...drawing.figure_files import FigureEntry
+    from reports.drawing.figure_files import FigureEntry
 
 TITLE = "Whether every rung is worth its cost"
 QUESTION = (
@@ -24,7 +25,7 @@ QUESTION = (
     "faster than a rung and as accurate."
 )
 TAKES = ("case", "solver")
-IN_REPORT = False  # it checks the choice of the ladders, not the cases
+
 TABLES = {
     "settings": Table(
         "Rungs and settings of a grid, averaged over the cases, and the settings that beat a rung",

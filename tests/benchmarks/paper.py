@@ -17,12 +17,11 @@ import reference
 from cases import Mode, Trajectory
 from reference.paper.application import rolls_beyond, slip_end
 from reference.paper.equation_list import LINES
-
-from ..analysis.columns import Table
-from ..drawing.figure_files import FigureEntry, save
-from ..running.calls import Calls, StorePolicy
-from ..running.records import Row
-from . import Request
+from reports.analysis.columns import Table
+from reports.drawing.figure_files import FigureEntry, save
+from reports.running.calls import Calls, StorePolicy
+from reports.running.records import Row
+from reports.studies import Request
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,7 +32,7 @@ QUESTION = (
     "that rolling follows with the cone's margin, and its closing remark. Its misprints are in the table errata."
 )
 TAKES = ()
-IN_REPORT = True
+
 TABLES = {
     "paper_equations": Table(
         "The paper's numbered equations and their places in the code",
@@ -175,7 +174,7 @@ def diagrams(findings: Paper) -> Figure:
     from matplotlib import pyplot as plt
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    from ..drawing.style import FAINT, STYLE, ordinal
+    from reports.drawing.style import FAINT, STYLE, ordinal
 
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(
@@ -207,7 +206,7 @@ def remark(findings: Paper) -> Figure:
     """The closing remark as curves over μ₀, with the range in which rolling follows."""
     from matplotlib import pyplot as plt
 
-    from ..drawing.style import FAINT, STYLE, logarithmic, ordinal
+    from reports.drawing.style import FAINT, STYLE, logarithmic, ordinal
 
     rows = findings.remark
     mus = np.array([row["mu"] for row in rows])

@@ -12,9 +12,10 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from ...drawing.figure_files import FigureEntry, save
-from ...drawing.style import FAINT, STYLE, LineStyles, logarithmic
-from ...running.names import REFERENCE
+from reports.drawing.figure_files import FigureEntry, save
+from reports.drawing.style import FAINT, STYLE, LineStyles, logarithmic
+from reports.running.names import REFERENCE
+
 from .measure import SCENES, stages
 
 # Part of an effect's column that the solvers' points fill.

@@ -1,6 +1,6 @@
 """The meaning of each engine's parameters of friction, restitution and rolling, from its adapter's `MEANINGS`.
 
-`python -m reports.studies.meanings > docs/engine_parameters.md` writes the same table for readers of the repository.
+`python -m tests.benchmarks.meanings > docs/engine_parameters.md` writes the same table for readers of the repository.
 """
 
 from __future__ import annotations
@@ -11,16 +11,15 @@ from pathlib import Path
 from typing import Any
 
 from cases.files.command_line import status
-
-from ..analysis.columns import Table
-from ..drawing.figure_files import FigureEntry
-from ..running.calls import Calls
-from ..running.names import REFERENCE
-from ..running.processes.worker_process import CallResult
-from ..running.solvers import names as all_solvers
-from ..running.solvers import solver
-from ..running.time_limits import ASKING_SECONDS
-from . import Request
+from reports.analysis.columns import Table
+from reports.drawing.figure_files import FigureEntry
+from reports.running.calls import Calls
+from reports.running.names import REFERENCE
+from reports.running.processes.worker_process import CallResult
+from reports.running.solvers import names as all_solvers
+from reports.running.solvers import solver
+from reports.running.time_limits import ASKING_SECONDS
+from reports.studies import Request
 
 TITLE = "What the engines' parameters mean"
 QUESTION = (
@@ -28,7 +27,7 @@ QUESTION = (
     "how it uses them. If an engine uses a different law from the case's, the run is made and marked."
 )
 TAKES = ("solver",)
-IN_REPORT = True
+
 COLUMNS = {
     "solver": "the engine",
     "outcome": "done, crashed or timed_out: the outcome of the request to its adapter",
@@ -97,16 +96,16 @@ def as_lines(findings: Sequence[dict[str, Any]]) -> list[str]:
 def as_text(findings: Sequence[dict[str, Any]]) -> str:
     """The table as a page in Markdown."""
     head = ["| " + " | ".join(IN_TEXT) + " |", "|" + "---|" * len(IN_TEXT)]
-    note = "Made from the adapters by `python -m reports.studies.meanings`; a test compares."
+    note = "Made from the adapters by `python -m tests.benchmarks.meanings`; a test compares."
     return "\n".join([f"# {TITLE}", "", QUESTION, "", *head, *as_lines(findings), "", note])
 
 
 def _print_page(words: Sequence[str]) -> None:
-    from reports.studies import meanings  # workers import functions by their module's name, which is not __main__
+    from tests.benchmarks import meanings  # workers import functions by their module's name, which is not __main__
 
     with Calls() as calls:
         print(meanings.as_text(meanings.run(Request(), calls)))
 
 
 if __name__ == "__main__":
-    sys.exit(status("reports.studies.meanings", _print_page, None))
+    sys.exit(status("tests.benchmarks.meanings", _print_page, None))

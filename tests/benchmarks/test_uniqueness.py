@@ -21,8 +21,8 @@ from cases import (
 )
 from cases.library import line
 from reference.solver.decide import motions_in
-from reports.studies import uniqueness
-from reports.studies.uniqueness import BOTH, BOUNDARIES, FLOOR, count, locking_mu, painleve_mu, sliding_rod, wall_mu
+from tests.benchmarks import uniqueness
+from tests.benchmarks.uniqueness import BOTH, BOUNDARIES, FLOOR, count, locking_mu, painleve_mu, sliding_rod, wall_mu
 
 
 def complementary_solutions(scene: str, spin: float, mu: float, theta: float) -> int:

@@ -20,11 +20,10 @@ import numpy as np
 
 import cases
 from reference.solver.decide import motions_in
-
-from ..analysis.columns import Table
-from ..drawing.figure_files import FigureEntry, save
-from ..running.calls import Calls, StorePolicy
-from . import Request
+from reports.analysis.columns import Table
+from reports.drawing.figure_files import FigureEntry, save
+from reports.running.calls import Calls, StorePolicy
+from reports.studies import Request
 
 TITLE = "Where rigid contact has no, one or several motions"
 QUESTION = (
@@ -33,7 +32,7 @@ QUESTION = (
     "or several, no engine can be right or wrong; the reference then ends with the status paradox or not_unique."
 )
 TAKES = ()
-IN_REPORT = False
+
 TABLES = {
     "uniqueness": Table(
         "Motions of a sliding rod that rigid Coulomb contact allows, counted over friction and angle",
@@ -166,7 +165,7 @@ def draw(findings: list[StateRow], folder: Path) -> Iterator[FigureEntry]:
     from matplotlib.lines import Line2D
     from matplotlib.patches import Rectangle
 
-    from ..drawing.style import AREAS, STYLE
+    from reports.drawing.style import AREAS, STYLE
 
     colours = AREAS[1], "white", AREAS[0]
     styles: tuple[Literal["-", "--", ":", "-."], ...] = ("-", "--", ":", "-.")

@@ -14,16 +14,15 @@ from typing import Any, NamedTuple
 
 from adapters import Setting
 from cases import Case, NotSupported
-
-from ...judging.grades import grade
-from ...judging.score import score
-from ...running.calls import Calls
-from ...running.clocked_run import run_on_clock
-from ...running.experiment import find_truths, offers
-from ...running.processes.worker_process import CallResult
-from ...running.records import Offer, Truth, one_default
-from ...running.solvers import solver
-from ...running.true_motions import true_motion
+from reports.judging.grades import grade
+from reports.judging.score import score
+from reports.running.calls import Calls
+from reports.running.clocked_run import run_on_clock
+from reports.running.experiment import find_truths, offers
+from reports.running.processes.worker_process import CallResult
+from reports.running.records import Offer, Truth, one_default
+from reports.running.solvers import solver
+from reports.running.true_motions import true_motion
 
 # Slip that ends, that begins, and that begins at once; on a line, in a circle and on a hill; with a turning load.
 CASES = (

@@ -34,15 +34,14 @@ from cases import (
 )
 from cases import curves as c
 from cases.library import circle
-
-from ...running.calls import Calls, StorePolicy
-from ...running.clocked_run import run_on_clock
-from ...running.experiment import offers
-from ...running.names import REFERENCE
-from ...running.records import one_default
-from ...running.solvers import solver
-from ...running.timing.clock import NO_TIMING, Contestant, Timing
-from ...running.timing.timed_pass import time_together
+from reports.running.calls import Calls, StorePolicy
+from reports.running.clocked_run import run_on_clock
+from reports.running.experiment import offers
+from reports.running.names import REFERENCE
+from reports.running.records import one_default
+from reports.running.solvers import solver
+from reports.running.timing.clock import NO_TIMING, Contestant, Timing
+from reports.running.timing.timed_pass import time_together
 
 # Wall-clock budget in seconds for the timings of a scene: a stage takes milliseconds in the reference, and up to a
 # second in an engine.

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ...analysis.columns import Table
-from ...running.calls import Calls
-from .. import Request
+from reports.analysis.columns import Table
+from reports.running.calls import Calls
+from reports.studies import Request
+
 from . import measure
 from .figure import draw as draw
 
 TITLE = "What each effect costs"
 QUESTION = "One scene with its effects added one at a time: the cost of each, and the error of the motion without it."
 TAKES = ("solver",)
-IN_REPORT = False
+
 TABLES = {
     "effect_costs": Table(
         "The cost of each effect, and the error of the motion without it",

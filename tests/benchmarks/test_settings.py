@@ -7,11 +7,11 @@ import cases
 import reference
 from adapters import Setting, lookup
 from cases import NotSupported
-from reports import studies, study
 from reports.running.calls import Calls
 from reports.running.tasks import find_truth
-from reports.studies.settings import measure
-from reports.studies.settings.measure import SettingCell, beats, points
+from reports.studies import Request
+from tests.benchmarks.settings import measure, study
+from tests.benchmarks.settings.measure import SettingCell, beats, points
 
 pytestmark = pytest.mark.builds
 
@@ -79,20 +79,11 @@ def test_executable_without_a_cost_has_no_place_in_the_comparison(tmp_path, monk
         run_executable(tmp_path, "")
 
 
-def test_study_takes_executables_and_rejects_a_file_that_is_none(tmp_path, capsys):
-    file = tmp_path / "engine.txt"
-    file.write_text("no program")
-    assert study.main(["settings", "--engine", str(file), "--out", str(tmp_path / "out")]) == 2
-    assert capsys.readouterr().err.strip() == (
-        f"reports.study: the engine {file} is no executable file; give one (chmod +x {file})"
-    )
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["exudyn", "pymunk"])
 def test_every_rung_of_the_native_ladders_lies_on_the_envelope_of_its_grid(name):
     with Calls() as calls:
         calls.ask_versions([name])
-        cells = studies.study("settings").run(studies.Request(solvers=(name,)), calls)
+        cells = study.run(Request(solvers=(name,)), calls)
     beaten = [row for row in measure.rows(cells) if row["route"] == "native" and row["beaten_by"]]
     assert not beaten, beaten
