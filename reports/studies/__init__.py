@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from ..running.calls import Calls
 
 
+# What to type for the study `maps` of older versions.
+MAPS = "python -m reports.sweep disc_in_circle --vary mu=0.01:0.4:121 --vary xi1=0:1.5:91"
 # Studies of older versions that measure the suite itself or depend on no engine, and their modules in a clone.
 MOVED = {
     **{
@@ -104,6 +106,8 @@ def study(name: str) -> ModuleType:
     """The study of that name; raises UnknownName, and BadValue for one of `MOVED`."""
     if name in MOVED:
         raise BadValue(f"{name} is no study of engines' runs; in a clone type: python -m tests.benchmarks {name}")
+    if name == "maps":
+        raise BadValue(f"maps is a sweep; type: {MAPS}")
     if name not in names():
         raise unknown_name("study", name, names())
     module = importlib.import_module(f"{__name__}.{name}")

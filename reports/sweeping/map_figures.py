@@ -48,14 +48,6 @@ _COLOURS = (*AREAS, "#999999")
 _USUAL = ("slips forward, then rolls", "rolls throughout", "slips forward, then slips backward")
 
 
-class Mark(NamedTuple):
-    """A labelled point on a map."""
-
-    x: float
-    y: float
-    label: str
-
-
 class _MapData(NamedTuple):
     """The data of a map: parameters (n,) of its points, or the values on its grid's axes, and columns of values."""
 
@@ -99,15 +91,15 @@ def draw(
         yield save(figure, place, f"map_{rows}", "", f"{title}: grades and errors", how, png=True)
 
 
-def of_reference(plan: Plan, folder: Folder, edges: Any = None, marks: Sequence[Mark] = ()) -> Figure:
+def of_reference(plan: Plan, folder: Folder, edges: Any = None) -> Figure:
     """The map of the reference's motions as a figure."""
     with plt.rc_context(STYLE):
         figure, ax = plt.subplots(figsize=(7.4, 4.6), layout="constrained")
-        motions(ax, plan, folder, edges, marks)
+        motions(ax, plan, folder, edges)
     return figure
 
 
-def motions(ax: Axes, plan: Plan, folder: Folder, edges: Any = None, marks: Sequence[Mark] = ()) -> None:
+def motions(ax: Axes, plan: Plan, folder: Folder, edges: Any = None) -> None:
     """Draw the map of the reference's motions on the axes: first two phases, and time of the first transition."""
     data = _map_data(plan, folder, ROWS, ["sequence", "outcome", "first_time"])
     pairs = zip(data.columns["sequence"].ravel(), data.columns["outcome"].ravel(), strict=True)
@@ -130,12 +122,6 @@ def motions(ax: Axes, plan: Plan, folder: Folder, edges: Any = None, marks: Sequ
         handles += ax.plot(line.x, line.y, color="black", linewidth=1.3, linestyle=dashes, label=line.label)
     if edges is not None and len(edges.x):
         handles += ax.plot(edges.x, edges.y, ".", color="black", markersize=1.5, label="boundary by --refine")
-    for mark in marks:
-        ax.plot(mark.x, mark.y, "o", color="white", markeredgecolor="black", markersize=6, clip_on=False, zorder=5)
-        ax.annotate(
-            mark.label, (mark.x, mark.y), xytext=(7, 8), textcoords="offset points", fontsize=8.5, zorder=5,
-            bbox={"facecolor": "white", "alpha": 0.75, "linewidth": 0, "pad": 1.0},
-        )  # fmt: skip
     _frame(ax, plan, data)
     ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
 

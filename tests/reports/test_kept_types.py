@@ -103,7 +103,6 @@ def test_the_functions_whose_answers_are_kept_are_found():
     assert {name for _, name in FUNCTIONS} >= {
         "clock.time_all", "cold_start.first_calls", "time_breakdown.parts_of_all", "find_truth", "perform",
         "scene_of", "assess", "assess_own", "step_limit.bracket", "errors", "of_one",
-        "some_rows",
     }  # fmt: skip
 
 

@@ -9,24 +9,18 @@ import pytest
 
 import cases
 from adapters import Setting
-from reference.sweeping import plan
-from reports import studies
+from reports import studies, sweep
 from reports.judging.residuals import Residuals
 from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, Truth
 from reports.studies.error_parts import measure as error_parts
-from reports.studies.maps import Map
 from reports.studies.published import study as published
 from reports.studies.stability import measure as stability
 from reports.studies.stability.sensitivity import Conditioning, Sensitivity
 from reports.studies.stability.step_limit import Bracket
-from reports.sweeping import parts
-from reports.sweeping.parts import SweepWork
 
 pytestmark = pytest.mark.builds
 
-ROUTES = (("reference", ""), ("engine", "native"))
-AREA = plan("disc_in_circle", {"mu": "0.1:0.2:2", "xi1": "0:1:2"})
 CASE = cases.load("disc_on_line", mu=0.1)
 ROW = Run(CASE.label, "engine", "native", Setting.of(h=0.1), 1, "crashed", "It blew up.")
 SCENE = stability.HardScene(Truth(), Truth(), None, Conditioning(nan, nan, nan), Sensitivity("", nan, nan))
@@ -39,10 +33,6 @@ def short_results() -> dict[str, Any]:
     """A result of each study that has next to no rows; made by the first test that reads them."""
     return {
         "error_parts": [error_parts.ErrorCell(CASE.label, *WHO, Setting.of(), "unsupported", "No such curve.")],
-        "maps": [
-            Map(*who, AREA, {0: parts.failure_text(SweepWork(AREA, *who), 0, "crashed", "It blew up.")})
-            for who in ROUTES
-        ],
         "published": published.of_one(0)[:1],
         "stability": stability.Stability(
             (CASE,),
@@ -76,6 +66,13 @@ def test_a_study_that_moved_says_what_to_type(name):
     with pytest.raises(cases.BadValue, match=f"in a clone type: python -m tests.benchmarks {name}"):
         studies.study(name)
     assert callable(import_module(studies.MOVED[name]).run)
+
+
+def test_maps_are_a_sweep(capsys, tmp_path):
+    with pytest.raises(cases.BadValue, match="maps is a sweep; type: python -m reports.sweep disc_in_circle"):
+        studies.study("maps")
+    words = studies.MAPS.replace("121", "3").replace("91", "2").split()[3:]
+    assert sweep.main([*words, "--out", str(tmp_path / "out")]) == 0 and "6 scenarios" in capsys.readouterr().out
 
 
 def test_a_study_that_fails_is_said_in_its_result(monkeypatch):

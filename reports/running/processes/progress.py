@@ -25,7 +25,7 @@ _DOUBT = 10.0
 _CASE_SECONDS = {"versions": 0.0, "truth": 0.3, "survey": 0.03, "runs": 1.1}
 _TIMING_SECONDS = {"timings": 45.0, "null scores": 5.0, "cold starts and parts": 30.0}
 _STUDY_SECONDS = {
-    "map of": 1.0, "published numbers": 1.0,
+    "published numbers": 1.0,
     "scenes": 9.0, "reference": 17.0, "engines": 13.0, "unstable steps": 1.0,
 }  # fmt: skip
 _FIGURE_SECONDS = {"figures": 6.0}
