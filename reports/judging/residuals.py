@@ -6,7 +6,6 @@ Pure functions of cases and trajectories; SI units, residuals relative to the sc
 from __future__ import annotations
 
 from math import nan
-from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid, trapezoid
@@ -31,6 +30,8 @@ from cases.motion import mechanics
 from cases.motion.trajectory import State
 from cases.own_effects import ContactEffect, own_effects
 
+from .validation import Residuals
+
 # Effects included in the balance of energy: a conservative force, friction, and a bound that does no work.
 _ENERGY_EFFECTS = (Gravity, CoulombFriction, Unilateral, Belt, Drive, ContactEffect)
 # Number of times at which residuals and condition numbers are computed: gives their maxima to within a few per cent.
@@ -46,21 +47,6 @@ CONE = 1e-4
 JUMP = 0.2
 # Relative: what a hundred roundings leave of a difference.
 ROUNDING = 1e-12
-
-
-class Residuals(NamedTuple):
-    """Residuals of a motion; NaN where the motion lacks the quantities for them.
-
-    `energy`: largest of |E(t) − E(0) − work of friction|, over the energy that moves; `energy_drift`: its slope, 1/s;
-    `gap`: largest distance of the two reported contact points (5) over the plate's size, `gap_drift` its slope, m/s;
-    `tangency`: largest sine between the tangents at the reported contact parameters (6).
-    """
-
-    energy: float = nan
-    energy_drift: float = nan
-    gap: float = nan
-    gap_drift: float = nan
-    tangency: float = nan
 
 
 def examine(case: Case, motion: Trajectory) -> Residuals:

@@ -7,7 +7,8 @@ the reason of a run.
 from __future__ import annotations
 
 from itertools import pairwise
-from math import isfinite
+from math import isfinite, nan
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,21 @@ STILL, TIPS = 1e-3, 1e-2
 
 # Description of a result that is not `sound`.
 UNSOUND = "numbers that are not finite or beyond all sizes, times that do not grow, or one sample only"
+
+
+class Residuals(NamedTuple):
+    """Residuals of a motion; NaN where the motion lacks the quantities for them.
+
+    `energy`: largest of |E(t) − E(0) − work of friction|, over the energy that moves; `energy_drift`: its slope, 1/s;
+    `gap`: largest distance of the two reported contact points (5) over the plate's size, `gap_drift` its slope, m/s;
+    `tangency`: largest sine between the tangents at the reported contact parameters (6).
+    """
+
+    energy: float = nan
+    energy_drift: float = nan
+    gap: float = nan
+    gap_drift: float = nan
+    tangency: float = nan
 
 
 def sound(motion: Trajectory) -> bool:

@@ -17,7 +17,7 @@ from adapters import Setting, refusal_kind
 from cases import Case
 
 from . import reference_adapter
-from .calls import Calls, StorePolicy
+from .calls import Calls, Skip, StorePolicy
 from .ladder_selection import ladder_case
 from .processes.worker_process import CallResult
 from .records import Experiment, Offer, Run, Truth, gives_motion, now
@@ -39,7 +39,9 @@ Thin = Callable[[str, str, str, tuple[Setting, ...]], tuple[Setting, ...]]
 TRUTHS_OWN = (reference, reference_adapter)
 _KEEP_TRUTH = StorePolicy("truth", of=lambda case: (case, truth_key()))
 _KEEP_RUN = StorePolicy(
-    "run", of=lambda case, solver, route, setting, rung, truth: (case, solver, route, setting, truth), apart=TRUTHS_OWN
+    "run",
+    of=lambda case, solver, route, setting, rung, truth, *more: (case, solver, route, setting, truth, *more),
+    apart=TRUTHS_OWN,
 )
 
 
@@ -48,19 +50,25 @@ def run_cases(
     solvers: Sequence[str],
     calls: Calls,
     thin: Thin = lambda case, solver, route, settings: settings,
+    knobs: str = "ladder",
+    truths: Mapping[str, Truth] | None = None,
+    further: Mapping[str, tuple] | None = None,
+    limit: float | None = None,
+    step: str = "runs",
 ) -> Experiment:
     """Run every setting of every route of every solver on every case, or those that `thin(case name, solver, route,
-    ladder)` returns.
+    ladder)` returns. A study may have the settings of a grid (`knobs`), `truths` of its own and `further` arguments of
+    `tasks.perform` by the case's label, another time `limit` (s) of a run, and a name of this `step`.
 
     A solver that is not installed has no runs, only its entry in `versions`; one selected with a version has a row with
     the reason for each case."""
     began = time.perf_counter()
     present = calls.present(solvers)
     solvers = [name for name in solvers if name in present or split_version(name)[1]]
-    truths = find_truths(cases, calls)
-    offers_by_case = offers(cases, solvers, calls)
-    runs, tasks = _plan(cases, offers_by_case, truths, thin)
-    _fill(runs, _make(tasks, calls), ladder_case(cases))
+    truths = dict(truths) if truths else find_truths(cases, calls)
+    offers_by_case = offers(cases, solvers, calls, knobs)
+    runs, tasks = _plan(cases, offers_by_case, truths, thin, further or {})
+    _fill(runs, _make(tasks, calls, step, limit, knobs == "ladder"), ladder_case(cases) if knobs == "ladder" else None)
     seconds, parts = time.perf_counter() - began, _our_parts(offers_by_case)
     return Experiment(tuple(cases), truths, tuple(runs), seconds, dict(calls.versions), parts)
 
@@ -143,6 +151,7 @@ def _plan(
     all_offers: Mapping[tuple[str, str], tuple[Offer, ...]],
     truths: Mapping[str, Truth],
     thin: Thin,
+    further: Mapping[str, tuple],
 ) -> tuple[list[Run], list[_Task]]:
     """All runs in the order of the tables, and the tasks for those without an outcome yet."""
     by_label = {case.label: case for case in cases}
@@ -157,7 +166,8 @@ def _plan(
                 runs.append(Run(label, name, offer.route, Setting.of(), 0, outcome, reason, refusal=kind))
                 continue
             for rung, setting in enumerate(thin(by_label[label].name, name, offer.route, offer.settings), start=1):
-                tasks.append(_Task(len(runs), (by_label[label], name, offer.route, setting, rung, truth)))
+                call = (by_label[label], name, offer.route, setting, rung, truth, *further.get(label, ()))
+                tasks.append(_Task(len(runs), call))
                 runs.append(Run(label, name, offer.route, setting, rung, outcome=""))
     return runs, tasks
 
@@ -173,14 +183,18 @@ def _excuse(offer: Offer, truth: Truth) -> tuple[str, str, str] | None:
     return None if offer.settings else ("unsupported", "it offers no setting for this case", refusal_kind(""))
 
 
-def _make(tasks: Sequence[_Task], calls: Calls) -> Iterator[tuple[int, Run]]:
-    """Yield place and run of every task as they end."""
-    for i, answer in calls.each("runs", perform, [task.call for task in tasks], keep=_KEEP_RUN, skip=hopeless):
+def _make(
+    tasks: Sequence[_Task], calls: Calls, step: str, limit: float | None, in_order: bool
+) -> Iterator[tuple[int, Run]]:
+    """Yield place and run of every task as they end; `in_order`: a route's settings are from coarse to fine."""
+    skip: Skip = hopeless if in_order else lambda call, slow: None
+    arguments = [task.call for task in tasks]
+    for i, answer in calls.each(step, perform, arguments, limit=limit, keep=_KEEP_RUN, skip=skip):
         yield tasks[i].place, _run(tasks[i].call, answer)
 
 
 def _run(call: tuple, answer: CallResult) -> Run:
-    case, name, route, setting, rung, _ = call
+    case, name, route, setting, rung, *_ = call
     result = answer.value
     names = (case.label, name, route, setting)
     if answer.outcome == "done" and (result.case, result.solver, result.route, result.setting) == names:
@@ -202,9 +216,9 @@ def hopeless(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
     return None
 
 
-def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]], whole_case: str) -> None:
+def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]], whole_case: str | None) -> None:
     """Put the runs into their places. The finest of each route keeps its samples and differences; its default
-    settings, and each setting of `whole_case`, keep the differences.
+    settings, and each setting of `whole_case` (None: of every case), keep the differences.
 
     Figures need no others, and those of a thousand runs would take some hundred megabytes.
     """
@@ -219,7 +233,7 @@ def _fill(runs: list[Run], coming: Iterator[tuple[int, Run]], whole_case: str) -
             runs[outdated_place] = _thinned(runs[outdated_place], whole_case)
 
 
-def _thinned(run: Run, whole_case: str) -> Run:
+def _thinned(run: Run, whole_case: str | None) -> Run:
     """A run that is not its route's finest: without samples, and without differences unless these are shown."""
-    is_shown = run.setting.is_default or run.case == whole_case
+    is_shown = run.setting.is_default or whole_case in (None, run.case)
     return replace(run, samples={}, off=run.off if is_shown else {})

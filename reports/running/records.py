@@ -18,6 +18,7 @@ from ..judging.impacts import ImpactRow
 from ..judging.law_error import LawError
 from ..judging.ledger import LedgerRow
 from ..judging.score import Scale, Score
+from ..judging.validation import Residuals
 from .names import REFERENCE
 
 # Runs are compared with the motion of the reference's best method at this tolerance; the times of its transitions and
@@ -87,7 +88,8 @@ class Run:
     friction × and law error (NaN where they are not known), and as `reason` what the grade is due to; any other has why
     there is no motion. `refusal`: whether the engine cannot do an unsupported case, or its adapter does not yet.
     `samples` and `off` (solver minus truth) are for figures, thinned; `spreads` (s) are the reading doubts of the
-    solver's transitions; `impacts` those on the track, or on several contacts. `when`: time of the run, since CPU times
+    solver's transitions; `impacts` those on the track, or on several contacts; `residuals`
+    are those of hard scenes. `when`: time of the run, since CPU times
     vary from day to day.
     """
 
@@ -114,6 +116,7 @@ class Run:
     sequence: str = ""
     impacts: tuple[ImpactRow, ...] = ()
     refusal: str = ""
+    residuals: Residuals = Residuals()
 
 
 @dataclass(frozen=True)

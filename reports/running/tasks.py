@@ -199,10 +199,14 @@ def _evenly(motion: Trajectory) -> Trajectory:
     return Trajectory(t=times, **motion(times)._asdict(), first_mode=motion.first_mode)
 
 
-def perform(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> Run:
+def perform(
+    case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth,
+    true: Trajectory | None = None, is_hard: bool = False,
+) -> Run:  # fmt: skip
     """Run one setting of one route and judge it, in a process without engines. Only `run` of the solver is timed.
 
     The run that the others are compared with is the truth's motion, with the times measured when that was computed.
+    `true`: samples of the truth's motion, in place of the motion; `is_hard`: the run has its residuals, and no samples.
 
     Raises errors of the machine, which are not results and are not stored: ImportError, MemoryError, OSError.
     """
@@ -213,14 +217,27 @@ def perform(case: Case, name: str, route: str, setting: Setting, rung: int, trut
         raise
     except Exception as problem:
         return replace(row, outcome="crashed", reason=f"its MEANINGS fail: {reason_of_crash(problem)}")
-    assess = lambda row, motion: without_engines(_judge_alone, case, motion, row, truth, laws)  # noqa: E731
+    assess = lambda row, motion: without_engines(_judge_alone, case, motion, row, truth, laws, true, is_hard)  # noqa: E731
     if is_truth(row, truth):
         return attempt(row, case, assess, lambda: true_motion(case, truth.method))
     return attempt(row, case, assess)
 
 
-def _judge_alone(case: Case, motion: Trajectory, row: Run, truth: Truth, laws: tuple[str, ...]) -> Run:
-    return judge(row, case, motion, true_motion(case, truth.method), truth, laws)
+def _judge_alone(
+    case: Case,
+    motion: Trajectory,
+    row: Run,
+    truth: Truth,
+    laws: tuple[str, ...],
+    true: Trajectory | None,
+    is_hard: bool,
+) -> Run:
+    run = judge(row, case, motion, true or true_motion(case, truth.method), truth, laws)
+    if not is_hard:
+        return run
+    from ..judging.residuals import examine  # it imports SciPy's integrators, a quarter of a second
+
+    return replace(run, samples={}, off={}, residuals=examine(case, motion))
 
 
 def attempt(

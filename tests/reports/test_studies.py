@@ -10,7 +10,6 @@ import pytest
 import cases
 from adapters import Setting
 from reports import studies, sweep
-from reports.judging.residuals import Residuals
 from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, Truth
 from reports.studies.error_parts import measure as error_parts
@@ -37,7 +36,7 @@ def short_results() -> dict[str, Any]:
         "stability": stability.Stability(
             (CASE,),
             {CASE.label: SCENE},
-            ((ROW, Residuals()),),
+            (ROW,),
             (Bracket.failure(CASE, "engine", "native", "It hung."),),
         ),
     }  # fmt: skip

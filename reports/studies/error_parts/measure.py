@@ -8,7 +8,7 @@ each, h* and p*, a signed error E falls into parts that add up (an expansion abo
 
 The parameter to refine next is determined by refining each by one level while all others stay fixed;
 parameters that increase the error are reported, too. Errors are relative to the reference: first transition in s,
-energy lost in J, final centre in m.
+energy lost as a share of the largest true kinetic energy, final centre in m.
 """
 
 from __future__ import annotations
@@ -21,22 +21,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from adapters import Setting
-from cases import Case, Trajectory
-from cases.motion import mechanics
+from cases import Case
 
-from ...judging import ledger
 from ...judging.grades import grade
-from ...judging.score import score
-from ...running.calls import Calls, StorePolicy
-from ...running.clocked_run import run_on_clock
-from ...running.experiment import find_truths, offers
-from ...running.processes.worker_process import CallResult
-from ...running.records import Offer, Truth
-from ...running.solvers import solver
-from ...running.tasks import reading_of
-from ...running.true_motions import true_motion
+from ...running.calls import Calls
+from ...running.experiment import run_cases
+from ...running.records import Run, Truth, first_error
 
-QUANTITIES = {"first_transition_time": "s", "energy_lost": "J", "final_centre": "m"}
+QUANTITIES = {"first_transition_time": "s", "energy_lost": "share", "final_centre": "m"}
 # The cases of a default report: the paper's application, in which facets, stiffness and regularisation all matter, and
 # a valley whose curvature changes.
 CASES = ("disc_in_circle[mu=0.1]", "disc_in_cosine")
@@ -71,67 +63,24 @@ class ErrorCell:
 
 def measure(cases: Sequence[Case], solvers: Sequence[str], calls: Calls) -> list[ErrorCell]:
     """Run every grid of every route of the solvers on every case."""
-    truths = find_truths(cases, calls)
-    by_label = {case.label: case for case in cases}
-    cells: list[ErrorCell] = []
-    todo: list[tuple[Case, str, str, Setting, Truth]] = []
-    for (label, name), of_routes in offers(cases, solvers, calls, "grid").items():
-        for offer in of_routes:
-            outcome, reason = _excuse(offer, truths[label])
-            if outcome:
-                cells.append(ErrorCell(label, name, offer.route, Setting.of(), outcome, reason))
-            todo += [
-                (by_label[label], name, offer.route, setting, truths[label])
-                for setting in (() if outcome else offer.settings)
-            ]
-    answers = calls.all("error parts", errors, todo, limit=LIMIT_SECONDS, keep=StorePolicy())
-    return cells + [_cell(call, answer) for call, answer in zip(todo, answers, strict=True)]
+    experiment = run_cases(cases, solvers, calls, knobs="grid", limit=LIMIT_SECONDS, step="error parts")
+    return [cell_of(run, experiment.truths[run.case]) for run in experiment.runs]
 
 
-def _excuse(offer: Offer, truth: Truth) -> tuple[str, str]:
-    """Outcome and reason if there is nothing to run; otherwise empty."""
-    if offer.outcome:
-        return offer.outcome, offer.reason
-    if truth.failure:
-        return "unsupported", truth.failure
-    return ("", "") if offer.settings else ("unsupported", "its model has no parameter except the step")
-
-
-def _cell(call: tuple, answer: CallResult) -> ErrorCell:
-    case, name, route, setting, _ = call
-    return ErrorCell(case.label, name, route, setting, *(answer.value if answer.outcome == "done" else answer.failure))
-
-
-def errors(
-    case: Case, name: str, route: str, setting: Setting, truth: Truth
-) -> tuple[str, str, dict[str, np.ndarray], float]:
-    """One run of the grid, in a worker: outcome, reason, its signed errors by quantity, and off."""
-    motion = run_on_clock(solver(name), case, route, setting)
-    true = true_motion(case, truth.method)
-    pairs = ledger.match(truth.transitions, reading_of(case, motion).transitions)
-    first = next((row.error for row in pairs if row.event == 1 and row.is_true), nan)
-    differences = [row.pairing for row in pairs if row.pairing != "paired"]
-    signed_errors = {
-        "first_transition_time": np.array([first]),
-        **_final(case, motion, true),
-    }
-    assert truth.scale is not None, "a case with a truth has a scale"
+def cell_of(run: Run, truth: Truth) -> ErrorCell:
+    """The signed errors of a run; those at its end are NaN for a motion that ends early."""
+    if run.outcome != "answered" or run.score is None:
+        return ErrorCell(run.case, run.solver, run.route, run.setting, run.outcome, run.reason)
+    differences = [row.pairing for row in run.ledger if row.pairing != "paired"]
+    t, energy, centre = run.off["t"], nan, (nan, nan)
+    last = float(truth.samples["t"][-1]) - _LAST_STEPS * float(np.max(np.diff(t), initial=0.0))
+    if len(t) and (t[-1] >= last or truth.status == "lift_off"):
+        energy = run.off["energy_share"][0] - run.off["energy_share"][-1]
+        centre = run.off["x"][-1], run.off["y"][-1]
+    errors = {"first_transition_time": [first_error(run)], "energy_lost": [energy], "final_centre": centre}
     reason = ", ".join(f"{differences.count(kind)} {kind}" for kind in dict.fromkeys(differences))
-    return "answered", reason, signed_errors, score(case, motion, true, truth.scale).off
-
-
-def _final(case: Case, motion: Trajectory, truth: Trajectory) -> dict[str, np.ndarray]:
-    """Errors of the energy lost and of the centre at the end of the common time; NaN for a motion that ends early."""
-    end = min(float(motion.t[-1]), float(truth.t[-1]))
-    if end < truth.t[-1] - _LAST_STEPS * float(np.max(np.diff(motion.t), initial=0.0)) and truth.status != "lift_off":
-        return {"energy_lost": np.array([nan]), "final_centre": np.array([nan, nan])}
-    energy_losses = []
-    for each in (motion, truth):
-        ends = Trajectory(t=np.array([0.0, end]), **each(np.array([each.t[0], end]))._asdict())
-        energy_losses.append(-float(np.diff(mechanics.energy(case, ends))[0]))
-    here, there = motion(end), truth(end)
-    centre = np.array([here.x - there.x, here.y - there.y], dtype=float)
-    return {"energy_lost": np.array([energy_losses[0] - energy_losses[1]]), "final_centre": centre}
+    arrays = {quantity: np.array(values, dtype=float) for quantity, values in errors.items()}
+    return ErrorCell(run.case, run.solver, run.route, run.setting, "answered", reason, arrays, run.score.off)
 
 
 # --- decomposition ----------------------------------------------------------------------------------------------------

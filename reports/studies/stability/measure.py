@@ -1,14 +1,15 @@
 """Measurements on the atlas of hard scenes: outcome and grade of each solver.
 
-Each row also has the residuals that need no truth (energy, gap, tangency, their drifts), the condition number of
-the paper's matrix (27) along the motion, and the effect of one unit in the last place of the inputs: if that unit
-decides the outcome, solvers are not ranked on the scene.
+Each run also has the residuals that need no truth (energy, gap, tangency, their drifts); each scene the condition
+number of the paper's matrix (27) along the motion, and the effect of one unit in the last place of the inputs: if that
+unit decides the outcome, solvers are not ranked on the scene.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
@@ -22,14 +23,13 @@ from reference import certification
 
 from ...judging import residuals
 from ...judging.null_motions import null_motions
-from ...judging.residuals import Residuals
 from ...judging.score import scale_of
 from ...running.calls import Calls, StorePolicy
-from ...running.experiment import hopeless, offers
+from ...running.experiment import offers, run_cases
 from ...running.names import REFERENCE
-from ...running.processes.worker_process import CallResult, without_engines
-from ...running.records import TRUTH_RTOL, Offer, Run, Truth, first_error, one_default
-from ...running.tasks import attempt, find_truth, in_catalogue, judge
+from ...running.processes.worker_process import CallResult
+from ...running.records import TRUTH_RTOL, Run, Truth, first_error, one_default
+from ...running.tasks import find_truth, in_catalogue
 from ...running.true_motions import true_motion
 from . import sensitivity, step_limit
 from .sensitivity import Conditioning, Sensitivity
@@ -78,11 +78,11 @@ class HardScene(NamedTuple):
 
 @dataclass(frozen=True)
 class Stability:
-    """The findings of the study: scenes by case label, runs with their residuals, and the unstable steps."""
+    """The findings of the study: scenes by case label, the runs, and the unstable steps."""
 
     cases: tuple[Case, ...]
     scenes: dict[str, HardScene]
-    runs: tuple[tuple[Run, Residuals], ...]
+    runs: tuple[Run, ...]
     unstable: tuple[step_limit.Bracket, ...]
 
 
@@ -99,47 +99,41 @@ def measure(case_list: Sequence[Case], solvers: Sequence[str], full: bool, calls
     """Run the cases through the solvers; every failure is a row."""
     limit = _FULL_LIMIT if full else _LIMIT
     # In reverse, because the tightest fit, which is near the end of the atlas, takes longest.
-    answers = calls.all(
-        "scenes", scene_of, [(case,) for case in case_list[::-1]], limit=limit + _DERIVING, keep=StorePolicy()
-    )[::-1]
+    requests = [(case,) for case in case_list[::-1]]
+    answers = calls.all("scenes", scene_of, requests, limit=limit + _DERIVING, keep=StorePolicy())[::-1]
     scenes = {case.label: _scene(answer) for case, answer in zip(case_list, answers, strict=True)}
-    runs = [
-        _unknown_row(case, answer) for case, answer in zip(case_list, answers, strict=True) if answer.outcome != "done"
-    ]
-    failed_cases = {run.case for run, _ in runs}
-    # The longest first: a long one at the end would run alone.
-    all_offers = offers(sorted(case_list, key=lambda case: -case.duration), solvers, calls)
-    by_label = {case.label: case for case in case_list}
-    reference_calls: list[tuple] = []
-    todo: list[tuple] = []
-    for (label, name), of_routes in all_offers.items():
-        for offer in of_routes if name != REFERENCE or label not in failed_cases else ():
-            rows_without_run, more = _plan(by_label[label], name, offer, scenes[label], full)
-            runs += rows_without_run
-            (reference_calls if name == REFERENCE else todo).extend(more)
-    reference_calls.reverse()  # the paper's matrix at fine tolerances takes longest
-    runs += _assess(
-        calls.all("reference", assess_own, reference_calls, limit=limit + _DERIVING, keep=StorePolicy()),
-        reference_calls,
-    )
-    # Rung by rung: if the coarse rung of a route exceeds its time limit, the next has not started and is skipped.
-    todo.sort(key=lambda call: (-call[0].duration, call[0].label, call[4]))
-    runs += _assess(calls.all("engines", assess, todo, limit=limit, keep=StorePolicy(), skip=hopeless), todo)
+    failures = {c.label: a.failure for c, a in zip(case_list, answers, strict=True) if a.outcome != "done"}
+    runs = [Run(label, REFERENCE, "", Setting.of(), 0, *failure) for label, failure in failures.items()]
+    own = [case for case in case_list if case.label not in failures]
+    # Engines: the longest first, because a long one at the end would run alone.
+    in_turn = sorted(case_list, key=lambda case: -case.duration)
     engines = [name for name in solvers if name != REFERENCE]
-    step_calls = [
-        (case, name, offer.route, middle)
-        for case in case_list
-        if full or case.label in step_limit.DEFAULT_CASES
-        for name in engines
-        for offer in all_offers[case.label, name]
-        if (middle := _middle(offer.settings))
-    ]
-    brackets = _brackets(step_calls, calls)
+    # The reference is compared with the complete truth and with the true motion itself, which each worker computes.
+    for step, its_cases, names, seconds in (
+        ("reference", own, [name for name in solvers if name == REFERENCE], limit + _DERIVING),
+        ("engines", in_turn, engines, limit),
+    ):
+        is_own = step == "reference"
+        truths = {label: scene.truth if is_own else scene.visible for label, scene in scenes.items()}
+        further = {label: (None if is_own else scene.motion, True) for label, scene in scenes.items()}
+        runs += run_cases(
+            its_cases, names, calls, partial(_rungs, full), truths=truths, further=further, limit=seconds, step=step
+        ).runs
     place = {case.label: i for i, case in enumerate(case_list)}
-    runs.sort(
-        key=lambda pair: (place[pair[0].case], pair[0].solver != REFERENCE, pair[0].solver, pair[0].route, pair[0].rung)
-    )
-    return Stability(tuple(case_list), scenes, tuple(runs), brackets)
+    runs.sort(key=lambda run: (place[run.case], run.solver != REFERENCE, run.solver, run.route, run.rung))
+    searched = [case for case in case_list if full or case.label in step_limit.DEFAULT_CASES]
+    return Stability(tuple(case_list), scenes, tuple(runs), _brackets(searched, engines, calls))
+
+
+def _rungs(full: bool, case: str, solver: str, route: str, settings: tuple[Setting, ...]) -> tuple[Setting, ...]:
+    """The settings to run: of the reference every second one, of an engine its default settings and one."""
+    if full:
+        return tuple(one_default(settings))
+    if solver == REFERENCE:
+        return settings[1::2]
+    ladder = [s for s in settings if not s.is_default]
+    few = (ladder[min(i, len(ladder) - 1)] for i in _RUNGS if ladder)
+    return (*[s for s in settings if s.is_default][:1], *few)
 
 
 def scene_of(case: Case) -> HardScene:
@@ -205,13 +199,6 @@ def _by_one_formulation(case: Case, failed_truth: Truth) -> Truth:
     )
 
 
-def _without_truth(call: tuple, why: str) -> tuple[Run, Residuals]:
-    """The row of a run that is not made because there is no truth to compare it with."""
-    case, name, route, setting, rung = call
-    reason = f"there is no truth to compare it with: {why}"
-    return Run(case.label, name, route, setting, rung, "unsupported", reason), Residuals()
-
-
 def _sample(motion: Trajectory) -> Trajectory:
     """A motion sampled at evenly spaced times and at its transitions: enough for comparisons, and small to send."""
     events = [event.time for event in motion.transitions]
@@ -226,81 +213,25 @@ def _scene(answer: CallResult) -> HardScene:
     return HardScene(nothing, nothing, None, Conditioning(nan, nan, nan), Sensitivity("", nan, nan))
 
 
-def _unknown_row(case: Case, answer: CallResult) -> tuple[Run, Residuals]:
-    """The row of a case whose scene could not be computed."""
-    return Run(case.label, REFERENCE, "", Setting.of(), 0, *answer.failure), Residuals()
-
-
-def _plan(case: Case, name: str, offer: Offer, scene: HardScene, full: bool):
-    """Rows of settings that cannot be run, and calls for those that can."""
-    if not offer.settings:
-        outcome, reason = offer.outcome or "unsupported", offer.reason or "it offers no setting for this case"
-        return [(Run(case.label, name, offer.route, Setting.of(), 0, outcome, reason), Residuals())], []
-    settings = (
-        one_default(offer.settings) if full else offer.settings[1::2] if name == REFERENCE else _few(offer.settings)
-    )
-    calls = [(case, name, offer.route, setting, rung) for rung, setting in enumerate(settings, 1)]
-    if scene.motion is None:
-        return [_without_truth(call, scene.truth.failure) for call in calls], []
-    # The reference is compared with the complete truth and with the true motion itself, which each worker computes.
-    context = (scene.truth,) if name == REFERENCE else (scene.visible, scene.motion)
-    return [], [(*call, *context) for call in calls]
-
-
-def _few(settings: Sequence[Setting]) -> list[Setting]:
-    ladder = [s for s in settings if not s.is_default]
-    return [*[s for s in settings if s.is_default][:1], *(ladder[min(i, len(ladder) - 1)] for i in _RUNGS if ladder)]
-
-
-def _middle(settings: Sequence[Setting]) -> Setting | None:
-    ladder = [s for s in settings if not s.is_default]
-    return ladder[len(ladder) // 2] if ladder else None
-
-
-def assess(
-    case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth, motion: Trajectory
-) -> tuple[Run, Residuals]:
-    """Run one setting; in a process without engines compare it with the true motion and compute its residuals."""
-
-    def judged(row: Run, trajectory: Trajectory) -> Any:
-        return without_engines(_judge_alone, case, trajectory, row, truth, motion)
-
-    outcome: Any = attempt(Run(case.label, name, route, setting, rung, outcome=""), case, judged)
-    return (outcome, Residuals()) if isinstance(outcome, Run) else outcome
-
-
-def _judge_alone(
-    case: Case, trajectory: Trajectory, row: Run, truth: Truth, motion: Trajectory
-) -> tuple[Run, Residuals]:
-    run = replace(judge(row, case, trajectory, motion, truth), samples={}, off={})
-    if truth.status == "paradox" and trajectory.status != "paradox":
-        run = replace(run, reason=f"{run.reason}; it continues although rigid contact has no solution there")
-    return run, residuals.examine(case, trajectory)
-
-
-def assess_own(case: Case, name: str, route: str, setting: Setting, rung: int, truth: Truth) -> tuple[Run, Residuals]:
-    """`assess` for the reference, with the complete true motion."""
-    return assess(case, name, route, setting, rung, truth, true_motion(case, truth.method))
-
-
-def _assess(answers: Sequence[CallResult], calls: Sequence[tuple]) -> list[tuple[Run, Residuals]]:
-    """The rows of the calls, including those that failed."""
-    pairs = zip(answers, calls, strict=True)
-    return [a.value if a.outcome == "done" else (_failure(call, a), Residuals()) for a, call in pairs]
-
-
-def _failure(call: tuple, answer: CallResult) -> Run:
-    case, name, route, setting, rung, *_ = call
-    return Run(case.label, name, route, setting, rung, *answer.failure)
-
-
-def _brackets(requests: Sequence[tuple], calls: Calls) -> tuple[step_limit.Bracket, ...]:
-    """The brackets of the unstable step for the requested cases and routes."""
+def _brackets(searched: Sequence[Case], engines: Sequence[str], calls: Calls) -> tuple[step_limit.Bracket, ...]:
+    """The brackets of the unstable step of each route of the engines, with all else from a middle rung."""
+    requests = [
+        (case, name, offer.route, middle)
+        for case in searched
+        for (_, name), routes in offers([case], engines, calls).items()
+        for offer in routes
+        if (middle := _middle(offer.settings))
+    ]
     answers = calls.all("unstable steps", step_limit.bracket, requests, limit=step_limit.PATIENCE, keep=StorePolicy())
     return tuple(
         answer.value if answer.outcome == "done" else step_limit.Bracket.failure(case, name, route, answer.failure[1])
         for (case, name, route, _), answer in zip(requests, answers, strict=True)
     )
+
+
+def _middle(settings: Sequence[Setting]) -> Setting | None:
+    ladder = [s for s in settings if not s.is_default]
+    return ladder[len(ladder) // 2] if ladder else None
 
 
 # --- rows -------------------------------------------------------------------------------------------------------------
@@ -317,13 +248,14 @@ def rows(stability: Stability) -> list[dict[str, Any]]:
         c.label: residuals.motion_extent(c, m) for c in stability.cases if (m := stability.scenes[c.label].motion)
     }
     table_rows = []
-    for run, residual_values in stability.runs:
+    for run in stability.runs:
         scene = stability.scenes[run.case]
         outcome, reason = run.outcome, run.reason
-        if scene.chaotic and (
-            outcome == "answered" or (outcome == "unsupported" and scene.motion is None and run.setting.keys())
-        ):
+        lacks_truth = outcome == "unsupported" and scene.motion is None and not run.refusal
+        if scene.chaotic and (outcome == "answered" or lacks_truth):
             outcome, reason = "chaotic", scene.chaotic
+        elif outcome == "answered" and scene.truth.status == "paradox" != run.status:
+            reason = f"{reason}; it continues although rigid contact has no solution there"
         table_rows.append(
             {
                 "case": run.case,
@@ -337,11 +269,7 @@ def rows(stability: Stability) -> list[dict[str, Any]]:
                 "reason": reason,
                 "first_transition_error": first_error(run),
                 "centre_error": run.distance.centre_max / extents.get(run.case, nan),
-                "energy": residual_values.energy,
-                "energy_drift": residual_values.energy_drift,
-                "gap": residual_values.gap,
-                "gap_drift": residual_values.gap_drift,
-                "tangency": residual_values.tangency,
+                **run.residuals._asdict(),
                 "condition": _number(scene.conditioning.dimensionless),
                 "condition_si": _number(scene.conditioning.largest),
                 "condition_time": scene.conditioning.when,
