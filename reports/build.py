@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+from argparse import Namespace
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -16,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 import cases
 from cases import CaseError, lookup
-from cases.files.command_line import status
 
 from . import options
 from .options import BuildPlan
@@ -32,23 +32,18 @@ if TYPE_CHECKING:
 COMMAND = "reports.build"
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+@options.runs(
+    COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
+    "case", "case_file", "solver", "engine", "points", "trajectory", "submissions",
+    "quick", "full", "jobs", "dask", "store", "fresh", "paper", "verbose", "list",
+    out="report",
+    example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
+)  # fmt: skip
+def main(arguments: Namespace, words: list[str]) -> int:
     """Run the command; returns its exit status.
 
     0; 1 if the report cannot be written; 2 for invalid arguments; 3 if the report is written but a case has no truth,
     no solver could run a selected case, or nothing ran; 130 if it was interrupted."""
-    return status(COMMAND, _work, argv)
-
-
-def _work(words: list[str]) -> int:
-    parser = options.parser(
-        COMMAND, "Run cases through solvers and write a report: index.html, tables, figures, manifest.json.", "out",
-        "case", "case_file", "solver", "engine", "points", "trajectory", "submissions",
-        "quick", "full", "jobs", "dask", "store", "fresh", "paper", "verbose", "list",
-        out="report",
-        example=f'python -m {COMMAND} --quick --case "disc_in_circle[mu=0.2]" --solver reference exudyn',
-    )  # fmt: skip
-    arguments = parser.parse_args(words)
     if arguments.list:
         print(listing(arguments.case_file))
         return 0

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from argparse import Namespace
 
 import cases
-from cases.files.command_line import status
 from cases.version import RELEASED
 
 from . import options
 
-COMMAND = "reports.cite"
 SUITE = """\
 @software{{slip_to_roll,
   title   = {{{{slip-to-roll}}: a cross-checked benchmark of planar contact with {{Coulomb}} friction}},
@@ -35,14 +33,10 @@ def bibtex() -> str:
     return f"{SUITE.format(year=RELEASED[:4], version=cases.__version__)}\n{PAPER}"
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
-
-    def work(words: list[str]) -> None:
-        options.parser(COMMAND, "Print the citation as BibTeX.").parse_args(words)
-        print(bibtex(), end="")
-
-    return status(COMMAND, work, argv)
+@options.runs("reports.cite", "Print the citation as BibTeX.")
+def main(arguments: Namespace, words: list[str]) -> None:
+    """Print the entries."""
+    print(bibtex(), end="")
 
 
 if __name__ == "__main__":

@@ -7,13 +7,12 @@ with one sentence, if not. Of two folders it compares the reports: `compare_buil
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from argparse import Namespace
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cases import BadValue, DoesNotFit, lookup
-from cases.files.command_line import status
 from cases.files.user_files import existing, place
 
 from . import compare_builds, gate, options
@@ -125,34 +124,29 @@ def _time_text(motion: Trajectory, time: float) -> float:
     return float(motion.t[place]) if place < len(motion.t) else float("nan")
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
-
-    def work(words: list[str]) -> int:
-        positional = {
-            "CASE": f"{options.A_CASE}; or the folder of a report",
-            "FILE": "comma-separated values with the columns t, x, y, theta; or the folder of another report",
-        }
-        parser = options.parser(
-            COMMAND, "Judge an exported trajectory, or compare two reports: all differences, or with --worse-than "
-            "whether the second is worse (exit status 1; 3 if that is not decided).",
-            "case_file", "creep", "solver", "worse_than", "format", words=positional,
-            example=f"python -m {COMMAND} old report --worse-than 10% --solver exudyn --format junit > worse.xml",
-        )  # fmt: skip
-        arguments = parser.parse_args(words)
-        if Path(arguments.CASE).is_dir() and Path(arguments.FILE).is_dir():
-            one, other = place("report", arguments.CASE), place("report", arguments.FILE)
-            if arguments.worse_than is not None:
-                return gate.show(one, other, arguments)
-            return compare_builds.show(one, other, arguments.solver or ())
-        if arguments.solver or arguments.worse_than is not None:
-            raise BadValue("--solver and --worse-than are for the folders of two reports; leave them out")
-        options.load_files(arguments.case_file)
-        case = lookup.case_name(arguments.CASE).one()
-        print(compare(case, existing("file", arguments.FILE), options.creep_of(arguments.creep)))
-        return 0
-
-    return status(COMMAND, work, argv)
+@options.runs(
+    COMMAND, "Judge an exported trajectory, or compare two reports: all differences, or with --worse-than whether the "
+    "second is worse (exit status 1; 3 if that is not decided).",
+    "case_file", "creep", "solver", "worse_than", "format",
+    words={
+        "CASE": f"{options.A_CASE}; or the folder of a report",
+        "FILE": "comma-separated values with the columns t, x, y, theta; or the folder of another report",
+    },
+    example=f"python -m {COMMAND} old report --worse-than 10% --solver exudyn --format junit > worse.xml",
+)  # fmt: skip
+def main(arguments: Namespace, words: list[str]) -> int:
+    """Print the judgement of a file, or the comparison of two reports; returns the exit status."""
+    if Path(arguments.CASE).is_dir() and Path(arguments.FILE).is_dir():
+        one, other = place("report", arguments.CASE), place("report", arguments.FILE)
+        if arguments.worse_than is not None:
+            return gate.show(one, other, arguments)
+        return compare_builds.show(one, other, arguments.solver or ())
+    if arguments.solver or arguments.worse_than is not None:
+        raise BadValue("--solver and --worse-than are for the folders of two reports; leave them out")
+    options.load_files(arguments.case_file)
+    case = lookup.case_name(arguments.CASE).one()
+    print(compare(case, existing("file", arguments.FILE), options.creep_of(arguments.creep)))
+    return 0
 
 
 if __name__ == "__main__":

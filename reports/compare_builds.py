@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import json
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cases import BadValue
-from cases.files.command_line import status
 from cases.files.user_files import place, text
 
 from . import options
@@ -289,20 +289,14 @@ def show(one: Path, other: Path, solvers: Sequence[str]) -> int:
     return 0 if comparison.same else 3
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+@options.runs(
+    COMMAND, "Show the differences between two reports, or between two solvers.", "solver",
+    words={"A": "the folder of a report", "B": "the folder of another"},
+    example=f"python -m {COMMAND} report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
+)  # fmt: skip
+def main(arguments: Namespace, words: list[str]) -> int:
     """Run the command by its older name; returns its exit status."""
-
-    def work(words: list[str]) -> int:
-        positional = {"A": "the folder of a report", "B": "the folder of another"}
-        parser = options.parser(
-            COMMAND, "Show the differences between two reports, or between two solvers.", "solver", words=positional,
-            example=f"python -m {COMMAND} report report --solver pymunk@6.11.1 --solver pymunk@7.3.1",
-        )  # fmt: skip
-        arguments = parser.parse_args(words)
-        one, other, solvers = place("report", arguments.A), place("report", arguments.B), arguments.solver or ()
-        return show(one, other, solvers)
-
-    return status(COMMAND, work, argv)
+    return show(place("report", arguments.A), place("report", arguments.B), arguments.solver or ())
 
 
 if __name__ == "__main__":

@@ -12,14 +12,13 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Sequence
+from argparse import Namespace
 from pathlib import Path
 from typing import Any, NamedTuple
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from cases import BadValue
 from cases.files import user_files
-from cases.files.command_line import status
 from cases.files.owned_folder import LIST, atomic_path, check_new
 
 from . import options
@@ -160,30 +159,22 @@ def _as_json(content: dict[str, Any]) -> str:
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
-
-    def work(words: list[str]) -> None:
-        positional = {"FOLDER": "the folder of a published report"}
-        parser = options.parser(
-            COMMAND, "Pack a published report, with metadata, for a data repository.", "out file", "force",
-            words=positional, example=f"python -m {COMMAND} docs/results/0.2.0",
-        )  # fmt: skip
-        arguments = parser.parse_args(words)
-        folder = user_files.place("folder", arguments.FOLDER).resolve()
-        release = _release(folder)
-        archive = user_files.place("file of --out", arguments.out or f"slip-to-roll-results-{release.version}.zip")
-        if archive.suffix != ".zip":
-            raise BadValue(f"--out is {str(archive)!r}; give a file that ends in .zip")
-        check_new(archive, arguments.force)
-        options.check_writable("--out", archive, archive.parent)
-        archive.parent.mkdir(parents=True, exist_ok=True)
-        pack(folder, archive, arguments.force)
-        print(
-            f"{archive}, {archive.stat().st_size / 1e6:.1f} MB: upload it; .zenodo.json and datacite.json describe it"
-        )
-
-    return status(COMMAND, work, argv)
+@options.runs(
+    COMMAND, "Pack a published report, with metadata, for a data repository.", "out file", "force",
+    words={"FOLDER": "the folder of a published report"}, example=f"python -m {COMMAND} docs/results/0.2.0",
+)  # fmt: skip
+def main(arguments: Namespace, words: list[str]) -> None:
+    """Pack the report and print the archive's path."""
+    folder = user_files.place("folder", arguments.FOLDER).resolve()
+    release = _release(folder)
+    archive = user_files.place("file of --out", arguments.out or f"slip-to-roll-results-{release.version}.zip")
+    if archive.suffix != ".zip":
+        raise BadValue(f"--out is {str(archive)!r}; give a file that ends in .zip")
+    check_new(archive, arguments.force)
+    options.check_writable("--out", archive, archive.parent)
+    archive.parent.mkdir(parents=True, exist_ok=True)
+    pack(folder, archive, arguments.force)
+    print(f"{archive}, {archive.stat().st_size / 1e6:.1f} MB: upload it; .zenodo.json and datacite.json describe it")
 
 
 if __name__ == "__main__":

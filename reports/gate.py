@@ -20,7 +20,6 @@ from xml.etree import ElementTree
 
 from cases import BadValue
 from cases.errors import not_negative, number_in
-from cases.files.command_line import status
 from cases.files.user_files import place
 
 from . import options
@@ -188,24 +187,18 @@ def show(baseline: Path, report: Path, arguments: argparse.Namespace) -> int:
     return max((_STATUSES.get(run.change, 0) for run in changes), key=(0, OPEN, 1).index, default=0)
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+@options.runs(
+    COMMAND, "Whether a report is worse than a baseline: exit status 1 if it is, 3 if that is not decided.",
+    "baseline", "solver", "worse_than", "format", words={"REPORT*": "the folder of a report (default: report)"},
+    example=f"python -m {COMMAND} --baseline old --solver exudyn --worse-than 10% --format junit > gate.xml",
+    worse_than="10%",
+)  # fmt: skip
+def main(arguments: argparse.Namespace, words: list[str]) -> int:
     """Run the command by its older name; returns its exit status."""
-
-    def work(words: list[str]) -> int:
-        parser = options.parser(
-            COMMAND, "Whether a report is worse than a baseline: exit status 1 if it is, 3 if that is not decided.",
-            "baseline", "solver", "worse_than", "format",
-            words={"REPORT*": "the folder of a report (default: report)"},
-            example=f"python -m {COMMAND} --baseline old --solver exudyn --worse-than 10% --format junit > gate.xml",
-            worse_than="10%",
-        )  # fmt: skip
-        arguments = parser.parse_args(words)
-        if not arguments.baseline or len(arguments.REPORT) > 1:
-            raise BadValue("give --baseline DIR, and at most one report to compare with it")
-        report = place("report", (arguments.REPORT or ["report"])[0])
-        return show(place("report", arguments.baseline), report, arguments)
-
-    return status(COMMAND, work, argv)
+    if not arguments.baseline or len(arguments.REPORT) > 1:
+        raise BadValue("give --baseline DIR, and at most one report to compare with it")
+    report = place("report", (arguments.REPORT or ["report"])[0])
+    return show(place("report", arguments.baseline), report, arguments)
 
 
 if __name__ == "__main__":

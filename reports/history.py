@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import platform
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 
 from cases import BadValue
 from cases.errors import UnknownName
-from cases.files.command_line import status
 
 from . import options
 from .page import report_folder
@@ -58,18 +58,13 @@ SCENES = (
 )
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
-    return status(COMMAND, _work, argv)
-
-
-def _work(words: list[str]) -> None:
-    parser = options.parser(
-        COMMAND, "Run every released version of engines on the same scenes: what changed, and with which release.",
-        "out", "case", "case_file", "from_source", "jobs", "store", "fresh", words={"ENGINE*": "engines, by name"},
-        out="history", example=f"python -m {COMMAND} pymunk exudyn box2d",
-    )  # fmt: skip
-    arguments = parser.parse_args(words)
+@options.runs(
+    COMMAND, "Run every released version of engines on the same scenes: what changed, and with which release.",
+    "out", "case", "case_file", "from_source", "jobs", "store", "fresh", words={"ENGINE*": "engines, by name"},
+    out="history", example=f"python -m {COMMAND} pymunk exudyn box2d",
+)  # fmt: skip
+def main(arguments: Namespace, words: list[str]) -> None:
+    """Check the options, install and run the versions, and write the folder."""
     if not arguments.ENGINE:
         raise BadValue("name an engine, for example pymunk")
     if wrong := next((name for name in arguments.ENGINE if "@" in name or name == "reference"), ""):

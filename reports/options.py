@@ -16,7 +16,7 @@ import adapters
 import cases
 from cases import BadValue, lookup
 from cases.errors import boolean, choice, instance, items, not_negative, number_in, whole_in
-from cases.files.command_line import Parser, program
+from cases.files.command_line import Parser, program, status
 from cases.files.owned_folder import OwnedFolder, TemporaryFolder
 from cases.files.user_files import place
 
@@ -160,6 +160,26 @@ def parser(
     for name, text in (words or {}).items():
         parser.add_argument(name.strip("*"), metavar=name.strip("*"), help=text, nargs="*" if "*" in name else None)
     return parser
+
+
+def runs(
+    module: str, says: str, *options: str, words: Mapping[str, str] | None = None, example: str = "", **defaults: Any
+) -> Callable[[Callable[[argparse.Namespace, list[str]], int | None]], Callable[..., int]]:
+    """A decorator that makes a command of a function of parsed arguments and the words of the command line: its `main`,
+    which takes the words (default: those of the process) and returns the exit status. `parser` has the arguments."""
+
+    def as_command(work: Callable[[argparse.Namespace, list[str]], int | None]) -> Callable[..., int]:
+        def main(argv: Sequence[str] | None = None) -> int:
+            def run(given: list[str]) -> int | None:
+                arguments = parser(module, says, *options, words=words, example=example, **defaults).parse_args(given)
+                return work(arguments, given)
+
+            return status(module, run, argv)
+
+        main.__doc__ = work.__doc__
+        return main
+
+    return as_command
 
 
 def command(module: str, words: Sequence[str]) -> str:

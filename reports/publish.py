@@ -17,6 +17,7 @@ import re
 import shutil
 import sys
 import textwrap
+from argparse import Namespace
 from collections.abc import Callable, Mapping, Sequence
 from io import StringIO
 from pathlib import Path
@@ -26,7 +27,6 @@ import cases
 from cases import BadValue
 from cases.errors import finite
 from cases.files import user_files
-from cases.files.command_line import status
 from cases.files.owned_folder import digest, write
 
 from . import options
@@ -322,26 +322,20 @@ def around(readme: Path) -> tuple[str, str]:
     return parts[0], parts[1]
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
-
-    def work(words: list[str]) -> None:
-        positional = {"REPORT": "the folder of a default report"}
-        parser = options.parser(
-            COMMAND, "Publish a report with its release.", "out", words=positional, out="docs/results",
-            example=f"python -m {COMMAND} report",
-        )  # fmt: skip
-        arguments = parser.parse_args(words)
-        results = user_files.place("folder of --out", arguments.out).resolve()
-        if results == RESULTS:
-            around(ROOT / "README.md")  # before anything is written
-        place = publish(user_files.place("report", arguments.REPORT), results)
-        if results == RESULTS:
-            refresh(ROOT / "README.md", place)
-        size = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())
-        print(f"{place}, {size / 1e6:.1f} MB")
-
-    return status(COMMAND, work, argv)
+@options.runs(
+    COMMAND, "Publish a report with its release.", "out", words={"REPORT": "the folder of a default report"},
+    out="docs/results", example=f"python -m {COMMAND} report",
+)  # fmt: skip
+def main(arguments: Namespace, words: list[str]) -> None:
+    """Publish the report, update the README of a clone, and print the folder's size."""
+    results = user_files.place("folder of --out", arguments.out).resolve()
+    if results == RESULTS:
+        around(ROOT / "README.md")  # before anything is written
+    place = publish(user_files.place("report", arguments.REPORT), results)
+    if results == RESULTS:
+        refresh(ROOT / "README.md", place)
+    size = sum(path.stat().st_size for path in place.rglob("*") if path.is_file())
+    print(f"{place}, {size / 1e6:.1f} MB")
 
 
 if __name__ == "__main__":

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from argparse import Namespace
 from pathlib import Path
 
 from cases import BadValue, lookup
-from cases.files.command_line import status
 
 from . import options, studies
 from .page import report_folder
@@ -15,20 +14,15 @@ from .page import report_folder
 COMMAND = "reports.study"
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
-    return status(COMMAND, _work, argv)
-
-
-def _work(words: list[str]) -> None:
+@options.runs(
+    COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "engine",
+    "full", "jobs", "store", "fresh", "paper", words={"NAME": "the study"},
+    example=f"python -m {COMMAND} stability --solver reference pymunk",
+)  # fmt: skip
+def main(arguments: Namespace, words: list[str]) -> None:
+    """Check the options and make the study."""
     from .drawing.figure_files import for_print
 
-    parser = options.parser(
-        COMMAND, f"Make one study: {', '.join(studies.names())}.", "out", "case", "case_file", "solver", "engine",
-        "full", "jobs", "store", "fresh", "paper", words={"NAME": "the study"},
-        example=f"python -m {COMMAND} stability --solver reference pymunk",
-    )  # fmt: skip
-    arguments = parser.parse_args(words)
     study = studies.study(arguments.NAME)
     for option, subject in {"case": "case", "solver": "solver", "engine": "solver"}.items():
         if getattr(arguments, option) and subject not in study.TAKES:

@@ -7,12 +7,12 @@ not.
 from __future__ import annotations
 
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from math import nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cases.files.command_line import status
 from cases.files.user_files import place
 
 from . import options
@@ -20,8 +20,6 @@ from . import options
 if TYPE_CHECKING:
     from .running.records import Run
     from .running.submissions import Submission
-
-COMMAND = "reports.submit"
 
 
 def judge_submission(folder: str | Path) -> tuple[Submission, list[Run]]:
@@ -48,15 +46,13 @@ def _text(submission: Submission, runs: Sequence[Run]) -> str:
     return f"{submission.name}, by {submission.words['who']}\n\n{tabulate(rows, head, floatfmt='.3g')}{why}"
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
-
-    def work(words: list[str]) -> None:
-        positional = {"FOLDER": "submissions/ENGINE/VERSION, with submission.toml and a CASE.csv for each case"}
-        parser = options.parser(COMMAND, "Check and judge motions before you submit them.", words=positional)
-        print(_text(*judge_submission(parser.parse_args(words).FOLDER)))
-
-    return status(COMMAND, work, argv)
+@options.runs(
+    "reports.submit", "Check and judge motions before you submit them.",
+    words={"FOLDER": "submissions/ENGINE/VERSION, with submission.toml and a CASE.csv for each case"},
+)  # fmt: skip
+def main(arguments: Namespace, words: list[str]) -> None:
+    """Judge the motions and print the result."""
+    print(_text(*judge_submission(arguments.FOLDER)))
 
 
 if __name__ == "__main__":

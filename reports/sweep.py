@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 
 from cases import BadValue, lookup
 from cases.errors import finite, number_in, positive, whole_in
-from cases.files.command_line import status
 
 from . import options
 
 COMMAND = "reports.sweep"
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit status."""
-    return status(COMMAND, _work, argv)
-
-
-def _work(words: list[str]) -> None:
-    parser = options.parser(
-        COMMAND, "Simulate a case for many parameter values: a row per scenario, in Parquet, and a map.", "vary",
-        "sample", "number", "seed", "rtol", "certify", "refine", "solver", "case_file", "out", "jobs", "dask", "fresh",
-        "paper",
-        words={"CASE": options.A_CASE}, out="sweep",
-        example=f"python -m {COMMAND} disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200",
-    )  # fmt: skip
-    arguments = parser.parse_args(words)
+@options.runs(
+    COMMAND, "Simulate a case for many parameter values: a row per scenario, in Parquet, and a map.", "vary",
+    "sample", "number", "seed", "rtol", "certify", "refine", "solver", "case_file", "out", "jobs", "dask", "fresh",
+    "paper",
+    words={"CASE": options.A_CASE}, out="sweep",
+    example=f"python -m {COMMAND} disc_in_circle --vary mu=0.01:0.5:200 --vary xi1=0:1.5:200",
+)  # fmt: skip
+def main(arguments: Namespace, words: list[str]) -> None:
+    """Check the options, make the sweep and print its files."""
     files, _ = options.load_files(arguments.case_file)
     case = lookup.case_name(arguments.CASE)
     plan = _plan(arguments, case.label(), (*files, str(case.file.resolve())) if case.file else files)

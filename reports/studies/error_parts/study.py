@@ -25,7 +25,7 @@ TABLES = {
             "case": "the case",
             "solver": "the engine",
             "route": "its route",
-            "quantity": "first_transition_time (s), energy_lost (over the largest true kinetic energy), final_centre (m)",
+            "quantity": "first_transition_time, s; energy_lost, over the largest true kinetic energy; final_centre, m",
             "setting": "the parameters that differ within the grid",
             "total": "the error at this setting, signed (of the centre: its size)",
             "finest_error": "the error at the finest value of every parameter",
