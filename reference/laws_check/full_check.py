@@ -128,7 +128,9 @@ def _of_contacts(samples: MotionSamples, scales: MotionScales, sudden: Joins) ->
         # The rest of small impacts that are not listed: a step after one of them, without forces, as of those listed.
         is_rest = ~is_listed & np.isnan(contact.normal).all(axis=1)
         is_rest &= np.isin(samples.start[contact.steps], sudden.times)
-        for end in samples.end[contact.steps[is_rest]].tolist():
+        # Of several contacts the impacts are not of one series.
+        ends = samples.end[contact.steps[is_rest]].tolist() if len(samples.motion.contact_names) == 1 else []
+        for end in ends:
             yield from limit_of_impacts(end, law.name, sudden.times, float(samples.end[-1]))
         keep = ~(samples.is_straight[contact.steps] | is_rest)
         if keep.any():
