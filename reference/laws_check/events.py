@@ -154,9 +154,10 @@ def _landing(
     if not with_others:
         yield Defects("curves approach", law.name, when, np.array([rate]), scales.speed, "m/s", 1e-9)
     if rate < -1e-9 * scales.speed:
-        last = float(samples.end[-1])
-        late = floor + CLOSED * scales.extent / -rate / last  # what roundings of the gap make of it
-        yield Defects("curves meet in time", law.name, when, np.array([abs(gap / rate)]), last, "s", late)
+        # Also what roundings of the gap, and the motion's error, make of it.
+        last, late = float(samples.end[-1]), scales.extent / -rate
+        part = (floor * last + CLOSED * late) / (last + late)
+        yield Defects("curves meet in time", law.name, when, np.array([abs(gap / rate)]), last + late, "s", part)
 
 
 def limit_of_impacts(end: float, where: str, impacts: np.ndarray, last: float) -> Iterator[Defects]:
