@@ -1,13 +1,14 @@
 """`python -m cases export NAME [mu=0.3 …] [--out DIR] [--points N]`: write a case as data for other tools.
 
 Writes scene.json (`adapters.by_process.scene_file`, the input of executables, with the true transitions and their error
-bars), track.csv and outline.csv (parameter, point, left normal, curvature), and the true motion, motion.csv.
+bars), track.csv and outline.csv (parameter, point, left normal, curvature), and the true motion: its samples in
+motion.csv, the polynomials of its steps in motion_steps.csv.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,12 +20,15 @@ from . import options
 from .show import MADE_BY, case_of, check_free, main
 
 if TYPE_CHECKING:
-    from cases import Case
+    from cases import Case, Trajectory
 
 # Samples of the true motion, at equal times: so many that the phases too short for them leave a doubt of about 1 %
 # where a disc bounces, or rocks, to rest.
 SAMPLES = 4001
-FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv")
+FILES = ("scene.json", "track.csv", "outline.csv", "motion.csv", "motion_steps.csv")
+# Columns of plates, and of closed contacts, in motion_steps.csv.
+OF_PLATES = ("x", "y", "theta", "vx", "vy", "omega")
+OF_CONTACTS = ("xi1", "xi2", "slip", "normal_force", "friction_force")
 
 
 def run(words: Sequence[str]) -> None:
@@ -51,8 +55,10 @@ def export(case: Case, folder: Path, replace: bool = True, points: int | None = 
     write(paths[0], as_json(data, indent=1) + "\n", replace)
     for path, rows in zip(paths[1:3], curve_samples(case, samples).values(), strict=True):
         _write_csv(path, rows, "s,x,y,normal_x,normal_y,curvature", replace)
-    names, rows = motion(case)
+    true = true_motion(case)
+    names, rows = motion(true)
     _write_csv(paths[3], rows, ",".join(names), replace, fmt="%.16g")
+    write(paths[4], steps_text(true), replace)
     return paths
 
 
@@ -79,16 +85,55 @@ def truth(case: Case) -> dict:
     }
 
 
-def motion(case: Case, samples: int = SAMPLES) -> tuple[tuple[str, ...], np.ndarray]:
-    """Columns and rows of the true motion at even times, in the format of `reports.compare`."""
+def true_motion(case: Case) -> Trajectory:
+    """The true motion, with its dense output."""
     import reference
 
+    return reference.simulate(case, rtol=1e-13)
+
+
+def motion(true: Trajectory, samples: int = SAMPLES) -> tuple[tuple[str, ...], np.ndarray]:
+    """Columns and rows of the true motion at even times, in the format of `reports.compare`."""
     from .running.true_motions import columns_at
 
-    true = reference.simulate(case, rtol=1e-13)
     times = np.unique(np.linspace(0.0, true.t[-1], samples))  # a motion that ends at once has one sample
     columns = columns_at(true, times)
     return tuple(columns), np.column_stack([*columns.values()])
+
+
+def steps_text(true: Trajectory) -> str:
+    """The motion as polynomials, a line for each step, plate or closed contact, and quantity: start and end (s), and
+    the coefficients c₀ … c₂₄ of Chebyshev polynomials, Σ cₖ Tₖ(2 (t − start)/(end − start) − 1) in SI units. With them
+    anybody can check the laws, without code of the suite."""
+    from reference.laws_check import chebyshev
+    from reference.laws_check.samples import steps_of
+
+    head = ["of", "quantity", "start", "end", *(f"c{k}" for k in range(chebyshev.COUNT))]
+    start, end = steps_of(true) if len(true.t) > 1 else (np.zeros(0), np.zeros(0))
+    times = start[:, None] + (end - start)[:, None] * chebyshev.NODES
+    times[:, -1] = np.nextafter(end, -np.inf)  # an impact at the end belongs to the next step
+    lines = [",".join(head)]
+    for name, quantity, values in _quantities(true, times.ravel()):
+        table = chebyshev.coefficients(values.reshape(times.shape))
+        known = np.isfinite(table).all(axis=1)
+        lines += [
+            ",".join([name, quantity, f"{a:.17g}", f"{b:.17g}", *(f"{c:.17g}" for c in row)])
+            for a, b, row in zip(start[known], end[known], table[known], strict=True)
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _quantities(true: Trajectory, times: np.ndarray) -> Iterator[tuple[str, str, np.ndarray]]:
+    """Name of the plate or contact, quantity, and its values at times; NaN where a contact is open."""
+    if not len(times):
+        return
+    for name in true.plate_names:
+        state = true.plate(name)(times) if true.plate_columns is not None else true(times)
+        yield from ((name, quantity, np.asarray(getattr(state, quantity))) for quantity in OF_PLATES)
+    for name in true.contact_names:
+        now = true.contact_columns(name, times) if true.contact_columns is not None else true(times)
+        is_open = np.isnan(now.slip)
+        yield from ((name, each, np.where(is_open, np.nan, getattr(now, each))) for each in OF_CONTACTS)
 
 
 if __name__ == "__main__":

@@ -29,6 +29,12 @@ _ON_FINE = chebyshev.chebvander(_FINE, _DEGREE) @ _FIT
 _NEWTON = 4
 
 
+def coefficients(values: np.ndarray) -> np.ndarray:
+    """Those of Chebyshev polynomials in 2 (t − start)/(end − start) − 1, of values at the nodes of steps; both of
+    shape (n, 25)."""
+    return values @ _FIT.T
+
+
 def tail(values: np.ndarray) -> np.ndarray:
     """The largest of the last three coefficients: how far a polynomial is from the function at the nodes."""
     return np.abs(values @ _FIT[-3:].T).max(axis=-1)

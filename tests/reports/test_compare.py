@@ -376,7 +376,7 @@ EVERY = [case.label for name in cases.names(hard=False) for case in cases.select
 )
 def test_the_true_motion_as_it_is_exported_is_excellent(tmp_path, label):
     case = cases.load(label)
-    names, rows = export.motion(case)
+    names, rows = export.motion(export.true_motion(case))
     np.savetxt(tmp_path / "motion.csv", rows, delimiter=",", comments="", header=",".join(names), fmt="%.16g")
     run = external_motions.judge_motion(
         external_motions.read("truth", case, tmp_path / "motion.csv"), 1, tasks.find_truth(case)
@@ -401,7 +401,7 @@ def test_the_true_motion_as_it_is_exported_is_excellent(tmp_path, label):
 
 def test_a_force_that_is_nowhere_told_ends_no_motion_with_a_crash():
     case = cases.load("disc_rolling_off_hill")
-    names, rows = export.motion(case)
+    names, rows = export.motion(export.true_motion(case))
     table = pd.DataFrame(rows, columns=list(names)).assign(normal_force=0.0)
     assert motion_file.trajectory_of(case, table).status == "lift_off"
 

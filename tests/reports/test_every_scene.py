@@ -126,7 +126,7 @@ def judgement(
 ) -> Run:
     """The judgement of the case's own export, or of another `source`'s, by the doubt of its samples `alone` or as
     `compare` makes it; raises CaseError where the file is refused."""
-    names, rows = export.motion(source or case, samples_of(case, rate))
+    names, rows = export.motion(export.true_motion(source or case), samples_of(case, rate))
     frame = pd.DataFrame(rows, columns=list(names))
     if not has_forces:
         frame = frame.drop(columns=["normal_force", "friction_force"])

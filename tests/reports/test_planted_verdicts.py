@@ -272,7 +272,7 @@ def over_the_edge() -> Case:
 def test_a_flight_from_a_corner_is_compared_with_itself(tmp_path):
     # "a curve with corners has no single formula"
     case = over_the_edge()
-    names, rows = export.motion(case)
+    names, rows = export.motion(export.true_motion(case))
     table = motion_table.parse(pd.DataFrame(rows, columns=list(names)).to_csv(index=False), "motion.csv")
     truth, _ = truth_of(case)
     motion = motion_file.trajectory_of(case, table)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.polynomial.chebyshev import chebval
 
 import cases
 from adapters import Setting
 from adapters.common import motion_file, motion_table
 from cases.scene.free_plates import POSE
-from reports import compare
+from reports import compare, export
 from reports.running.external_motions import judge_external
 from reports.running.records import Run
 from reports.running.tasks import find_truth
@@ -67,3 +68,19 @@ def test_an_exported_box_is_compared(tmp_path):
     assert judged(case.label, tmp_path) is not None
     text = compare.compare(case, file)
     assert "excellent" in text and "Laws broken\nnone" in text
+
+
+@pytest.mark.parametrize("label", ["disc_in_circle[mu=0.2]", "row_of_discs", "disc_between_belt_and_wall"])
+def test_polynomials_of_the_exported_steps_are_the_motion(label, tmp_path):
+    """Evaluated by NumPy's Chebyshev series alone; of both plates, and of closed contacts."""
+    case = cases.load(label)
+    export.export(case, tmp_path, points=11)
+    steps, true = pd.read_csv(tmp_path / "motion_steps.csv"), export.true_motion(case)
+    # A contact of impacts alone is never closed.
+    assert {*true.plate_names} < {*steps["of"]} <= {*true.plate_names, *true.contact_names}
+    for row in steps.sample(60, random_state=1).itertuples():
+        t = row.start + (row.end - row.start) * 0.37
+        value = chebval(2.0 * (t - row.start) / (row.end - row.start) - 1.0, np.array(row[5:]))
+        state = true if row.of in true.plate_names else true.of(row.of)
+        state = state.plate(row.of) if true.plate_columns is not None and row.of in true.plate_names else state
+        assert value == pytest.approx(getattr(state(t), row.quantity), rel=1e-10, abs=1e-10), (row.of, row.quantity)
