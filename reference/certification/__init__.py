@@ -2,7 +2,7 @@
 
 from .agreement import contradiction, is_within_bars
 from .bars import Bar
-from .certificate import PROVED, WITNESSED, Certificate, NotCertified, certify
+from .certificate import PROVED, WITNESSED, Certificate, NotCertified, certify, confirmations
 from .truth_file import TRUTH, DamagedTruth, read, stored_or_new, write
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "NotCertified",
     "WITNESSED",
     "certify",
+    "confirmations",
     "contradiction",
     "is_within_bars",
     "stored_or_new",

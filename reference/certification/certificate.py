@@ -3,7 +3,8 @@
 Witnesses: the Taylor method at two tolerances and in quadruple precision within each phase (where heyoka is
 installed), DOP853 at its tightest tolerance, and the second formulation, which shares no code with the others. The
 central value is that of the most precise witness; `bars` computes its error bar. If a witness cannot run, the truth
-rests on the others, and the certificate records this.
+rests on the others, and the certificate records this. The most precise motion also passes the check of laws, which
+compares it with no other.
 """
 
 from __future__ import annotations
@@ -19,10 +20,11 @@ from ..laws_check.full_check import check
 from ..proofs import catalogue
 from ..time_limit import OutOfTime, cpu_limit
 from .bars import METHOD_ULPS, Bar, Shares, ambiguity, bar, roundings, shares
-from .witnesses import EPS, Witness, quantities, witnesses
+from .witnesses import EPS, PREDICTION, Witness, quantities, witnesses
 
 SAMPLES = 11
 PROVED, WITNESSED = "proved", "witnessed"
+CHECK_OF_LAWS = "check of laws"
 
 # Witnesses whose transition times differ by more than this (s) contradict each other, and an end with a wider bar is
 # rejected: it is a million times the usual difference, and too coarse to judge engines that come within 1e-8 s.
@@ -60,6 +62,11 @@ class Certificate:
     missing: tuple[str, ...] = ()
 
     @property
+    def confirmed(self) -> dict[str, tuple[str, ...]]:
+        """What is confirmed, and by which witnesses."""
+        return confirmations(self.witnesses)
+
+    @property
     def kinds(self) -> tuple[str, ...]:
         """For each transition "proved", if the stored proof of the catalogue's case has the same modes up to there, and
         its intervals of time and place are inside the bars, else "witnessed"."""
@@ -73,6 +80,19 @@ class Certificate:
                 break
             count += 1
         return (PROVED,) * count + (WITNESSED,) * (len(self.transitions) - count)
+
+
+def confirmations(names: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """What witnesses with those names confirm: the second formulation predicts no places or poses, and forces are
+    compared with the laws, not with each other."""
+    first = tuple(name for name in names if name != PREDICTION)
+    by_laws = (CHECK_OF_LAWS,)
+    return {
+        "sequence, status and times": names,
+        "places and poses": first,
+        "forces and impacts": by_laws,
+        "uniqueness": by_laws,
+    }
 
 
 def certify(case: Case) -> Certificate:
@@ -91,6 +111,8 @@ def certify(case: Case) -> Certificate:
         raise NotCertified(f"{case.label}: no witness reaches the end of the motion: {'; '.join(missing)}")
     if len(able) < 2:
         raise NotCertified(f"{case.label}: a certificate needs at least two witnesses; {'; '.join(missing)}")
+    if faults := _faults(case, able[:1]):
+        raise NotCertified(f"{case.label}: {faults}")
     # The samples end at the earliest end, so that every witness has a state there.
     times = np.linspace(0.0, min(witness.end for witness in able), SAMPLES)
     method = "taylor" if "taylor 1e-12" in [witness.name for witness in able] else "dop853"

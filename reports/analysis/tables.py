@@ -6,7 +6,7 @@ from collections import Counter
 from math import isfinite, nan
 from typing import Any
 
-from reference.certification import WITNESSED
+from reference.certification import WITNESSED, confirmations
 
 from ..judging.friction_sensitivity import CHANGE, LEAST, not_ranked
 from ..judging.grades import Grade
@@ -47,7 +47,8 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
             "friction_share": truth.scale.share if truth.scale and isfinite(truth.scale.share) else nan,
             "not_ranked": not_ranked(truth.friction_sensitivity, truth.scale),
         }
-        notes = truth.failure or f"witnesses: {', '.join(truth.witnesses)}"
+        confirmed = confirmations(truth.witnesses).items()
+        notes = truth.failure or "; ".join(f"{what}: {', '.join(names)}" for what, names in confirmed)
         kinds = truth.kinds or (WITNESSED,) * len(truth.transitions)
         certified = zip(truth.transitions, truth.error_bars, kinds, strict=True)
         for event, (transition, bar, kind) in enumerate(certified, start=1):

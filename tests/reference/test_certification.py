@@ -40,6 +40,23 @@ def test_bars_hold_where_all_witnesses_share_a_rounding():
         assert all(abs(one.value) <= one.bar for one in certificate.samples[quantity]), quantity
 
 
+def test_each_part_of_the_truth_has_its_witnesses(bowled):
+    assert bowled.confirmed["sequence, status and times"] == bowled.witnesses
+    assert bowled.confirmed["places and poses"] == bowled.witnesses[:-1]
+    assert bowled.confirmed["forces and impacts"] == bowled.confirmed["uniqueness"] == ("check of laws",)
+
+
+def test_what_all_witnesses_agree_on_breaks_no_law(monkeypatch):
+    """All share a friction that is 3 % too large: they agree, and the laws of the scene say no."""
+    wrong = replace(BOWLED, effects=(Gravity(9.81), CoulombFriction(0.103), Unilateral()))
+    every = witnesses.witnesses(wrong)
+    monkeypatch.setattr(certification, "witnesses", lambda case: every)
+    with pytest.raises(
+        NotCertified, match=r"breaks a law, Coulomb's law in slip at plate/track: broken by .* \(0.03 μN\)"
+    ):
+        certify(BOWLED)
+
+
 def test_a_motion_that_no_way_gets_through_certifies_nothing_and_is_not_tried_by_others(monkeypatch):
     monkeypatch.setattr(march, "MOST_PHASES", 1)
     monkeypatch.setattr(witnesses, "_by_second", None)
