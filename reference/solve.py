@@ -71,7 +71,9 @@ def _integrate_taylor(phase: Phase, t: float, y, end: float, rtol: float) -> Seg
     """By Taylor's method; by DOP853 a phase that begins where its forces have no second derivative, as drag of √(v²) at
     rest, which it does not need, and one with a force that is zero at first, with all derivatives."""
     segment = taylor.integrate(phase, t, y, end, rtol)
-    if (segment.event.guard == BREAKDOWN and segment.event.time == t) or _passes_zero(segment, t, y):
+    if (segment.event.guard == BREAKDOWN and segment.event.time == t) or (
+        phase.checks_steps and _passes_zero(segment, t, y)
+    ):
         return _integrate_dop853(phase, t, y, end, rtol)
     return segment
 
@@ -80,8 +82,6 @@ def _passes_zero(segment: Segment, t: float, y) -> bool:
     """Whether a force that is zero at a phase's start becomes negative without an event: the loop looks for roots after
     the start of a step."""
     phase = segment.phase
-    if not phase.checks_steps:
-        return False
     starts = phase.system.guards_of_numbers(t, tuple(y), phase.parameters)
     names = list(phase.system.guards)
     zero = [i for i, name in enumerate(names) if name.startswith(("normal", "cone")) and not starts[i] > 0.0]
@@ -190,9 +190,12 @@ def solve_motion(
 ):
     """The motion without samples: (segments, transitions, (status, sentence)). `regime`: that of the first contact, if
     it is known; `original`: the case whose relative case it is."""
-    no_poses = as_sentence(limit(original or case, Scope.SEVERAL_CONTACTS))
-    if getattr(integrate, "func", integrate) is augmented_integrator.integrate:
-        no_poses = "The method 'augmented' has one contact; leave method out to go on."
+
+    def no_poses() -> str:
+        if getattr(integrate, "func", integrate) is augmented_integrator.integrate:
+            return "The method 'augmented' has one contact; leave method out to go on."
+        return as_sentence(limit(original or case, Scope.SEVERAL_CONTACTS))
+
     return solver.simulate(case, rtol, integrate, regime, no_poses)
 
 
@@ -215,7 +218,8 @@ def as_trajectory(
 
 def _finite(segments: list[Segment]) -> bool:
     """Whether every phase ended in finite numbers."""
-    return all(isfinite(segment.event.time) and all(map(isfinite, segment.event.state)) for segment in segments)
+    # Sums are quicker than one by one.
+    return all([isfinite(sum(segment.event.state, segment.event.time)) for segment in segments])
 
 
 @lru_cache(maxsize=1)

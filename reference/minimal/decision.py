@@ -7,7 +7,7 @@ applies to the start, to a slip that vanishes and to a normal force that vanishe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from cases import Case
@@ -93,10 +93,8 @@ def close(error: float) -> float:
 
 def _by_series(candidate: Phase, t, y, error, still: float, weak: float) -> bool:
     """Whether the conditions hold, by the signs of their series."""
-    for order in (QUICK, MIDDLE, ORDER):
-        signs = _leading_signs(candidate, t, y, error, order, still, weak)
-        has_zero = any(sign == 0 for sign in signs.values())
-        if not has_zero or any(sign < 0 for sign in signs.values()):
+    for signs in _signs_by_order(candidate, t, y, error, still, weak):
+        if all(signs.values()) or min(signs.values()) < 0:
             break
     # A velocity must become positive; any other condition may stay at its bound (weightless, level, at rest).
     velocities = candidate.system.condition_rates
@@ -117,7 +115,10 @@ def slack_of(
     bounds = {name: weak for name in values if name not in candidate.system.condition_rates and name[:4] != "row_"}
     bounds |= {name: _gap_rounding(candidate, y, values[name]) for name in bounds if name.startswith("gap:")}
     names = [name for name, bound in bounds.items() if abs(values[name]) <= bound]
-    signs = _leading_signs(candidate, t, y, error, ORDER, weak=weak) if names else {}
+    signs = dict.fromkeys(names, 1)
+    for signs in _signs_by_order(candidate, t, y, error, 0.0, weak) if names else ():
+        if all(signs[name] for name in names):
+            break
     return tuple((name, power_of_two(SLACK * bounds[name])) for name in names if signs[name] == 0)
 
 
@@ -126,7 +127,13 @@ def _gap_rounding(candidate: Phase, y: Sequence[float], gap: float) -> float:
     return AT_BOUND * (candidate.size + abs(y[0]) + abs(y[1]) + abs(gap))
 
 
-def _leading_signs(candidate: Phase, t, y, error, order: int, still: float = 0.0, weak: float = 0.0) -> dict[str, int]:
+def _signs_by_order(candidate: Phase, t, y, error, still: float, weak: float) -> Iterator[dict[str, int]]:
+    """The signs of the conditions by series of rising order: one that is not zero stays."""
+    for order in (QUICK, MIDDLE, ORDER):
+        yield _leading_signs(candidate, t, y, error, order, still, weak)
+
+
+def _leading_signs(candidate: Phase, t, y, error, order: int, still: float, weak: float) -> dict[str, int]:
     y = state_in(candidate, y)
     # Velocities have an error of `error` times the largest of them, so that a small one does not count as exact.
     positions = candidate.system.positions

@@ -35,11 +35,11 @@ def may_touch(now: Phase, segment: Segment, guard: str, begin: Sequence[float]) 
     soon = ALMOST * lasted
     rates = now.system.rates_of_numbers(event.time, event.state, now.parameters)
     later = [value + soon * rate for value, rate in zip(event.state, rates, strict=True)]
-    first, last, beyond = (
+    first, beyond = (
         now.system.guards_of_numbers(t, y, now.parameters)[index]
-        for t, y in ((segment.start, begin), (event.time, event.state), (event.time + soon, later))
+        for t, y in ((segment.start, begin), (event.time + soon, later))
     )
-    return not abs(beyond - last) > SLOWLY * ALMOST * abs(first)
+    return not abs(beyond) > SLOWLY * ALMOST * abs(first)  # it is zero at the event
 
 
 def over_touch(now: Phase, segment: Segment, guard: str, error: float, end: float) -> Segment | None:

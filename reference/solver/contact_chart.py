@@ -94,7 +94,7 @@ class ContactChart:
         track, outline = self.whole.track, self.whole.plate.outline
         if isinstance(self.case, PieceCase):
             return excludes_second(track, outline)
-        return fits(track, outline, *span(track, np.array([self.whole.start.xi1, *xi1]), self.whole.plate.reach))
+        return fits(track, outline, *span(track, [self.whole.start.xi1, *xi1], self.whole.plate.reach))
 
     @cached_property
     def is_alone(self) -> bool:

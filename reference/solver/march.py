@@ -44,10 +44,10 @@ def begins_alone(case: Case) -> bool:
 
 
 def simulate(
-    case: Case, rtol: float, integrate: Callable[..., Segment], regime: Regime | None = None, no_poses: str = ""
+    case: Case, rtol: float, integrate: Callable[..., Segment], regime: Regime | None, no_poses: Callable[[], str]
 ) -> tuple[Segments, list[Transition], Ending]:
     """The motion of a case from its start: (segments, transitions, (status, sentence)). `regime`: that of the first
-    contact, if it is known; `no_poses`: why the motion ends where it departs to poses, in a sentence."""
+    contact, if it is known; `no_poses`: why the motion ends where it departs to poses, in a sentence, or ""."""
     segments, earlier = Segments(), list[Transition]()
     try:
         chart = _first_chart(case, rtol, integrate, regime, no_poses, segments)
@@ -59,12 +59,12 @@ def simulate(
         before = chart.t
         result = _phase(chart)
         chart.idle = chart.idle + 1 if chart.t == before else 0
-        if isinstance(result, Departure) and not no_poses:
-            earlier = [replace(change, contact=CONTACT) for change in chart.transitions]
-            chart = PoseChart(case, rtol, integrate, segments, result)
-            continue
         if isinstance(result, Departure):
-            result = result.ending[0], f"{result.ending[1]} {no_poses}"
+            if not (reason := no_poses()):
+                earlier = [replace(change, contact=CONTACT) for change in chart.transitions]
+                chart = PoseChart(case, rtol, integrate, segments, result)
+                continue
+            result = result.ending[0], f"{result.ending[1]} {reason}"
         if result is None and segments.steps >= MOST_STEPS:
             result = work_limit_ending(chart.t, segments.steps)
         if result is None and chart.idle > STUCK:
@@ -83,12 +83,13 @@ def take_no_time(some: Sequence[Segment], lasted: float) -> bool:
 
 
 def _first_chart(
-    case: Case, rtol: float, integrate: Callable[..., Segment], regime: Regime | None, no_poses: str,
+    case: Case, rtol: float, integrate: Callable[..., Segment], regime: Regime | None, no_poses: Callable[[], str],
     segments: Segments,
 ) -> ContactChart | PoseChart:  # fmt: skip
     if begins_alone(case):
         chart = ContactChart(case, rtol, integrate, regime, segments)
-        if no_poses or chart.touches_once():
+        is_alone = not has_pieces(case) and chart.is_alone
+        if is_alone or no_poses() or chart.touches_once():
             return chart
     return PoseChart(case, rtol, integrate, segments)
 
