@@ -13,7 +13,7 @@ from math import inf
 import numpy as np
 
 from cases import Case, DoesNotFit
-from cases.contact.geometry import find
+from cases.contact.geometry import clearance, find
 from cases.curves.corner import Corner
 from cases.scene.couples import Couple, couples
 from cases.scene.piece_case import PieceCase, neighbour
@@ -131,6 +131,9 @@ class CoupleSearch:
         def is_new(meeting: ElementMeeting) -> bool:
             soon = meeting.time <= edges[0] + SOON * (edges[1] - edges[0])
             if soon and any(one.whole == couple and in_round(one) == in_round(meeting.pair) for one in view.partings):
+                return False
+            # Where the gap is a largest one in place, as at a bend next to an inflection, no contact begins.
+            if clearance(*meeting.pair.pieces, meeting.xi1, meeting.xi2) < 0.0:
                 return False
             points = [view.points(k, np.array([meeting.time]))[:, 0] for k, _ in in_view]
             return not self._is_in_view(meeting, pairs, points)

@@ -10,7 +10,7 @@ import numpy as np
 
 from cases import Case, Chain, Curve, DoesNotFit
 from cases.contact.element_pairs import first_guesses, may_touch
-from cases.contact.geometry import bends, find
+from cases.contact.geometry import bends, clearance, find
 from cases.contact.overlap_search import OVERLAPS
 from cases.curves.corner import Corner, Piece
 from cases.curves.element import Element
@@ -68,6 +68,8 @@ def touching_contacts(
                 except DoesNotFit:  # far away
                     continue
                 if not -deepest <= at.gap <= least or not inside(pair, at.xi1, at.xi2):
+                    continue
+                if clearance(*pair.pieces, at.xi1, at.xi2) < 0.0:  # the gap is a largest one, next to an inflection
                     continue
                 where = place_on_track(pair, at.xi1)
                 if all(np.abs(where - one).max() > SAME_PLACE for one in places):
