@@ -115,10 +115,10 @@ def steps_text(true: Trajectory) -> str:
     lines = [",".join(head)]
     for name, quantity, values in _quantities(true, times.ravel()):
         table = chebyshev.coefficients(values.reshape(times.shape))
-        known = np.isfinite(table).all(axis=1)
+        is_known = np.isfinite(table).all(axis=1)
         lines += [
             ",".join([name, quantity, f"{a:.17g}", f"{b:.17g}", *(f"{c:.17g}" for c in row)])
-            for a, b, row in zip(start[known], end[known], table[known], strict=True)
+            for a, b, row in zip(start[is_known], end[is_known], table[is_known], strict=True)
         ]
     return "\n".join(lines) + "\n"
 

@@ -62,7 +62,7 @@ class Certificate:
     missing: tuple[str, ...] = ()
 
     @property
-    def confirmed(self) -> dict[str, tuple[str, ...]]:
+    def confirmations(self) -> dict[str, tuple[str, ...]]:
         """What is confirmed, and by which witnesses."""
         return confirmations(self.witnesses)
 

@@ -264,10 +264,10 @@ def without_velocity(
         if goals.any():  # plates on two belts need not fit both, and stay on them
             steps.append(np.flatnonzero(np.array(group) < count))
         for some_rows in steps:
-            chosen = rows[some_rows]
-            missing = chosen @ velocity - goals[some_rows]
-            off = np.linalg.lstsq(chosen * some.inverse @ chosen.T, missing, rcond=1e-10)[0]
-            velocity = velocity - some.inverse * (chosen.T @ off)
+            part = rows[some_rows]
+            missing = part @ velocity - goals[some_rows]
+            off = np.linalg.lstsq(part * some.inverse @ part.T, missing, rcond=1e-10)[0]
+            velocity = velocity - some.inverse * (part.T @ off)
         # Plates that their contacts hold have no velocity, to the last bit.
         own = rows_of(plates)
         sizes = np.linalg.svd(rows * np.sqrt(some.inverse), compute_uv=False)

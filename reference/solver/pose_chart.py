@@ -286,9 +286,9 @@ class PoseChart(ModeChanges):
             watch.at_joint = True
             self._settle(stuck)
             return None
-        stayed, watch.pass_time, watch.at_joint = watch.at_joint, self.t, False
+        was_at_joint, watch.pass_time, watch.at_joint = watch.at_joint, self.t, False
         following = neighbour(watch.pair, of_track, step)
-        if watch.mode is Mode.FLIGHT and not stayed and is_flat_beyond(watch.pair, of_track, step):
+        if watch.mode is Mode.FLIGHT and not was_at_joint and is_flat_beyond(watch.pair, of_track, step):
             watch.at_joint = True  # a side that lies flat to rounding may turn back
             self._settle(stuck)
             return None

@@ -47,8 +47,8 @@ def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
             "friction_share": truth.scale.share if truth.scale and isfinite(truth.scale.share) else nan,
             "not_ranked": not_ranked(truth.friction_sensitivity, truth.scale),
         }
-        confirmed = confirmations(truth.witnesses).items()
-        notes = truth.failure or "; ".join(f"{what}: {', '.join(names)}" for what, names in confirmed)
+        parts = confirmations(truth.witnesses).items()
+        notes = truth.failure or "; ".join(f"{what}: {', '.join(names)}" for what, names in parts)
         kinds = truth.kinds or (WITNESSED,) * len(truth.transitions)
         certified = zip(truth.transitions, truth.error_bars, kinds, strict=True)
         for event, (transition, bar, kind) in enumerate(certified, start=1):

@@ -41,9 +41,9 @@ def test_bars_hold_where_all_witnesses_share_a_rounding():
 
 
 def test_each_part_of_the_truth_has_its_witnesses(bowled):
-    assert bowled.confirmed["sequence, status and times"] == bowled.witnesses
-    assert bowled.confirmed["places and poses"] == bowled.witnesses[:-1]
-    assert bowled.confirmed["forces and impacts"] == bowled.confirmed["uniqueness"] == ("check of laws",)
+    assert bowled.confirmations["sequence, status and times"] == bowled.witnesses
+    assert bowled.confirmations["places and poses"] == bowled.witnesses[:-1]
+    assert bowled.confirmations["forces and impacts"] == bowled.confirmations["uniqueness"] == ("check of laws",)
 
 
 def test_what_all_witnesses_agree_on_breaks_no_law(monkeypatch):

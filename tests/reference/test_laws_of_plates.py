@@ -198,7 +198,7 @@ def test_drag_by_the_square_root_of_a_square_begins_at_rest():
 
 # --- random scenes ----------------------------------------------------------------------------------------------------
 
-# Motions that end early: their ends are listed in docs/truth.md, and what is computed obeys the laws.
+# Motions that end early: what is computed obeys the laws.
 SEEDS = [*range(10), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(10, 500))]
 
 
