@@ -36,7 +36,6 @@ _ROWS = {
     "convergence": ("case", "solver", "route", "quantity"),
     "truth": ("case", "event"),
     "work_precision": ("case", "solver", "route", "setting", "quantity"),
-    "work_precision_fits": ("case", "solver", "route", "quantity"),
     "null_scores": ("case", "motion"),
 }
 _OF_THE_DAY = {

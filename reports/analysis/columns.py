@@ -199,14 +199,6 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "engine_alone_s": ("time of the engine's compiled code, without cold start, binding, callback and recording", "s"),
     "cheaper": ("the faster of the two; tie: by less than a tenth; empty: one of the two has no time (`reason`)", ""),
     "factor": ("the slower one's time over the faster one's", "1"),
-    # errata
-    "where": ("place in the paper", ""),
-    "printed": ("as printed", ""),
-    "corrected": ("as it must be", ""),
-    "printed_residual": ("residual of the formula as printed, relative", "1"),
-    "corrected_residual": ("residual of the corrected formula, relative", "1"),
-    "finding": ("the misprint", ""),
-    "claim": ("the paper's claim", ""),
 }  # fmt: skip
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..running.records import Experiment, Run, finest, is_default, is_truth, routes, usable
 from . import quantities
+from .work_precision import CostMeasurements, quiet_cpu
 
 # An error counts if it is this many times the doubts by truth, reading and rounding: a tenth of it may then be theirs.
 ABOVE = quantities.ABOVE
@@ -117,7 +118,7 @@ def _line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
 
 
 def ladder_of(runs: Sequence[Run], quantity: str, bar: float) -> list[ConvergencePoint]:
-    """The points of a ladder's usable runs, coarse to fine; `bar`: the truth's error bar of the quantity."""
+    """The points of runs, coarse to fine; `bar`: the truth's error bar of the quantity."""
     return [
         ConvergencePoint(
             str(run.setting),
@@ -128,44 +129,42 @@ def ladder_of(runs: Sequence[Run], quantity: str, bar: float) -> list[Convergenc
             quantities.rounding(run, quantity),
         )
         for run in runs
-        if usable(run) and not is_default(run)
     ]
 
 
-# Quantities of the table `convergence`.
+# Quantities of cases that were not timed.
 _QUANTITIES = ("off", "first_transition_time", "centre_max")
 
 
-def convergence_rows(experiment: Experiment) -> list[dict[str, Any]]:
-    """One row per case, route and quantity: the observed order with its confidence interval, the error of the finest
-    rung, and why the finest rungs do not improve (`saturation`)."""
+def convergence_rows(experiment: Experiment, costs: CostMeasurements | None = None) -> list[dict[str, Any]]:
+    """One row per case, route and quantity: the observed orders in steps and in CPU time with their confidence
+    intervals, the error of the finest rung, and why the finest rungs do not improve (`saturation`). All quantities of
+    the timed cases, three of the others. Disturbed times are left out."""
+    costs = costs or CostMeasurements()
     rows = []
     for (case, solver, route), group in routes(experiment.runs).items():
-        fine = finest(group)
+        fine, truth, is_timed = finest(group), experiment.truths[case], case in costs.cases
         if fine is None:
             continue
-        truth = experiment.truths[case]
-        runs = [run for run in group if not is_truth(run, truth)]
-        for quantity in _QUANTITIES:
-            bar = quantities.bar(truth, quantity, {})
+        runs = [run for run in group if not is_truth(run, truth) and usable(run) and not is_default(run)]
+        witnessed = costs.nulls[case].witness_errors if is_timed else {}
+        for quantity in dict.fromkeys((*_QUANTITIES, *(quantities.UNITS if is_timed else ()))):
+            bar = quantities.bar(truth, quantity, witnessed)
             if not isfinite(bar):
                 continue
             points = ladder_of(runs, quantity, bar)
+            cpu = [quiet_cpu(costs, (case, solver, route, run.setting)) for run in runs]
+            by_time = order([p._replace(cost=seconds) for p, seconds in zip(points, cpu, strict=True)])
             fit, plateau = order(points), saturation(points)
             rows.append(
                 {
-                    "case": case,
-                    "solver": solver,
-                    "route": route,
-                    "quantity": quantity,
-                    "order": fit.order,
-                    "order_low": fit.low,
-                    "order_high": fit.high,
+                    "case": case, "solver": solver, "route": route, "quantity": quantity, "settings": len(points),
+                    "order": fit.order, "order_low": fit.low, "order_high": fit.high,
+                    "order_in_time": by_time.order, "order_in_time_low": by_time.low,
+                    "order_in_time_high": by_time.high,
                     "finest_error": quantities.error(fine, quantity),
-                    "settings_used": " | ".join(fit.settings),
-                    "note": fit.note,
-                    "saturation": plateau.cause,
-                    "saturated_from": plateau.setting,
+                    "settings_used": " | ".join(fit.settings), "note": fit.note,
+                    "saturation": plateau.cause, "saturated_from": plateau.setting, "saturated_error": plateau.error,
                 }
-            )
+            )  # fmt: skip
     return rows

@@ -77,11 +77,6 @@ TABLES = {
         lambda results: work_precision.work_precision_rows(results.ran, results.costs),
         is_timed=True,
     ),
-    "work_precision_fits": TableSource(
-        "Orders in steps and in CPU time, and where and why the error saturates",
-        lambda results: work_precision.fit_rows(results.ran, results.costs),
-        is_timed=True,
-    ),
     "null_scores": TableSource(
         "Errors of motions that ignore friction's law",
         lambda results: [row for baseline in results.costs.nulls.values() for row in baseline.rows],
@@ -108,14 +103,11 @@ TABLES = {
         lambda results: tables.trajectory_rows(results.shown),
     ),
     "convergence": TableSource(
-        "Observed order of every route", lambda results: convergence.convergence_rows(results.shown)
+        "Orders of every route in steps and in CPU time, and where and why its error saturates",
+        lambda results: convergence.convergence_rows(results.shown, results.costs),
     ),
     "truth": TableSource(
         "The certified transitions that runs are compared with", lambda results: tables.truth_rows(results.shown)
-    ),
-    "errata": TableSource(
-        "The paper's misprints, each formula evaluated (residuals relative to what it must equal)",
-        lambda results: tables.errata_rows(),
     ),
     "pairs": TableSource(
         "Two engines by themselves compared over the cases that both answer",

@@ -21,17 +21,6 @@ OUTCOMES = ("answered", "unsupported", "crashed", "timed_out", NOT_INSTALLED)
 # --- the tables -------------------------------------------------------------------------------------------------------
 
 
-def errata_rows() -> list[dict[str, Any]]:
-    """The paper's misprints, each formula evaluated."""
-    from reference.errata import errata  # it imports SciPy's integrators, a quarter of a second
-
-    # The column `verdict` of an erratum would be mistaken for the table `verdict`.
-    return [
-        {"finding" if name == "verdict" else name: value for name, value in erratum._asdict().items()}
-        for erratum in errata()
-    ]
-
-
 def truth_rows(experiment: Experiment) -> list[dict[str, Any]]:
     """The motions that runs are compared with: a row per transition, or one with event 0 for a case without any."""
     rows = []

@@ -9,12 +9,12 @@ from collections.abc import Iterable, Mapping
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
-from ..running.records import Experiment, Run, is_default, routes, usable
+from ..running.records import Experiment, usable
 from ..running.timing.clock import NO_TIMING, Timing
 from ..running.timing.cold_start import ColdStart
 from ..running.timing.time_breakdown import TimeBreakdown
 from ..running.timing.timed_pass import Key
-from . import convergence, quantities
+from . import quantities
 from .null_scores import Baseline
 from .quantities import UNITS
 
@@ -42,11 +42,6 @@ def quantities_of(experiment: Experiment, measurements: CostMeasurements, label:
     return [q for q in UNITS if isfinite(floor(experiment, measurements, label, q))]
 
 
-def _usable_runs(experiment: Experiment, measurements: CostMeasurements) -> list[Run]:
-    """The runs of the timed cases with a usable motion."""
-    return [run for run in experiment.runs if run.case in measurements.cases and usable(run)]
-
-
 def null_error(measurements: CostMeasurements, label: str, quantity: str) -> tuple[float, str]:
     """The smallest error of a null motion, and its name; NaN if none has an error."""
     scores = [(row[quantity], row["motion"]) for row in measurements.nulls[label].rows if isfinite(row[quantity])]
@@ -60,7 +55,7 @@ def work_precision_rows(experiment: Experiment, measurements: CostMeasurements) 
     error of a null motion, `null_motion`.
     """
     rows = []
-    for run in _usable_runs(experiment, measurements):
+    for run in (run for run in experiment.runs if run.case in measurements.cases and usable(run)):
         for quantity in quantities_of(experiment, measurements, run.case):
             error, least = quantities.error(run, quantity), floor(experiment, measurements, run.case, quantity)
             if not isfinite(error):
@@ -97,44 +92,7 @@ def times_of(measurements: CostMeasurements, key: Key) -> dict[str, Any]:
     return {**vars(timing), **first, **{f"{name}_s": share * timing.cpu_s for name, share in shares.items()}}
 
 
-def fit_rows(experiment: Experiment, measurements: CostMeasurements) -> list[dict[str, Any]]:
-    """One row per route and quantity of a timed case: order in steps and in CPU time, each with its 95 % interval, and
-    where and why the error saturates (`convergence`). Default settings and disturbed times are left out."""
-    rows = []
-    ladders = routes(run for run in _usable_runs(experiment, measurements) if not is_default(run))
-    for (case, solver, route), group in ladders.items():
-        for quantity in quantities_of(experiment, measurements, case):
-            bar = floor(experiment, measurements, case, quantity) / quantities.ABOVE
-            ladder = convergence.ladder_of(group, quantity, bar)
-            if not any(isfinite(point.error) for point in ladder):
-                continue
-            by_steps, plateau = convergence.order(ladder), convergence.saturation(ladder)
-            times = [_quiet_cpu(measurements, (case, solver, route, run.setting)) for run in group]
-            by_time = convergence.order([p._replace(cost=s) for p, s in zip(ladder, times, strict=True)])
-            rows.append(
-                {
-                    "case": case,
-                    "solver": solver,
-                    "route": route,
-                    "quantity": quantity,
-                    "settings": len(ladder),
-                    "order": by_steps.order,
-                    "order_low": by_steps.low,
-                    "order_high": by_steps.high,
-                    "order_in_time": by_time.order,
-                    "order_in_time_low": by_time.low,
-                    "order_in_time_high": by_time.high,
-                    "saturation": plateau.cause,
-                    "saturated_from": plateau.setting,
-                    "saturated_error": plateau.error,
-                    "settings_used": " | ".join(by_steps.settings),
-                    "note": by_steps.note,
-                }
-            )
-    return rows
-
-
-def _quiet_cpu(measurements: CostMeasurements, key: Key) -> float:
+def quiet_cpu(measurements: CostMeasurements, key: Key) -> float:
     """CPU time, s; NaN if it was disturbed or not measured."""
     timing = measurements.timings.get(key, NO_TIMING)
     return nan if timing.disturbed else timing.cpu_s

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _PARTS = {"cpu_s": "run, warm", "engine_s": "engine", "binding_s": "binding", "callback_s": "our callback",
           "notes_s": "our recording"}  # fmt: skip
 # Columns of the fits that the page leaves out.
-_OMITTED_COLUMNS = ("settings_used", "settings", "version")
+_OMITTED_COLUMNS = ("settings_used", "settings", "finest_error", "version")
 
 
 def section(
@@ -40,8 +40,8 @@ def section(
         records(frames[name]) for name in ("which_engine", "time_to_accuracy", "work_precision")
     )
     headline = cost_conclusions.headline(answers, time_rows)
-    fits = frames["work_precision_fits"]
-    fits = fits[fits["quantity"] == "off"] if len(fits) else fits
+    fits = frames["convergence"]
+    fits = fits[(fits["quantity"] == "off") & fits["case"].isin(measurements.cases)] if len(fits) else fits
     return {
         "first": headline.first,
         "rest": f"{headline.rest} {cost_conclusions.set_up(points)}",
@@ -56,7 +56,7 @@ def section(
             for d in figure_entries
             if d.name.startswith("work_prec")
         ],
-        "fits": table(fits, _name(fits), file="work_precision_fits"),
+        "fits": table(fits, _name(fits), file="convergence"),
         "nulls": table(frames["null_scores"], _name(frames["null_scores"]), file="null_scores"),
     }
 

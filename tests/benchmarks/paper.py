@@ -15,6 +15,7 @@ import numpy as np
 import cases
 import reference
 from cases import Mode, Trajectory
+from reference.errata import errata
 from reference.paper.application import rolls_beyond, slip_end
 from reference.paper.equation_list import LINES
 from reports.analysis.columns import Table
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 TITLE = "The paper, line by line"
 QUESTION = (
     "Each numbered equation and its places in the code, the paper's diagrams next to the continued motion, its claim "
-    "that rolling follows with the cone's margin, and its closing remark. Its misprints are in the table errata."
+    "that rolling follows with the cone's margin, and its closing remark. The table errata has its misprints."
 )
 TAKES = ()
 
@@ -59,6 +60,18 @@ TABLES = {
             "time": "when v vanishes, in units of √((R − r)/g)",
             "xi1": "ξ₁ there, rad",
             "demand": "the friction that rolling would need, over the largest friction of the cone",
+        },
+    ),
+    "errata": Table(
+        "The paper's misprints, each formula evaluated (residuals relative to what it must equal)",
+        {
+            "where": "place in the paper",
+            "printed": "as printed",
+            "corrected": "as it must be",
+            "printed_residual": "residual of the formula as printed, relative",
+            "corrected_residual": "residual of the corrected formula, relative",
+            "verdict": "the misprint",
+            "claim": "the paper's claim",
         },
     ),
 }
@@ -159,8 +172,13 @@ def run(request: Request, calls: Calls) -> Paper:
 
 
 def rows(findings: Paper) -> dict[str, list[dict[str, Any]]]:
-    """The three tables."""
-    return {"paper_equations": findings.equations, "paper_claims": findings.claims, "paper_remark": findings.remark}
+    """The four tables."""
+    return {
+        "paper_equations": findings.equations,
+        "paper_claims": findings.claims,
+        "paper_remark": findings.remark,
+        "errata": [erratum._asdict() for erratum in errata()],
+    }
 
 
 # --- figures ----------------------------------------------------------------------------------------------------------

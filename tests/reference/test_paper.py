@@ -93,6 +93,6 @@ def test_diagrams_have_one_panel_for_each_figure_of_the_paper():
 def test_section_has_its_tables_and_pictures(tmp_path):
     with Calls(jobs=1) as calls:
         found = study.run(Request(), calls)
-    assert set(study.rows(found)) == {"paper_equations", "paper_claims", "paper_remark"}
+    assert set(study.rows(found)) == {"paper_equations", "paper_claims", "paper_remark", "errata"}
     assert {drawn.name for drawn in study.draw(found, tmp_path)} == {"paper_diagrams", "paper_remark"}
     assert {path.stem for path in tmp_path.glob("*.svg")} == {"paper_diagrams", "paper_remark"}

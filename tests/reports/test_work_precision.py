@@ -20,6 +20,7 @@ from reports.analysis import (
     which_engine,
     work_precision,
 )
+from reports.analysis.convergence import convergence_rows
 from reports.analysis.table_list import Results
 from reports.analysis.work_precision import CostMeasurements
 from reports.drawing.style import looks_of
@@ -150,7 +151,6 @@ def test_routes_whose_intervals_meet_share_a_rank():
 def test_unusable_runs_have_no_rows():
     experiment, measured = made(("a", "s", 0.6, 1.0))
     assert work_precision.work_precision_rows(experiment, measured) == []
-    assert work_precision.fit_rows(experiment, measured) == []
     assert {row["reached"] for row in time_to_accuracy.rows(experiment, measured)} == {"not reached"}
 
 
@@ -192,12 +192,13 @@ def test_orders_in_steps_and_in_time_are_fitted():
     # Four times the steps and twice the time a rung; second order in steps is fourth order in time.
     ladder = [("a", f"h={i}", 1e-2 * 16.0**-i, 2.0**i) for i in range(4)]
     experiment, measured = made(*ladder)
-    rows = {row["quantity"]: row for row in work_precision.fit_rows(experiment, measured)}
-    assert rows.keys() == quantities.UNITS.keys()
+    rows = {row["quantity"]: row for row in convergence_rows(experiment, measured)}
+    assert rows.keys() == {*quantities.UNITS, "centre_max"}
+    assert {row["quantity"] for row in convergence_rows(experiment)} == {"off", "first_transition_time", "centre_max"}
     for row in rows.values():
         assert (row["order"], row["order_in_time"]) == pytest.approx((2.0, 4.0))
         assert row["saturation"] == "" and row["settings"] == 4
-    rows = work_precision.fit_rows(experiment, disturb(measured, "a"))
+    rows = convergence_rows(experiment, disturb(measured, "a"))
     assert all(isnan(row["order_in_time"]) and isfinite(row["order"]) for row in rows)
 
 
