@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import cases as catalogue
 from cases import Case
 
 from ..analysis import verdict
-from ..drawing.figure_files import FigureEntry, short_digest
+from ..drawing.figure_files import short_digest
 from ..judging.grades import Grade
 from ..running.names import REFERENCE
 from ..running.records import Experiment, finest, routes
 from ..running.solvers import NOT_INSTALLED
 from . import case_tables, motions
-from .fragments import command_of, picture, records, short_percent, switch
+from .fragments import command_of, records, short_percent, switch
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -79,9 +78,7 @@ def cases(
     }
 
 
-def headline(
-    experiment: Experiment, frame: pd.DataFrame, figure_entries: Sequence[FigureEntry], figures: Path
-) -> dict[str, Any]:
+def headline(experiment: Experiment, frame: pd.DataFrame) -> dict[str, Any]:
     """All cases against all engines: off with default settings and at the finest setting run, and what 1 % of friction
     makes."""
     exclusions = verdict.exclusions(experiment)
@@ -89,7 +86,6 @@ def headline(
     rows = {(str(r["case"]), str(r["solver"]), str(r["route"])): r for r in records(frame)}
     solver_routes = [key for key in dict.fromkeys(key[1:] for key in rows) if key[1] and key[0] != REFERENCE]
     return {
-        "pictures": [picture(d, figures) for d in figure_entries if d.name == "headline"],
         "routes": [{"solver": solver, "route": route} for solver, route in solver_routes],
         "rows": [
             {

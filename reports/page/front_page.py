@@ -13,10 +13,12 @@ from ..running.names import REFERENCE
 from ..running.records import Experiment, Run, routes
 from ..running.solvers import missing_words
 from .chapters import anchor, case_summary
+from .engine_rows import engine_rows
 from .fragments import records
 from .grade_map import engine_map
 from .off_chart import off_chart
 from .solver_ids import identifier
+from .strip_plot import strip_plot
 from .text import lost_text
 
 if TYPE_CHECKING:
@@ -41,6 +43,9 @@ def screen(
     cost_case = next((row["cost_case"] for row in verdicts if row["cost_case"]), hero)
     return {
         "compared": _comparison(experiment),
+        "measure": _measure(experiment),
+        "rows": engine_rows(experiment, verdicts, timings, cost_case),
+        "strip": strip_plot(experiment, verdicts),
         "sentence": verdict_text.sentence(verdicts, records(frames["pairs"])),
         "lead": verdict_text.LEAD,
         "friction": verdict.cost_of_friction(
@@ -56,7 +61,8 @@ def screen(
         "is_ours": {(row["solver"], row["route"]) for row in verdicts if row["our_part"]},
         "chart": off_chart(cost_case, records(frames["trajectories"]), timings),
         "friction_cases": len(experiment.truths) - len(exclusions),
-        "cost_case": next((row["cost_case"] for row in verdicts), ""),
+        "cost_case": cost_case,
+        "anchor": anchor,
         "hero": shown and {"label": shown["label"], "anchor": anchor(shown["label"]), "said": case_summary(case)},
         "absent": missing_words(experiment.versions),
         "provenance": f"Made {manifest['made_at'][:10]} on {manifest['machine']}.",
@@ -71,6 +77,17 @@ def _comparison(experiment: Experiment) -> str:
         f"{many} scene{'s' * (many != 1)} of rigid plates on planar curves with Coulomb friction, in "
         f"{sum(map(is_of_an_engine, experiment.runs)):,} motions of {engines}, compared with a motion computed from "
         "the equations of Ogaru and Pandrea and certified to the last digits."
+    )
+
+
+def _measure(experiment: Experiment) -> str:
+    """What was measured, in a sentence."""
+    many = len(verdict.friction_cases(experiment))
+    scenes = f"{many} scenes" if many != 1 else "One scene"
+    return (
+        f"{scenes} in which a disc, box or rod slides, sticks, rolls or lifts off, as friction's law decides. The true "
+        "times are known, each with an error bar; this is how far engines are from them. "
+        "100 % off is as bad as ignoring friction."
     )
 
 

@@ -19,7 +19,7 @@ from ..running.names import REFERENCE
 from ..running.records import TRUTH_RTOL, Experiment
 from . import chapters, cost, evidence, front_page, vendor
 from .fragments import command_of as command_of
-from .fragments import environment, table
+from .fragments import environment, picture, table
 from .solver_ids import identifier
 
 if TYPE_CHECKING:
@@ -63,7 +63,8 @@ def render(
         "routes": list(dict.fromkeys(r.route for r in experiment.runs if r.route and r.solver != REFERENCE)),
         **front_page.screen(experiment, frames, moving, manifest),
         **chapters.cases(experiment, frames, manifest, {motion["label"] for motion in moving}),
-        "headline": chapters.headline(experiment, frames["headline"], figure_entries, figures),
+        "headline": chapters.headline(experiment, frames["headline"]),
+        "slip": _slip_figure(figure_entries, figures),
         "cost": cost.section(measurements, frames, figure_entries, figures),
         "has_points": "work_precision" in frames,
         "precision_command": " ".join(["python -m reports.build", manifest["options"]]).strip(),
@@ -83,6 +84,12 @@ def render(
         "limit": f"{manifest['limit_seconds']:g}",
     }
     return environment().get_template("page.html").render(parts)
+
+
+def _slip_figure(figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any] | None:
+    """The figure of the slip velocity in one scene, for the first screen; None if it was not drawn."""
+    entry = next((one for one in figure_entries if one.name == "headline"), None)
+    return entry and picture(entry, figures) | {"label": entry.case, "anchor": chapters.anchor(entry.case)}
 
 
 def _solvers(experiment: Experiment) -> list[dict[str, str]]:

@@ -94,12 +94,12 @@ class _Axis:
 
 
 def _bands(y: _Axis) -> list[dict[str, Any]]:
-    """The grades behind the points, from the best at the lower edge."""
+    """The grades, from the best at the lower edge."""
     bands, below = [], y(10.0**y.low)
     for name, limit in [*LIMITS.items(), ("unusable", 10.0**y.high)]:
         above = y(limit)
         if below > above:
-            bands.append({"id": str(name).replace(" ", "-"), "y": above, "height": round(below - above, 1)})
+            bands.append({"name": str(name), "y": above, "height": round(below - above, 1)})
         below = min(below, above)
     return bands
 

@@ -1,0 +1,131 @@
+"""The table of the first screen: a row per engine by itself, and what to change for 1 %."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isfinite, nan
+from statistics import median
+from typing import Any
+
+from ..analysis import verdict
+from ..analysis.number_format import number, seconds
+from ..judging.grades import LIMITS, Grade, percent
+from ..running.records import Experiment, Run, default, gives_motion, routes
+from .off_chart import CALL
+from .solver_ids import identifier
+
+# What the parameters of settings are, and their units.
+_NAMES = {
+    "h": "step", "facets": "facets", "k": "stiffness", "vreg": "regularised slip velocity", "iterations": "iterations",
+}  # fmt: skip
+_UNITS = {"k": " N/m", "vreg": " m/s"}
+GOOD = LIMITS[Grade.GOOD]
+
+
+def engine_rows(
+    experiment: Experiment, verdicts: Sequence[Mapping[str, Any]], timings: Sequence[Mapping[str, Any]], case: str
+) -> list[dict[str, Any]]:
+    """A row for each engine by itself, in the order of the verdict. `case`: the scene whose setting for 1 % is shown;
+    `timings`: rows of the table work_precision."""
+    offs = verdict.scenes(experiment)
+    groups = routes(experiment.runs)
+    rows = []
+    for row in verdicts:
+        key = row["solver"], row["route"]
+        if not verdict.is_engine(row):
+            continue
+        times = {str(t["setting"]): t[CALL] for t in timings if (t["case"], t["solver"], t["route"]) == (case, *key)}
+        usual, wanted = _settings(groups.get((case, *key), ()))
+        rows.append(
+            {
+                "solver": key[0],
+                "route": key[1],
+                "id": identifier(key[0]),
+                "version": experiment.versions.get(key[0], "").partition(" ")[0],
+                "cells": _cells(row, list(offs[key].values())) | {f"within 1 % in {case}": _within(wanted, times)},
+                "so": _so(key[0], usual, wanted),
+            }
+        )
+    return rows
+
+
+def _cells(row: Mapping[str, Any], scenes: Sequence[verdict.SceneOffs]) -> dict[str, tuple[str, str]]:
+    """Main text and small text by heading."""
+    usual = [one.default for one in scenes if isfinite(one.default)]
+    far = f"more than 10 % in {sum(off > 0.1 for off in usual)} of {len(usual)} scenes" if usual else ""
+    lacking = [f"{row[outcome]} {outcome.replace('_', ' ')}" for outcome in verdict.WITHOUT_MOTION if row[outcome]]
+    return {
+        "usual settings": (f"{_median(usual)} off", far),
+        "finest settings": (_median([one.finest.off for one in scenes]), ""),
+        "scenes it runs": (f"{row['answered']} of {row['friction_cases']}", ", ".join(lacking)),
+        f"the {row['common_cases']} scenes that all run": (
+            f"{_percent(row['common_default_off'])} usual", f"{_percent(row['common_finest_off'])} finest",
+        ),
+    }  # fmt: skip
+
+
+def _settings(group: Sequence[Run]) -> tuple[Run | None, Run | None]:
+    """The run with usual settings, and the coarsest from which on the whole ladder is within 1 %, doubt included."""
+    ladder, wanted = [run for run in group if gives_motion(run)], None
+    for run in reversed(ladder):
+        if run.score is None or run.score.off + run.score.doubt > GOOD:
+            break
+        wanted = run
+    return default(group), wanted
+
+
+def _within(wanted: Run | None, times: Mapping[str, float]) -> tuple[str, str]:
+    if wanted is None:
+        return "not reached", ""
+    time = times.get(str(wanted.setting), nan)
+    steps = f"{wanted.cost.steps:,} steps" if wanted.cost.steps else ""
+    return _words(dict(wanted.setting.values)), f"{seconds(time)} a run" if isfinite(time) else steps
+
+
+def _so(solver: str, usual: Run | None, wanted: Run | None) -> str:
+    """What to change for 1 %, in words; "" where that is not known."""
+    if usual is None or usual.score is None:
+        return ""
+    if usual.score.off + usual.score.doubt <= GOOD:
+        return f"{solver}'s usual settings are within 1 %."
+    if wanted is None:
+        return f"{solver} does not come within 1 % with the settings tried."
+    before, after = dict(usual.setting.values), dict(wanted.setting.values)
+    changes = [
+        f"{_of(name, after[name])} instead of {_value(name, value)}"
+        for name, value in before.items()
+        if name in _NAMES and name in after and after[name] != value
+    ]
+    return (
+        f"{solver} needs {_list(changes)} for 1 % ({percent(usual.score.off)} with usual settings)." if changes else ""
+    )
+
+
+def _words(values: Mapping[str, Any]) -> str:
+    """The main parameters of a setting in words."""
+    return ", ".join(_of(name, values[name]) for name in ("h", "facets") if name in values) or "its finest setting"
+
+
+def _of(name: str, value: Any) -> str:
+    """A parameter with its value: a step of 0.5 ms, 64 facets."""
+    is_count = name in ("facets", "iterations")
+    return f"{_value(name, value)} {_NAMES[name]}" if is_count else f"a {_NAMES[name]} of {_value(name, value)}"
+
+
+def _value(name: str, value: Any) -> str:
+    if name == "h":
+        return seconds(float(value))
+    text = f"{value:,}" if isinstance(value, int) else number(float(value)) if isinstance(value, float) else str(value)
+    return f"{text}{_UNITS.get(name, '')}"
+
+
+def _list(texts: Sequence[str]) -> str:
+    return " and ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
+
+
+def _median(values: Sequence[float]) -> str:
+    return _percent(median(values)) if values else "–"
+
+
+def _percent(off: float) -> str:
+    return percent(off).replace("less than ", "< ") if isfinite(off) else "–"
