@@ -10,7 +10,7 @@ from cases import Case, CoulombFriction, Trajectory
 
 from . import several_contacts
 from .null_motions import with_friction
-from .score import Scale, score
+from .score import Scale
 
 # The change of the coefficient: small enough for the score to be proportional to it, far above the truth's error.
 CHANGE = 0.01
@@ -25,7 +25,7 @@ LEAST_SHARE = 0.005
 def friction_sensitivity(case: Case, truth: Trajectory, scales: Mapping[str, Scale]) -> float:
     """The larger of the scores of the motions with 1 % more and 1 % less friction; 0 without Coulomb friction.
 
-    `scales`: of each contact by name, where the truth has several; else the only scale, by any name.
+    `scales`: of each contact by its name, "" for the only one.
 
     The two differ where a plate is about to slip."""
     friction = case.effect(CoulombFriction)
@@ -34,12 +34,7 @@ def friction_sensitivity(case: Case, truth: Trajectory, scales: Mapping[str, Sca
     others = (with_friction(case, mu=part * friction.mu) for part in (1.0 + CHANGE, 1.0 - CHANGE))
     # At the truth's tolerance, for which its equations are compiled.
     motions = [reference.simulate(other, rtol=1e-13) for other in others]
-    if len(scales) > 1:
-        return max(
-            several_contacts.judge(case, motion, truth, scales, truth.transitions).score.off for motion in motions
-        )
-    (scale,) = scales.values()
-    return max(score(case, motion, truth, scale).off for motion in motions)
+    return max(several_contacts.judge(case, motion, truth, scales, truth.transitions).score.off for motion in motions)
 
 
 def not_ranked(sensitivity: float, scale: Scale | None) -> str:

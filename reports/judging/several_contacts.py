@@ -1,7 +1,7 @@
-"""A motion with several contacts compared with the truth, contact by contact.
+"""A motion compared with the truth, contact by contact: one contact is the case of a single name, "".
 
-Each contact is read and scored as the only contact of its motion (`Trajectory.of`); a motion is as good as its worst
-contact. Forces are not compared: where they are not unique the law leaves them open. SI units; pure functions.
+Each of several contacts is read and scored as the only one of its motion (`Trajectory.of`); a motion is as good as its
+worst contact. Forces are not compared: where they are not unique the law leaves them open. SI units; pure functions.
 """
 
 from __future__ import annotations
@@ -28,16 +28,17 @@ from .transitions import LEAST_SHARE, MotionReader, ReadChange, SampleStretch, s
 _EDGE = 2
 
 
-class SeveralJudgement(NamedTuple):
-    """A motion compared with a truth of several contacts. `score`: that of the worst contact, `worst`, with the scale
+class Judgement(NamedTuple):
+    """A motion compared with a truth. `score`: that of the worst contact, `worst` ("": the only one), with the scale
     `scale`; `scores`: those of all contacts; `ledger`: the transitions of all contacts, paired with the truth's, in
-    their order in time; `spreads` (s) belong to its own transitions, in their order in time."""
+    their order in time; `transitions` and their `spreads` (s): its own, in their order in time."""
 
     score: Score
     worst: str
     scale: Scale
     first_mode: Mode
     ledger: tuple[LedgerRow, ...]
+    transitions: tuple[Transition, ...]
     spreads: tuple[float, ...]
     scores: Mapping[str, Score]
 
@@ -45,7 +46,9 @@ class SeveralJudgement(NamedTuple):
 def scales(
     case: Case, truth: Trajectory, events: Sequence[Transition], nulls: Mapping[str, Trajectory]
 ) -> dict[str, Scale]:
-    """The scale of each contact of the truth, by its name; `events`: the truth's transitions."""
+    """The scale of each contact of the truth, by its name, "" for the only one; `events`: the truth's transitions."""
+    if len(truth.contact_names) < 2:
+        return {"": scale_of(case, truth, events, nulls)}
     losses = losses_of_truth(case, truth)
     return {
         name: scale_of(case, truth.of(name), of_contact(events, name), _matched(truth, nulls, name), losses)
@@ -54,37 +57,42 @@ def scales(
 
 
 def of_contact(events: Sequence[Transition], name: str) -> tuple[Transition, ...]:
-    """The transitions of one contact."""
-    return tuple(event for event in events if event.contact == name)
+    """The transitions of one contact; "": of the only one."""
+    return tuple(event for event in events if name in ("", event.contact))
 
 
 def judge(
     case: Case, motion: Trajectory, truth: Trajectory, scales: Mapping[str, Scale], events: Sequence[Transition],
     off: Mapping[str, np.ndarray] | None = None,
-) -> SeveralJudgement:  # fmt: skip
-    """The comparison of a sound motion with a truth of several contacts; `off`: their `differences`, if known."""
+) -> Judgement:  # fmt: skip
+    """The comparison of a sound motion with a truth, contact by contact; `off`: their `differences`, if known."""
     off = differences(motion, truth, case) if off is None else off
-    partners = same_contacts(motion, truth)
-    scores, rows, spreads = dict[str, Score](), list[tuple[LedgerRow, ...]](), list[tuple[float, float]]()
-    first = Mode.FLIGHT
+    partners = {"": ""} if "" in scales else same_contacts(motion, truth)
+    gap = 0.0 if motion.first_mode is not None else float(np.max(np.diff(motion.t), initial=0.0))
+    scores, rows, own = dict[str, Score](), list[LedgerRow](), list[tuple[Transition, float]]()
+    modes = dict[str, Mode]()
     for name, partner in partners.items():
-        one, exact = only(motion, partner), truth.of(name)
-        reader = ContactReader(case, name, gap_of(motion, partner))
-        score, reading = score_and_reading(case, one, exact, scales[name], differences(one, exact, case, off), reader)
-        scores[name] = score
-        first = reading.first_mode if name == truth.contact_names[0] else first
-        gap = 0.0 if motion.first_mode is not None else float(np.max(np.diff(motion.t), initial=0.0))
+        one, exact, reader, own_off = motion, truth, None, off
+        if name:
+            one, exact = only(motion, partner), truth.of(name)
+            reader, own_off = ContactReader(case, name, gap_of(motion, partner)), differences(one, exact, case, off)
+        scores[name], reading = score_and_reading(case, one, exact, scales[name], own_off, reader)
+        modes[name] = reading.first_mode
         pairs = ledger.match(of_contact(events, name), reading.transitions, gap)
-        rows.append(_renumbered(pairs, events, name))
-        spreads += [(event.time, spread) for event, spread in zip(reading.transitions, reading.spreads, strict=True)]
+        rows += _renumbered(pairs, events, name) if name else pairs
+        own += zip(reading.transitions, reading.spreads, strict=True)
     worst = max(scores, key=lambda name: scores[name].off)
-    in_time = sorted(
-        (row for part in rows for row in part),
-        key=lambda row: row.reference_time if np.isfinite(row.reference_time) else row.time,
-    )
-    score = scores[worst]._replace(doubt=max(score.doubt for score in scores.values()))
-    return SeveralJudgement(
-        score, worst, scales[worst], first, tuple(in_time), tuple(spread for _, spread in sorted(spreads)), scores
+    rows.sort(key=lambda row: row.reference_time if np.isfinite(row.reference_time) else row.time)
+    own.sort(key=lambda pair: pair[0].time)
+    return Judgement(
+        scores[worst]._replace(doubt=max(score.doubt for score in scores.values())),
+        worst,
+        scales[worst],
+        modes.get(truth.contact_names[0], next(iter(modes.values()))),
+        tuple(rows),
+        tuple(event for event, _ in own),
+        tuple(spread for _, spread in own),
+        scores,
     )
 
 

@@ -159,7 +159,7 @@ def _modes(truth: Truth) -> list[tuple[float, str, str]]:
     begin, first = float(truth.samples["t"][0]), truth.first_mode
     if not truth.has_several_contacts:
         return [(begin, str(first), ""), *((event.time, str(event.after), event.cause) for event in truth.transitions)]
-    modes = {name: scale.phases[0].mode for name, scale in truth.contact_scales.items()}
+    modes = {name: scale.phases[0].mode for name, scale in truth.scales.items()}
     result = [(begin, _closed(modes), "")]
     for time, events in groupby(truth.transitions, key=lambda event: event.time):
         changes = list(events)

@@ -66,8 +66,7 @@ class Truth:
     samples: dict[str, np.ndarray] = field(default_factory=dict)
     witnesses: tuple[str, ...] = ()
     failure: str = ""
-    scale: Scale | None = None  # errors of motions that ignore friction's law; of several contacts, the first one's
-    contact_scales: dict[str, Scale] = field(default_factory=dict)  # of each contact, where there are several
+    scales: dict[str, Scale] = field(default_factory=dict)  # of each contact by its name, "" for the only one
     contact_samples: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)  # for the player, by contact
     plate_samples: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)  # for the player, by free plate
     friction_sensitivity: float = float("nan")  # the score that 1 % of friction makes
@@ -77,7 +76,12 @@ class Truth:
     @property
     def has_several_contacts(self) -> bool:
         """Whether the plate touches its track in several places."""
-        return bool(self.contact_scales)
+        return len(self.scales) > 1
+
+    @property
+    def scale(self) -> Scale | None:
+        """The errors of motions that ignore friction's law; of several contacts, the first one's."""
+        return next(iter(self.scales.values()), None)
 
 
 @dataclass(frozen=True)

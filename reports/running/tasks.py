@@ -5,7 +5,7 @@ Whatever a solver does short of ending the process becomes a record.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -16,17 +16,16 @@ import numpy as np
 import cases
 import reference
 from adapters import Setting, gate, other_laws, our_part, refusal, refusal_kind, refusal_of_several_contacts
-from cases import Case, CaseError, Impact, NotSupported, Trajectory, Transition
+from cases import Case, CaseError, Impact, NotSupported, Trajectory
 from cases.files import owned_folder
 from reference.certification import Certificate, NotCertified, contradiction, is_within_bars, stored_or_new
 
-from ..judging import claims, distances, grades, impacts, ledger, several_contacts, transitions, validation
+from ..judging import claims, distances, grades, impacts, several_contacts, validation
 from ..judging.friction_factor import friction_factor, is_defined
 from ..judging.friction_sensitivity import LEAST, friction_sensitivity
 from ..judging.law_error import law_error
 from ..judging.null_motions import null_motions
-from ..judging.score import Scale, Score, doubt_of_reading, scale_of, score_and_reading
-from ..judging.slip_phases import Reading
+from ..judging.score import doubt_of_reading
 from .clocked_run import run_on_clock
 from .names import legible
 from .processes.worker_process import settle, without_engines
@@ -112,16 +111,14 @@ def find_truth(case: Case) -> Truth:
         return Truth(failure=f"{case.label}: {contradicted}; neither is used; {report}")
     certified = certificate.transitions
     events = tuple(replace(event, time=row[2].value) for event, row in zip(motion.transitions, certified, strict=True))
-    contact_scales = _contact_scales(case, motion, events)
-    scale = next(iter(contact_scales.values()), None) or scale_of(case, motion, events, null_motions(case))
+    scales = several_contacts.scales(case, motion, events, null_motions(case))
     return Truth(
         method=method,
         transitions=events,
-        scale=scale,
-        contact_scales=contact_scales,
-        contact_samples=_contact_samples(motion) if contact_scales else {},
+        scales=scales,
+        contact_samples=_contact_samples(motion) if len(scales) > 1 else {},
         plate_samples={name: _plate_samples(motion, name) for name in motion.plate_names[1:]},
-        friction_sensitivity=friction_sensitivity(case, motion, contact_scales or {"": scale}),
+        friction_sensitivity=friction_sensitivity(case, motion, scales),
         error_bars=tuple(row[2].bar for row in certified),
         first_mode=motion.first_mode,
         status=motion.status,
@@ -136,13 +133,6 @@ def find_truth(case: Case) -> Truth:
 def _contradiction(case: Case, certificate: Certificate, motion: Trajectory, method: str) -> str:
     coarser = reference.simulate(case, rtol=10.0 * TRUTH_RTOL, method=method)
     return contradiction(case, certificate, motion, coarser, method)
-
-
-def _contact_scales(case: Case, motion: Trajectory, events: tuple[Transition, ...]) -> dict[str, Scale]:
-    """The scale of each contact of a motion with several; empty for one contact."""
-    if len(motion.contact_names) < 2:
-        return {}
-    return several_contacts.scales(case, motion, events, null_motions(case))
 
 
 def _contact_samples(motion: Trajectory) -> dict[str, dict[str, np.ndarray]]:
@@ -288,26 +278,27 @@ def judge(
     is_sampled = trajectory.dense is not None and is_defined(case, trajectory, truth.scale.losses)
     even = distances.even_samples(trajectory) if is_sampled else None
     off = distances.differences(trajectory, motion, case, even=even)
-    total, reading = _score(case, trajectory, motion, truth, off)
+    by = motion, truth.scales, truth.transitions
+    judgement = several_contacts.judge(case, trajectory, *by, off)
+    total, scale = judgement.score, judgement.scale
     if same_samples and total.off - total.doubt > total.pose:
-        doubt = _doubt_of_reading(case, motion, truth, (total, reading), same_samples(), has_forces)
-        total = total._replace(doubt=max(total.doubt, doubt))
-    if isinstance(reading, several_contacts.SeveralJudgement):
-        scale, paired = reading.scale, reading.ledger
-        laws = (*laws, f"worst at {reading.worst}")
-    else:
-        gap = 0.0 if trajectory.first_mode is not None else float(np.max(np.diff(trajectory.t), initial=0.0))
-        scale, paired = truth.scale, ledger.match(truth.transitions, reading.transitions, gap)
+        again = same_samples()
+        if again is not None and not has_forces:
+            again = claims.without_forces(again)
+        true = None if again is None else several_contacts.judge(case, again, *by).scores
+        total = total._replace(doubt=max(total.doubt, doubt_of_reading(judgement.scores, true)))
+    if judgement.worst:
+        laws = (*laws, f"worst at {judgement.worst}")
     friction = friction_factor(case, even or trajectory, scale.losses, scale.end)
     distance = distances.distance(off)
     begin, end = float(truth.samples["t"][0]), float(truth.samples["t"][-1])
     remarks = validation.gaps(trajectory, begin, None if truth.status == "lift_off" else end)
     remarks += validation.jumps(case, trajectory, motion, distance.centre_max) + validation.tips(trajectory, motion)
     impact, rows = case.effect(Impact), tuple[impacts.ImpactRow, ...]()
-    if isinstance(reading, several_contacts.SeveralJudgement):
-        rows = impacts.rows(case, trajectory, motion, paired)
+    if judgement.worst:
+        rows = impacts.rows(case, trajectory, motion, judgement.ledger)
     elif impact is not None:
-        own = impacts.rebounds(case, trajectory, reading.transitions)
+        own = impacts.rebounds(case, trajectory, judgement.transitions)
         rows = impacts.rebound_rows(own, impacts.rebounds(case, motion, truth.transitions))
         if not truth.friction_sensitivity >= LEAST:  # friction says nothing there
             change = float(off["energy_share"][-1]) if len(off["t"]) else 0.0
@@ -316,9 +307,9 @@ def judge(
         row,
         outcome="answered",
         reason="; ".join(text for text in [*laws, grades.reason(total, scale, friction), *remarks] if text),
-        first_mode=str(reading.first_mode),
-        ledger=paired,
-        spreads=reading.spreads,
+        first_mode=str(judgement.first_mode),
+        ledger=judgement.ledger,
+        spreads=judgement.spreads,
         score=total,
         friction_factor=friction,
         law=law_error(case, even or trajectory),
@@ -329,45 +320,6 @@ def judge(
         samples=_drawn_samples(case, trajectory),
         off={name: _thin(values) for name, values in off.items()},
     )
-
-
-_Pair = tuple[Score, Reading | several_contacts.SeveralJudgement]
-
-
-def _score(
-    case: Case, trajectory: Trajectory, motion: Trajectory, truth: Truth, off: dict[str, np.ndarray] | None = None
-) -> _Pair:
-    """The score of a trajectory, of its worst contact if it has several, and its reading."""
-    if truth.contact_scales:
-        several = several_contacts.judge(case, trajectory, motion, truth.contact_scales, truth.transitions, off)
-        return several.score, several
-    assert truth.scale is not None, "a case with a truth has a scale"
-    return score_and_reading(case, trajectory, motion, truth.scale, off)
-
-
-def _doubt_of_reading(
-    case: Case, motion: Trajectory, truth: Truth, pair: _Pair, same_samples: Trajectory | None, has_forces: bool
-) -> float:
-    """The doubt of a score by how the truth is read from the same samples, with or without forces."""
-    if same_samples is None:
-        return doubt_of_reading(_scores(pair), None)
-    true = same_samples if has_forces else claims.without_forces(same_samples)
-    return doubt_of_reading(_scores(pair), _scores(_score(case, true, motion, truth)))
-
-
-def _scores(pair: _Pair) -> Mapping[str, Score]:
-    """The score of each contact, "" for the only one."""
-    one, reading = pair
-    return reading.scores if isinstance(reading, several_contacts.SeveralJudgement) else {"": one}
-
-
-def reading_of(case: Case, trajectory: Trajectory) -> Reading:
-    """A solver's transitions: its own if it locates them itself (it then names its first mode), else read from
-    samples."""
-    if trajectory.first_mode is not None:
-        own = tuple(trajectory.transitions)
-        return Reading(trajectory.first_mode, own, (float("nan"),) * len(own))
-    return transitions.read_motion(case, trajectory)
 
 
 def _drawn_samples(case: Case, trajectory: Trajectory) -> dict[str, np.ndarray]:

@@ -13,6 +13,7 @@ from adapters import Setting
 from cases import Case, Trajectory
 from cases.contact import start_motion
 from reports.judging import slip_phases
+from reports.judging.transitions import read_motion
 from reports.running import experiment, tasks
 from reports.running.calls import Calls
 from reports.running.records import one_default
@@ -180,7 +181,7 @@ def test_four_transitions_none_missed_and_none_invented(name, route, rungs, accu
     case = cases.load("disc_in_circle", mu=0.2)
     for rung in rungs:
         moved = play(name, route, case, adapter.ladder(case, route)[rung])
-        reading = tasks.reading_of(case, moved)
+        reading = read_motion(case, moved)
         assert [(str(e.before), str(e.after)) for e in reading.transitions] == [
             ("slip_forward", "roll"), ("roll", "slip_backward"), ("slip_backward", "roll"), ("roll", "slip_forward")
         ]  # fmt: skip

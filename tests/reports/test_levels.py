@@ -24,7 +24,7 @@ def run(place: int, off: float | None, doubt: float = 0.0, setting: Setting | No
 
 
 def table(*runs: Run, truth: Truth | None = None) -> dict[float, dict]:
-    experiment = Experiment((), {"a": truth or Truth(scale=SCALE)}, runs, 0.0)
+    experiment = Experiment((), {"a": truth or Truth(scales={"": SCALE})}, runs, 0.0)
     return {row["level"]: row for row in levels.rows(experiment)}
 
 
@@ -61,7 +61,7 @@ def test_default_settings_are_not_part_of_the_ladder():
 def test_a_level_within_the_doubt_or_the_truths_error_bar_is_not_known():
     assert table(run(1, 0.008, 0.005))[0.01]["reached"] == "not known"
     # 0.5 s in another mode are an off of 1; an error bar of 0.4 s is 0.8 of it.
-    vague = Truth(scale=SCALE, error_bars=(0.4,))
+    vague = Truth(scales={"": SCALE}, error_bars=(0.4,))
     assert {row["reached"] for row in table(run(1, 1e-5), truth=vague).values()} == {"not known"}
 
 
@@ -70,5 +70,5 @@ def test_a_level_within_the_doubt_or_the_truths_error_bar_is_not_known():
 )
 def test_the_headline_has_the_smallest_level(offs, expected):
     runs = tuple(run(place, off) for place, off in enumerate(offs))
-    found = levels.finest_level(levels.level_results(Experiment((), {"a": Truth(scale=SCALE)}, runs, 0.0)))
+    found = levels.finest_level(levels.level_results(Experiment((), {"a": Truth(scales={"": SCALE})}, runs, 0.0)))
     assert found == expected or (isnan(found[0]) and isnan(expected[0]) and found[1] == 0)

@@ -34,7 +34,7 @@ class Judged(NamedTuple):
     nulls: dict[str, Trajectory]
     scales: dict[str, Scale]
 
-    def judge(self, motion: Trajectory) -> several_contacts.SeveralJudgement:
+    def judge(self, motion: Trajectory) -> several_contacts.Judgement:
         """The comparison of a motion with the truth."""
         return several_contacts.judge(self.case, motion, self.truth, self.scales, self.truth.transitions)
 

@@ -215,7 +215,7 @@ def test_the_player_shows_the_modes_of_all_contacts():
     scales = {name: SimpleNamespace(phases=(SimpleNamespace(mode=mode),)) for name, mode in first.items()}
     record = Truth(
         transitions=changes, first_mode=Mode.SLIDE, samples={"t": np.array([0.0, 1.0])},
-        contact_scales=scales,  # type: ignore[arg-type]
+        scales=scales,  # type: ignore[arg-type]
     )  # fmt: skip
     words = [mode for _, mode, _ in motions._modes(record)]
     assert words[0] == "slide at plate/track, roll at upper/plate, slip_forward at plate/track 4"

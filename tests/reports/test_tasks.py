@@ -12,12 +12,14 @@ from adapters import EngineFailure, Setting
 from cases import Mode, NotSupported, Start, State, Trajectory, Transition
 from reports.analysis import tables
 from reports.analysis.columns import Table
+from reports.judging import several_contacts
 from reports.page import text
 from reports.page.case_tables import error_text
 from reports.running import clocked_run, experiment, tasks
 from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
 from reports.running.records import Run, first_error
+from reports.running.true_motions import true_motion
 
 # --- one run and its verdict ------------------------------------------------------------------------------------------
 
@@ -156,14 +158,14 @@ def test_clock_is_around_run_alone(monkeypatch, line):
 
 
 def test_transitions_of_a_solver_that_locates_them_are_taken_as_they_are(line):
-    own = (Transition(0.25, Mode.SLIP_FORWARD, Mode.ROLL),)
-    case = line[0]
-    motion = bowling(case)
-    located = Trajectory(
-        **{n: getattr(motion, n) for n in ("t", *State._fields)}, transitions=own, first_mode=Mode.ROLL
-    )
-    reading = tasks.reading_of(case, located)
-    assert reading.transitions == own and reading.first_mode is Mode.ROLL
+    case, truth = line
+    own = (Transition(truth.transitions[0].time, Mode.SLIP_FORWARD, Mode.ROLL, cause="told"),)
+    true, motion = true_motion(case, truth.method), bowling(case)
+    located = replace(motion, transitions=own, first_mode=Mode.SLIP_FORWARD)
+    judgement = several_contacts.judge(case, located, true, truth.scales, truth.transitions)
+    assert judgement.transitions == own and judgement.first_mode is Mode.SLIP_FORWARD
+    read = several_contacts.judge(case, motion, true, truth.scales, truth.transitions)
+    assert read.transitions[0].cause != "told"
 
 
 def test_survey_gives_reasons_for_routes_and_engines_that_refuse(monkeypatch, line):

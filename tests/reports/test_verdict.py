@@ -17,11 +17,14 @@ from reports.running.records import Experiment, Offer, Run, Truth, default
 
 DEFAULTS, FINE = Setting.of(rung="defaults"), Setting.of(h=1e-4)
 SCALE = Scale(1.0, 1.0, 0.5, 2.0, (), (), (), 1.0, Losses(1.0, 1.0), "no friction", 1.0, 0.01)
-TRUTHS = {"a": Truth(friction_sensitivity=0.01, scale=SCALE), "b": Truth(friction_sensitivity=0.02, scale=SCALE)}
+TRUTHS = {
+    "a": Truth(friction_sensitivity=0.01, scales={"": SCALE}),
+    "b": Truth(friction_sensitivity=0.02, scales={"": SCALE}),
+}
 # At the edge of the limit, below it, and without a truth.
 OTHERS = {
-    "edge": Truth(friction_sensitivity=1e-5, scale=SCALE),
-    "free": Truth(friction_sensitivity=9e-6, scale=SCALE),
+    "edge": Truth(friction_sensitivity=1e-5, scales={"": SCALE}),
+    "free": Truth(friction_sensitivity=9e-6, scales={"": SCALE}),
     "none": Truth(failure="-"),
 }
 

@@ -54,7 +54,7 @@ def made(*points: tuple[str, str, float, float | None]) -> tuple[Experiment, Cos
     quantities, off included, has this size."""
     case = cases.load("disc_on_line", mu=0.1)
     event = Transition(0.3, Mode.SLIP_FORWARD, Mode.ROLL)
-    truth = Truth("taylor", (event,), (BAR,), Mode.SLIP_FORWARD, "completed", centre_bar=BAR, scale=SCALE)
+    truth = Truth("taylor", (event,), (BAR,), Mode.SLIP_FORWARD, "completed", centre_bar=BAR, scales={"": SCALE})
     runs, times = [], {}
     for place, (solver, setting, error, cpu) in enumerate(points):
         row = LedgerRow(1, Mode.SLIP_FORWARD, Mode.ROLL, 0.3 + error, 0.3, error, "paired")

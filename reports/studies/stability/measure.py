@@ -194,7 +194,7 @@ def _by_one_formulation(case: Case, failed_truth: Truth) -> Truth:
         status=centre.status,
         reason=centre.reason,
         samples={"t": centre.t},
-        scale=scale_of(case, centre, centre.transitions, null_motions(case)),
+        scales={"": scale_of(case, centre, centre.transitions, null_motions(case))},
         witnesses=tuple(f"{method} {TRUTH_RTOL:g}" for method in methods),
     )
 
