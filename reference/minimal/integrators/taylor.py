@@ -27,7 +27,7 @@ try:
 except ImportError:
     AVAILABLE = False
 else:
-    from .conversion import convert, nothing_on_disk, small, variables
+    from .conversion import LARGE, SMALL, convert, nothing_on_disk, operations_of, variables
     from .first_step import FirstStep, leave
 
     AVAILABLE = True
@@ -117,7 +117,8 @@ def _compile(system: System, tolerance: float, real: type, optimised: bool):
     events = [hy.t_event(guard, direction=falling, fp_type=real) for guard in guards]
     # A product in quadruple precision is a library call: unrolled steps take thirty times as long to compile, and run
     # no faster, to the same last bit.
-    written_out = real is float
+    count = operations_of(system)
+    written_out = real is float and (optimised or count <= LARGE)
     with nothing_on_disk():
         return hy.taylor_adaptive(
             equations,
@@ -126,7 +127,7 @@ def _compile(system: System, tolerance: float, real: type, optimised: bool):
             tol=real(tolerance),
             fp_type=real,
             compact_mode=not written_out,
-            opt_level=3 if written_out and (optimised or small(system)) else 0,
+            opt_level=3 if written_out and (optimised or count < SMALL) else 0,
         )
 
 
