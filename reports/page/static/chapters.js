@@ -3,7 +3,7 @@
   const root = document.documentElement, chapters = [...document.querySelectorAll("main > .chapter")];
   const links = [...document.querySelectorAll("nav.chapters a")], pages = (chapter) => [...chapter.querySelectorAll("article")];
   const hide = (node, away) => { if (away) node.setAttribute("hidden", "until-found"); else node.removeAttribute("hidden"); };
-  const awake = new Set();
+  const awake = new Set(), title = document.title, unknown = document.querySelector(".unknown");
 
   async function wake(node) {
     if (awake.has(node)) return;
@@ -21,6 +21,8 @@
   function show(scroll = true) {
     const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
     const chapter = target?.closest("main > .chapter") ?? chapters[0], articles = pages(chapter);
+    unknown.hidden = !location.hash || Boolean(target);
+    unknown.textContent = `This page has no part “${location.hash.slice(1)}”. Find a case in the list of the tab Cases.`;
     chapters.forEach((one) => hide(one, one !== chapter));
     links.forEach((one) => { if (one.hash === `#${chapter.id}`) one.setAttribute("aria-current", "page"); else one.removeAttribute("aria-current"); });
     if (articles.length) {
@@ -28,7 +30,8 @@
       articles.forEach((one) => hide(one, one !== article));
       chapter.querySelectorAll(".index a").forEach((one) => { if (one.hash === `#${article.id}`) one.setAttribute("aria-current", "true"); else one.removeAttribute("aria-current"); });
       wake(article);
-    } else wake(chapter);
+      document.title = `${article.querySelector("h3")?.textContent ?? chapter.id} · ${title}`;
+    } else { wake(chapter); document.title = chapter === chapters[0] ? title : `${links.find((one) => one.hash === `#${chapter.id}`)?.textContent} · ${title}`; }
     if (scroll) { if (target && target !== chapter && !target.matches("article, article > span, section > span")) target.scrollIntoView(); else scrollTo(0, 0); }
   }
   addEventListener("hashchange", () => show());
@@ -52,6 +55,8 @@
     suite.announce();
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => suite.announce());
+  // What is shown alone, without the other tabs and cases.
+  document.querySelector(".print")?.addEventListener("click", () => { root.classList.add("alone"); print(); root.classList.remove("alone"); });
   // A printed page has all chapters: their figures must be there, although nobody scrolled to them.
   addEventListener("beforeprint", () => document.querySelectorAll("img[loading]").forEach((one) => one.removeAttribute("loading")));
   chapters.forEach((chapter) => pages(chapter).forEach((one, i) => hide(one, i > 0)));

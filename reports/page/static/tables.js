@@ -1,5 +1,9 @@
 // Tables that can be sorted, filtered and copied; each is initialised when it is first shown. Of a long one only the
 // first rows are elements of the page: the others are read from its file, which is inside the page, when they are wanted.
+const EMPTY = 1e300;
+// Cells without a number are last in both directions.
+DataTable.ext.type.order["num-asc"] = (a, b) => a - b;
+DataTable.ext.type.order["num-desc"] = (a, b) => (a >= EMPTY) - (b >= EMPTY) || b - a;
 suite.table = (table) => {
   if (table.dataset.awake) return;
   table.dataset.awake = "yes";
@@ -65,7 +69,7 @@ suite.table = (table) => {
   // The rows that the filter and the switches leave, on all pages, with all digits if the cell has a sort key.
   const visible = () => (grid ? [...grid.rows({ search: "applied", order: "applied" }).nodes().toArray()] : [...table.tBodies[0].rows]).filter((row) => !row.dataset.solver || suite.on(row.dataset.solver, row.dataset.route));
   const csv = () => [table.tHead.rows[table.tHead.rows.length - 1], ...visible()]
-    .map((row) => [...row.cells].map((cell) => quoted(+cell.dataset.order < 1e300 ? cell.dataset.order : row.parentNode ? text(cell) : cell.textContent)).join(",")).join("\n") + "\n";
+    .map((row) => [...row.cells].map((cell) => quoted(+cell.dataset.order < EMPTY ? cell.dataset.order : row.parentNode ? text(cell) : cell.textContent)).join(",")).join("\n") + "\n";
   button("copy", async (one) => {
     try { await navigator.clipboard.writeText(csv()); one.textContent = "copied"; } catch { one.textContent = "not allowed"; }
     setTimeout(() => { one.textContent = "copy"; }, 1500);
