@@ -16,29 +16,46 @@ pytestmark = pytest.mark.builds
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-def test_the_first_screen_holds_sentence_and_map_whole(open_page, width):
+def test_the_first_screen_has_question_engines_and_scenes(open_page, width):
     wide, high = WIDTHS[width]
     page = open_page(wide, high)
     page.wait_for_selector(".pair .player[data-time]")
-    assert page.locator("p.verdict").bounding_box()["y"] < high / 3
-    box = page.locator("table.map").bounding_box()
-    assert box["x"] >= 0 and box["y"] + box["height"] <= high
-    # A phone shows the map's first columns and scrolls the others within its frame; the page scrolls nowhere sideways.
-    assert width == "phone" or box["x"] + box["width"] <= wide
+    assert page.locator("#answer > h2").is_visible() and page.locator("p.question").bounding_box()["y"] < high / 3
+    table, strip = (page.locator(name).bounding_box() for name in ("table.by-engine", ".strip"))
+    assert table["x"] >= 0 and table["y"] + table["height"] <= high and table["x"] + table["width"] <= wide
+    assert strip["y"] < high and (width == "phone" or strip["y"] + strip["height"] <= high)
     assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
-    rows = page.locator("table.map tbody tr")
-    assert rows.count() == 9 and all(row.is_visible() for row in rows.all())  # two of each route, and a line
+    assert page.locator("table.by-engine tbody tr").count() == 2  # engines by themselves
     tabs = page.locator("nav.chapters a")
     assert tabs.all_inner_texts() == ["Answer", "Cases", "Cost", "Evidence", "Data"]
     assert all(0 <= tab.bounding_box()["x"] and sum_of(tab.bounding_box()) <= wide for tab in tabs.all())
 
 
-def test_a_map_of_94_cases_fits_a_window_of_a_desk(open_page):
-    page = open_page()
+def test_each_dot_has_the_number_of_the_tables(shared_page, page_file):
+    """A dot per scene, engine and setting, at its place on the axis; the table says how many exceed 10 %."""
+    page = shared_page()
+    headline = table_of(page_file, "headline")
+    engines = [(r["solver"], r["route"]) for r in table_of(page_file, "verdict") if not r["our_part"]]
+    for solver, route in engines:
+        own = [row for row in headline if (row["solver"], row["route"]) == (solver, route)]
+        groups = page.locator(f".strip g[data-solver={solver}][data-route={route}]")
+        usual, finest = ([float(row[f"{name}_off"]) for row in own] for name in ("default", "finest"))
+        for group, offs in zip(groups.all(), (usual, finest), strict=True):
+            tips = group.locator("title").evaluate_all("all => all.map(one => one.textContent)")
+            assert len(tips) == len(offs)
+            x = group.locator("circle").evaluate_all("all => all.map(e => +e.getAttribute('cx'))")
+            expected = sorted(118 + (604 - 118) * (math.log10(min(max(off, 1e-6), 10.0)) + 6) / 7 for off in offs)
+            assert sorted(x) == pytest.approx(expected, abs=0.06)
+        many = sum(off > 0.1 for off in usual)
+        text = page.locator(f"table.by-engine tr[data-solver={solver}]").inner_text()
+        assert f"more than 10 % in {many} of {len(usual)} scenes" in text
+
+
+def test_a_map_of_94_cases_is_scrolled_in_its_frame_with_cells_of_24_pixels(open_page):
+    page = open_page(place="#headline")
     page.evaluate(
         """() => { const map = document.querySelector("table.map");
         map.classList.add("dense");
-        map.style.setProperty("--cases", 94);
         map.querySelector(".line th").colSpan = 96;
         for (const row of map.querySelectorAll("tr:has(td)")) {
             const last = row.lastElementChild;
@@ -47,12 +64,13 @@ def test_a_map_of_94_cases_fits_a_window_of_a_desk(open_page):
         } }"""
     )
     assert page.locator("table.map thead .case").count() == 94
-    box = page.locator("table.map").bounding_box()
-    assert box["x"] + box["width"] <= 1440
+    assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
+    box = page.locator("table.map td a").first.bounding_box()
+    assert min(box["width"], box["height"]) >= 24
 
 
 def test_each_cell_of_the_map_has_the_numbers_of_the_tables(shared_page, page_file):
-    page = shared_page()
+    page = shared_page("#headline")
     cases_shown = page.locator("table.map .case").all_inner_texts()
     assert set(cases_shown) == set(CASES)
     rows = {
@@ -87,7 +105,7 @@ def test_each_cell_of_the_map_has_the_numbers_of_the_tables(shared_page, page_fi
 
 
 def test_a_click_on_the_map_opens_the_case(shared_page):
-    page = shared_page()
+    page = shared_page("#headline")
     page.locator("table.map tbody td a").first.click()
     page.wait_for_selector("article:visible .player[data-time]")
     assert page.locator("article:visible h3").first.inner_text() == page.locator(
@@ -96,11 +114,11 @@ def test_a_click_on_the_map_opens_the_case(shared_page):
 
 
 def test_the_colours_of_grades_are_those_of_the_limits(shared_page):
-    page = shared_page()
-    keys = page.locator("#answer .key").all_inner_texts()
+    page = shared_page("#headline")
+    keys = page.locator("#headline .key").all_inner_texts()
     assert keys == ["excellent", "very good", "good", "rough", "poor", "unusable", "not decided", "hatched"]
     colour = "e => getComputedStyle(e).backgroundColor"
-    legend = {key.inner_text().replace(" ", "-"): key.evaluate(colour) for key in page.locator("#answer .key").all()}
+    legend = {key.inner_text().replace(" ", "-"): key.evaluate(colour) for key in page.locator("#headline .key").all()}
     for cell in page.locator("table.map td[class]").all():
         assert cell.evaluate(colour) == legend[cell.get_attribute("class").split()[0]]
 
@@ -108,7 +126,7 @@ def test_the_colours_of_grades_are_those_of_the_limits(shared_page):
 def test_the_chart_has_every_setting_of_its_case_at_its_place(shared_page, page_file):
     page = shared_page()
     runs = [r for r in table_of(page_file, "trajectories") if r["case"] == CASES[0] and r["solver"] != "reference"]
-    marks = page.locator(".chart g .mark")
+    marks = page.locator(".chart:not(.strip) g .mark")
     tips = marks.locator("title").evaluate_all("all => all.map(one => one.textContent)")
     assert len(tips) == len(runs) > 10
     places = [
@@ -152,25 +170,19 @@ def test_the_first_sentence_compares_the_engines_shown_and_follows_the_switches(
 def test_a_hidden_route_is_on_no_part_of_the_first_screen(shared_page):
     page = shared_page()
     page.wait_for_selector(".pair .player[data-time]")
-    parts = (
-        "table.map tbody",
-        ".chart g",
-        ".chart .legend span",
-        ".pair .ghost",
-        ".pair .engines li",
-        "table.answer tr",
-    )
+    ours = (".chart:not(.strip) g", ".chart .legend span", ".pair .ghost", ".pair .engines li", "table.answer tr")
+    native = (".strip g", "table.by-engine tr", ".so span")
     page.uncheck("input[data-switch=route][value=native]")
     page.uncheck("input[data-switch=solver][value=exudyn]")
-    for part in parts:
+    for part in (*ours, *native):
         shown = page.locator(f"{part}[data-solver]:visible").evaluate_all(
             "all => all.map(e => `${e.dataset.solver} ${e.dataset.route}`)"
         )
-        assert set(shown) == {"pymunk assisted"}, part
+        assert set(shown) == ({"pymunk assisted"} if part in ours else set()), part
     visible = page.locator("#answer").inner_text()
     assert "exudyn native" not in visible and "pymunk native" not in visible
     page.check("input[data-switch=route][value=native]")
-    for part in parts:
+    for part in (*ours, *native):
         assert page.locator(f"{part}[data-solver=pymunk][data-route=native]").first.is_visible(), part
 
 
@@ -222,7 +234,9 @@ def test_without_scripts_every_table_and_figure_is_there(chromium, page_file):
     for place in (
         "#answer",
         "table.map",
-        ".chart > svg",
+        ".strip > svg",
+        ".chart:not(.strip) > svg",
+        ".slip img",
         "#cases",
         "#headline",
         "#failures",
@@ -235,5 +249,5 @@ def test_without_scripts_every_table_and_figure_is_there(chromium, page_file):
     assert page.locator("#cases article").count() == len(CASES) + 2
     assert all(one.is_visible() for one in page.locator("article").all())
     assert not page.locator(".player").first.is_visible()
-    assert page.locator("article img:visible").count() == 1  # the headline
+    assert page.locator("article img:visible").count() == 0
     context.close()
