@@ -5,7 +5,7 @@ Whatever a solver does short of ending the process becomes a record.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -16,7 +16,7 @@ import numpy as np
 import cases
 import reference
 from adapters import Setting, gate, other_laws, our_part, refusal, refusal_kind, refusal_of_several_contacts
-from cases import Case, CaseError, Impact, NotSupported, Trajectory
+from cases import Case, CaseError, Impact, NotSupported, Trajectory, Transition
 from cases.files import owned_folder
 from reference.certification import Certificate, NotCertified, contradiction, is_within_bars, stored_or_new
 
@@ -111,22 +111,29 @@ def find_truth(case: Case) -> Truth:
         return Truth(failure=f"{case.label}: {contradicted}; neither is used; {report}")
     certified = certificate.transitions
     events = tuple(replace(event, time=row[2].value) for event, row in zip(motion.transitions, certified, strict=True))
-    scales = several_contacts.scales(case, motion, events, null_motions(case))
+    truth = truth_of(case, motion, events, method)
+    return replace(
+        truth,
+        contact_samples=_contact_samples(motion) if truth.has_several_contacts else {},
+        plate_samples={name: _plate_samples(motion, name) for name in motion.plate_names[1:]},
+        friction_sensitivity=friction_sensitivity(case, motion, truth.scales),
+        error_bars=tuple(row[2].bar for row in certified),
+        witnesses=certificate.witnesses,
+        centre_bar=_centre_bar(certificate, motion),
+        kinds=certificate.kinds if is_stored else (),
+    )
+
+
+def truth_of(case: Case, motion: Trajectory, events: Sequence[Transition], method: str) -> Truth:
+    """The truth by a motion that is known at every time, with these transitions, without error bars."""
     return Truth(
         method=method,
-        transitions=events,
-        scales=scales,
-        contact_samples=_contact_samples(motion) if len(scales) > 1 else {},
-        plate_samples={name: _plate_samples(motion, name) for name in motion.plate_names[1:]},
-        friction_sensitivity=friction_sensitivity(case, motion, scales),
-        error_bars=tuple(row[2].bar for row in certified),
+        transitions=tuple(events),
+        scales=several_contacts.scales(case, motion, events, null_motions(case)),
         first_mode=motion.first_mode,
         status=motion.status,
         reason=motion.reason,
         samples=_drawn_samples(case, _evenly(motion)),
-        witnesses=certificate.witnesses,
-        centre_bar=_centre_bar(certificate, motion),
-        kinds=certificate.kinds if is_stored else (),
     )
 
 

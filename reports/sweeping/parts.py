@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import platform
 import time
+from functools import partial
 from io import BytesIO
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -15,16 +17,13 @@ import pyarrow as pa
 from pyarrow import parquet
 
 import reference
-from adapters import EngineFailure, refusal
-from cases import BadValue, Case, NotSupported, Trajectory
+from adapters import refusal
+from cases import BadValue, Case, Trajectory
 from reference.sweeping import MANY, Plan, table
 
-from ..judging import grades, validation
-from ..judging.friction_factor import friction_factor
-from ..judging.null_motions import null_motions
-from ..judging.score import scale_of, score_and_reading
 from ..running import tasks
 from ..running.names import REFERENCE
+from ..running.records import Run
 from ..running.solvers import solver
 from ..running.storage import fingerprint
 
@@ -135,36 +134,29 @@ def _engine_run(work: SweepWork, parameters: dict[str, float], reference_row: di
     setting = next((s for s in engine.ladder(case, work.route) if s.is_default), None)
     if setting is None:
         raise BadValue(f"{work.solver} has no default setting by the route {work.route}")
-    row: dict = {"setting": str(setting)}
-    try:
-        motion = tasks.run_on_clock(engine, case, work.route, setting)
-    except NotSupported as problem:
-        return row | {"outcome": "unsupported", "reason": str(problem)}
-    except EngineFailure as problem:
-        return row | {"outcome": "crashed", "reason": str(problem)}
-    except Exception as problem:
-        return row | {"outcome": "crashed", "reason": tasks.sentence(problem)}
-    if not validation.sound(motion):
-        return row | {"outcome": "crashed", "reason": f"it gave {validation.UNSOUND}"}
-    row |= {"outcome": "answered", "cpu_s": motion.cost.cpu_s} | _assessment(case, motion, work.plan.rtol)
-    row["error"] = row["first_time"] - (np.nan if reference_row["first_time"] is None else reference_row["first_time"])
-    return row
-
-
-def _assessment(case: Case, motion: Trajectory, rtol: float) -> dict:
-    """The columns of a motion compared with the reference's at the plan's tolerance."""
-    truth = reference.simulate(case, rtol=rtol)
-    scale = scale_of(case, truth, truth.transitions, null_motions(case))
-    result, reading = score_and_reading(case, motion, truth, scale)
-    friction = friction_factor(case, motion, scale.losses, scale.end)
-    first = reading.transitions[0] if reading.transitions else None
-    return {
-        "grade": str(grades.grade(result.off, result.doubt)),
-        "off": result.off,
-        "off_doubt": result.doubt,
-        "friction_factor": friction,
-        "reason": grades.reason(result, scale, friction),
-        "first_mode": str(reading.first_mode),
-        "first_time": first.time if first else np.nan,
+    run = tasks.attempt(
+        Run(case.label, work.solver, work.route, setting, 1, outcome=""), case, partial(_assess, case, work.plan.rtol)
+    )
+    row: dict = {"setting": str(setting), "outcome": run.outcome, "reason": run.reason}
+    if run.outcome != "answered" or run.score is None:
+        return row
+    own = [event for event in run.ledger if isfinite(event.time)]
+    first = min(own, key=lambda event: event.time, default=None)
+    time = first.time if first else np.nan
+    return row | {
+        "grade": run.grade,
+        "off": run.score.off,
+        "off_doubt": run.score.doubt,
+        "friction_factor": run.friction_factor,
+        "first_mode": run.first_mode,
+        "first_time": time,
         "first_after": str(first.after) if first else "",
+        "error": time - (np.nan if reference_row["first_time"] is None else reference_row["first_time"]),
+        "cpu_s": run.cost.cpu_s,
     }
+
+
+def _assess(case: Case, rtol: float, row: Run, motion: Trajectory) -> Run:
+    """The row of a motion compared with the reference's at the plan's tolerance."""
+    true = reference.simulate(case, rtol=rtol)
+    return tasks.judge(row, case, motion, true, tasks.truth_of(case, true, true.transitions, reference.METHODS[0]))

@@ -22,14 +22,12 @@ from cases import Case, Mode, Trajectory
 from reference import certification
 
 from ...judging import residuals
-from ...judging.null_motions import null_motions
-from ...judging.score import scale_of
 from ...running.calls import Calls, StorePolicy
 from ...running.experiment import offers, run_cases
 from ...running.names import REFERENCE
 from ...running.processes.worker_process import CallResult
 from ...running.records import TRUTH_RTOL, Run, Truth, first_error, one_default
-from ...running.tasks import find_truth, in_catalogue
+from ...running.tasks import find_truth, in_catalogue, truth_of
 from ...running.true_motions import true_motion
 from . import sensitivity, step_limit
 from .sensitivity import Conditioning, Sensitivity
@@ -186,17 +184,8 @@ def _by_one_formulation(case: Case, failed_truth: Truth) -> Truth:
         max(abs(t.time - same[0].time) for t in same) + float(np.spacing(same[0].time))
         for same in zip(*(m.transitions for m in motions), strict=True)
     )
-    return Truth(
-        method=methods[0],
-        transitions=tuple(centre.transitions),
-        error_bars=bars,
-        first_mode=centre.first_mode,
-        status=centre.status,
-        reason=centre.reason,
-        samples={"t": centre.t},
-        scales={"": scale_of(case, centre, centre.transitions, null_motions(case))},
-        witnesses=tuple(f"{method} {TRUTH_RTOL:g}" for method in methods),
-    )
+    truth = truth_of(case, centre, centre.transitions, methods[0])
+    return replace(truth, error_bars=bars, witnesses=tuple(f"{method} {TRUTH_RTOL:g}" for method in methods))
 
 
 def _sample(motion: Trajectory) -> Trajectory:
