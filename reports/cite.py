@@ -1,4 +1,4 @@
-"""`slip-to-roll cite`: the citation of the suite and of the paper whose equations it solves, as BibTeX."""
+"""`slip-to-roll release cite`: the citation of the suite and of the paper whose equations it solves, as BibTeX."""
 
 from __future__ import annotations
 

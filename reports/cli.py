@@ -14,63 +14,66 @@ import cases
 from cases.files.command_line import PROGRAMS
 
 NAME = "slip-to-roll"
-# Subcommand: the module with its `main`, and its description.
+# Commands in their order, of one or two words: the module with the `main` of each, and its description.
 COMMANDS = {
     "report": ("reports.build", "run cases through solvers and write the comparison"),
-    "cases": ("cases.commands", "list, show, make, check and export cases"),
-    "compare": (
-        "reports.compare",
-        "judge a motion from a file, or compare two reports",
-    ),
-    "submit": ("reports.submit", "check motions before you submit them"),
+    "report study": ("reports.study", "run one of the additional studies"),
+    "compare": ("reports.compare", "judge a motion from a file, or compare two reports"),
     "sweep": ("reports.sweep", "a map over any parameters of a case"),
-    "animate": ("reports.animate", "write an animation of a motion, GIF or MP4"),
     "history": ("reports.history", "what changed from version to version of an engine"),
-    "study": ("reports.study", "run one of the additional studies"),
     "laws": ("adapters.laws.__main__", "test an engine's adapter against mechanics"),
+    "cases": ("cases.commands", "list, show, make, check and export cases"),
+    "cases film": ("reports.animate", "write an animation of a motion, GIF or MP4"),
+    "cases submit": ("reports.submit", "check motions before you submit them"),
     "prove": ("reference.proofs.command", "prove the transitions of a case as theorems"),
-    "check-proof": ("reference.proof_checker.__main__", "check proof records with an independent program"),
-    "publish": ("reports.publish", "publish a report with its release, in a clone"),
-    "deposit": ("reports.deposit", "pack a published report for a data repository"),
-    "cite": ("reports.cite", "print the citation as BibTeX"),
+    "prove check": ("reference.proof_checker.__main__", "check proof records with an independent program"),
+    "release publish": ("reports.publish", "publish a report with its release, in a clone"),
+    "release deposit": ("reports.deposit", "pack a published report for a data repository"),
+    "release cite": ("reports.cite", "print the citation as BibTeX"),
 }
-
-# Older names, for one version: `compare` has what they do.
-ALIASES = {"compare-builds": ("reports.compare_builds", ""), "gate": ("reports.gate", "")}
+# Older names, for one version.
+ALIASES = {
+    "animate": "cases film", "submit": "cases submit", "study": "report study", "check-proof": "prove check",
+    "publish": "release publish", "deposit": "release deposit", "cite": "release cite",
+}  # fmt: skip
+# Older names of commands with options of their own, for one version: `compare` has what they do.
+_OLDER = {"compare-builds": "reports.compare_builds", "gate": "reports.gate"}
 # Commands of older versions: what to type instead.
 GONE = {"completion": f"{NAME} --help lists the commands, {NAME} COMMAND --help the options of one"}
+_MODULES = {name: module for name, (module, _) in COMMANDS.items()} | _OLDER
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a subcommand; returns its exit status, 2 for an unknown name."""
-    words = list(sys.argv[1:] if argv is None else argv)
-    name, *rest = words or ["--help"]
-    if name in ("-h", "--help"):
+    """Run a command; returns its exit status, 2 for an unknown name."""
+    words = list(sys.argv[1:] if argv is None else argv) or ["--help"]
+    words[:1] = ALIASES.get(words[0], words[0]).split()
+    name = next((name for name in (" ".join(words[:2]), words[0]) if name in _MODULES), "")
+    if name:
+        return _run(name, words[len(name.split()) :])
+    if words[0] in ("-h", "--help"):
         print(_help())
-    elif name == "--version":
+        return 0
+    if words[0] == "--version":
         print(f"{NAME} {cases.__version__}")
-    elif name in COMMANDS | ALIASES:
-        return _run(name, rest)
-    elif name in GONE:
-        print(f"{NAME}: {name} is gone; {GONE[name]}", file=sys.stderr)
+        return 0
+    if words[0] in GONE:
+        print(f"{NAME}: {words[0]} is gone; {GONE[words[0]]}", file=sys.stderr)
         return 2
-    else:
-        near = get_close_matches(name, COMMANDS, 1)
-        hint = f"did you mean {near[0]}?" if near else f"give one of {', '.join(COMMANDS)}"
-        print(f"{NAME}: there is no command {name!r}; {hint}", file=sys.stderr)
-        return 2
-    return 0
+    near = get_close_matches(" ".join(words[:2]), COMMANDS, 1) or get_close_matches(words[0], COMMANDS, 1)
+    hint = f"did you mean {near[0]}?" if near else f"give one of {', '.join(COMMANDS)}"
+    print(f"{NAME}: there is no command {words[0]!r}; {hint}", file=sys.stderr)
+    return 2
 
 
 def _run(name: str, words: Sequence[str]) -> int:
-    """Run a subcommand, whose help and messages have the name by which it was called."""
+    """Run a command, whose help and messages have the name of the console command."""
     programs = {
         module.removesuffix(".commands").removesuffix(".__main__"): f"{NAME} {name}"
-        for name, (module, _) in (COMMANDS | ALIASES).items()
+        for name, module in _MODULES.items()
     }
     before = PROGRAMS.set(programs)
     try:
-        return import_module((COMMANDS | ALIASES)[name][0]).main(list(words))
+        return import_module(_MODULES[name]).main(list(words))
     finally:
         PROGRAMS.reset(before)
 

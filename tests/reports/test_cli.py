@@ -48,14 +48,25 @@ def test_every_command_of_the_suite_is_a_subcommand():
         for file in (root / "reports").glob("*.py")
         if 'if __name__ == "__main__"' in file.read_text() and file.stem not in ("cli", "show", "export")
     }
-    assert modules <= {
-        module for module, _ in (cli.COMMANDS | cli.ALIASES).values()
-    }  # show and export are `cases show` and `export`
+    assert modules <= {*cli._MODULES.values()}  # show and export are `cases show` and `export`
 
 
-@pytest.mark.parametrize("name", [n for n in cli.COMMANDS if n != "check-proof"])
+@pytest.mark.parametrize(("old", "new"), cli.ALIASES.items())
+def test_an_older_name_is_the_command_of_its_newer_one(old, new, monkeypatch):
+    calls = []
+    monkeypatch.setattr(cli, "_run", lambda name, words: calls.append((name, [*words])) or 0)
+    assert cli.main([old, "--help"]) == cli.main([*new.split(), "--help"]) == 0
+    assert calls == [(new, ["--help"])] * 2 and new in cli.COMMANDS
+
+
+def test_release_alone_names_its_commands(capsys):
+    assert cli.main(["release"]) == 2
+    assert "did you mean release" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", [n for n in cli.COMMANDS if n != "prove check"])
 def test_help_has_the_name_by_which_the_command_was_called(name, capsys):
-    words = [name, "show", "--help"] if name == "cases" else [name, "--help"]
+    words = [name, "show", "--help"] if name == "cases" else [*name.split(), "--help"]
     with suppress(SystemExit):
         cli.main(words)
     out = capsys.readouterr().out

@@ -279,7 +279,7 @@ WALK = {
     "published.md": Page(
         (
             Step(
-                "slip-to-roll deposit docs/results/0.2.0",
+                "slip-to-roll release deposit docs/results/0.2.0",
                 (r"^slip-to-roll-results-0\.2\.0\.zip, \d+\.\d MB: upload it",),
                 ("slip-to-roll-results-0.2.0.zip",),
                 before=f"ln -s {ROOT / 'docs'} docs",
