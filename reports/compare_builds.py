@@ -26,18 +26,7 @@ if TYPE_CHECKING:
 
 COMMAND = "reports.compare_builds"
 
-# Key columns of each compared table, and the columns that vary from build to build.
-_ROWS = {
-    "verdict": ("solver", "route"),
-    "headline": ("case", "solver", "route"),
-    "trajectories": ("case", "solver", "route", "setting"),
-    "levels": ("case", "solver", "route", "level"),
-    "transitions": ("case", "solver", "route", "setting", "event", "before", "after", "pairing", "_number"),
-    "convergence": ("case", "solver", "route", "quantity"),
-    "truth": ("case", "event"),
-    "work_precision": ("case", "solver", "route", "setting", "quantity"),
-    "null_scores": ("case", "motion"),
-}
+# Columns that vary from build to build.
 _OF_THE_DAY = {
     "cpu_s", "cpu_low_s", "cpu_high_s", "wall_s", "setup_s", "compile_s", "read_s", "call_s", "first_call_s",
     "engine_s", "binding_s", "callback_s", "notes_s", "repeats", "disturbed_repeats", "disturbed", "run_at",
@@ -95,7 +84,7 @@ def compare(one: Path, other: Path, solvers: Sequence[str] = ()) -> BuildCompari
         frames = [
             _of_solver(f, name, folder, both) for f, name, folder in zip(frames, solvers, (one, other), strict=True)
         ]
-    results = [d for name, keys in _ROWS.items() for d in _changed_cells(name, keys, *(f.get(name) for f in frames))]
+    results = [d for name, keys in _keys().items() for d in _changed_cells(name, keys, *(f.get(name) for f in frames))]
     pairs = _pairs(_TIMING_KEYS, *(f.get("time_to_accuracy") for f in frames))
     levels, ratios, ranks, ratio_count = [], [], [], 0
     for row, a, b in pairs:
@@ -109,6 +98,13 @@ def compare(one: Path, other: Path, solvers: Sequence[str] = ()) -> BuildCompari
         if a["rank"] != b["rank"] and a["rank"] == a["rank"] and b["rank"] == b["rank"]:
             ranks.append(Difference(*place, "rank", a["rank"], b["rank"]))
     return BuildComparison(results, levels, ratios, ranks, ratio_count)
+
+
+def _keys() -> dict[str, tuple[str, ...]]:
+    """The key columns of each compared table."""
+    from .analysis.table_list import TABLES
+
+    return {name: table.keys for name, table in TABLES.items() if table.keys}
 
 
 def _is_reached(row: dict[str, Any]) -> bool:
@@ -128,7 +124,7 @@ def _tables(folder: Path, same_format: bool) -> dict[str, pd.DataFrame]:
     frames: dict[str, pd.DataFrame] = {}
     for file in files if same_format else [file for file in files if file.stem in _OF_EVERY_FORMAT]:
         # Read as text, so that nothing is rounded and empty cells are equal.
-        kind = str if file.stem in _ROWS else None
+        kind = str if file.stem in _keys() else None
         frame = read_table(file, keep_default_na=file.stem == "time_to_accuracy", dtype=kind)
         _check_columns(file, frame)
         frames[file.stem] = frame if same_format else frame.drop(columns=[*_OF_ONE_FORMAT & {*frame.columns}])
@@ -151,7 +147,7 @@ def _check_columns(file: Path, frame: pd.DataFrame) -> None:
     from pandas.api.types import is_numeric_dtype
 
     is_timing_table = file.stem == "time_to_accuracy"
-    columns = (*_TIMING_KEYS, "reached", *_RATIOS) if is_timing_table else _ROWS.get(file.stem, ())
+    columns = (*_TIMING_KEYS, "reached", *_RATIOS) if is_timing_table else _keys().get(file.stem, ())
     missing = [name for name in columns if name not in frame.columns and name != "_number"]
     if missing:
         raise BadValue(f"{file} has no column {missing[0]}; give a report of this suite")
@@ -248,7 +244,7 @@ def _provenance(one: Path, other: Path) -> list[str]:
 
 def _only_in_one(one: Path, other: Path) -> list[str]:
     """The tables that only one of the reports has: those are not compared."""
-    names = [{file.stem for file in (folder / "tables").glob("*.csv")} & _ROWS.keys() for folder in (one, other)]
+    names = [{file.stem for file in (folder / "tables").glob("*.csv")} & _keys().keys() for folder in (one, other)]
     lacking = {"A": names[1] - names[0], "B": names[0] - names[1]}
     return [
         f"{report} has no table {', '.join(sorted(tables))}: not compared"

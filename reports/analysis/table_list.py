@@ -41,17 +41,20 @@ class Results:
 
 
 class TableSource(NamedTuple):
-    """A table: its content, the function of its rows, its columns if it may have no rows, and whether a report without
-    timings lacks it."""
+    """A table: its content, the function of its rows, its columns if it may have no rows, whether a report without
+    timings lacks it, and its `keys`, if two reports are compared in it ("_number": several rows may have the same)."""
 
     holds: str
     rows: Callable[[Results], list[dict[str, Any]]]
     columns: tuple[str, ...] | None = None
     is_timed: bool = False
+    keys: tuple[str, ...] = ()
 
 
+_ROUTE = ("case", "solver", "route")
+_RUN = (*_ROUTE, "setting")
 _IMPACT_COLUMNS = (
-    *("case", "solver", "route", "setting", "event", "contact", "time", "reference_time", "error"),
+    *(*_RUN, "event", "contact", "time", "reference_time", "error"),
     *("swing", "reference_swing"),
     *("closing_speed", "reference_closing_speed", "restitution", "reference_restitution"),
 )
@@ -61,6 +64,7 @@ TABLES = {
         "law (1: as bad as ignoring it); engines by themselves first",
         lambda results: results.verdicts,
         verdict.COLUMNS,
+        keys=("solver", "route"),
     ),
     "which_engine": TableSource(
         "The fastest engine and method of the reference for each level, for the first run and 1,000 runs",
@@ -76,22 +80,28 @@ TABLES = {
         "Error, CPU time, whole calls and parts of time of every usable run of the timed cases",
         lambda results: work_precision.work_precision_rows(results.ran, results.costs),
         is_timed=True,
+        keys=(*_RUN, "quantity"),
     ),
     "null_scores": TableSource(
         "Errors of motions that ignore friction's law",
         lambda results: [row for baseline in results.costs.nulls.values() for row in baseline.rows],
         is_timed=True,
+        keys=("case", "motion"),
     ),
     "headline": TableSource(
         "Grade and errors of each route with default settings and at the finest setting run, case by case",
         lambda results: tables.headline_rows(results.shown),
+        keys=_ROUTE,
     ),
     "levels": TableSource(
         "From which setting on each route stays within each level of accuracy",
         lambda results: levels.rows(results.shown),
+        keys=(*_ROUTE, "level"),
     ),
     "transitions": TableSource(
-        "Every transition of every run, paired with the truth's", lambda results: tables.transition_rows(results.shown)
+        "Every transition of every run, paired with the truth's",
+        lambda results: tables.transition_rows(results.shown),
+        keys=(*_RUN, "event", "before", "after", "pairing", "_number"),
     ),
     "impacts": TableSource(
         "Impacts next to the truth's: restitution with one contact, swings and the time of rest with several",
@@ -101,13 +111,17 @@ TABLES = {
     "trajectories": TableSource(
         "Every run: outcome, grade, score and reason, distance from the truth, cost",
         lambda results: tables.trajectory_rows(results.shown),
+        keys=_RUN,
     ),
     "convergence": TableSource(
         "Orders of every route in steps and in CPU time, and where and why its error saturates",
         lambda results: convergence.convergence_rows(results.shown, results.costs),
+        keys=(*_ROUTE, "quantity"),
     ),
     "truth": TableSource(
-        "The certified transitions that runs are compared with", lambda results: tables.truth_rows(results.shown)
+        "The certified transitions that runs are compared with",
+        lambda results: tables.truth_rows(results.shown),
+        keys=("case", "event"),
     ),
     "pairs": TableSource(
         "Two engines by themselves compared over the cases that both answer",

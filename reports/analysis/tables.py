@@ -18,6 +18,11 @@ from .convergence import convergence_rows
 OUTCOMES = ("answered", "unsupported", "crashed", "timed_out", NOT_INSTALLED)
 
 
+def run_keys(run: Run) -> dict[str, Any]:
+    """The columns that identify a run."""
+    return {"case": run.case, "solver": run.solver, "route": run.route, "setting": run.setting}
+
+
 # --- the tables -------------------------------------------------------------------------------------------------------
 
 
@@ -59,10 +64,7 @@ def transition_rows(experiment: Experiment) -> list[dict[str, Any]]:
         for place, row in enumerate(run.ledger):
             rows.append(
                 {
-                    "case": run.case,
-                    "solver": run.solver,
-                    "route": run.route,
-                    "setting": run.setting,
+                    **run_keys(run),
                     "event": row.event,
                     "before": row.before,
                     "after": row.after,
@@ -83,10 +85,7 @@ def impact_rows(experiment: Experiment) -> list[dict[str, Any]]:
     rest. There is no error of a plate that ends at rest later than its case."""
     return [
         {
-            "case": run.case,
-            "solver": run.solver,
-            "route": run.route,
-            "setting": run.setting,
+            **run_keys(run),
             "event": row.event,
             "contact": row.contact,
             "time": row.time,
@@ -119,10 +118,7 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
         pairings = Counter(row.pairing for row in run.ledger)
         rows.append(
             {
-                "case": run.case,
-                "solver": run.solver,
-                "route": run.route,
-                "setting": run.setting,
+                **run_keys(run),
                 "outcome": run.outcome,
                 **_score_columns(run, experiment.truths[run.case].friction_sensitivity),
                 "status": run.status,
