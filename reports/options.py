@@ -170,11 +170,11 @@ def runs(
 
     def as_command(work: Callable[[argparse.Namespace, list[str]], int | None]) -> Callable[..., int]:
         def main(argv: Sequence[str] | None = None) -> int:
-            def run(given: list[str]) -> int | None:
+            def parse_and_work(given: list[str]) -> int | None:
                 arguments = parser(module, says, *options, words=words, example=example, **defaults).parse_args(given)
                 return work(arguments, given)
 
-            return status(module, run, argv)
+            return status(module, parse_and_work, argv)
 
         main.__doc__ = work.__doc__
         return main

@@ -219,9 +219,14 @@ def with_version_words(table: Table, frame: pd.DataFrame) -> Table:
     return table._replace(columns={**table.columns, "version": description("version")})
 
 
+def words(*names: str, **own: str) -> dict[str, str]:
+    """The dictionary's words for columns of a study, then its own; raises KeyError for a column that has none."""
+    return {name: description(name) for name in names} | own
+
+
 def describe_column(holds: str, names: Iterable[str]) -> Table:
     """A table with the dictionary's words for its columns; raises KeyError for a column that has none."""
-    return Table(holds, {name: description(name) for name in names})
+    return Table(holds, words(*names))
 
 
 def description(name: str) -> str:

@@ -17,7 +17,7 @@ from packaging.version import Version
 
 from ..running.records import Row, Run
 from ..running.versions import split_version
-from .columns import Table
+from .columns import Table, words
 from .number_format import number
 
 # A smaller relative change of off is one of digits. It is a hundredth of what separates neighbouring rungs of a ladder,
@@ -28,31 +28,21 @@ LEAST_OFF = 1e-4
 # The smallest error that is shown as a number.
 _SHOWN_OFF = 1e-6
 
+_ENGINE = {"engine": "the engine"}
+_VERSION = {"version": "version of its package"}
 TABLES = {
     "history": Table(
         "Every run of every version of an engine",
-        {
-            "engine": "the engine",
-            "version": "version of its package",
-            "case": "the case, with its parameters",
-            "route": "route of the adapter",
-            "setting": "the setting",
-            "outcome": "answered, unsupported, crashed, timed_out or not_installed",
-            "off": "error as a share of the error of ignoring friction's law",
-            "first_transition_error": "error of the first transition's time, s",
-            "sequence": "the transitions that the run has, in their order",
-            "grade": "off in words; empty: no answer",
-            "reason": "why the answer has its grade, or the reason of any other outcome",
-            "change": "compared with the version before: changed, digits, same, or first",
-        },
+        {**_ENGINE, **_VERSION, **words("case", "route", "setting")}
+        | {"outcome": "answered, unsupported, crashed, timed_out or not_installed"}
+        | {**words("off"), "first_transition_error": "error of the first transition's time, s"}
+        | {"sequence": "the transitions that the run has, in their order", **words("grade", "reason")}
+        | {"change": "compared with the version before: changed, digits, same, or first"},
     ),
     "history_lines": Table(
         "One line per case, route and setting: the error in the oldest version, and each release that changed it",
-        {
-            "engine": "the engine",
-            "case": "the case, with its parameters",
-            "route": "route of the adapter",
-            "setting": "the setting",
+        {**_ENGINE, **words("case", "route", "setting")}
+        | {
             "oldest": "answer of the oldest version that was run: off in percent, or the outcome",
             "changes": "each release with another answer, and that answer; empty: no release changed it",
             "digits": "releases that changed digits only",
@@ -60,9 +50,8 @@ TABLES = {
     ),
     "history_releases": Table(
         "One line per version of an engine: what changed with it",
-        {
-            "engine": "the engine",
-            "version": "version of its package",
+        {**_ENGINE, **_VERSION}
+        | {
             "runs": "number of runs with an answer",
             "changed": "answers that changed with this release",
             "better": "of these, answers with a smaller error, or with an answer where there was none",

@@ -6,7 +6,8 @@ A study is a module (in a folder: its `study.py`) with
     TABLES              by name, the content of each table and the meaning of each of its columns (`Table`)
     TAKES               the options it accepts, of "case" and "solver": a study may have its own scenes or contestants
     IN_REPORT           whether a report includes it
-    run(request, calls)     returns the findings; calls that may fail run in a worker, and a failure is a row
+    run(request, calls)     returns the findings; its runs are those of `running.experiment.run_cases`, with settings,
+                            cases and truths of its own, and a failure is a row
     rows(findings)          returns the rows of each table
     draw(findings, folder)  writes the figures and yields their entries
     summary(findings)       optional: text for the terminal instead of the tables

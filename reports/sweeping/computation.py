@@ -13,7 +13,7 @@ from reference.sweeping import CHUNK, Plan
 
 from ..running.names import REFERENCE
 from ..running.processes import cluster, cluster_worker
-from ..running.processes.workers import WorkerPool
+from ..running.processes.workers import WorkerPool, call_alone
 from ..running.solvers import routes, version
 from ..running.storage import fingerprint
 from . import local, parts
@@ -100,11 +100,7 @@ def run_engine(plan: Plan, folder: Folder, solver: str, ways: tuple[str, ...], m
 
 def _of_engine(function: Callable, name: str):
     """Call a function on an engine in a worker, so that the engine is not loaded in this process."""
-    pool = WorkerPool(1)
-    try:
-        ((_, answer),) = pool.run(function, [(name,)])
-    finally:
-        pool.close()
+    answer = call_alone(function, name)
     if answer.outcome != "done":
         raise BadValue(f"{name} cannot be used: {answer.failure[1]}")
     return answer.value
@@ -130,11 +126,7 @@ def _length(work: SweepWork) -> int:
     """Number of scenarios per part, from a pilot run; CHUNK divided by a power of two, so that noise rarely matters."""
     if len(work.plan) <= LEAST:
         return LEAST
-    pool = WorkerPool(1)
-    try:
-        ((_, answer),) = pool.run(parts.rate, [(work,)], local.PATIENCE)
-    finally:
-        pool.close()
+    answer = call_alone(parts.rate, work, limit=local.PATIENCE)
     if answer.outcome != "done":
         return LEAST  # one of the first scenarios ends its worker: small parts isolate it soonest
     length = CHUNK

@@ -203,6 +203,16 @@ class WorkerPool:
         self._workers = [worker for worker in self._workers if worker.alive]
 
 
+def call_alone(function: Callable, *arguments: Any, limit: float = 60.0) -> CallResult:
+    """The result of one call in a worker of its own."""
+    pool = WorkerPool(1)
+    try:
+        ((_, answer),) = pool.run(function, [arguments], limit)
+    finally:
+        pool.close()
+    return answer
+
+
 class _Worker:
     """A worker process and the pipe to it."""
 

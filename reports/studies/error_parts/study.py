@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...analysis.columns import Table
+from ...analysis.columns import Table, words
 from ...running.calls import Calls
 from .. import Request
 from . import measure
@@ -21,25 +21,21 @@ IN_REPORT = False
 TABLES = {
     "error_parts": Table(
         "The parts of an error due to the step and to the model, and the parameter to refine next",
-        {
-            "case": "the case",
-            "solver": "the engine",
-            "route": "its route",
-            "quantity": "first_transition_time, s; energy_lost, over the largest true kinetic energy; final_centre, m",
-            "setting": "the parameters that differ within the grid",
-            "total": "the error at this setting, signed (of the centre: its size)",
-            "finest_error": "the error at the finest value of every parameter",
-            "step_part": "error added by the step with the finest model",
-            "model_part": "error added by the model with the finest step",
-            "interaction": "the remainder of the total",
-            "model_parts": "error added by each parameter of the model alone",
-            "turn_next": "parameter whose next level reduces the error most; all: only together; none: nothing does",
-            "makes_worse": "the parameters whose next level increases the error",
-            "off": "error of the motion as a share of the error of ignoring friction's law",
-            "grade": "off in words",
-            "outcome": "answered, unsupported, crashed or timed_out",
-            "reason": "transitions that are not paired with the truth's, or the reason of any other outcome",
-        },
+        words("case", "solver", "route")
+        | words(
+            quantity="first_transition_time, s; energy_lost, over the largest true kinetic energy; final_centre, m",
+            setting="the parameters that differ within the grid",
+            total="the error at this setting, signed (of the centre: its size)",
+            finest_error="the error at the finest value of every parameter",
+            step_part="error added by the step with the finest model",
+            model_part="error added by the model with the finest step",
+            interaction="the remainder of the total",
+            model_parts="error added by each parameter of the model alone",
+            turn_next="parameter whose next level reduces the error most; all: only together; none: nothing does",
+            makes_worse="the parameters whose next level increases the error",
+        )
+        | words("off", "grade", "outcome")
+        | words(reason="transitions that are not paired with the truth's, or the reason of any other outcome"),
     )
 }
 

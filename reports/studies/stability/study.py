@@ -8,7 +8,7 @@ from typing import Any
 
 from adapters import Setting
 
-from ...analysis.columns import Table
+from ...analysis.columns import Table, words
 from ...judging.grades import Grade
 from ...running.calls import Calls
 from ...running.names import REFERENCE
@@ -28,44 +28,36 @@ IN_REPORT = True
 TABLES = {
     "stability": Table(
         "Hard scenes, solver by solver: outcome, residuals, conditioning",
-        {
-            "case": "the scene",
-            "solver": "the solver",
-            "route": "its route, or method of the reference",
-            "setting": "the rung",
-            "outcome": "answered, unsupported, crashed, timed_out, or chaotic: the last bit of the inputs decides",
-            "grade": "off in words; empty: no answer, or chaotic",
-            "off": "error as a share of the error of ignoring friction's law",
-            "off_doubt": "how much of off may be due to the samples of the motion",
-            "reason": "why an answer has its grade, or the reason of any other outcome",
-            "first_transition_error": "error of the first transition's time, s",
-            "centre_error": "largest distance of the centre from the truth over its path",
-            "energy": "largest residual of the energy balance over the energy of the motion",
-            "energy_drift": "its slope, 1/s",
-            "gap": "largest distance of the two contact points (5) over the plate's size",
-            "gap_drift": "its slope, m/s",
-            "tangency": "largest sine between the tangents at the contact point (6)",
-            "condition": "largest condition number of the matrix of (27), in the plate's own units; empty: singular",
-            "condition_si": "the same in SI units",
-            "condition_time": "time of `condition`, s",
-            "spread": "change of the centre over its path by one unit in the last place of the inputs; or `last_bit`",
-            "spread_time": "change of the time of a transition by that unit, s",
-            "last_bit": "change of the sequence of modes by that unit; empty: none",
-            "witnesses": "number of independent solutions behind the truth",
-        },
+        words("case", "solver", "route", "setting")
+        | words(outcome="answered, unsupported, crashed, timed_out, or chaotic: the last bit of the inputs decides")
+        | words("grade", "off", "off_doubt", "reason")
+        | words(
+            first_transition_error="error of the first transition's time, s",
+            centre_error="largest distance of the centre from the truth over its path",
+            energy="largest residual of the energy balance over the energy of the motion",
+            energy_drift="its slope, 1/s",
+            gap="largest distance of the two contact points (5) over the plate's size",
+            gap_drift="its slope, m/s",
+            tangency="largest sine between the tangents at the contact point (6)",
+            condition="largest condition number of the matrix of (27), in the plate's own units; empty: singular",
+            condition_si="the same in SI units",
+            condition_time="time of `condition`, s",
+            spread="change of the centre over its path by one unit in the last place of the inputs; or `last_bit`",
+            spread_time="change of the time of a transition by that unit, s",
+            last_bit="change of the sequence of modes by that unit; empty: none",
+            witnesses="number of independent solutions behind the truth",
+        ),
     ),
     "unstable_steps": Table(
         "The step at which each engine becomes unstable, by bisection",
-        {
-            "case": "the scene",
-            "solver": "the engine",
-            "route": "its route",
-            "setting": "all parameters except the step, from a middle rung",
-            "works": "largest step that works, s",
-            "fails": "smallest unstable step, s",
-            "steps_at_failure": "the duration over the latter",
-            "how": "how it fails, or why there is no such step",
-        },
+        words("case", "solver", "route")
+        | words(
+            setting="all parameters except the step, from a middle rung",
+            works="largest step that works, s",
+            fails="smallest unstable step, s",
+            steps_at_failure="the duration over the latter",
+            how="how it fails, or why there is no such step",
+        ),
     ),
 }
 # Words of the chart and of the summary: the grades of answers, and the other outcomes.
