@@ -35,15 +35,15 @@ def engine_rows(
         if not verdict.is_engine(row):
             continue
         times = {str(t["setting"]): t[CALL] for t in timings if (t["case"], t["solver"], t["route"]) == (case, *key)}
-        usual, wanted = _settings(groups.get((case, *key), ()))
+        usual, coarsest = _settings(groups.get((case, *key), ()))
         rows.append(
             {
                 "solver": key[0],
                 "route": key[1],
                 "id": identifier(key[0]),
                 "version": experiment.versions.get(key[0], "").partition(" ")[0],
-                "cells": _cells(row, list(offs[key].values())) | {f"within 1 % in {case}": _within(wanted, times)},
-                "so": _so(key[0], usual, wanted),
+                "cells": _cells(row, list(offs[key].values())) | {f"within 1 % in {case}": _within(coarsest, times)},
+                "so": _so(key[0], usual, coarsest),
             }
         )
     return rows
@@ -66,31 +66,31 @@ def _cells(row: Mapping[str, Any], scenes: Sequence[verdict.SceneOffs]) -> dict[
 
 def _settings(group: Sequence[Run]) -> tuple[Run | None, Run | None]:
     """The run with usual settings, and the coarsest from which on the whole ladder is within 1 %, doubt included."""
-    ladder, wanted = [run for run in group if gives_motion(run)], None
+    ladder, coarsest = [run for run in group if gives_motion(run)], None
     for run in reversed(ladder):
         if run.score is None or run.score.off + run.score.doubt > GOOD:
             break
-        wanted = run
-    return default(group), wanted
+        coarsest = run
+    return default(group), coarsest
 
 
-def _within(wanted: Run | None, times: Mapping[str, float]) -> tuple[str, str]:
-    if wanted is None:
+def _within(coarsest: Run | None, times: Mapping[str, float]) -> tuple[str, str]:
+    if coarsest is None:
         return "not reached", ""
-    time = times.get(str(wanted.setting), nan)
-    steps = f"{wanted.cost.steps:,} steps" if wanted.cost.steps else ""
-    return _words(dict(wanted.setting.values)), f"{seconds(time)} a run" if isfinite(time) else steps
+    time = times.get(str(coarsest.setting), nan)
+    steps = f"{coarsest.cost.steps:,} steps" if coarsest.cost.steps else ""
+    return _words(dict(coarsest.setting.values)), f"{seconds(time)} a run" if isfinite(time) else steps
 
 
-def _so(solver: str, usual: Run | None, wanted: Run | None) -> str:
+def _so(solver: str, usual: Run | None, coarsest: Run | None) -> str:
     """What to change for 1 %, in words; "" where that is not known."""
     if usual is None or usual.score is None:
         return ""
     if usual.score.off + usual.score.doubt <= GOOD:
         return f"{solver}'s usual settings are within 1 %."
-    if wanted is None:
+    if coarsest is None:
         return f"{solver} does not come within 1 % with the settings tried."
-    before, after = dict(usual.setting.values), dict(wanted.setting.values)
+    before, after = dict(usual.setting.values), dict(coarsest.setting.values)
     changes = [
         f"{_of(name, after[name])} instead of {_value(name, value)}"
         for name, value in before.items()

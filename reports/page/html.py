@@ -89,7 +89,9 @@ def render(
 def _slip_figure(figure_entries: Sequence[FigureEntry], figures: Path) -> dict[str, Any] | None:
     """The figure of the slip velocity in one scene, for the first screen; None if it was not drawn."""
     entry = next((one for one in figure_entries if one.name == "headline"), None)
-    return entry and picture(entry, figures) | {"label": entry.case, "anchor": chapters.anchor(entry.case)}
+    if entry is None:
+        return None
+    return picture(entry, figures) | {"label": entry.case, "anchor": chapters.anchor(entry.case)}
 
 
 def _solvers(experiment: Experiment) -> list[dict[str, str]]:

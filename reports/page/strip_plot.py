@@ -27,7 +27,7 @@ def strip_plot(experiment: Experiment, verdicts: Sequence[Mapping[str, Any]]) ->
     if not keys:
         return None
     common = set.intersection(*(set(offs[key]) for key in keys))
-    rows = []
+    rows = list[dict[str, Any]]()
     for key in keys:
         for words in ("usual", "finest"):
             values = {case: own.default if words == "usual" else own.finest.off for case, own in offs[key].items()}
