@@ -15,12 +15,17 @@ import pandas as pd
 import pytest
 
 import cases
+from adapters import Setting
 from cases import Mode, Transition
 from reference.proofs.record import DecimalInterval
+from reports.analysis import verdict
 from reports.page import chapters, evidence, motions, vendor
+from reports.page.engine_rows import engine_rows
 from reports.page.fragments import short_percent, table, verbatim
 from reports.page.grade_map import engine_map
 from reports.running.records import Experiment, Truth
+
+from .test_verdict import experiment, run
 
 pytestmark = pytest.mark.builds
 
@@ -184,3 +189,32 @@ def test_a_map_of_many_cases_shows_those_that_rank_engines_first():
     assert [len(band["cases"]) for band in engine_map(few, [], exclusions)["bands"]] == [5]
     none_ranks = {case.label: "there is no truth" for case in experiment.cases}
     assert [len(band["cases"]) for band in engine_map(experiment, [], none_ranks)["bands"]] == [12]
+
+
+@pytest.mark.parametrize(
+    ("offs", "text"),
+    [
+        # Within 1 % by luck at the second rung, and from the fourth on.
+        (
+            (0.3, 0.005, 0.02, 0.008, 0.001),
+            "one needs a step of 2 ms instead of 17 ms and 640 facets instead of 64 for 1 % ",
+        ),
+        ((0.3, 0.2, 0.1, 0.05, 0.02), "one does not come within 1 % with the settings tried."),
+    ],
+)
+def test_what_to_change_for_one_percent_is_confirmed_by_all_finer_settings(offs, text):
+    steps = [(10e-3, 64), (5e-3, 160), (4e-3, 320), (2e-3, 640), (1e-3, 1280)]
+    ladder = [
+        run("a", "one", "native", off, Setting.of(h=h, facets=n)) for off, (h, n) in zip(offs, steps, strict=True)
+    ]
+    usual = run("a", "one", "native", 0.46, Setting.of(rung="defaults", h=1 / 60, facets=64))
+    results = experiment(usual, *ladder)
+    (row,) = engine_rows(results, verdict.rows(results), [], "a")
+    assert row["so"].startswith(text)
+    assert row["cells"]["usual settings"] == ("46 % off", "more than 10 % in 1 of 1 scenes")
+
+
+def test_usual_settings_within_one_percent_need_no_change():
+    results = experiment(run("a", "one", "native", 0.002, Setting.of(rung="defaults")), run("a", "one", "native", 1e-4))
+    (row,) = engine_rows(results, verdict.rows(results), [], "a")
+    assert row["so"] == "one's usual settings are within 1 %."
