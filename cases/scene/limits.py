@@ -16,7 +16,6 @@ from ..curves.chain import Chain
 from ..curves.corner import Corner
 from ..effects import Belt, CoulombFriction, Drive, Flight, Impact, PerfectlyRough, RollingResistance, Unilateral
 from ..errors import BadValue, DoesNotFit
-from ..own_effects import own_effects
 from .free_plates import why_not_convex
 from .pair_effects import of_pair
 from .supports import has_rolling_resistance, is_hill, is_hollow, is_straight
@@ -28,7 +27,6 @@ class Scope(StrEnum):
     ANY = "any motion"
     SEVERAL_CONTACTS = "a plate with several contacts"
     SEVERAL_PLATES = "several plates"
-    EFFECTS = "a certificate of several contacts: effects"
     SHAPES = "a certificate of several contacts: shapes"
 
 
@@ -61,10 +59,6 @@ class Limit(NamedTuple):
 
 def _curves(case: Any) -> tuple[Any, ...]:
     return (case.track, *(support.curve for support in case.supports))
-
-
-def _own(case: Any) -> str:
-    return next((type(effect).__name__ for effect in own_effects(case.effects)), "")
 
 
 def _missing(case: Any) -> str:
@@ -193,14 +187,6 @@ LIMITS = (
         "plates that are not guided part and meet",
     ),
     Limit(
-        Scope.EFFECTS,
-        "an effect of a package",
-        _own,
-        "{} acts at several contacts; leave it out",
-        Reason.NOT_BUILT,
-        "the second formulation has such effects at one contact",
-    ),
-    Limit(
         Scope.SHAPES,
         "several plates that are no smooth convex outlines, or discs and one convex polygon, on straight lines",
         lambda case: case.others and why_not_convex(case),
@@ -285,7 +271,7 @@ def limit(case: Any, scope: Scope) -> str:
 
 def without_certificate(case: Any) -> str:
     """Why the second formulation does not compute a case with several contacts, as of `limit`; "" if it does."""
-    return limit(case, Scope.EFFECTS) or limit(case, Scope.SHAPES)
+    return limit(case, Scope.SHAPES)
 
 
 def as_sentence(reason: str) -> str:

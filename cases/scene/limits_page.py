@@ -35,7 +35,7 @@ def in_three_lines() -> str:
     """The limits in three items of a list, for the README."""
     rows = [row for row in LIMITS if row.scope in _OF_SIMULATION]
     later = [row for row in rows if row.reason is Reason.NOT_BUILT]
-    scenes = sum(row.scope in (Scope.EFFECTS, Scope.SHAPES) for row in LIMITS)
+    scenes = sum(row.scope is Scope.SHAPES for row in LIMITS)
     items = (
         f"Not built yet, and rejected in one sentence. {_capital(_in_short(later))}.",
         f"Mechanics excludes {len(rows) - len(later)} combinations of effects, such as Impact without Flight. Motions "

@@ -16,6 +16,8 @@ from ..scales import inverse_mass_scale
 
 # A contact closes, slips or accelerates if the speed or acceleration exceeds this part of the motion's.
 MOVES = 1e-10
+# A force of zero is above minus this.
+SMALLEST = 1e-300
 # Pivots of a problem of n variables: a multiple of n in practice.
 MOST_PIVOTS = 50
 # Entries below this part of the largest are roundings, and no pivots.
@@ -298,19 +300,21 @@ def slips_at_rough_contact(delassus: np.ndarray, free: np.ndarray, force: np.nda
 
 
 def pressing_forces(
-    delassus: np.ndarray, free: np.ndarray, senses: Sequence[float | None], arms: np.ndarray
+    delassus: np.ndarray, free: np.ndarray, senses: Sequence[float | None], arms: np.ndarray, may_vanish: bool = False
 ) -> list[np.ndarray]:
     """The forces with which a contact presses and does not slip; with rolling resistance, of one sense of the rotation
-    and one arm (over the radius of gyration), that also resist it, and prevent it where they can."""
+    and one arm (over the radius of gyration), that also resist it, and prevent it where they can. `may_vanish`: also
+    without a normal force, as a guide holds."""
+    least = -SMALLEST if may_vanish else 0.0
     if not senses:
         held = -np.linalg.solve(delassus, free)
-        return [held] if held[0] > 0.0 else []
+        return [held] if held[0] > least else []
     (sense,), answers = senses, list[np.ndarray]()
     for turn in (0.0, 1.0, -1.0) if sense is None else (sense,):
         columns = np.eye(3) if turn == 0.0 else np.array([[1.0, 0.0], [0.0, 1.0], [-turn * arms[0], 0.0]])
         rows = columns.shape[1]
         force = -columns @ np.linalg.solve((delassus @ columns)[:rows], free[:rows])
         begins = turn * float((delassus @ force + free)[2]) > 0.0 if turn else abs(force[2]) <= arms[0] * force[0]
-        if force[0] > 0.0 and (begins or sense is not None):
+        if force[0] > least and (begins or sense is not None):
             answers.append(force)
     return answers

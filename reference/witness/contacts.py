@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, hypot, sin
+from functools import lru_cache
+from math import copysign, cos, hypot, isfinite, sin
 from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, CoulombFriction, DoesNotFit, Gravity, PerfectlyRough, RollingResistance
-from cases.contact import find
+from cases import Belt, Case, CoulombFriction, Gravity, Load, PerfectlyRough, RollingResistance
+from cases.contact import Contact, find
+from cases.own_effects import own_effects
 from cases.scene.contact_pairs import PairCase
+from cases.scene.couples import Couple, couples
 from cases.scene.free_plates import loads_of, plates_of
 from cases.scene.piece_case import PieceCase
+from cases.scene.plate import is_convex
+from cases.scene.supports import is_straight
 
 from .drive import DriveLoad
+from .loads import load_scales
+from .steps import StepFailure
 
-# Pairs of nearest points with a gap below this part of the plate's reach are looked for among samples of the track.
-NEAR, SAMPLES = 0.3, 240
-# Two pairs are the same one if their track points are closer than this part of the reach.
-APART = 1e-6
 # A corner or an arc that is deeper behind a curve than this part of the reach has not closed its gap: between two looks
 # it moves by a tenth of that.
 BEHIND = 0.3
@@ -33,8 +36,9 @@ AnyPair = PairCase | PieceCase
 
 class PairState(NamedTuple):
     """A contact in its frame: its pair, parameters, gap (m), lift and slip velocity (m/s), their rows in (vx, vy, ω),
-    their accelerations without that of the plate (m/s²), the rate of ξ₁ (1/s), and the speed of the support's surface
-    (m/s), to which the slip is relative (`on_surface`)."""
+    their accelerations without that of the plate (m/s²), the rates of ξ₁ and ξ₂ (1/s), the spin of the plate against
+    the boundary (rad/s), the speed of the support's surface (m/s), to which the slip is relative (`on_surface`), and
+    the side: −1 where a guide pulls, whose normal, gap and lift are opposite (`on_side`)."""
 
     contact: AnyPair
     xi1: float
@@ -47,7 +51,10 @@ class PairState(NamedTuple):
     lift_bias: float
     slip_bias: float
     xi1_rate: float
+    xi2_rate: float
+    spin: float
     surface: float = 0.0
+    side: int = 1
 
     @property
     def sides(self) -> Sides:
@@ -71,14 +78,22 @@ class PairState(NamedTuple):
         return own * (1.0 - self.gap * bend) - bend
 
 
+def is_of_couple(pair: AnyPair) -> bool:
+    """Whether a pair is one of elements of two plates, or of one of several plates and a curve."""
+    return isinstance(pair, PieceCase) and isinstance(pair.whole, Couple)
+
+
 def plates_at(pair: AnyPair) -> Sides:
     """The number of a contact's plate, and that of the plate on whose boundary it lies, None on what does not move."""
-    return (pair.whole.body, pair.whole.base) if isinstance(pair, PieceCase) else (0, None)  # type: ignore[attr-defined]
+    return (pair.whole.body, pair.whole.base) if isinstance(pair.whole, Couple) else (0, None)
 
 
-def pair_at(pair: AnyPair, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
-    """The pair of nearest points next to `near`; `body`: (x, y, θ) of all plates, then (vx, vy, ω) of all. The frame is
-    that of the boundary: t along it, n = U t to the plate. Raises DoesNotFit.
+def pair_at(
+    pair: AnyPair, body: Sequence[float] | np.ndarray, near: tuple[float, float], gap: float | None = None
+) -> PairState:
+    """The pair of nearest points next to `near`, or with a known `gap` (m) these themselves; `body`: (x, y, θ) of all
+    plates, then (vx, vy, ω) of all. The frame is that of the boundary: t along it, n = U t to the plate. Raises
+    DoesNotFit.
 
     The velocities of lift and slip are n·(v_B − v_A) and t·(v_B − v_A) of the points that touch. Their derivatives
     follow the contact: the frame turns with ψ̇ = ω_A + κ₁ ṡ₁ = ω_B + κ₂ ṡ₂, and the points move along both boundaries
@@ -88,7 +103,13 @@ def pair_at(pair: AnyPair, body: Sequence[float] | np.ndarray, near: tuple[float
     x, y, theta, vx, vy, omega = _state(body, own)
     u, v, turn, ux, uy, spin = (0.0,) * 6 if base is None else _state(body, base)
     c, s = (1.0, 0.0) if base is None else (cos(turn), sin(turn))
-    contact = find(pair, c * (x - u) + s * (y - v), c * (y - v) - s * (x - u), theta - turn, near)
+    if gap is not None:
+        contact = Contact(*near, gap)
+    else:
+        turns = (
+            turn if is_of_couple(pair) or not isinstance(pair, PieceCase) else pair.turn
+        )  # of the pieces' parameters
+        contact = find(pair, c * (x - u) + s * (y - v), c * (y - v) - s * (x - u), theta - turns, near)
     jet, outline = pair.track.jet(contact.xi1), pair.plate.outline.jet(contact.xi2)
     speed, own_speed = hypot(jet[2], jet[3]), hypot(outline[2], outline[3])
     tx, ty = (jet[2] / speed, jet[3] / speed) if speed else map(float, pair.track.tangent(contact.xi1))
@@ -96,6 +117,8 @@ def pair_at(pair: AnyPair, body: Sequence[float] | np.ndarray, near: tuple[float
     c, s = cos(theta), sin(theta)
     rx, ry = c * outline[0] - s * outline[1], s * outline[0] + c * outline[1]
     rt, rn, pt, pn = rx * tx + ry * ty, ry * tx - rx * ty, px * tx + py * ty, py * tx - px * ty
+    if pair.plate.radius is not None:  # no roundings of its point, whose moments would shorten steps
+        rt, rn = 0.0, copysign(pair.plate.radius, rn)
     slip_row, lift_row = np.zeros(len(body) // 2), np.zeros(len(body) // 2)
     slip_row[3 * own : 3 * own + 3], lift_row[3 * own : 3 * own + 3] = (tx, ty, -rn), (-ty, tx, rt)
     slip, lift = vx * tx + vy * ty - omega * rn, vy * tx - vx * ty + omega * rt
@@ -115,8 +138,12 @@ def pair_at(pair: AnyPair, body: Sequence[float] | np.ndarray, near: tuple[float
         turning = spin + bend * along
     lift_bias = spin * spin * pn - omega * omega * rn + omega * along_own - spin * along - turning * slip
     slip_bias = spin * spin * pt - omega * omega * rt + turning * lift
-    rate = along / speed if speed else 0.0
-    return PairState(pair, *contact, lift, slip, lift_row, slip_row, lift_bias, slip_bias, rate)
+    # At a corner its parameter is the direction of the tangent, which turns with the frame.
+    rate = along / speed if speed else copysign(1.0, pair.track.turn) * (turning - spin)  # type: ignore[attr-defined]
+    own_rate = along_own / own_speed if own_speed else copysign(1.0, pair.plate.outline.turn) * (turning - omega)  # type: ignore[attr-defined]
+    return PairState(
+        pair, *contact, lift, slip, lift_row, slip_row, lift_bias, slip_bias, rate, own_rate, omega - spin
+    )  # fmt: skip
 
 
 def _state(body: Sequence[float] | np.ndarray, plate: int) -> tuple[float, ...]:
@@ -125,17 +152,26 @@ def _state(body: Sequence[float] | np.ndarray, plate: int) -> tuple[float, ...]:
     return (*map(float, body[first : first + 3]), *map(float, body[half + first : half + first + 3]))
 
 
+def moves(pair: AnyPair) -> bool:
+    """Whether the surface on which a contact lies moves: a plate, or one that runs."""
+    return plates_at(pair)[1] is not None or pair.effect(Belt) is not None
+
+
 def on_whole_curves(pair: AnyPair, points: tuple[float, float]) -> tuple[float, float]:
     """The parameters of a contact on the whole curves: of plates those of their outlines."""
     if not isinstance(pair, PieceCase):
         return points[0], float(pair.whole_xi2(points[1]))
-    xi1, xi2 = pair.to_whole(*points)
-    return float(pair.whole.whole_xi1(xi1)), float(xi2)  # type: ignore[attr-defined]
+    xi1, xi2 = map(float, pair.to_whole(*points))
+    return (float(pair.whole.whole_xi1(xi1)), xi2) if isinstance(pair.whole, Couple) else (xi1, xi2)
 
 
+@lru_cache(maxsize=1024)
 def is_watched_always(pair: AnyPair) -> bool:
     """Whether the gap of a pair is watched in all poses; otherwise its contacts are searched for."""
-    return isinstance(pair, PieceCase) or pair.has_unique_points or pair.is_point_on_curve
+    if isinstance(pair, PieceCase):
+        return is_of_couple(pair)
+    is_plain = is_straight(pair.track) and is_convex(pair.plate.outline)
+    return pair.has_unique_points or pair.is_point_on_curve or is_plain
 
 
 def open_pair_at(pair: AnyPair, body: Sequence[float] | np.ndarray, near: tuple[float, float]) -> PairState:
@@ -162,44 +198,25 @@ def on_surface(pair: PairState, t: float) -> PairState:
     return pair._replace(slip=pair.slip - speed, slip_bias=pair.slip_bias - rate, surface=speed)
 
 
+def on_side(pair: PairState, side: int) -> PairState:
+    """A contact with the normal of that side."""
+    if side == pair.side:
+        return pair
+    return pair._replace(
+        side=side, gap=-pair.gap, lift=-pair.lift, lift_row=-pair.lift_row, lift_bias=-pair.lift_bias
+    )  # fmt: skip
+
+
 def surfaces(pairs: Sequence[PairState]) -> np.ndarray:
     """What the velocities of lift, then of slip, then of the rotation where it is resisted, are relative to, m/s."""
     none = [0.0] * len(pairs)
     return np.array(none + [pair.surface for pair in pairs] + (none if resists(pairs) else []))
 
 
-def all_pairs(case: PairCase, body: Sequence[float] | np.ndarray, around: float) -> list[tuple[float, float]]:
-    """Pairs of nearest points with small gaps in one pose, from Newton's method at samples of the track near `around`,
-    a parameter near the plate."""
-    track, outline, reach = case.track, case.plate.outline, case.plate.reach
-    x, y, theta = (float(v) for v in body[:3])
-    if track.domain or track.period:
-        samples = np.linspace(*track.span, 8 * SAMPLES)
-    else:
-        wide = 6.0 * reach / float(track.speed(around))
-        samples = np.linspace(around - wide, around + wide, 4 * SAMPLES)
-    points = track.point(samples)
-    samples = samples[np.hypot(points[0] - x, points[1] - y) < (1.0 + NEAR) * reach]
-    samples = samples[:: max(1, len(samples) // SAMPLES)]
-    own = np.linspace(*outline.span, 1440)
-    angles = np.asarray(outline.tangent_angle(own)) + theta
-    results: list[tuple[float, float]] = []
-    for xi1 in samples.tolist():
-        off = np.angle(np.exp(1j * (angles - float(track.tangent_angle(xi1)))))
-        try:
-            one = find(case, x, y, theta, (xi1, float(own[np.argmin(np.abs(off))])))
-        except DoesNotFit:
-            continue
-        if track.ends and not track.ends[0] <= one.xi1 <= track.ends[1]:
-            continue
-        angle = float(track.tangent_angle(one.xi1)) - float(outline.tangent_angle(one.xi2)) - theta
-        bends_more = float(outline.curvature(one.xi2)) > float(track.curvature(one.xi1))
-        if abs(one.gap) > NEAR * reach or cos(angle) <= 0.0 or not bends_more:
-            continue
-        place = track.point(one.xi1)
-        if all(np.hypot(*(place - track.point(xi1))) > APART * reach for xi1, _ in results):
-            results.append((one.xi1, one.xi2))
-    return results
+def is_constant_at(contact: Case) -> bool:
+    """Whether forces at a contact change neither in time nor with its slip."""
+    friction = contact.effect(CoulombFriction)
+    return contact.effect(Belt) is None and not (friction and friction.by_speed)
 
 
 # In place of the friction of a perfectly rough contact: far beyond any force of the scenes, as Lemke's method needs a
@@ -257,6 +274,11 @@ class PlateDynamics:
         pull = np.array(gravity.vector if gravity is not None else (0.0, 0.0))
         self.weight = np.concatenate([[*(one.mass * pull), 0.0] for one in plates])
         self.loads = of_drive or loads_of(case)
+        some = [one.features for one in self.loads if one is not None]
+        # Features that a step could pass over, in time.
+        self.features = [part for one in some for part in (one if isinstance(one, list) else [one]) if part]
+        self.scales = [(i, load_scales(one) if isinstance(one, Load) else one.scales if one else None)
+                       for i, one in enumerate(self.loads)]  # fmt: skip
 
     @property
     def moves(self) -> np.ndarray:
@@ -272,10 +294,28 @@ class PlateDynamics:
                 torsor[3 * plate : 3 * plate + 3] += load.at(t, *_state(body, plate))
         return torsor
 
+    def load_allows(self, times: np.ndarray, states: np.ndarray) -> bool:
+        """Whether the loads allow a step through these states, shape (variables, n)."""
+        half, some = len(states) // 2, [(3 * i, scales) for i, scales in self.scales if scales is not None]
+        rows = [np.r_[i : i + 3, half + i : half + i + 3] for i, _ in some]
+        return all(scales.allows(times, *states[which]) for which, (_, scales) in zip(rows, some, strict=True))
+
+    def own_forces(self, t: float, pairs: Sequence[PairState]) -> np.ndarray:
+        """What effects of packages apply to all plates at closed contacts (N, N, N m)."""
+        torsor = np.zeros(len(self.weight))
+        for pair in pairs:
+            for effect in own_effects(pair.contact.effects):
+                along, across, couple = effect.at(t, pair.slip, pair.spin)[:3]
+                if not isfinite(along + across + couple):
+                    raise StepFailure(f"{type(effect).__name__} has no value at t = {t:.9g} s; end the case before")
+                turning = pair.turning_row / pair.contact.plate.gyration
+                torsor += along * pair.slip_row + pair.side * across * pair.lift_row + couple * turning
+        return torsor
+
     @property
     def is_constant(self) -> bool:
-        """Whether nothing but weight is applied."""
-        return not any(self.loads)
+        """Whether nothing but weight, and at contacts friction, is applied."""
+        return not any(self.loads) and not any(own_effects(one.effects) for one in couples(self.case))
 
     def delassus(self, pairs: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
         """The Delassus matrix (2K, 2K) of lifts, then slips, and the rows (2K, velocities); where a contact resists
@@ -291,4 +331,4 @@ class PlateDynamics:
         """Accelerations of the gaps, then of the slips, without contact forces; `rows` are those of `delassus`."""
         biases = np.array([p.lift_bias for p in pairs] + [p.slip_bias for p in pairs])
         biases = np.append(biases, np.zeros(len(rows) - len(biases)))
-        return rows @ (self.inverse * self.torsor(t, body)) + biases
+        return rows @ (self.inverse * (self.torsor(t, body) + self.own_forces(t, pairs))) + biases

@@ -20,7 +20,7 @@ import numpy as np
 
 # Places in a step at which a guard is evaluated for the bound, and the bound over the largest second difference there.
 PLACES, MARGIN = 5, 2.0
-# Shorter parts of a step are not divided: an excursion of that length is below rounding, (2π/60 · 2⁻²⁰)²/8 = 1e-15.
+# Shorter parts of a step are not divided: an excursion of that length is below rounding, (2π/120 · 2⁻²⁰)²/8 = 3e-16.
 SHORTEST = 2.0**-20
 # Limit on the evaluations in one step: a guard of nothing but rounding is divided everywhere.
 MOST_LOOKS = 1000
@@ -93,32 +93,3 @@ class Dips:
             return False
         now, before = slopes[name], self._slopes[name]
         return (now > 0.0 and before > 0.0) or min(last, self._values[name]) > step * max(abs(now), abs(before))
-
-
-class PhaseDips(Dips):
-    """The same for a phase with `guards`, functions of (t, z) by name that are positive while it lasts."""
-
-    def __init__(self, guards: Mapping[Any, Guard], watch_from: float):
-        super().__init__(watch_from)
-        self.guards, self._state = guards, np.empty(0)
-
-    def value(self, name: Any, t: float, z: np.ndarray) -> float:
-        """A guard at one state; the end of the last step is not evaluated again."""
-        is_end = t == self._time and z is self._state
-        return self._values[name] if is_end else self.guards[name](t, z)
-
-    def in_step(
-        self, interpolant: Callable[[], Callable[[float], np.ndarray]], start: float, end: float, z: np.ndarray
-    ) -> float | None:
-        """As `first`, with the state at the step's end, and a function that gives its interpolant."""
-        z_at: Callable[[float], np.ndarray] | None = None
-
-        def value(name: Any, t: float) -> float:
-            nonlocal z_at
-            z_at = z_at or interpolant()
-            return self.guards[name](t, z_at(t))
-
-        time = self.first(value, start, end, {name: guard(end, z) for name, guard in self.guards.items()})
-        if time is None:
-            self._state = z
-        return time

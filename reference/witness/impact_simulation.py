@@ -7,14 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from cases import Case, Impact
+from cases.scene.piece_case import PieceCase, corners_meet, lies_flat
 
 from ..time_limit import check_time
 from .complementarity import MOVES
-from .contacts import PairState, Sides, friction_of, resisting_sides
+from .contacts import PairState, Sides, friction_of, is_of_couple, is_watched_always, resisting_sides
 from .impact_laws import velocities
-from .integration import EPS, PhaseIntegration
+from .integration import PhaseIntegration
 from .phase import WatchedContact
-from .plate_state import TOUCHES, SimulationEnd
+from .plate_state import EPS, TOUCHES, SimulationEnd
 from .small_impacts import SMALL_IMPACT, TURNS, ImpactRecord
 from .watched_pairs import groups
 
@@ -37,6 +38,7 @@ class ImpactSimulation(PhaseIntegration):
     def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray, rtol: float):
         super().__init__(case, t, body, rtol)
         self.struck: set[str] = set()
+        self.slow: set[str] = set()  # contacts that slip in the start by less than a rounding of speeds
         self.landing: set[str] = set()
 
     def strike_all(self, now: Sequence[PairState]) -> bool:
@@ -63,16 +65,32 @@ class ImpactSimulation(PhaseIntegration):
         check_time()
         places_hit = [k for k, c in enumerate(self.contacts) if c.name in self.touching]
         small = MOVES * self.speed
+        # A plate that leaves its track in the start by less than a rounding comes down at once, as fast.
+        leaps = self.t == 0.0 and not (self.case.start.in_contact or self.case.others or self.impacts.strikes)
         closing = [k for k in places_hit if now[k].lift < -small]
+        closing += [k for k in places_hit if leaps and now[k].lift >= -small
+                    and self.is_tiny(max(now[k].lift, 0.0), self.pull(now[k]))]  # fmt: skip
         places_hit = [k for k in places_hit if now[k].lift <= small]
         self.touching = {self.contacts[k].name for k in places_hit}
         if not closing:
-            self.stuck |= {self.contacts[k].name for k in places_hit if abs(now[k].slip) <= small}
+            still = {self.contacts[k].name for k in places_hit if abs(now[k].slip) <= small}
+            self.stuck |= still - self.slow
             return
         effect = self.case.effect(Impact)
         if effect is None:
-            raise SimulationEnd("landing" if self.case.others else "second_contact")
-        velocity, stuck = self.velocities_after(effect, [now[k] for k in places_hit])
+            is_first = self.case.others or not any(contact.is_closed for contact in self.contacts)
+            raise SimulationEnd("landing" if is_first else "second_contact")
+        for pair in (now[k] for k in closing):
+            if isinstance(pair.contact, PieceCase) and not is_of_couple(pair.contact):
+                if lies_flat(pair.contact, pair.xi1, pair.xi2):
+                    raise SimulationEnd("second_contact")
+                if corners_meet(pair.contact, pair.xi1, pair.xi2):
+                    raise SimulationEnd("landing")
+        if any(now[k].clearance <= 0.0 and not is_watched_always(now[k].contact) for k in closing):
+            raise SimulationEnd("no_fit")
+        velocity, stuck = self.velocities_after(
+            effect, [now[k] for k in places_hit], [k in closing for k in places_hit]
+        )
         if effect.law == "newton":
             turns = self.dynamics.inverse > 0.0
             weights = 1.0 / self.dynamics.inverse[turns]
@@ -80,7 +98,7 @@ class ImpactSimulation(PhaseIntegration):
                 raise SimulationEnd("energy_gain")
         self.body[self.half :] = velocity
         names, closers = (frozenset(self.contacts[k].name for k in those) for those in (places_hit, closing))
-        record = ImpactRecord(self.t, max(-now[k].lift for k in closing), names, closers, self.body.copy())
+        record = ImpactRecord(self.t, max(abs(now[k].lift) for k in closing), names, closers, self.body.copy())
         self.impacts.count(record)
         self.still = self.still_in([now[k] for k in places_hit], velocity, small)
         self.touching, self.stuck, tiny = set(), set(), False
@@ -102,12 +120,14 @@ class ImpactSimulation(PhaseIntegration):
         sides = resisting_sides(some)
         return {p.sides for p in some if p.sides in sides and abs(float(p.turning_row @ velocity)) <= none}
 
-    def velocities_after(self, effect: Impact, some: Sequence[PairState]) -> tuple[np.ndarray, list[bool]]:
-        """Velocities after an impact at some contacts, and which of these do not slip."""
+    def velocities_after(
+        self, effect: Impact, some: Sequence[PairState], closes: Sequence[bool]
+    ) -> tuple[np.ndarray, list[bool]]:
+        """Velocities after an impact at some contacts of which those close, and which of them do not slip."""
         before, small = self.body.copy(), MOVES * self.speed
         stuck = [abs(pair.slip) <= small for pair in some]
         for group in groups([pair.contact for pair in some]):
-            if all(some[i].lift >= -small for i in group):
+            if not any(closes[i] for i in group):
                 continue
             self.body[self.half :], sticks = velocities(self, effect, [some[i] for i in group])
             for i, sticking in zip(group, sticks, strict=True):
@@ -176,14 +196,15 @@ class ImpactSimulation(PhaseIntegration):
 
     def end_hops(self, last: ImpactRecord | None) -> None:
         """Go to the end of hops that are rounding, the last impact of which is given."""
-        if last is None or last.time != self.t or not self.impacts.small:
+        if last is None or last.time != self.t or not (self.impacts.small or self.impacts.at_rest):
             return
         size = self.size()
         if self.impacts.end(self.t, SMALL_HOP * size) is not None:
             return  # another contact closes before
         if self.impacts.is_driven():
             raise SimulationEnd("accumulation")
-        is_low = self.is_low(LOWEST * size)
+        # The gap of one contact is integrated, and hops are resolved down to its rounding.
+        is_low = (self.is_several or bool(self.case.others)) and self.is_low(LOWEST * size)
         if is_low or self.impacts.at_rest:
             some = zip(self.contacts, self.pairs(), strict=True)
             low = frozenset(c.name for c, p in some if p.gap <= LOWEST * size and (is_low or c.name in self.touching))

@@ -1,4 +1,4 @@
-"""A motion with several contacts by the second formulation: modes, events and rests until it ends."""
+"""A motion by the second formulation: modes, events and rests until it ends."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from math import inf, sqrt
 
 import numpy as np
 
-from cases import Belt, Case, DoesNotFit, Flight, Mode, Transition
+from cases import Belt, Case, DoesNotFit, Flight, Impact, Mode, Transition, Unilateral
+from cases.motion.trajectory import CONTACT
+from cases.own_effects import own_effects
+from cases.scene.contact_limits import limitation
 
 from ..time_limit import check_time
 from .complementarity import MOVES, least_rate, pressing_forces, slips_at_rough_contact, solutions
@@ -18,16 +21,18 @@ from .contacts import (
     frictions,
     is_rough,
     is_watched_always,
+    on_side,
     on_whole_curves,
     resisting_sides,
 )
 from .impact_simulation import ImpactSimulation
-from .integration import EPS, FORGOTTEN
-from .phase import CURVE_ENDS, NO_RATE, STICKS, SeveralContactPhase, rotation_name
-from .plate_state import TOUCHES, SimulationEnd
+from .integration import FORGOTTEN
+from .phase import CURVE_ENDS, NO_RATE, OWN, STICKS, SeveralContactPhase, rotation_name
+from .plate_state import EPS, TOUCHES, SimulationEnd
 from .watched_pairs import common_slips, groups, sides_of
 
-MOST_PHASES = 5_000
+# Far more phases than any motion has in such a part of its duration; a loop without progress ends with a status.
+MOST_PHASES, PART = 5_000, 1e-3
 # Forces that have just reached their limit are compared after this part of the motion's time scale.
 AHEAD = 1e-6
 # Accelerations below this part of the load are roundings of an equilibrium.
@@ -42,10 +47,9 @@ class Simulation(ImpactSimulation):
     def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray, rtol: float):
         super().__init__(case, t, body, rtol)
         self.begins: dict[str, float] = {}
-        self.leaving: set[str] = set()
         self.rotation: dict[Sides, int] = {}  # the sense of a rotation that is resisted; 0: it is prevented
-        self.names: set[str] = set()  # contacts that have been closed
-        self.is_start, self.goes_on = t == 0.0, False
+        self.is_start, self.goes_on = True, False
+        self.may_continue = not limitation(self.case)  # where several contacts touch at once
 
     # --- phases -------------------------------------------------------------------------------------------------------
 
@@ -53,8 +57,10 @@ class Simulation(ImpactSimulation):
         """Simulate phases until the motion ends; returns its status."""
         try:
             self.settle(may_strike=True)
-            for _ in range(MOST_PHASES):
+            count, until = 0, 0.0
+            while count < MOST_PHASES:
                 check_time()
+                count, until = (0, self.t + PART * self.case.duration) if self.t >= until else (count + 1, until)
                 self.phase(self.same_modes() if self.goes_on else self.decide())
         except SimulationEnd as end:
             return str(end)
@@ -87,7 +93,8 @@ class Simulation(ImpactSimulation):
             raise SimulationEnd("breakdown")
         rank, count = all_rank, len(rows) + len(turning)
         is_carried = self.is_carried(now, modes) or (is_shared and rank < most)
-        rests = rank == most and count > 2 and not _is_on_belt(now, modes) and not self.body[self.half :].any()
+        is_whole = count > 2 and len(modes) > 1  # with one contact guards show the end of a rest more exactly
+        rests = rank == most and is_whole and not _is_on_belt(now, modes) and not self.body[self.half :].any()
         goes_on = frozenset(c.name for c, pair in zip(self.contacts, now, strict=True) if self.bounces_on(c, pair))
         self.begin(modes, goes_on)
         if not modes and self.case.effect(Flight) is None:
@@ -96,6 +103,7 @@ class Simulation(ImpactSimulation):
 
     def begin(self, modes: dict[int, Mode], goes_on: frozenset[str] = frozenset()) -> None:
         """Begin a phase in these modes, by the places of contacts; those that change are listed."""
+        self.check_lift(modes)
         changes = []
         for k, contact in enumerate(self.contacts):
             mode = modes.get(k, Mode.FLIGHT)
@@ -103,10 +111,22 @@ class Simulation(ImpactSimulation):
                 place = on_whole_curves(contact.case, contact.pair)
                 changes.append(Transition(self.t, contact.mode, mode, *place, contact=contact.name))
             self.contacts[k] = contact._replace(mode=mode)
-        self.names |= {contact.name for contact in self.contacts if contact.is_closed}
+        self.is_several |= any(contact.is_closed and contact.name != CONTACT for contact in self.contacts)
         self.impacts.list_changes(self.t, [] if self.is_start else changes, goes_on)  # a start's modes are no changes
-        self.is_start, self.beginning = False, set(self.begins)
+        self.is_start, self.beginning = False, set(self.begins) - self.slow
+        self.slow = set()
         self.begins, self.leaving, self.struck, self.stuck, self.still = {}, set(), set(), set(), set()
+
+    def check_lift(self, modes: dict[int, Mode]) -> None:
+        """Where effects of packages lift a plate, which end with the contact, it comes down at once."""
+        some = [k for k, c in enumerate(self.contacts) if c.is_closed and k not in modes]
+        opened = [pair for k, pair in enumerate(self.pairs()) if k in some and own_effects(pair.contact.effects)]
+        if not opened or self.case.effect(Flight) is None:
+            return
+        load = self.dynamics.inverse * self.dynamics.torsor(self.t, self.body)
+        rates = [float(pair.lift_row @ load) + pair.lift_bias for pair in opened]
+        if min(rates) < -MOVES * float(np.abs(load * self.dynamics.units).max()):
+            raise SimulationEnd("accumulation" if self.case.effect(Impact) else "landing")
 
     def decide_by_groups(self, now: Sequence[PairState]) -> SeveralContactPhase:
         """The same for each group of contacts that share plates."""
@@ -188,7 +208,20 @@ class Simulation(ImpactSimulation):
         return any(is_rough(pair.contact) and rate < -small for pair, rate in zip(some, free, strict=False))
 
     def solution(self, now: Sequence[PairState], closed: list[int]) -> tuple[dict[int, Mode], np.ndarray] | None:
-        """The modes of the contacts that stay closed, by their places, and the forces; None without a solution."""
+        """The modes of the contacts that stay closed, by their places, and the forces; None without a solution. A guide
+        holds its one contact from both sides."""
+        if len(closed) != 1 or now[closed[0]].contact.effect(Unilateral) is not None:
+            return self.one_sided(now, closed)
+        (k,) = closed
+        for side in (now[k].side, -now[k].side):
+            answer = self.one_sided([on_side(pair, side) for pair in now], closed)
+            if answer is not None and answer[0]:
+                self.contacts[k] = self.contacts[k]._replace(side=side)
+                return answer
+        return None
+
+    def one_sided(self, now: Sequence[PairState], closed: list[int]) -> tuple[dict[int, Mode], np.ndarray] | None:
+        """The same where contacts only push."""
         self.rotation = {sides: v for sides, v in self.rotation.items() if sides not in {now[k].sides for k in closed}}
         if not closed:
             return {}, np.zeros(0)
@@ -210,7 +243,8 @@ class Simulation(ImpactSimulation):
         ]
         if len(closed) == 1 and rough[0] and slips[0] is None:
             # It stays where it can, as in the first formulation, even if the plate could leave it, too.
-            answers += pressing_forces(delassus, free, slips[1:], mu[1:])
+            is_guide = some[0].contact.effect(Unilateral) is None
+            answers += pressing_forces(delassus, free, slips[1:], mu[1:], is_guide)
         if not answers:
             return None
         holds_better = any(friction_of(pair.contact)[1] > friction_of(pair.contact)[0] for pair in some)
@@ -221,6 +255,8 @@ class Simulation(ImpactSimulation):
         force = min(answers, key=lambda f: float(np.abs((delassus @ f + free)[least]).max()))
         rates = delassus @ force + free
         scale = max(float(np.abs(free).max()), float(np.abs(delassus).max() * np.abs(force).max()))
+        # A load may cancel with the weight.
+        scale = max(scale, float(np.abs(self.dynamics.inverse * self.dynamics.weight).max()))
         modes = {}
         for i, k in enumerate(closed):
             if rates[i] > MOVES * scale:
@@ -237,8 +273,9 @@ class Simulation(ImpactSimulation):
             if k in modes and now[k].sides in resisting_sides([now[j] for j in modes]):
                 rate, sense = float(rates[2 * len(closed) + i]), slips[len(closed) + i]
                 self.rotation[now[k].sides] = int(sense or (np.sign(rate) if abs(rate) > MOVES * scale else 0.0))
-        return {k: Mode.REST if mode is Mode.ROLL and self.rotation.get(now[k].sides) == 0 else mode
-                for k, mode in modes.items()}, force  # fmt: skip
+        is_slider = not (self.case.plate.turns or self.case.others or self.case.supports)
+        resting = {k for k in modes if self.rotation.get(now[k].sides) == 0 or is_slider}
+        return {k: Mode.REST if mode is Mode.ROLL and k in resting else mode for k, mode in modes.items()}, force
 
     def sense_of_rotation(self, pair: PairState) -> float | None:
         """The sign of the rotation of a contact's plates; None if there is none, and resistance may prevent one."""
@@ -283,8 +320,9 @@ class Simulation(ImpactSimulation):
         self.stuck = {c.name for c in self.contacts if c.mode in STICKS}
         self.still = self.still_sides()
         kinds = {kind for kind, _ in guards}
-        for kind in kinds & {*CURVE_ENDS}:
-            raise SimulationEnd(kind)
+        for kind in kinds:
+            if kind in CURVE_ENDS or kind.startswith(OWN):
+                raise SimulationEnd(kind.removeprefix(OWN))
         if kinds == {"forget"}:
             self.contacts = [c for c in self.contacts if c.is_closed or is_watched_always(c.case)]
             self.settle()
@@ -297,6 +335,8 @@ class Simulation(ImpactSimulation):
                 self.stuck.add(name)
             if kind == "normal":
                 self.leaving.add(name)
+            if kind == "side":
+                self.contacts = [c._replace(side=-c.side) if c.name == name else c for c in self.contacts]
             if kind == "rotation":
                 self.still |= {sides for sides in phase.turns if rotation_name(sides) == name}
             if kind in ("cone+", "cone-", "couple+", "couple-"):
@@ -338,6 +378,10 @@ class Simulation(ImpactSimulation):
                 if pair.gap <= TOUCHES * self.size() and not contact.is_away:
                     self.touching.add(contact.name)
         self.name_touching()
+        if len(self.touching) > 1:
+            self.is_several |= not self.is_start  # in a start the second one may open at once
+            if not self.may_continue:
+                raise SimulationEnd("second_contact")
         self.close_gaps()
         now = self.pairs()
         for contact, pair in zip(self.contacts, now, strict=True):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, inf, sin
+from math import atan2, cos, hypot, inf, pi, sin
 from typing import NamedTuple
 
 import numpy as np
 
 from cases import Case, DoesNotFit
-from cases.contact import Contact, find
+from cases.contact import Contact, find, pose
 
 from .plate_motion import Motion
 
@@ -69,6 +69,11 @@ def nearest(case: Case, body, xi1: float, xi2: float) -> Contact | None:
         return None
 
 
+def in_round(case: Case, theta: float, xi1: float, xi2: float) -> float:
+    """The parameter ξ₂ of a contact in the round of the outline that belongs to the plate's angle (rad)."""
+    return xi2 - round((theta - float(pose(case, xi1, xi2)[2])) / (2.0 * pi)) * (case.plate.outline.period or 0.0)
+
+
 def meeting(case: Case, size: float, motion: Motion, time: float, xi1: float, xi2: float) -> Touch | None:
     """Newton's method for a time and both parameters: the points coincide, the tangents are parallel, and the gap
     closes. None if it ends elsewhere."""
@@ -103,25 +108,3 @@ def _step(f: PairFrame, spin: float) -> list[float] | None:
     except np.linalg.LinAlgError:
         return None
     return step.tolist() if np.isfinite(step).all() else None
-
-
-def polish(case: Case, exactly, touch: Touch, size: float, start: float) -> Touch:
-    """Improve a touch with states integrated up to it: dense output is one order less accurate than a step.
-
-    `exactly` maps a time from `start` on (s) to the state then.
-    """
-    time, xi1, xi2, smallest, best = touch.time, touch.xi1, touch.xi2, inf, touch
-    for _ in range(8):
-        if not time >= start:
-            break  # by a rounding it lies before the flight
-        body = exactly(time)
-        f = frame(case, body, xi1, xi2)
-        miss = hypot(f.along, f.gap, size * f.angle)
-        if miss >= smallest:
-            break  # no better than before: rounding
-        best, smallest = Touch(time, body, xi1, xi2, touch.blur), miss
-        step = _step(f, body[5])
-        if step is None or abs(f.lift * step[0]) > 1e-6 * size:
-            break  # a grazing touch cannot be improved this way
-        time, xi1, xi2 = time + step[0], xi1 + step[1] / f.P, xi2 + step[2] / f.p
-    return best

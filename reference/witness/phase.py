@@ -1,15 +1,18 @@
-"""One phase of several contacts: accelerations with fixed modes, and the guards that are positive while it lasts."""
+"""One phase of the second formulation: accelerations with fixed modes, and guards that are positive while it lasts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
+from math import isfinite
 from types import MappingProxyType
 from typing import NamedTuple, cast
 
 import numpy as np
 
-from cases import Case, CoulombFriction, Mode
+from cases import Belt, Case, CoulombFriction, Curve, Mode, Unilateral
+from cases.formulas.features import Features
+from cases.own_effects import own_effects
 from cases.scene.contact_pairs import PairCase
 from cases.scene.piece_case import PieceCase
 
@@ -21,14 +24,18 @@ from .contacts import (
     Sides,
     friction_of,
     frictions,
+    is_of_couple,
     is_rough,
+    moves,
+    on_side,
     on_surface,
     open_pair_at,
     pair_at,
+    plates_at,
     resisting_arm,
 )
 from .loads import FormulaScales, slip_scales
-from .watched_pairs import next_elements, sides_of
+from .watched_pairs import next_elements, piece_end, sides_of
 
 # Singular values below this part of the largest are rows that depend on others.
 DEPENDENT = 1e-10
@@ -37,8 +44,11 @@ NO_RATE = 1e-12
 SIGN = {Mode.SLIP_FORWARD: 1.0, Mode.SLIP_BACKWARD: -1.0}
 # The modes of contacts that do not slip.
 STICKS = (Mode.ROLL, Mode.REST)
-# The kinds of guards at which a closed contact has reached an end of a curve; they are the statuses of the motion.
-CURVE_ENDS = ("track_end", "outline_end")
+# The kinds of guards at which the motion ends with that status: a closed contact has reached an end of a curve, where
+# a plate fits no longer, or Painlevé's paradox.
+CURVE_ENDS = ("track_end", "outline_end", "no_fit", "paradox")
+# The prefix of the kinds of guards by which effects of packages end the motion.
+OWN = "own "
 
 
 def rotation_name(sides: Sides) -> str:
@@ -48,27 +58,68 @@ def rotation_name(sides: Sides) -> str:
 
 class WatchedContact(NamedTuple):
     """A watched contact: its name, its pair of a support and a feature, its points, mode (FLIGHT: open), and whether it
-    is an arc that is turned away from the support."""
+    is an arc that is turned away from the support, and the side of its normal force (−1: a guide that pulls)."""
 
     name: str
     case: AnyPair
     pair: tuple[float, float]
     mode: Mode
     is_away: int = 0
+    side: int = 1
 
     @property
     def is_closed(self) -> bool:
         return self.mode is not Mode.FLIGHT
 
+    def at(self, t: float, body: np.ndarray, near: tuple[float, float], gap: float | None = None) -> PairState:
+        """The contact in a state of the plates, from points near it, or at these if its `gap` (m) is known."""
+        is_near = self.is_closed or gap is not None
+        state = pair_at(self.case, body, near, gap) if is_near else open_pair_at(self.case, body, near)
+        return on_side(on_surface(state, t), self.side)
+
 
 class ContactSolution(NamedTuple):
     """Accelerations (3n,), normal and friction force of each contact (K,), N, and for plates that do not turn against
-    each other the couple of all their contacts over the radius of gyration, N."""
+    each other the couple of all their contacts over the radius of gyration, N; of one contact
+    the matrix, rows and inverse masses."""
 
     acceleration: np.ndarray
     normal: np.ndarray
     friction: np.ndarray
     couples: Mapping[Sides, float] = MappingProxyType({})
+    problem: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+
+    @property
+    def inverse_mass(self) -> float:
+        """Painlevé's number of one contact, 1 without friction."""
+        if self.problem is None:
+            return 1.0
+        matrix, rows, inverse = self.problem
+        return _determinant(matrix) / _determinant(rows * inverse @ rows.T)
+
+
+def _determinant(matrix: np.ndarray) -> float:
+    if len(matrix) > 2:
+        return float(np.linalg.det(matrix))
+    (a, *b), *rest = matrix.tolist()
+    return a * rest[0][1] - b[0] * rest[0][0] if rest else a
+
+
+def _solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The solution of a linear system, of up to two unknowns without LAPACK, whose calls take longer than a phase's
+    equations. Raises LinAlgError."""
+    if len(right) > 2:
+        return np.linalg.solve(matrix, right)
+    (a, *b), *rest = matrix.tolist()
+    p, *q = right.tolist()
+    if not rest:
+        values, size = [p], a
+    else:
+        c, d = rest[0]
+        values, size = [p * d - b[0] * q[0], a * q[0] - c * p], a * d - b[0] * c
+    if size == 0.0:
+        raise np.linalg.LinAlgError("singular")
+    return np.array(values) / size
 
 
 class SeveralContactPhase:
@@ -92,33 +143,54 @@ class SeveralContactPhase:
         self.dynamics, self.contacts, self.rests, self.is_carried = dynamics, list(contacts), rests, is_carried
         self.turns, self.resting = dict(turns), resting
         self.frozen = {contact.name for contact in contacts if sides_of(contact.case) <= resting}
+        # The plates that one contact holds: their accelerations are zero, not roundings of it.
+        self.held = {plates_at(c.case)[0] for c in contacts if c.mode is Mode.REST and not moves(c.case)}
         self.near = [contact.pair for contact in contacts]
+        self.hopping: set[str] = set()  # contacts in a hop that begins with the phase
 
-    def pairs(self, t: float, body: Sequence[float] | np.ndarray) -> list[PairState]:
-        """All contacts in one state of the plate."""
-        now = [
-            on_surface((pair_at if c.is_closed else open_pair_at)(c.case, body, near), t)
-            for c, near in zip(self.contacts, self.near, strict=True)
-        ]
-        self.near = [(pair.xi1, pair.xi2) for pair in now]
-        return now
+    def whole_state(self, body: np.ndarray) -> np.ndarray:
+        """The state that is integrated: `body`, the parameters ξ₁ and ξ₂ of each closed contact, and of each in a hop
+        that begins with the phase, and the gap of these. Nearest points would give them less accurately where the
+        curves nearly fit each other, and a low hop's gap not at all."""
+        points = list[float]()
+        for contact, near in zip(self.contacts, self.near, strict=True):
+            points += near if contact.is_closed else (*near, 0.0) if contact.name in self.hopping else ()
+        return np.append(body, points)
 
-    def closed_pairs(self, t: float, body: Sequence[float] | np.ndarray) -> list[PairState | None]:
+    def plates(self, y: np.ndarray) -> np.ndarray:
+        """(x, y, θ) of all plates and (vx, vy, ω) of all, of a state of the phase or of many."""
+        return y[: 2 * len(self.dynamics.weight)]
+
+    def pairs(self, t: float, y: np.ndarray) -> list[PairState]:
+        """All contacts in one state of the phase, or of the plates alone."""
+        now = self.pairs_of(t, y, True)
+        self.near = [(pair.xi1, pair.xi2) for pair in now if pair is not None]
+        return cast(list[PairState], now)
+
+    def closed_pairs(self, t: float, y: np.ndarray) -> list[PairState | None]:
         """The closed contacts in one state; an integrator's stages lie ahead, where open ones may be lost."""
-        return [
-            on_surface(pair_at(contact.case, body, near), t) if contact.is_closed else None
-            for contact, near in zip(self.contacts, self.near, strict=True)
-        ]
+        return self.pairs_of(t, y, False)
 
-    def forces(
-        self, t: float, body: Sequence[float] | np.ndarray, now: Sequence[PairState | None] | None = None
-    ) -> ContactSolution:
+    def pairs_of(self, t: float, y: np.ndarray, every: bool) -> list[PairState | None]:
+        """The closed contacts, or every one, in one state."""
+        body, result = self.plates(y), list[PairState | None]()
+        points, is_whole = iter(y[len(body) :].tolist()), len(y) > len(body)
+        for contact, near in zip(self.contacts, self.near, strict=True):
+            hops = contact.name in self.hopping
+            if is_whole and (contact.is_closed or hops):
+                at = next(points), next(points)
+                result.append(contact.at(t, body, at, next(points) if hops else 0.0))
+            else:
+                result.append(contact.at(t, body, near) if every or contact.is_closed else None)
+        return result
+
+    def forces(self, t: float, y: np.ndarray, now: Sequence[PairState | None] | None = None) -> ContactSolution:
         """Accelerations and forces in the phase's modes, from the Delassus matrix."""
-        now = self.closed_pairs(t, body) if now is None else now
+        now, body = self.closed_pairs(t, y) if now is None else now, self.plates(y)
         now = [None if c.name in self.frozen else pair for c, pair in zip(self.contacts, now, strict=True)]
         dynamics, count = self.dynamics, len(self.contacts)
         some = [pair for c, pair in zip(self.contacts, now, strict=True) if pair is not None and c.is_closed]
-        free = dynamics.inverse * dynamics.torsor(t, body)
+        free = dynamics.inverse * (dynamics.torsor(t, body) + dynamics.own_forces(t, some))
         normal, friction = np.zeros(count), np.zeros(count)
         rows, columns, biases = list[np.ndarray](), list[np.ndarray](), list[float]()
         which: list[tuple[int, float | None]] = []
@@ -140,7 +212,7 @@ class SeveralContactPhase:
                 columns.append(pair.slip_row)
                 biases.append(pair.slip_bias)
                 which.append((k, None))
-        still = [3 * b + i for b in self.resting for i in range(3)]
+        still = [3 * b + i for b in self.resting | self.held for i in range(3)]
         if not rows:
             free[still] = 0.0
             return ContactSolution(free, normal, friction)
@@ -154,7 +226,7 @@ class SeveralContactPhase:
         if self.is_carried:
             multipliers = np.linalg.lstsq(matrix, right, rcond=DEPENDENT)[0]
         else:
-            multipliers = np.linalg.solve(matrix, right)
+            multipliers = _solve(matrix, right)
         for (k, share), value in zip(which, multipliers.tolist(), strict=False):
             if share is None:
                 friction[k] = value
@@ -164,23 +236,32 @@ class SeveralContactPhase:
         acceleration = free + dynamics.inverse * (columns_matrix @ multipliers)
         acceleration[still] = 0.0
         couples = dict(zip(couple_rows, multipliers[len(which) :].tolist(), strict=True))
-        return ContactSolution(acceleration, normal, friction, couples)
+        problem = (matrix, rows_matrix, dynamics.inverse) if len(some) == 1 else None
+        return ContactSolution(acceleration, normal, friction, couples, problem)
 
     def rates(self, t: float, y: np.ndarray) -> np.ndarray:
-        """The derivative of (x, y, θ, vx, vy, ω)."""
-        return np.concatenate([y[len(y) // 2 :], self.forces(t, y).acceleration])
+        """The derivative of a state of the phase."""
+        now, half = self.closed_pairs(t, y), len(self.dynamics.weight)
+        points = list[float]()
+        for contact, pair in zip(self.contacts, now, strict=True):
+            if pair is not None:
+                points += pair.xi1_rate, pair.xi2_rate, *(() if contact.is_closed else (pair.lift,))
+        return np.concatenate([y[half : 2 * half], self.forces(t, y, now).acceleration, points])
 
-    def slips_allow(self, times: np.ndarray, states: np.ndarray) -> bool:
-        """Whether the laws of friction of slipping contacts allow a step through these states (variables, n)."""
+    def allows(self, times: np.ndarray, states: np.ndarray) -> bool:
+        """Whether loads, and the laws of friction of slipping contacts, allow a step through these states (variables,
+        n)."""
+        if not self.dynamics.load_allows(times, self.plates(states)):
+            return False
         some = [(k, scales, SIGN[c.mode]) for k, c in enumerate(self.contacts)
                 if c.mode in SIGN and (scales := _scales(c.case)) is not None]  # fmt: skip
         every = [self.closed_pairs(t, state) for t, state in zip(times.tolist(), states.T, strict=True) if some]
         return all(scales.allows(sign * np.array([now[k].slip for now in every])) for k, scales, sign in some)  # type: ignore[union-attr]
 
-    def guards(self, t: float, y: np.ndarray) -> dict[tuple[str, str], float]:
+    def guards(self, t: float, y: np.ndarray, now: Sequence[PairState] | None = None) -> dict[tuple[str, str], float]:
         """Values by (kind, contact) that are positive while the phase lasts, each in its natural unit: forces in the
         weight or load, speeds and gaps in SI units."""
-        now = self.pairs(t, y)
+        now = self.pairs(t, y) if now is None else now
         forces = self.forces(t, y, now)
         values: dict[tuple[str, str], float] = {}
         for k, (contact, pair) in enumerate(zip(self.contacts, now, strict=True)):
@@ -188,11 +269,17 @@ class SeveralContactPhase:
             if isinstance(contact.case, PairCase) and contact.case.arc_range is not None:
                 low, high = contact.case.limits_of_turn(contact.is_away)
                 values["turn", contact.name] = min(pair.xi2 - low, high - pair.xi2)
-            if isinstance(contact.case, PieceCase):
+            if isinstance(contact.case, PieceCase) and not is_of_couple(contact.case):
+                end = piece_end(contact.case, (pair.xi1, pair.xi2))
+                values["turn" if end.following else CURVE_ENDS[end.curve], contact.name] = end.distance
+            elif isinstance(contact.case, PieceCase):
                 following = next_elements(contact.case, (pair.xi1, pair.xi2))
                 values |= {("turn", contact.name): following.distance} if following else {}
             if contact.is_away:
                 continue
+            is_guide = contact.case.effect(Unilateral) is None
+            if contact.is_closed and (contact.mode in SIGN or self.turns.get(pair.sides)):
+                values["paradox", contact.name] = forces.inverse_mass
             if not contact.is_closed:
                 values["gap", contact.name] = pair.gap
             elif self.is_carried:
@@ -200,16 +287,19 @@ class SeveralContactPhase:
             elif contact.mode in STICKS and not is_rough(contact.case):
                 bound = friction_of(contact.case)[1] * normal
                 values["cone+", contact.name], values["cone-", contact.name] = bound + friction, bound - friction
+            elif is_guide:
+                values |= {("side", contact.name): normal} if contact.mode in SIGN or self.turns else {}
             else:
                 values["normal", contact.name] = normal
             if contact.mode in SIGN:
                 values["slip", contact.name] = SIGN[contact.mode] * pair.slip
             if contact.is_closed:
-                values |= _inside_ends(contact, pair)
+                values |= _inside_ends(contact, pair) | _own_ends(contact, pair, t)
         for sides, sense in self.turns.items():
             name, same = rotation_name(sides), [k for k, pair in enumerate(now) if pair.sides == sides]
             if sense:
-                values["rotation", name] = sense * float(now[same[0]].turning_row @ y[len(y) // 2 :])
+                body = self.plates(y)
+                values["rotation", name] = sense * float(now[same[0]].turning_row @ body[len(body) // 2 :])
             elif sides in forces.couples and not self.is_carried:
                 bound = sum(resisting_arm(self.contacts[k].case) * float(forces.normal[k]) for k in same)
                 bound, couple = bound / now[same[0]].contact.plate.gyration, forces.couples[sides]
@@ -218,13 +308,29 @@ class SeveralContactPhase:
             values["held", ""] = 1.0 if self.starts(t, y) is None else -1.0
         return {key: value for key, value in values.items() if key[1] not in self.frozen}
 
+    def curves(self) -> list[tuple[int, Curve]]:
+        """The curves of closed contacts, with the rows of their parameters."""
+        some, row = list[tuple[int, Curve]](), 2 * len(self.dynamics.weight)
+        for contact in self.contacts:
+            if contact.is_closed:
+                some += (row, contact.case.track), (row + 1, contact.case.plate.outline)
+            row += 2 if contact.is_closed else 3 if contact.name in self.hopping else 0
+        return some
+
+    def features(self) -> list[tuple[int | None, Features]]:
+        """Features of loads and belts in time (None), and of closed contacts' curves by their parameters' rows."""
+        belts = [contact.case.effect(Belt) for contact in self.contacts if contact.is_closed]
+        some = [*self.dynamics.features, *(belt.features for belt in belts if belt is not None)]
+        by_row = [(row, curve.features) for row, curve in self.curves()]
+        return [*((None, one) for one in some if one), *((row, one) for row, one in by_row if one and not one.plain)]
+
     def starts(self, t: float, y: np.ndarray) -> dict[str, float] | None:
         """The contacts that Coulomb's law opens (0) or lets slip (the sign of the slip) where it does not let a plate
         go on that is carried by belts, and the sense in which the plate begins to turn; None where it does."""
         closed = [(c, cast(PairState, p)) for c, p in zip(self.contacts, self.closed_pairs(t, y), strict=True) if p]
         some, count = [pair for _, pair in closed], len(closed)
         delassus, rows = self.dynamics.delassus(some)
-        free = self.dynamics.free_rates(t, y, some, rows)
+        free = self.dynamics.free_rates(t, self.plates(y), some, rows)
         slips, law = [SIGN.get(contact.mode) for contact, _ in closed], frictions(some)
         senses = [self.turns.get(pair.sides) for pair in some] if len(law[0]) > count else []
         slips += [float(sense) if sense else None for sense in senses]
@@ -247,12 +353,24 @@ class SeveralContactPhase:
     def starts_after(self, step: float, t: float, y: np.ndarray) -> dict[str, float]:
         """`starts` a short time (s) later, when rates that begin at zero are more than rounding; empty if the plate
         goes on."""
+        y = self.whole_state(y)
         return self.starts(t + step, y if self.rests else y + step * self.rates(t, y)) or {}
 
 
 @lru_cache(maxsize=256)
 def _scales(pair: Case) -> FormulaScales | None:
     return slip_scales(pair.effect(CoulombFriction))
+
+
+def _own_ends(contact: WatchedContact, pair: PairState, t: float) -> dict[tuple[str, str], float]:
+    """The conditions of effects of packages at a closed contact, and that of its curves: that the plate fits."""
+    values = dict[tuple[str, str], float]()
+    for effect in own_effects(contact.case.effects):
+        conditions = zip(effect.ends(), effect.at(t, pair.slip, pair.spin)[3:], strict=True)
+        values |= {(f"{OWN}{end.status}", contact.name): value for end, value in conditions}
+    if isfinite(clearance := pair.clearance):
+        values["no_fit", contact.name] = clearance * contact.case.plate.reach
+    return values
 
 
 def _inside_ends(contact: WatchedContact, pair: PairState) -> dict[tuple[str, str], float]:

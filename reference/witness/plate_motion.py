@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import pi
 from typing import NamedTuple
 
 import numpy as np
-
-from cases import Case
-from cases.contact import belt_speed, pose
 
 # Bounds are computed from velocities at this many nodes of each smooth piece, times a margin.
 NODES, MARGIN = 9, 1.25
@@ -49,15 +45,3 @@ def limits(motion: Motion, start: float, end: float) -> Limits:
     return Limits(
         float(np.hypot(vx, vy).max()) + pull * rest, pull, float(np.abs(spin).max()) + swing * rest, swing
     )  # fmt: skip
-
-
-def bodies_in_contact(case: Case, times: np.ndarray, z: np.ndarray, turns: int) -> np.ndarray:
-    """(x, y, θ, vx, vy, ω) of a plate in contact states (ξ₁, ξ₂, ω, v), shape (4, n), at times (n,); `turns` whole
-    turns are added to the angle given by (6)."""
-    xi1, xi2, w, v = z
-    v = v + belt_speed(case, times)
-    x, y, theta = pose(case, xi1, xi2)
-    tangent, contact = case.track.tangent(xi1), case.track.point(xi1)
-    vx = v * tangent[0] + w * (contact[1] - y)
-    vy = v * tangent[1] - w * (contact[0] - x)
-    return np.array([x, y, theta + 2 * pi * turns, vx, vy, w])

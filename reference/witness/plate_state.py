@@ -8,16 +8,19 @@ from typing import cast
 import numpy as np
 
 from cases import Belt, Case, Drive, Mode
+from cases.contact import clearance
 from cases.scene.contact_names import FIRST, contact_name
 from cases.scene.contact_pairs import PairCase, WatchedPair, facing_pairs, pairs
 from cases.scene.free_plates import plates_of
-from cases.scene.piece_case import PieceCase
+from cases.scene.piece_case import PieceCase, corner_on_corner, is_concave
+from cases.scene.supports import TRACK
 
-from .contacts import PairState, PlateDynamics, Sides, on_surface, open_pair_at, pair_at
+from .contacts import AnyPair, PairState, PlateDynamics, Sides, is_of_couple, pair_at
 from .drive import case_at_rest, in_track_frame, loads_of_drive
 from .phase import WatchedContact
-from .watched_pairs import next_elements
+from .watched_pairs import next_elements, piece_end
 
+EPS = float(np.finfo(float).eps)
 # A contact touches if its gap is below this part of the plate's size.
 TOUCHES = 1e-12
 # The names of contacts that have not touched yet begin with this.
@@ -44,14 +47,13 @@ class PlateState:
         self.speed = 0.0
         self.touching: set[str] = set()
         self.stuck: set[str] = set()
+        self.leaving: set[str] = set()
+        self.is_several = False  # whether two contacts have touched at once
         self.still: set[Sides] = set()  # plates whose rotation against each other rolling resistance has ended
 
     def pairs(self) -> list[PairState]:
         """All contacts in this state; their points are updated."""
-        now = [
-            on_surface((pair_at if c.is_closed else open_pair_at)(c.case, self.body, c.pair), self.t)
-            for c in self.contacts
-        ]
+        now = [contact.at(self.t, self.body, contact.pair) for contact in self.contacts]
         self.contacts = [c._replace(pair=(p.xi1, p.xi2)) for c, p in zip(self.contacts, now, strict=True)]
         return now
 
@@ -65,23 +67,24 @@ class PlateState:
         belts = [c.case.effect(Belt) for c in self.contacts if c.is_closed]
         return max((abs(belt.at(t)[0]) for belt in belts if belt is not None), default=0.0)
 
-    def add(self, case: PairCase, pair: tuple[float, float]) -> None:
+    def add(self, case: AnyPair, pair: tuple[float, float]) -> None:
         """Add a contact that touches."""
         name = self.free_name(case)
         self.contacts.append(WatchedContact(name, case, pair, Mode.FLIGHT))
         self.touching.add(name)
 
-    def free_name(self, case: PairCase) -> str:
+    def free_name(self, case: AnyPair) -> str:
         """The name of a further contact with that support."""
         used = {contact.name for contact in self.contacts}
-        names = (contact_name(FIRST, case.support, i) for i in range(1, len(used) + 2))
+        support = TRACK if isinstance(case, PieceCase) else case.support
+        names = (contact_name(FIRST, support, i) for i in range(1, len(used) + 2))
         return next(name for name in names if name not in used)
 
     def name_touching(self) -> None:
         """Contacts that touch for the first time get their names, in the order of their pairs."""
         for k, contact in enumerate(self.contacts):
             if contact.name in self.touching and contact.name.startswith(OPEN_NAME):
-                name = self.free_name(cast(PairCase, contact.case))
+                name = self.free_name(contact.case)
                 self.contacts[k] = contact._replace(name=name)
                 for names in (self.touching, self.stuck):
                     if contact.name in names:
@@ -93,6 +96,9 @@ class PlateState:
         the feature there, or comes from it, with its name and mode."""
         place = next(k for k, contact in enumerate(self.contacts) if contact.name == name)
         arc = self.contacts[place]
+        if isinstance(arc.case, PieceCase) and not is_of_couple(arc.case):
+            self.pass_on(place, arc)
+            return
         if isinstance(arc.case, PieceCase):  # from an edge of a polygon to a corner, or the other way
             following = next_elements(arc.case, arc.pair)
             assert following is not None
@@ -119,6 +125,19 @@ class PlateState:
             every[number] = every[number]._replace(name=f"{OPEN_NAME}{number}")
         facing = facing_pairs([WatchedPair(cast(PairCase, c.case), c.pair, c.is_away) for c in every.values()])
         self.contacts = [every[one.pair.number] for one in sorted(facing, key=lambda one: one.pair.number)]
+
+    def pass_on(self, place: int, contact: WatchedContact) -> None:
+        """A contact has reached an end of its piece of one curve: it goes on on the next one, or leaves a corner from
+        which another points away."""
+        assert isinstance(contact.case, PieceCase)
+        end = piece_end(contact.case, contact.pair)
+        assert end.following is not None
+        if corner_on_corner(end.following):
+            self.leaving.add(contact.name)
+        elif is_concave(end.following) or not clearance(end.following, *end.points) > 0.0:
+            raise SimulationEnd("second_contact")
+        else:
+            self.contacts[place] = contact._replace(case=end.following, pair=end.points)
 
     def close_gaps(self) -> None:
         """Move the plate so that the touching contacts have no gap."""
@@ -152,6 +171,8 @@ class PlateState:
             self.body[self.half :] = 0.0
             return
         velocity = self.body[self.half :] * self.dynamics.units
-        for _ in range(2):
-            velocity = velocity - np.linalg.lstsq(rows, rows @ velocity - goals, rcond=1e-10)[0]
-        self.body[self.half :] = velocity / self.dynamics.units
+        off = np.abs(rows @ velocity - goals).max()
+        if off > 4.0 * EPS * np.abs(velocity).max():  # otherwise only roundings would change
+            for _ in range(2):
+                velocity = velocity - np.linalg.lstsq(rows, rows @ velocity - goals, rcond=1e-10)[0]
+            self.body[self.half :] = velocity / self.dynamics.units

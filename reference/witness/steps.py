@@ -12,13 +12,12 @@ from math import inf, pi
 import numpy as np
 from scipy.integrate import DOP853
 
+from cases import Curve
 from cases.formulas.features import Features
 
-from .dips import PhaseDips
-
-# Steps per time scale of the motion: ten times the number at the largest `steps_per_turn` in use. Towards Painlevé's
-# singularity steps shrink without limit.
-MOST_STEPS = 20_000
+# Steps per time scale of the motion: a hundred times as many as usual. Towards Painlevé's singularity steps shrink
+# without limit.
+MOST_STEPS = 3_000
 
 # Limit on the work of one motion, whatever its duration: minutes.
 MOST_WORK = 400_000
@@ -26,15 +25,19 @@ MOST_WORK = 400_000
 # SciPy's shortest step is ten roundings of the time; one of this many is not divided.
 SHORTEST_STEPS = 20
 
-# A step in which a guard falls below zero and rises again is repeated up to there, at most so many times.
-MOST_CUTS = 20
-
 # Inside a step the state is sampled by Hermite's cubic, which has its extrema where the motion does.
 INSIDE = np.linspace(0.0, 1.0, 9)[1:]
+
+# A step ends at a knot, where the curve's third derivative may jump: an error that the method does not see. Knots in a
+# thousandth of it at both ends are left there; between them it is sampled at twice as many places.
+BETWEEN_KNOTS = np.linspace(1e-3, 1.0 - 1e-3, 2000)
 
 # A step covers at most a quarter of the length that a feature allows: a force may leave its bound and come back within
 # one piece (a slip of a sixth of a pulse's width), and the bound of `dips` supposes steps in which that is resolved.
 QUARTER = 4.0
+
+# After a step that was repeated, steps grow by this factor again.
+GROWTH = 1.25
 
 # A motion that turns more often than this before its end would take years to follow.
 MOST_TURNS = 1e9
@@ -56,10 +59,6 @@ class StepFailure(FloatingPointError):
     """The second formulation cannot continue; the message says where and why."""
 
 
-class WorkLimit(Exception):
-    """The motion reached its limit on work."""
-
-
 Allows = Callable[[np.ndarray, np.ndarray], bool]
 
 
@@ -67,10 +66,9 @@ class FrequencyLimitedDOP853(DOP853):
     """DOP853 with at least `steps_per_turn` steps per turn of the motion's frequency by 2π.
 
     `pace` maps (t, y) to that frequency (rad/s, zero if there is none); no step passes one of the `features`, each
-    given with its row of the state (None: time); `load_allows` maps times (n,) and states (variables, n) along a step
-    to whether the load allows a step of that length; a step ends where one of the `dips` shows a short event;
-    `after_step` is called with the interpolant and both ends of each step. Fails when the `work` of the motion reaches
-    its limit. Raises StepFailure if steps vanish.
+    given with its row of the state (None: time), and none a knot of the `curves`; `load_allows` maps times (n,) and
+    states (variables, n) along a step to whether the load allows a step of that length. Fails when the `work` of the
+    motion reaches its limit. Raises StepFailure if steps vanish.
     """
 
     t: float
@@ -82,33 +80,15 @@ class FrequencyLimitedDOP853(DOP853):
     def __init__(
         self, fun, t0, y0, t_bound, *, pace: Callable[[float, np.ndarray], float], steps_per_turn: int,
         work: WorkBudget,
-        features: Sequence[tuple[int | None, Features]] = (), load_allows: Allows | None = None,
-        dips: PhaseDips | None = None, after_step: Callable | None = None, **options,
+        features: Sequence[tuple[int | None, Features]] = (), curves: Sequence[tuple[int, Curve]] = (),
+        load_allows: Allows | None = None,
+        **options,
     ):  # fmt: skip
         self.pace, self.steps_per_turn, self.work, self.load_allows = pace, steps_per_turn, work, load_allows
-        self.dips, self.after_step, self.longest = dips, after_step, inf
         self.features = [(row, feature) for row, feature in features if not feature.plain]
-        self.steps, self.counted_until = 0, -inf
+        self.curves = [(row, curve) for row, curve in curves if curve.knots]
+        self.steps, self.counted_until, self.longest = 0, -inf, inf
         super().__init__(fun, t0, y0, t_bound, **options)
-
-    def step(self):
-        before = self.t, self.y, self.f
-        message = super().step()
-        for _ in range(MOST_CUTS):
-            dip = None if self.dips is None or self.status == "failed" else self._dip(before[0])
-            if dip is None:
-                break
-            (self.t, self.y, self.f), self.status, self.longest = before, "running", dip - before[0]
-            message = super().step()
-        self.longest = inf
-        if self.after_step is not None and self.status != "failed" and self.t_old is not None and self.t > self.t_old:
-            self.after_step(self.dense_output(), self.t_old, self.t)
-        return message
-
-    def _dip(self, start: float) -> float | None:
-        """The time in the last step, from `start`, of a short event, if there is one."""
-        time = self.dips.in_step(self.dense_output, start, self.t, self.y)  # type: ignore[union-attr]
-        return None if time is None or time - start <= SHORTEST_STEPS * np.spacing(abs(start)) else time
 
     def _step_impl(self):
         if self.work.used_up:
@@ -123,20 +103,32 @@ class FrequencyLimitedDOP853(DOP853):
                 f"{self.t_bound:.3g} s; give a shorter duration"
             )
         self.steps += 1
-        if self.steps > MOST_STEPS:
+        if self.steps > MOST_STEPS and frequency:
             raise StepFailure(
                 f"the second formulation needs more than {MOST_STEPS} steps for one turn of the motion at "
                 f"t = {self.t:.9g} s: a singularity, or features that are too fine"
             )
         self.max_step = min(turn / self.steps_per_turn, self.longest)
+        self.longest = inf if self.longest > turn else GROWTH * self.longest
         t, y, f = self.t, self.y, self.f
         while True:
             self.work.count += 1
             success, message = super()._step_impl()
             h = self.t - t
-            if not success or h <= SHORTEST_STEPS * np.spacing(abs(t)) or not self._passes(t, y, f, h):
+            if not success or h <= SHORTEST_STEPS * np.spacing(abs(t)):
                 return success, message
-            self.t, self.y, self.f, self.max_step = t, y, f, 0.5 * h
+            if self._passes(t, y, f, h):
+                part, self.longest = 0.5, 0.5 * h
+            elif (part := self._to_knot(y, f, h)) == 1.0 or part * h <= SHORTEST_STEPS * np.spacing(abs(t)):
+                return success, message
+            self.t, self.y, self.f, self.max_step = t, y, f, part * h
+
+    def exactly(self, t: float) -> np.ndarray:
+        """The state at a time of the last step, by a step that ends there: dense output is one order less accurate."""
+        h, slopes = t - self.t_old, [self.fun(self.t_old, self.y_old)]
+        for row, part in zip(self.A[1:], self.C[1:], strict=True):
+            slopes.append(self.fun(self.t_old + part * h, self.y_old + h * (row[: len(slopes)] @ slopes)))
+        return self.y_old + h * (self.B @ slopes)
 
     def _passes(self, t, y, f, h) -> bool:
         """Whether the step from (t, y) is longer than a feature or the load allows."""
@@ -154,8 +146,19 @@ class FrequencyLimitedDOP853(DOP853):
                 return True
         return False
 
-    def _way(self, row: int, y, f, h) -> np.ndarray:
-        """One component of the state at the parts INSIDE of the step from y."""
-        start, end, s = y[row], self.y[row], INSIDE
+    def _to_knot(self, y, f, h) -> float:
+        """The part of the step from y that ends at the first knot of a curve; 1 if it passes none."""
+        first = 1.0
+        for row, curve in self.curves:
+            (low, _), period = curve.span, curve.period or inf
+            pieces = np.searchsorted(curve.knots, (self._way(row, y, f, h, BETWEEN_KNOTS) - low) % period + low)
+            passed = np.flatnonzero(np.diff(pieces))
+            if passed.size:
+                first = min(first, float(BETWEEN_KNOTS[passed[0] + 1]))
+        return first
+
+    def _way(self, row: int, y, f, h, s=INSIDE) -> np.ndarray:
+        """One component of the state at some parts of the step from y."""
+        start, end = y[row], self.y[row]
         out, back = h * f[row] * s * (1 - s) ** 2, h * self.f[row] * s**2 * (1 - s)
         return start + (end - start) * s**2 * (3 - 2 * s) + out - back

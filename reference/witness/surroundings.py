@@ -4,7 +4,7 @@ excludes."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property, partial
+from functools import partial
 from math import ceil, floor
 
 import numpy as np
@@ -109,11 +109,6 @@ class Surroundings:
         for shift in shifts:
             inside |= (own[0] + shift <= some.middle) & (some.middle <= own[1] + shift)
         return some, inside
-
-    @cached_property
-    def fits_everywhere(self) -> bool:
-        """Whether the curvatures of the whole track, which has two ends or none, exclude a second touch."""
-        return not self.endless and self.fits(self.stretches)
 
     def fits(self, some: Stretches) -> bool:
         """Whether the curvatures alone exclude a second touch on nearby stretches: the outline bends more everywhere

@@ -48,8 +48,8 @@ class Touches:
         (start, end), around = ends, self.around
         x, y = motion.bodies(np.array([start]))[:2, 0].tolist()
         some = around.near(x, y, around.reach + limits(motion, start, end).speed * (end - start))
-        known = places(start + (end - start) * PLACES)
-        for low, high in zip(known.min(axis=2), known.max(axis=2), strict=True):
+        contacts = places(start + (end - start) * PLACES)
+        for low, high in zip(contacts.min(axis=2), contacts.max(axis=2), strict=True):
             low, high = low - BEYOND * (high - low), high + BEYOND * (high - low)
             (first, second), (last, final) = low.tolist(), high.tolist()
             own = around.own((first, last), (second, final))
@@ -62,7 +62,7 @@ class Touches:
             some, inside = around.inside(some, own or around.at(first, last))
             some = some.some(~inside)
         since = np.full(some.number, start)
-        return around.search.first(motion, end, some, since, self._is_resolved if len(known) else None)
+        return around.search.first(motion, end, some, since, self._is_resolved if len(contacts) else None)
 
     def _is_resolved(self, motion: Motion, touch: Touch) -> bool:
         """Whether there was a gap at the touch one step before."""

@@ -1,8 +1,9 @@
-"""Contacts of several plates: the pairs that are watched, and which of them share plates."""
+"""The pairs of curves that are watched, what follows at the ends of their elements, and which contacts share plates."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,8 @@ from cases.contact.nearest import nearest_pair
 from cases.curves.corner import Corner
 from cases.scene.couples import Couple
 from cases.scene.free_plates import start_poses
-from cases.scene.piece_case import PieceCase, neighbour, piece_case_of
+from cases.scene.limits import Scope, limit
+from cases.scene.piece_case import PieceCase, has_pieces, neighbour, piece_case_of
 
 from .contacts import AnyPair, plates_at
 from .drive import in_track_frame
@@ -48,6 +50,39 @@ def next_elements(pair: PieceCase, points: tuple[float, float]) -> NextElements 
     assert following is not None
     at = following.first.span[0 if way > 0 else 1], points[1]
     return NextElements(min(s - low, high - s) / (high - low), following, at)
+
+
+class PieceEnd(NamedTuple):
+    """The nearest end of a piece that a contact's points may reach: how far it is, in units of the piece's width, the
+    pieces that follow (None: an end of an open curve), the curve (0: the track), and the parameters there."""
+
+    distance: float
+    following: PieceCase | None
+    curve: int
+    points: tuple[float, float]
+
+
+def piece_end(pair: PieceCase, points: tuple[float, float]) -> PieceEnd:
+    """The nearest end of a contact's pieces at these parameters of theirs."""
+    ends = [PieceEnd(inf, None, 0, points)]
+    for i, (piece, s) in enumerate(zip(pair.pieces, points, strict=True)):
+        if not isinstance(piece, Corner) and (piece.period or piece.domain is None):
+            continue
+        (low, high), following = piece.span, None
+        way = -1 if s - low < high - s else 1
+        following = neighbour(pair, i == 0, way)
+        at = [*points]
+        if following is not None:
+            at[i] = following.pieces[i].span[0 if way > 0 else 1]
+        ends.append(PieceEnd(min(s - low, high - s) / (high - low), following, i, (at[0], at[1])))
+    return min(ends)
+
+
+def is_by_pieces(case: Case) -> bool:
+    """Whether a plate's one contact goes from pair to pair of the pieces of its curves, and others are searched for."""
+    if case.others or case.supports or not has_pieces(case):
+        return False
+    return isinstance(case.track, Chain) or bool(limit(case, Scope.SHAPES) or limit(case, Scope.SEVERAL_CONTACTS))
 
 
 def sides_of(pair: AnyPair) -> set[int]:

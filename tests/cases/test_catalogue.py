@@ -15,7 +15,6 @@ from cases.contact import overlap, start_motion
 from cases.motion.trajectory import CONTACT
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.supports import has_belt
-from reference import witness
 from tests.authorities import bowling_and_inclines, odd_plates, pendulums_and_hills
 from tests.authorities.facts import Basis
 from tests.scenes import second as second_states
@@ -35,11 +34,7 @@ FACTS = [*bowling_and_inclines.FACTS, *pendulums_and_hills.FACTS, *odd_plates.FA
 SWAPPED = {Mode.SLIP_FORWARD: Mode.SLIP_BACKWARD, Mode.SLIP_BACKWARD: Mode.SLIP_FORWARD}
 
 
-# Least number of the second formulation's steps per turn: its default, and in slow tests three times as many.
-LOOKS, CLOSE_LOOKS = 60, 200
-
-
-def second(case: Case, times, looks: int = CLOSE_LOOKS) -> witness.SecondMotion:
+def second(case: Case, times) -> second_states.SecondStates:
     """The second formulation with one contact."""
     if case.supports:
         pytest.skip("supports: both formulations are compared in tests/reference/test_random_supports.py")
@@ -47,10 +42,10 @@ def second(case: Case, times, looks: int = CLOSE_LOOKS) -> witness.SecondMotion:
         pytest.skip("several plates: both formulations are compared in tests/reference/test_free_plates.py")
     if touches_by_features(case):
         pytest.skip("flat sides: both formulations are compared in tests/reference/test_boxes.py")
-    return second_states.solve(case, rtol=1e-12, times=times, steps_per_turn=looks)
+    return second_states.solve(case, rtol=1e-12, times=times)
 
 
-def compare(case: Case, answer: witness.SecondMotion, times, accuracy, sign=1.0, time=1.0, velocity=1.0) -> None:
+def compare(case: Case, answer: second_states.SecondStates, times, accuracy, sign=1.0, time=1.0, velocity=1.0) -> None:
     """Asserts that an answer is the reference's motion of `case`, seen with that sign and in those units, and notes by
     `accuracy` how close it is."""
     motion = motion_of(case)
@@ -126,30 +121,24 @@ def apart(one: np.ndarray, other: np.ndarray, period: float | None) -> np.ndarra
     return difference - period * np.round(difference / period) if period else difference
 
 
-# Of the catalogue's cases the one that takes the second formulation longest, by far: nine seconds.
-LONGEST = "hopping_rod"
-
-
 @pytest.mark.sampled(6)
-def test_two_formulations_agree(any_case, accuracy, request):
-    if any_case.label == LONGEST and not request.config.own_cases:
-        pytest.skip("it takes nine seconds, and is a slow test of its own")
-    check_agreement(any_case, accuracy, LOOKS)
+def test_two_formulations_agree(any_case, accuracy):
+    check_agreement(any_case, accuracy)
 
 
 @pytest.mark.slow
-def test_two_formulations_agree_at_a_closer_look(any_case, accuracy):
-    check_agreement(any_case, accuracy, CLOSE_LOOKS)
+def test_two_formulations_agree_in_every_case(any_case, accuracy):
+    check_agreement(any_case, accuracy)
 
 
-def check_agreement(case: Case, accuracy, looks: int) -> None:
+def check_agreement(case: Case, accuracy) -> None:
     if len(motion_of(case).contact_names) > 1:
         pytest.skip("several contacts: both formulations are compared in tests/reference/test_several_contacts.py")
     times = times_of(case)[::5]
-    theirs = second(case, times, looks)
+    theirs = second(case, times)
     compare(case, theirs, times, accuracy)
     state = motion_of(case)(times)
-    motions = np.array([getattr(state, quantity) for quantity in witness.MOTION])
+    motions = np.array([getattr(state, quantity) for quantity in second_states.MOTION])
     assert np.array_equal(np.isnan(motions), np.isnan(theirs.motions))
     # Two integrations at 1e-12 over a few seconds, with spins of up to a hundred radians per second.
     common = dict(case=case.label, solver="reference", route="contact_frame", tolerance=1e-8)
@@ -190,20 +179,20 @@ UNITS = dict(length=2.5, time=1.7, mass=3.1, turn=0.7)
 SEEN = dict(time=UNITS["time"], velocity=UNITS["length"] / UNITS["time"])
 
 
-def check_moved(case: Case, accuracy, looks: int) -> None:
+def check_moved(case: Case, accuracy) -> None:
     times = times_of(case)
     moved = in_other_units(mirrored(case), **UNITS)
-    compare(case, second(moved, times * UNITS["time"], looks), times, accuracy, sign=-1.0, **SEEN)
+    compare(case, second(moved, times * UNITS["time"]), times, accuracy, sign=-1.0, **SEEN)
 
 
 @pytest.mark.sampled(16, first=10)
 def test_the_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy):
-    check_moved(any_case, accuracy, LOOKS)
+    check_moved(any_case, accuracy)
 
 
 @pytest.mark.slow
 def test_every_mirror_image_turned_and_in_other_units_moves_alike(any_case, accuracy):
-    check_moved(any_case, accuracy, CLOSE_LOOKS)
+    check_moved(any_case, accuracy)
 
 
 @pytest.mark.slow

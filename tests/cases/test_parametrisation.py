@@ -13,7 +13,7 @@ from cases.contact.nearest import nearest
 from cases.curves import cos, exp
 from cases.curves import sin as sine
 from reference.minimal import gap, meetings
-from reference.witness.equations import ContactScene
+from reference.witness.curve_bounds import grain
 
 ELLIPSE = library.ellipse(0.2, 0.1)
 TRACKS = {
@@ -214,10 +214,9 @@ def test_a_level_start_is_found_once_in_every_unit_of_the_outlines_parameter(uni
 def test_the_second_formulation_looks_at_a_track_without_ends_by_distances(unit):
     """A bump 5 m from the start: whether it was seen depended on how far the parameter's own units reach."""
     track = Curve(("s", "0.1*exp(-((s - 5)/0.1)**2)"))
-    plate, effects = Plate(ELLIPSE, 1.0, 0.02), (Gravity(9.81), Unilateral())
-    scenes = (ContactScene(Case(by, plate, effects, Start(xi1, -pi / 2), 1.0)) for by, xi1 in (
-        (track, 0.1), (in_units_of(track, unit), 0.1 * unit)))  # fmt: skip
-    here, there = (scene.grain for scene in scenes)
+    plate = Plate(ELLIPSE, 1.0, 0.02)
+    places = (track, 0.1), (in_units_of(track, unit), 0.1 * unit)
+    here, there = (grain(by, xi1, plate.reach) for by, xi1 in places)
     # Features are looked at in places of their own, which differ by a part of the bump.
     assert there == pytest.approx(here, rel=1e-3)
     assert here == pytest.approx(1.0 / 20.0, rel=1e-3)

@@ -16,9 +16,10 @@ from hypothesis import strategies as st
 import reference
 from cases import Case, CoulombFriction, Flight, Gravity, Impact, Mode, PerfectlyRough, Start, Unilateral, disc
 from cases.library import line
-from reference import METHODS, witness
+from reference import METHODS
 from tests.reference.test_random_effects import UNHURRIED
 from tests.reference.test_two_formulations import ill_conditioned, sequence
+from tests.scenes import second as second_states
 from tests.scenes.elliptic import ellipse_in_ellipse, numbers
 
 HORIZON = 1.0
@@ -36,7 +37,7 @@ def differences(case: Case, looks: int) -> str:
     """What the formulations say differently of the motion's beginning; "" if nothing."""
     until = min(case.duration, HORIZON)
     ours = reference.simulate(case, rtol=1e-11)
-    theirs = witness.solve(case, rtol=1e-11, steps_per_turn=looks, until=until)
+    theirs = second_states.motion(case, rtol=1e-11, until=until)
     one, other = beginning(ours, until), beginning(theirs, until)
     if sequence(one) != sequence(other):
         return f"{[(t.time, str(t.after)) for t in one]}\n{[(t.time, str(t.after)) for t in other]}"
@@ -103,7 +104,7 @@ def test_a_leap_so_low_that_its_rebounds_drown_in_rounding_rests_at_its_limit():
     slope, e, lift = 0.5717851550215713, 0.5360387281788312, 1e-5
     case = on_a_slope(slope, (), e, "newton", 0.0, lift, 0.0, 0.0, 1.0)
     rest = 2 * lift / (9.81 * cos(slope) * (1 - e))
-    for answer in (*(reference.simulate(case, method=m) for m in METHODS), witness.solve(case)):
+    for answer in (*(reference.simulate(case, method=m) for m in METHODS), second_states.motion(case)):
         assert answer.transitions[-1].time == pytest.approx(rest, rel=1e-12)
         assert len(answer.transitions) == 9
 
@@ -115,7 +116,7 @@ def test_a_start_that_closes_is_an_impact_though_the_plate_is_pulled_off(closing
         line(0.0), disc(0.1, 1.0), (Gravity(9.81, pi / 2), Unilateral(), Flight(), Impact(0.5)),
         Start(0.0, gap=0.0, gap_rate=-closing), 0.5,
     )  # fmt: skip
-    for answer in (*(reference.simulate(case, method=m) for m in METHODS), witness.solve(case)):
+    for answer in (*(reference.simulate(case, method=m) for m in METHODS), second_states.motion(case)):
         assert [(t.time, t.after) for t in answer.transitions] == [(0.0, Mode.FLIGHT)]
     assert float(reference.simulate(case)(0.5).vy) == pytest.approx(0.5 * closing + 9.81 * 0.5, rel=1e-14)
 
@@ -125,7 +126,7 @@ def test_a_leap_of_nothing_on_a_rough_track_ends_in_rolling(lift):
     """It comes down before double precision sees it rise; the impact takes the slip: a disc keeps a third of its spin
     and two thirds of its speed (from angular momentum about the contact)."""
     case = on_a_slope(1e-6, (PerfectlyRough(),), 0.0343, "poisson", 0.0, lift, 0.3, -1e-230, 1.0)
-    second = witness.solve(case, until=1e-9)
+    second = second_states.motion(case, until=1e-9)
     for answer in (*(reference.simulate(case, method=m) for m in METHODS), second):
         assert (answer.status, [t.after for t in answer.transitions]) == ("completed", [Mode.ROLL])
     assert float(reference.simulate(case)(1e-9).vx) == pytest.approx(0.2, rel=1e-7)

@@ -13,10 +13,10 @@ from scipy.optimize import brentq
 import cases
 import reference
 from cases import Case, CoulombFriction, Gravity, Mode, Plate, Start, Unilateral
-from reference import witness
 from reports.judging import residuals
 from reports.studies.stability import sensitivity
 from tests.authorities.paper_application import FIRST_TRANSITION
+from tests.scenes import second as second_states
 from tests.scenes.hard import shifted_ellipse
 
 pytestmark = pytest.mark.taylor
@@ -146,7 +146,7 @@ def test_methods_and_formulations_agree_on_what_happens(case):
         assert kinds(other.transitions) == kinds(best.transitions)
         assert [t.time for t in other.transitions] == pytest.approx([t.time for t in best.transitions], abs=sure)
     if case.label not in SECOND_CANNOT:
-        second = witness.solve(case, rtol=1e-12, steps_per_turn=200)
+        second = second_states.motion(case, rtol=1e-12)
         assert second.status == best.status
         assert kinds(second.transitions) == kinds(best.transitions)
         assert [t.time for t in second.transitions] == pytest.approx([t.time for t in best.transitions], abs=sure)
@@ -370,7 +370,7 @@ def test_a_plate_that_moves_off_by_itself_meets_no_paradox(method):
     start = Start(-0.13125524371729647, 1.268868408066865, omega=-2.7518210142057224)
     ellipses = (1.158044163987034, 0.9649002965339961, 0.2558800072792508, 0.23190822797764582, 0.035484499862952476)
     case = found_by_chance(*ellipses, 0.031073150812764173, 2.415474375660496, 3.4087621176328917, start)
-    assert witness.solve(case).status == "lift_off"
+    assert second_states.motion(case).status == "lift_off"
     assert reference.simulate(case, method=method).status == "lift_off"
 
 
@@ -380,7 +380,7 @@ def test_a_slip_that_cannot_begin_is_not_listed(method):
     ellipses = (1.1467166512688496, 0.8786102366811571, 0.19548014806455738, 0.2992280121106903, 0.0005991391171655258)
     case = found_by_chance(*ellipses, 0.03193783184744589, -1.06467073361922, 2.5499552544945985, start)
     motion = reference.simulate(case, method=method)
-    second = witness.solve(case)
+    second = second_states.motion(case)
     assert motion.status == second.status == "lift_off"
     assert kinds(motion.transitions) == kinds(second.transitions)
 

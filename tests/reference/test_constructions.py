@@ -26,7 +26,7 @@ from cases import (
 from cases.constructions import natural, piecewise, polar
 from cases.curves import cos, exp, integral, sin
 from cases.library import line
-from reference import witness
+from tests.scenes import second as second_states
 
 GRIP = (Gravity(9.81), CoulombFriction(0.1), Unilateral())
 AIR = (*GRIP, Flight(), Impact(0.3))
@@ -36,7 +36,7 @@ LEVEL, U = Curve(("s", "0.0"), (0, 1)), sp.Symbol("u")
 def agree(case, bound=1e-11):
     """The first formulation's motion; asserts that the second one has its transitions, and DOP853 too."""
     motion = reference.simulate(case, rtol=1e-12)
-    for other in (witness.solve(case, rtol=1e-12, overlaps=True), reference.simulate(case, 1e-12, "dop853")):
+    for other in (second_states.motion(case, rtol=1e-12), reference.simulate(case, 1e-12, "dop853")):
         assert [(t.before, t.after) for t in other.transitions] == [(t.before, t.after) for t in motion.transitions]
         assert [t.time for t in other.transitions] == pytest.approx([t.time for t in motion.transitions], abs=bound)
         assert other.status == motion.status

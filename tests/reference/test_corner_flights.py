@@ -24,8 +24,8 @@ from cases import (
 )
 from cases.contact import pose
 from cases.motion.trajectory import CONTACT
-from reference import witness
 from tests.reference.test_corners import over_an_edge
+from tests.scenes import second as second_states
 from tests.scenes.corners import random_throw
 
 G, R, DEPTH = 9.81, 0.1, 1.0
@@ -168,7 +168,7 @@ def test_block_on_its_corner_is_carried_by_a_belt():
     ],
 )  # fmt: skip
 def test_landings_that_have_no_impact_end_the_motion_with_a_sentence(case, status, words):
-    motion, second = reference.simulate(case), witness.solve(case)
+    motion, second = reference.simulate(case), second_states.motion(case)
     assert motion.status == status == second.status and words in motion.reason
     assert motion.t[-1] == pytest.approx(second.end, abs=1e-9)
 
@@ -181,7 +181,7 @@ CLATTER = 0.02
 def compare(case):
     """Both formulations: the same transitions and end. A mode of zero length is in one of the lists only."""
     motion = reference.simulate(case, rtol=1e-13)
-    second = witness.solve(case, rtol=1e-12, overlaps=True)
+    second = second_states.motion(case, rtol=1e-12)
     impacts = [t.time for t in motion.transitions if t.before is Mode.FLIGHT]
     clatters = motion.status == "second_contact" and any(motion.t[-1] - CLATTER < time for time in impacts)
     end = motion.t[-1] - (CLATTER if clatters else 0.0)

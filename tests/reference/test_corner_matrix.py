@@ -21,12 +21,14 @@ from cases import (
     library,
     load,
 )
+from cases.contact import belt_speed, velocity
 from cases.curves.corner import Corner
 from cases.scene.piece_case import PieceCase
 from reference.minimal.modes import full_state
 from reference.paper.corners import solve_at_corner
 from reference.solve import INTEGRATORS, solve_motion
-from reference.witness.equations import ContactPhase, ContactScene
+from reference.witness.contacts import PlateDynamics
+from reference.witness.phase import SeveralContactPhase, WatchedContact
 
 # All three are a few dozen operations on numbers of one size.
 ROUNDING = 1e-11
@@ -59,7 +61,7 @@ def test_three_forms_agree_at_every_instant_on_a_corner(case):
         pieces, now = segment.phase.case, segment.phase
         if not isinstance(pieces, PieceCase) or not any(isinstance(piece, Corner) for piece in pieces.pieces):
             continue
-        scene = ContactScene(pieces)
+        dynamics = PlateDynamics(case)
         for t in np.linspace(segment.times[0], segment.times[-1], 5)[1:-1].tolist():
             own = segment.states(np.array([t]))[:, 0].tolist()
             state = full_state(pieces, now, t, own)
@@ -72,11 +74,13 @@ def test_three_forms_agree_at_every_instant_on_a_corner(case):
             assert answer.q1_ddot[2] == pytest.approx(m.omega_dot, abs=ROUNDING * size / case.plate.gyration)
             free = m.u2_dot if isinstance(pieces.pieces[0], Corner) else m.u1_dot
             assert answer.q2_ddot == pytest.approx(free, abs=ROUNDING * size / case.plate.gyration)
-            phase = ContactPhase(SLIPS[mode], turn if case.effect(RollingResistance) else None, now.regime.side)
-            forces = scene.forces(t, [*state[:2], m.omega, m.slip], phase, 0)
-            assert answer.normal_force == pytest.approx(forces.normal, abs=ROUNDING * size)
-            assert answer.friction_force == pytest.approx(forces.friction, abs=ROUNDING * size)
-            assert answer.couple == pytest.approx(forces.couple, abs=ROUNDING * size)
+            start = velocity(pieces, *state[:2], m.slip + float(belt_speed(case, t)), m.omega)
+            y = np.array([start.x, start.y, start.theta + pieces.turn, start.vx, start.vy, m.omega, *state[:2]])
+            contact = WatchedContact("", pieces, (state[0], state[1]), mode, side=now.regime.side)
+            turns = {(0, None): turn} if case.effect(RollingResistance) else {}
+            forces = SeveralContactPhase(dynamics, [contact], turns=turns).forces(t, y)
+            assert answer.normal_force == pytest.approx(forces.normal[0], abs=ROUNDING * size)
+            assert answer.friction_force == pytest.approx(forces.friction[0], abs=ROUNDING * size)
             checked += 1
     assert checked >= 3
     assert reference.simulate(case).passages

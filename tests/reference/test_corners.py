@@ -28,8 +28,8 @@ from cases import (
     library,
     load,
 )
-from reference import witness
 from reference.sweeping import sweep
+from tests.scenes import second as second_states
 
 pytestmark = pytest.mark.taylor
 
@@ -195,7 +195,7 @@ def test_piece_boundaries_of_a_smooth_curve_change_nothing():
 def compare(case, tolerance=1e-10):
     """The motion by both formulations: the same transitions and end. The second's default tolerance is 1e-10."""
     motion = reference.simulate(case, rtol=1e-13)
-    second = witness.solve(case, rtol=1e-12, overlaps=True)
+    second = second_states.motion(case, rtol=1e-12)
     assert motion.status == second.status, (motion.status, second.status)
     assert [(t.before, t.after) for t in motion.transitions] == [(t.before, t.after) for t in second.transitions]
     for a, b in zip(motion.transitions, second.transitions, strict=True):

@@ -19,8 +19,8 @@ from cases import (
     disc,
 )
 from cases.library import circle, ellipse, line
-from reference import witness
-from reference.witness import second_formulation
+from reference.witness import motion
+from tests.scenes import second as second_states
 
 from .test_second_formulation import GRIP, modes, on_line, solve
 
@@ -32,9 +32,9 @@ G = 9.81
 
 def check_the_beginning(case: Case, factors) -> None:
     """Asserts that the motion up to the case's end is the same, to the last bit, with other durations."""
-    first = witness.solve(case)
+    first = second_states.motion(case)
     for factor in factors:
-        long = witness.solve(replace(case, duration=factor * case.duration), until=case.duration)
+        long = second_states.motion(replace(case, duration=factor * case.duration), until=case.duration)
         assert long[:3] == first[:3]
         assert np.array_equal(long.last.points, first.last.points, equal_nan=True)
         assert np.array_equal(long.last.motion, first.last.motion, equal_nan=True)
@@ -58,8 +58,8 @@ def test_every_case_of_the_catalogue_begins_alike_whatever_its_duration(name):
 def test_the_papers_first_transition_does_not_depend_on_how_long_the_motion_goes_on(factor):
     # Without `until`: the motion is followed to its end.
     case = cases.load("disc_in_circle", mu=0.2)
-    exact = witness.solve(case).transitions[0]
-    long = witness.solve(replace(case, duration=factor * case.duration))
+    exact = second_states.motion(case).transitions[0]
+    long = second_states.motion(replace(case, duration=factor * case.duration))
     assert long.status == "completed" and long.end == factor * case.duration
     assert long.transitions[0].time == pytest.approx(exact.time, abs=1e-12)
 
@@ -67,9 +67,9 @@ def test_the_papers_first_transition_does_not_depend_on_how_long_the_motion_goes
 @pytest.mark.slow
 def test_a_limping_wheel_that_goes_on_and_on_is_no_accumulation():
     case = cases.load("limping_wheel", duration=800.0)
-    answer = witness.solve(case, rtol=1e-8)
+    answer = second_states.motion(case, rtol=1e-8)
     assert answer.status == "completed"
-    assert len(answer.transitions) > second_formulation.MOST_CHANGES
+    assert len(answer.transitions) > motion.MOST_PHASES
     # Four transitions a turn, at a period that does not change.
     times = np.array([t.time for t in answer.transitions])
     turns = times[4::4] - times[:-4:4]
@@ -98,7 +98,7 @@ def in_a_ring(*effects, size=1.0, duration=2.0, **start) -> Case:
 def test_the_strongest_friction_is_as_good_as_a_tenth_of_it(start):
     # Up there the motion changes by the inverse of the coefficient only; 1e4 is the largest that a case may have.
     answer, other = (in_a_ring(CoulombFriction(m), Flight(), Impact(0.3), **start) for m in (1e4, 1e3))
-    answer, other = witness.solve(answer), witness.solve(other)
+    answer, other = second_states.motion(answer), second_states.motion(other)
     assert (answer.status, modes(answer)) == (other.status, modes(other))
     assert answer.end == pytest.approx(other.end, abs=1e-2)
 
@@ -130,7 +130,7 @@ def test_a_plate_of_any_size_bounces_like_one_of_a_metre(size):
 def test_what_no_double_holds_ends_in_one_sentence(make):
     case = make()
     with pytest.raises(FloatingPointError) as problem:
-        witness.solve(case)
+        second_states.motion(case)
     assert "\n" not in str(problem.value) and len(str(problem.value)) > 30
 
 
@@ -140,6 +140,6 @@ def test_what_no_double_holds_ends_in_one_sentence(make):
 def test_a_load_with_a_pole_inside_the_motion_is_not_passed_over(load, pole, effects):
     case = on_line(*GRIP, *effects, Load(fx=load), duration=2.0)
     with pytest.raises(FloatingPointError) as problem:
-        witness.solve(case)
+        second_states.motion(case)
     stopped = re.search(r"t = (\S+) s", str(problem.value))
     assert stopped and float(stopped[1]) == pytest.approx(pole, abs=1e-6)

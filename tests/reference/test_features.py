@@ -15,10 +15,11 @@ from cases.contact import start_motion
 from cases.curves import cos, exp, sin, tanh
 from cases.curves.plane_curve import features_of
 from cases.library import line
-from reference import solve, witness
+from reference import solve
 from reference.certification.truth_file import stored_or_new
 from reference.minimal.integrators import dop853
 from reference.minimal.modes import candidates, phase
+from tests.scenes import second as second_states
 
 pytestmark = pytest.mark.taylor
 
@@ -87,14 +88,14 @@ def test_over_a_bump_by_energy_and_a_quadrature():
             motion = reference.simulate(case, rtol=rtol, method=method)
             assert motion.status == "completed" and not motion.transitions
             assert float(motion.x[-1]) == pytest.approx(exact, abs=error), (method, rtol)
-    second = witness.solve(case, rtol=1e-12, until=4.0)
+    second = second_states.motion(case, rtol=1e-12, until=4.0)
     assert second.last.motion[0] == pytest.approx(exact, abs=2e-11)
 
 
 def test_over_a_step_it_slips_and_rolls_again():
     """Both formulations at several tolerances, none of which alone decides where the two transitions are."""
     case = rolling_over(STEP)
-    second = witness.solve(case, rtol=1e-12)
+    second = second_states.motion(case, rtol=1e-12)
     times = [t.time for t in second.transitions]
     assert times == pytest.approx([1.469117, 1.490443], abs=5e-7)
     for method in METHODS:
@@ -114,7 +115,7 @@ def test_a_pulse_of_a_load_is_felt(width):
         for rtol, error in ((1e-4, 2e-5), (1e-10, 2e-10)):
             motion = reference.simulate(case, rtol=rtol, method=method)
             assert float(motion.vx[-1]) == pytest.approx(0.5 * sqrt(pi), abs=error), (method, rtol)
-    second = witness.solve(case, rtol=1e-12, until=3.0)
+    second = second_states.motion(case, rtol=1e-12, until=3.0)
     # Times around 1.3 are known to a rounding, and the force goes up to 0.5/w and down again.
     known = 2 * 0.5 / width * np.spacing(1.3)
     assert second.last.motion[3] == pytest.approx(0.5 * sqrt(pi), abs=1e-11 + known)
@@ -159,7 +160,7 @@ def test_a_landing_on_a_narrow_bump_is_seen(height, width, slip):
         motion = reference.simulate(case, method=method)
         assert motion.status == "landing"
         assert float(motion.t[-1]) == pytest.approx(exact, abs=1e-12)
-    second = witness.solve(case, rtol=1e-12)
+    second = second_states.motion(case, rtol=1e-12)
     assert (second.status, second.end) == ("landing", pytest.approx(exact, abs=1e-12))
 
 
@@ -335,7 +336,7 @@ def check_random(seed: int) -> None:
         assert float(motion.t[-1]) == pytest.approx(float(expected.t[-1]), abs=1e-7), (seed, method)
         assert float(motion.x[-1]) == pytest.approx(float(expected.x[-1]), abs=1e-7), (seed, method)
     if expected.status != "second_contact":  # which the second formulation does not look for
-        second = witness.solve(case, rtol=1e-11)
+        second = second_states.motion(case, rtol=1e-11)
         assert second.status == expected.status, seed
         assert [(t.before, t.after) for t in second.transitions] == sequence, seed
         assert [t.time for t in second.transitions] == pytest.approx(times, abs=1e-7), seed

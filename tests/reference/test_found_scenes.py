@@ -22,11 +22,11 @@ from cases import (
     Unilateral,
 )
 from cases.library import circle, ellipse
-from reference import witness
 from reference.minimal.integrators import dop853, taylor
 from reference.solver.regimes import PairKey, SolverRegime, solver_phase
 from tests.reference.test_random_effects import check_physics, with_effects
 from tests.reference.test_two_formulations import bouncing, check_agreement, output
+from tests.scenes import second as second_states
 from tests.scenes.elliptic import ellipse_in_ellipse
 from tests.scenes.ripples import rippled
 
@@ -351,7 +351,7 @@ def test_a_slip_that_vanishes_by_a_factor_of_its_own_when_bouncing_ends():
     plate = Plate(ellipse(0.11915, 0.0754368), 1.0, 0.0057611)
     start = Start(-1.31919, 2.68877, slip=-0.957172, omega=1.85368, gap=0.0177468, gap_rate=0.0190041)
     case = Case(circle(1.0), plate, effects, start, 0.2)
-    motion, second = reference.simulate(case, rtol=1e-13), witness.solve(case, rtol=1e-13)
+    motion, second = reference.simulate(case, rtol=1e-13), second_states.motion(case, rtol=1e-13)
     modes = [(t.before, t.after) for t in motion.transitions]
     assert modes == [(t.before, t.after) for t in second.transitions] and modes[-1] == (Mode.FLIGHT, Mode.ROLL)
     # By stepping through all bounces down to 2e-7 m/s, and Aitken's Δ² twice. Both formulations' roundings: 3e-14 s.

@@ -11,7 +11,7 @@ import reference
 from cases import Case, Flight, Gravity, Impact, Mode, Start, Unilateral, disc
 from cases.library import line
 from cases.motion.mechanics import energy
-from reference import witness
+from tests.scenes import second as second_states
 
 G = 9.81
 IMPACT = (Mode.FLIGHT, Mode.FLIGHT)
@@ -22,7 +22,7 @@ def first(case: Case):
 
 
 def second(case: Case):
-    return witness.solve(case, rtol=1e-13)
+    return second_states.motion(case, rtol=1e-13)
 
 
 FORMULATIONS = pytest.mark.parametrize("solve", [first, second])

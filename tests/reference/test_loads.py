@@ -10,9 +10,9 @@ from scipy.integrate import solve_ivp
 import reference
 from cases import Case, CoulombFriction, Flight, Gravity, Load, Start, Unilateral, disc
 from cases.library import circle, line
-from reference import witness
 from reference.minimal.integrators import dop853, taylor
 from reference.minimal.modes import candidates, phase
+from tests.scenes import second as second_states
 from tests.scenes.limits import cpu_limit
 
 pytestmark = pytest.mark.taylor
@@ -40,13 +40,13 @@ def at_end(case: Case, method: str, rtol: float = 1e-10):
     """The state (with vx, x, …) at the end of a motion that has to complete, by one of the first formulation's methods
     or by the second formulation."""
     if method == "second":
-        answer = witness.solve(case, rtol=rtol)
+        answer = second_states.motion(case, rtol=rtol)
         assert answer.status == "completed"
-        return dict(zip(witness.MOTION, answer.last.motion, strict=True))
+        return dict(zip(second_states.MOTION, answer.last.motion, strict=True))
     motion = reference.simulate(case, rtol=rtol, method=method)
     assert motion.status == "completed", motion.reason
     last = motion(case.duration)
-    return {name: float(getattr(last, name)) for name in witness.MOTION}
+    return {name: float(getattr(last, name)) for name in second_states.MOTION}
 
 
 # --- exact speeds: by the work that a force in place does -------------------------------------------------------------
@@ -226,7 +226,7 @@ def test_a_narrow_lift_ends_the_contact(width, methods):
     exact = (2.0 - width * sqrt(log(30 / G))) / 2.0
     for method in methods:
         if method == "second":
-            second = witness.solve(case, rtol=1e-12)
+            second = second_states.motion(case, rtol=1e-12)
             assert (second.status, second.end) == ("lift_off", pytest.approx(exact, abs=1e-11))
             continue
         motion = reference.simulate(case, method=method)
@@ -243,7 +243,7 @@ def test_a_narrow_press_is_felt_by_friction(width, methods):
     for method in methods:
         when = 0.3
         if method == "second":
-            x, _, _, vx, *_ = witness.solve(case, rtol=1e-12, until=when).last.motion
+            x, _, _, vx, *_ = second_states.motion(case, rtol=1e-12, until=when).last.motion
         else:
             state = reference.simulate(case, method=method)(when)
             x, vx = float(state.x), float(state.vx)
@@ -280,7 +280,7 @@ def test_a_trampoline_in_the_air_throws_the_plate_back():
 @pytest.mark.slow
 def test_a_trampoline_throws_the_plate_back_in_the_second_formulation():
     motion = reference.simulate(trampoline())
-    second = witness.solve(trampoline(), rtol=1e-12)
+    second = second_states.motion(trampoline(), rtol=1e-12)
     assert (second.status, second.last.motion[1]) == ("completed", pytest.approx(float(motion.y[-1]), abs=1e-8))
 
 

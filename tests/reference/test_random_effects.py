@@ -22,8 +22,8 @@ from cases import (
 )
 from cases.contact import slip_velocity
 from cases.contact.nearest import nearest
-from reference import witness
 from tests.reference.test_two_formulations import check_agreement
+from tests.scenes import second as second_states
 from tests.scenes.elliptic import ellipse_in_ellipse, numbers
 from tests.scenes.motions import energy
 
@@ -141,7 +141,7 @@ rough_scenes = st.builds(
 def test_a_rough_contact_ends_in_a_paradox_exactly_where_its_friction_held_the_plate_off_the_track(case):
     # Where N vanishes, the free plate's gap has the acceleration a b T/J: (a, b) the arm from the centre of mass to the
     # contact along tangent and normal, T the friction that acts until then.
-    both = reference.simulate(case, rtol=1e-11, method="dop853"), witness.solve(case, rtol=1e-11)
+    both = reference.simulate(case, rtol=1e-11, method="dop853"), second_states.motion(case, rtol=1e-11)
     assert both[0].status == both[1].status
     if both[0].first_mode is not Mode.ROLL or not (both[0].transitions or both[0].status == "paradox"):
         return  # it flies from the first instant, or nothing ends the contact

@@ -23,15 +23,13 @@ from cases import (
     disc,
 )
 from cases.contact import find, start_motion
-from reference import witness
 from reference.minimal import meetings
 from reference.minimal.boxes import Geometry
 from reference.minimal.meetings import MeetingSearch
 from reference.minimal.windows import windows
-from reference.witness import pairs, surroundings
-from reference.witness.advancement import Search
-from reference.witness.second_contacts import Overlaps
 from reference.witness.steps import MOST_STEPS, StepFailure
+from reference.witness.touches import Touches
+from tests.scenes import second as second_states
 from tests.scenes.event_times import agree_as_known, events
 from tests.scenes.motions import energy
 from tests.scenes.ripples import SIZE, G, closest, over_ripples, rippled
@@ -126,7 +124,7 @@ def agree(seed: int) -> None:
     case = rippled(seed).case
     one, begun = reference.simulate(case, rtol=1e-13), time.process_time()
     try:
-        other = witness.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
+        other = second_states.motion(case, rtol=1e-13)
     except StepFailure:  # too many ripples for its limit on steps: no second answer, and one sentence why
         assert one.cost.steps > MOST_STEPS / 4, seed
         return
@@ -228,34 +226,12 @@ def test_a_flight_that_hardly_goes_on_is_unfinished(seed):
 def test_no_second_contact_is_searched_where_the_plate_fits_its_whole_track(monkeypatch):
     """A disc that rolls on ripples of 0.1 mm was looked at in each of 9,500 steps: half of the time of flight 1847."""
     looks = []
-    monkeypatch.setattr(Overlaps, "look", lambda *args: looks.append(1))
+    monkeypatch.setattr(Touches, "_among", lambda *args: looks.append(1))
     for height in (1e-12, 1e-8):  # these bend by 0.004 and 39 1/m, the disc by 10
         track = Curve(("s", f"{height!r}*cos(62831.9*s)"), (-1.0, 1.0))
         case = Case(track, disc(SIZE, 1.0), (Gravity(G), Unilateral()), Start(0.0, slip=0.1), 1e-4)
-        witness.solve(case, rtol=1e-13, steps_per_turn=300, overlaps=True)
+        second_states.motion(case, rtol=1e-13)
         assert bool(looks) == (height == 1e-8)
-
-
-@pytest.mark.slow
-def test_a_search_of_few_stretches_takes_few_rounds(monkeypatch):
-    """Flight 1509, whose ripples bend more than the disc here and there: each step was searched by halving five
-    stretches in 8 rounds, with Newton's method in half of them. Some steps are searched together."""
-    steps, rounds, tries = [], [], []
-    first, look = Search.first, Overlaps.look
-
-    def counted(self: Search, *args) -> pairs.Touch | None:
-        before = self.rounds
-        touch = first(self, *args)
-        rounds.append(self.rounds - before)
-        return touch
-
-    monkeypatch.setattr(Search, "first", counted)
-    monkeypatch.setattr(Overlaps, "look", lambda *args: steps.append(1) or look(*args))
-    monkeypatch.setattr(surroundings, "meeting", lambda *args: tries.append(1) or pairs.meeting(*args))
-    motion = witness.solve(replace(rippled(1509).case, duration=0.0215), rtol=1e-13, steps_per_turn=300, overlaps=True)
-    assert len(motion.transitions) == 10
-    # 1.2 and 1 to a step, most of them in flights; 3.7 and 0.5 if each step is searched by itself.
-    assert len(steps) > 50 and sum(rounds) + len(tries) < 3.0 * len(steps)
 
 
 @pytest.mark.slow

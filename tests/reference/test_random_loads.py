@@ -8,7 +8,7 @@ import reference
 from cases import Case, Gravity, Load, Start, Unilateral, disc
 from cases.contact import start_motion
 from cases.library import line
-from reference import witness
+from tests.scenes import second as second_states
 from tests.scenes.limits import cpu_limit
 from tests.scenes.loads import ALONG, G, by_hand, distance, growth, scene
 
@@ -58,7 +58,7 @@ def check(seed: int, second: bool = False) -> None:
 
 def by_second(case, rtol: float) -> tuple[str, float, list[float]]:
     """Status, end (s) and state there by the second formulation."""
-    answer = witness.solve(case, rtol=rtol)
+    answer = second_states.motion(case, rtol=rtol)
     last = np.array(answer.last.motion[: len(NAMES)])
     return answer.status, answer.end, last.tolist()
 

@@ -26,9 +26,9 @@ from cases import (
     library,
 )  # fmt: skip
 from cases import curves as c
-from reference import witness
 from reference.minimal.elimination import Elimination
 from reference.minimal.modes import Regime, phase
+from tests.scenes import second as second_states
 from tests.scenes.elliptic import ellipse
 
 pytestmark = pytest.mark.taylor
@@ -222,7 +222,7 @@ def test_a_growing_load_lifts_a_disc_off_that_rolls_without_friction():
         replace(cases.load("disc_over_edge"), effects=(*kept, *lift)),
     ):
         for motion in (
-            *(reference.simulate(case, method=method) for method in reference.METHODS), witness.solve(case)
+            *(reference.simulate(case, method=method) for method in reference.METHODS), second_states.motion(case)
         ):  # fmt: skip
             assert motion.status == "completed"
             assert [t.after for t in motion.transitions] == [Mode.FLIGHT]
@@ -234,7 +234,7 @@ def test_a_plate_with_corners_that_a_load_lifts_from_the_start_flies():
     case = cases.load("half_disc_rocking")
     kept = tuple(e for e in case.effects if not isinstance(e, Flight | Impact))
     case = replace(case, effects=(*kept, Load(fy="30"), Flight(), Impact(0.3)))
-    motion, other = reference.simulate(case), witness.solve(case, until=1.0)
+    motion, other = reference.simulate(case), second_states.motion(case, until=1.0)
     assert motion.first_mode is Mode.FLIGHT and not motion.transitions and not other.transitions
     assert motion(1.0).y == pytest.approx(other.last.motion[1], abs=1e-9)
     # Weightless but for 30 N upwards.

@@ -26,7 +26,6 @@ from cases import (
 from cases import curves as c
 from cases.library import circle, ellipse, line
 from reference.minimal.impact import ContactVelocity, Law, collide
-from reference.witness import bouncing
 from tests.scenes import second as second_states
 from tests.scenes.elliptic import examples, numbers
 
@@ -124,7 +123,7 @@ def test_an_oblique_impact_is_rouths_in_each_of_its_branches(branch, plate, xi2,
     found = hit(plate, xi2, before, CoulombFriction(mu), Impact(e))
     shape = "disc" if plate is DISC else "plate"
     accuracy(
-        case=f"{shape}: {branch}, mu={mu:g}", solver="reference", route="contact_frame",
+        case=f"{shape}: {branch}, mu={mu:g}", solver="reference", route="second",
         quantity="velocities after impact", error=np.max(np.abs(np.subtract(found, exact))), tolerance=ROUNDING * 10,
     )  # fmt: skip
 
@@ -253,7 +252,7 @@ def test_bounces_on_a_line_follow_a_geometric_series_to_its_limit(e, rests, effe
     assert answer.transitions[-1].after is rests[-1]
     kind = type(effects[0]).__name__ if effects else "frictionless"
     # The disc comes to turn by a hundred radians and to travel ten metres, which round at 1e-14; sixty impacts add up.
-    common = dict(case=f"bouncing disc, e={e:g}, {kind}", solver="reference", route="contact_frame", tolerance=1e-11)
+    common = dict(case=f"bouncing disc, e={e:g}, {kind}", solver="reference", route="second", tolerance=1e-11)
     if lasting:
         times = [t.time for t in answer.transitions[: len(lasting)]]
         accuracy(**common, quantity="impacts / s", error=np.max(np.abs(times - hits)))
@@ -268,7 +267,7 @@ def test_after_its_last_bounce_a_spinning_disc_has_the_speed_of_a_disc_that_neve
     # m r v − J ω about a point of the line, with v = −r ω at the end.
     speed = (begin[3] - 0.05 * begin[5]) / 1.5
     accuracy(
-        case="bouncing and spinning, e=0.8", solver="reference", route="contact_frame",
+        case="bouncing and spinning, e=0.8", solver="reference", route="second",
         quantity="final speed / m/s", error=end[3] - speed, tolerance=1e-11,
     )  # fmt: skip
 
@@ -281,7 +280,7 @@ def test_bounces_down_an_incline_keep_the_fall_line_s_acceleration(accuracy):
     assert answer.transitions[-1].time == pytest.approx(fall * (1 + e) / (1 - e), abs=1e-12)
     speed = float(np.hypot(*answer.motions[3:5, 0]))
     accuracy(
-        case="bouncing down an incline", solver="reference", route="contact_frame",
+        case="bouncing down an incline", solver="reference", route="second",
         quantity="speed / m/s", error=speed - G * sin(slope) * 3.9, tolerance=1e-11,
     )  # fmt: skip
 
@@ -351,38 +350,6 @@ def test_an_impact_is_listed_from_seven_ten_thousandths_of_the_greatest_closing_
     for e, listed in ((7.1e-4, 2), (6.9e-4, 1)):
         answer = solve(falling(e, duration=1.0))
         assert modes(answer) == [(Mode.FLIGHT, Mode.FLIGHT)] * listed + [(Mode.FLIGHT, Mode.SLIDE)]
-
-
-def in_a_bowl(e: float) -> Case:
-    """A disc with spin dropped beside the bottom of a rough circle: every bounce has another slope below it."""
-    effects = (*FLYING, CoulombFriction(0.15), Impact(e))
-    return Case(circle(1.0), disc(0.1, 1.0), effects, Start(-pi / 2 + 0.5, gap=0.2, omega=12.0, slip=0.5), 4.0)
-
-
-def wynn(sequence) -> float:
-    """The limit of a sum of geometric sequences by Wynn's ε algorithm, which knows neither their ratios nor sizes."""
-    before, now = [0.0] * (len(sequence) + 1), list(sequence)
-    while len(now) > 1:  # an odd number of terms ends in a column of limits
-        before, now = now, [before[i + 1] + 1 / (now[i + 1] - now[i]) for i in range(len(now) - 1)]
-    return now[-1]
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("e, every, shortest", [(0.3, 1, 1e-6), (0.7, 3, 1e-6)])
-def test_an_extrapolated_limit_is_the_one_that_stepping_through_approaches(e, every, shortest, monkeypatch, accuracy):
-    case = in_a_bowl(e)
-    limit = next(t for t in solve(case).transitions if t.after is not Mode.FLIGHT)
-    # The bounces themselves, far down, and another extrapolation of every few of them, whose ratios are about 1/3.
-    seen = []
-    monkeypatch.setattr(bouncing, "limit", lambda bounces: seen.__setitem__(slice(None), bounces))
-    solve(case)
-    last = next(i for i in range(1, len(seen)) if seen[i].time - seen[i - 1].time < shortest)
-    stepped = wynn([bounce.time for bounce in seen[last - 6 * every : last + 1 : every]])
-    accuracy(
-        case=f"bouncing in a bowl, e={e:g}", solver="reference", route="contact_frame",
-        quantity="limit / s", error=limit.time - stepped, tolerance=1e-13,
-    )  # fmt: skip
-    assert limit.xi1 == pytest.approx(seen[last].z[0], abs=10 * shortest)
 
 
 def test_slip_that_vanishes_with_the_bounces_ends_in_rolling():

@@ -158,8 +158,8 @@ def test_an_open_contact_whose_nearest_points_vanish_within_a_step_is_lost():
     phase = SeveralContactPhase(motion.dynamics, [WatchedContact("open", pair, near, Mode.FLIGHT)])
     with pytest.raises(DoesNotFit):
         open_pair_at(pair, touching(-0.475), near)
-    assert motion.is_lost(phase, 0.0, 1.0, lambda t: touching(-0.470 - 0.005 * t))
-    assert not motion.is_lost(phase, 0.0, 1.0, lambda t: touching(-0.470))
+    assert motion.is_lost(phase, 0.0, 1.0, lambda t: phase.pairs(t, touching(-0.470 - 0.005 * t)))
+    assert not motion.is_lost(phase, 0.0, 1.0, lambda t: phase.pairs(t, touching(-0.470)))
 
 
 def test_without_friction_the_speed_along_the_next_flank_is_kept():

@@ -12,11 +12,11 @@ import cases
 import reference
 from cases import BadValue, Case, CoulombFriction, Flight, Gravity, Impact, Mode, Start, Unilateral
 from cases.library import circle, line
-from reference import witness
 from reference.minimal.modes import candidates, phase, start_state, state_in
 from reference.paper.augmented import fill, solution
 from reports.judging.residuals import examine
 from tests.reference.test_two_formulations import check_agreement
+from tests.scenes import second as second_states
 from tests.scenes.motions import energy, in_other_units, mirrored, work_done
 from tests.scenes.slip_laws import GAUSSIAN, HYPERBOLIC, PEAK, STRIBECK, G, random_scene, sliding_disc
 
@@ -26,7 +26,7 @@ pytestmark = pytest.mark.taylor
 def simulate_all(case: Case, rtol: float = 1e-13):
     """The motion by every method of the reference, the second formulation last."""
     return [reference.simulate(case, rtol, method) for method in reference.solve.ROUTES] + [
-        witness.solve(case, rtol=rtol)
+        second_states.motion(case, rtol=rtol)
     ]
 
 
@@ -175,7 +175,7 @@ def test_friction_that_grows_as_the_slip_falls_ends_in_painleves_paradox():
     law = CoulombFriction("0.3 + 3*exp(-v/0.5)")
     effects = tuple(law if isinstance(e, CoulombFriction) else e for e in steady.effects)
     case = replace(steady, effects=effects)
-    theirs = witness.solve(case, rtol=1e-12)
+    theirs = second_states.motion(case, rtol=1e-12)
     assert theirs.status == "paradox"
     for method in reference.METHODS:
         ours = reference.simulate(case, 1e-12, method)
@@ -213,7 +213,7 @@ def test_static_friction_below_the_law_at_rest_is_rejected():
 def test_both_formulations_agree_on_impacts_with_friction_by_the_slip_speed(law):
     effects = (Gravity(G), CoulombFriction(STRIBECK), Unilateral(), Flight(), Impact(0.5, law))
     case = Case(line(0.2), cases.disc(0.1, 1.0), effects, Start(0.0, slip=1.5, gap=0.1), 1.0)
-    motion, other = reference.simulate(case), witness.solve(case, rtol=1e-13)
+    motion, other = reference.simulate(case), second_states.motion(case, rtol=1e-13)
     assert (motion.status, len(motion.transitions)) == (other.status, len(other.transitions))
     assert [change.time for change in motion.transitions] == pytest.approx(
         [change.time for change in other.transitions], abs=1e-9

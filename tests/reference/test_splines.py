@@ -7,8 +7,8 @@ from scipy.optimize import brentq
 import reference
 from cases import Case, CoulombFriction, Curve, Flight, Gravity, Impact, Plate, Start, Unilateral, disc
 from cases.library import line
-from reference import witness
 from reference.minimal import assembly
+from tests.scenes import second as second_states
 
 pytestmark = pytest.mark.taylor
 
@@ -33,7 +33,7 @@ def names(transitions):
 def agree(case, bound, rtol=1e-11):
     """The first formulation's motion; asserts that both have the same transitions within `bound` (s)."""
     motion = reference.simulate(case, rtol=rtol)
-    other = witness.solve(case, rtol=rtol, overlaps=True)
+    other = second_states.motion(case, rtol=rtol)
     assert names(motion.transitions) == names(other.transitions) and motion.status == other.status
     for one, two in zip(motion.transitions, other.transitions, strict=True):
         assert one.time == pytest.approx(two.time, abs=bound)
@@ -132,7 +132,7 @@ def test_a_second_contact_on_a_spline_ends_the_motion_where_both_formulations_fi
     case = Case(track, disc(0.3, 1.0), GRIP, Start(xi1=0.4, slip=0.0, omega=-4.0), 2.0)
     motion = agree(case, 1e-9)
     assert motion.status == "second_contact"
-    assert motion.t[-1] == pytest.approx(witness.solve(case, rtol=1e-11, overlaps=True).end, abs=1e-9)
+    assert motion.t[-1] == pytest.approx(second_states.motion(case, rtol=1e-11).end, abs=1e-9)
 
 
 def test_a_sweep_on_a_spline_has_the_single_motions():

@@ -17,8 +17,8 @@ import cases
 import reference
 from cases import Belt, Case, CoulombFriction, Gravity, Load, Mode, RollingResistance, Start, Unilateral, disc
 from cases.library import line
-from reference import witness
 from reports.studies.published.oscillating import OSCILLATOR, OSCILLATOR_STEP, oscillator
+from tests.scenes import second as second_states
 from tests.scenes.motions import energy, work_done
 from tests.scenes.slip_laws import HYPERBOLIC, STRIBECK
 
@@ -38,7 +38,7 @@ def slider(friction: CoulombFriction, mass, stiffness, g, pulled=0.0, place=0.0,
 def all_motions(case: Case, until: float = inf):
     """The motion by both integrators, and by the second formulation up to a time."""
     ours = [reference.simulate(case, 1e-14, method) for method in reference.METHODS]
-    return [*ours, witness.solve(case, rtol=1e-13, until=until)]
+    return [*ours, second_states.motion(case, rtol=1e-13, until=until)]
 
 
 @pytest.mark.slow

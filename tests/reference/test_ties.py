@@ -27,7 +27,7 @@ from cases import (
 )
 from cases.library import line
 from reference import witness
-from reference.witness import second_formulation
+from tests.scenes import second as second_states
 from tests.scenes.ties import KINDS, tie
 
 G = 9.81
@@ -128,7 +128,7 @@ FLOATING = (49, 60, 82, 126, 203)
 @pytest.mark.parametrize("seed", FLOATING)
 def test_a_plate_under_a_load_of_its_weight_stays_on_its_track(seed):
     """Also in the second formulation and by the paper's matrix, without a change of mode."""
-    motion = second_formulation.solve(tie(seed).case, 1e-12)
+    motion = second_states.motion(tie(seed).case, 1e-12)
     assert (motion.status, motion.transitions) == ("completed", ())
     for method in (None, "augmented"):
         motion = reference.simulate(tie(seed).case, rtol=1e-12, method=method)

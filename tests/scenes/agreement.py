@@ -12,17 +12,12 @@ import reference
 from cases import Case, Trajectory, Transition
 from cases.motion.trajectory import CONTACT
 from cases.scene.free_plates import names_of, plates_of
-from reference import witness
 from reference.certification.witnesses import _by_second
 from reference.endings import CAUSES
 from tests.scenes import second as second_states
 
 # Two integrations at 1e-13 over seconds: rounding grows with the motion; a grazing slip loses the square root of it.
 TIME, STATE = 1e-8, 1e-6
-# Least numbers of steps of the second formulation per turn of the motion, tried until the motions agree. It finds
-# events at the ends of its steps: with 60 it misses a slip of 2.5 ms that a belt's jerk makes, with 400 it takes seven
-# times as long.
-STEPS_PER_TURN = (60, 400, 2000)
 
 
 def check_same_sequence(case: Case, literal: bool = False) -> None:
@@ -34,11 +29,7 @@ def check_same_sequence(case: Case, literal: bool = False) -> None:
     that is 1e-8 m farther. By the same steps the two differ by 7.6e-14 s there.
     """
     motion = reference.simulate(case, rtol=1e-13)
-    problem = ""
-    for steps in STEPS_PER_TURN:
-        problem = _difference_of_second(case, motion, steps)
-        if not problem:
-            break
+    problem = _difference_of_second(case, motion)
     assert not problem, f"second formulation: {problem}: {case}"
     if literal:
         printed, eliminated = (reference.simulate(case, rtol=1e-10, method=m) for m in ("augmented", "dop853"))
@@ -46,17 +37,17 @@ def check_same_sequence(case: Case, literal: bool = False) -> None:
         assert not problem, f"paper's matrix: {problem}: {case}"
 
 
-def _difference_of_second(case: Case, motion: Trajectory, steps_per_turn: int) -> str:
+def _difference_of_second(case: Case, motion: Trajectory) -> str:
     """How the second formulation's motion differs; "" if it agrees."""
     times = np.linspace(0.0, 0.999 * min(case.duration, motion.t[-1]), 9)
-    second = second_states.solve(case, rtol=1e-13, times=times, steps_per_turn=steps_per_turn, overlaps=True)
+    second = second_states.solve(case, rtol=1e-13, times=times)
     problem = _difference_of_sequence(motion, second)
     if problem:
         return problem
     if abs(second.end - motion.t[-1]) > TIME:
         return f"it ends at {second.end:.12g} s instead of {motion.t[-1]:.12g} s"
     state = motion(times)
-    rows = np.array([getattr(state, name) for name in witness.MOTION])
+    rows = np.array([getattr(state, name) for name in second_states.MOTION])
     distance = np.abs(rows - second.motions)
     both = ~np.isnan(distance)
     worst = float(np.max(distance, where=both, initial=0.0))
