@@ -307,8 +307,8 @@ def pressing_forces(
     without a normal force, as a guide holds."""
     least = -SMALLEST if may_vanish else 0.0
     if not senses:
-        held = -np.linalg.solve(delassus, free)
-        return [held] if held[0] > least else []
+        pressure = -np.linalg.solve(delassus, free)
+        return [pressure] if pressure[0] > least else []
     (sense,), answers = senses, list[np.ndarray]()
     for turn in (0.0, 1.0, -1.0) if sense is None else (sense,):
         columns = np.eye(3) if turn == 0.0 else np.array([[1.0, 0.0], [0.0, 1.0], [-turn * arms[0], 0.0]])

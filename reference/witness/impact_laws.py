@@ -233,9 +233,9 @@ def complementary(
     if len(some) == 1:  # static friction holds it, or its slip has the coefficient of slip
         bounds = [np.append(_frictions(some[0].contact, some[0].slip)[1], mu[1:]), mu] if mu[0] < ROUGH else bounds
     if len(some) == 1 and mu[0] >= ROUGH and not least.any():
-        held = pressing_forces(delassus, free, [None] * (len(mu) - 1), mu[1:])
-        if len(held) == 1:
-            return velocity + dynamics.inverse * (rows.T @ held[0]), held[0][:1]
+        pressure = pressing_forces(delassus, free, [None] * (len(mu) - 1), mu[1:])
+        if len(pressure) == 1:
+            return velocity + dynamics.inverse * (rows.T @ pressure[0]), pressure[0][:1]
     for bound in bounds:
         answers = solutions(delassus, free, [None] * len(mu), mu, bound, least)
         if len(answers) != 1:

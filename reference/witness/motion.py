@@ -136,17 +136,19 @@ class Simulation(ImpactSimulation):
         for group in groups([self.contacts[k].case for k in touching]):
             every = [touching[i] for i in group]
             closed = [k for k in every if self.contacts[k].name not in self.leaving]
-            chosen, forces = self.modes(now, closed, every)
-            modes |= chosen
+            next_modes, forces = self.modes(now, closed, every)
+            modes |= next_modes
             plates = set().union(*(sides_of(self.contacts[k].case) for k in every))
             places = closed if len(forces) in (2 * len(closed), 3 * len(closed)) else every
             is_balanced = self.is_balanced(now, places, forces, plates)
             if is_balanced and self.dynamics.is_constant:
                 resting |= plates
                 continue
-            rows = [now[k].lift_row for k in chosen] + [now[k].slip_row for k, m in chosen.items() if m in STICKS]
-            rows += self.turning_rows([now[k] for k in chosen], self.still_sides())
-            shared = common_slips([now[k].contact for k, m in chosen.items() if m in STICKS])
+            rows = [now[k].lift_row for k in next_modes] + [
+                now[k].slip_row for k, m in next_modes.items() if m in STICKS
+            ]
+            rows += self.turning_rows([now[k] for k in next_modes], self.still_sides())
+            shared = common_slips([now[k].contact for k, m in next_modes.items() if m in STICKS])
             less = len(rows) - self.rank(rows)
             if less > shared and not is_balanced:
                 raise SimulationEnd("breakdown")

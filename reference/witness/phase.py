@@ -144,7 +144,7 @@ class SeveralContactPhase:
         self.turns, self.resting = dict(turns), resting
         self.frozen = {contact.name for contact in contacts if sides_of(contact.case) <= resting}
         # The plates that one contact holds: their accelerations are zero, not roundings of it.
-        self.held = {plates_at(c.case)[0] for c in contacts if c.mode is Mode.REST and not moves(c.case)}
+        self.immobile = {plates_at(c.case)[0] for c in contacts if c.mode is Mode.REST and not moves(c.case)}
         self.near = [contact.pair for contact in contacts]
         self.hopping: set[str] = set()  # contacts in a hop that begins with the phase
 
@@ -212,7 +212,7 @@ class SeveralContactPhase:
                 columns.append(pair.slip_row)
                 biases.append(pair.slip_bias)
                 which.append((k, None))
-        still = [3 * b + i for b in self.resting | self.held for i in range(3)]
+        still = [3 * b + i for b in self.resting | self.immobile for i in range(3)]
         if not rows:
             free[still] = 0.0
             return ContactSolution(free, normal, friction)

@@ -36,8 +36,8 @@ def screen(
     offs = verdict.scenes(experiment)
     rows = [_row(row, offs.get((row["solver"], row["route"]), {})) for row in verdicts]
     hero = ladder_case(experiment.cases)
-    shown = next((m for m in moving if m["label"] == hero), moving[0] if moving else None)
-    case = next((c for c in experiment.cases if shown and c.label == shown["label"]), None)
+    film = next((m for m in moving if m["label"] == hero), moving[0] if moving else None)
+    case = next((c for c in experiment.cases if film and c.label == film["label"]), None)
     exclusions = verdict.exclusions(experiment)
     timings = records(frames["work_precision"]) if "work_precision" in frames else []
     cost_case = next((row["cost_case"] for row in verdicts if row["cost_case"]), hero)
@@ -63,7 +63,7 @@ def screen(
         "friction_cases": len(experiment.truths) - len(exclusions),
         "cost_case": cost_case,
         "anchor": anchor,
-        "hero": shown and {"label": shown["label"], "anchor": anchor(shown["label"]), "said": case_summary(case)},
+        "hero": film and {"label": film["label"], "anchor": anchor(film["label"]), "said": case_summary(case)},
         "absent": missing_words(experiment.versions),
         "provenance": f"Made {manifest['made_at'][:10]} on {manifest['machine']}.",
     }

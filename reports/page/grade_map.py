@@ -74,8 +74,8 @@ def _rows(groups: Mapping[str, Sequence[Run]], name: str) -> list[dict[str, Any]
             tip = f"{name}, {settings} settings, {label}: {cell['tip']}"
             cells[settings].append(cell | {"tip": tip.replace("finest settings", "finest setting run")})
     # A route without any motion keeps one row, hatched.
-    shown = [settings for settings, row in cells.items() if any(cell["off"] for cell in row)] or ["finest"]
-    return [{"settings": settings, "cells": cells[settings]} for settings in shown]
+    visible = [settings for settings, row in cells.items() if any(cell["off"] for cell in row)] or ["finest"]
+    return [{"settings": settings, "cells": cells[settings]} for settings in visible]
 
 
 def _missing(group: Sequence[Run]) -> dict[str, Any]:
