@@ -146,7 +146,10 @@ def _candidate(one: TouchNow, plates: PlatesNow, t: float) -> _Candidate | None:
     below = bend_at(law.track, one.xi1) * (-1.0 if law.base is not None else 1.0)
     above = bend_at(law.outline, one.xi2)
     if is_at_joint(law.outline, one.xi2):
-        above = np.inf if _is_corner_near(law.outline, one.xi2) else above
+        sides = [bend_at(law.outline, one.xi2 + step) for step in (-1e-7, 1e-7)]
+        if np.inf not in sides and sides[0] != sides[1]:
+            return None
+        above = np.inf if np.inf in sides else above
     if np.isinf(below) and np.isinf(above) or not (above > below or np.isinf(below)):
         return None
     spin = float(plates.spin[law.body])
@@ -181,10 +184,6 @@ def _candidate(one: TouchNow, plates: PlatesNow, t: float) -> _Candidate | None:
         forces,
         spin - base_spin,
     )
-
-
-def _is_corner_near(outline, s: float) -> bool:
-    return any(np.isinf(bend_at(outline, s + step)) for step in (-1e-7, 1e-7))
 
 
 def _choices(place: _Candidate, small: float, is_unilateral: bool) -> list[tuple]:
