@@ -8,30 +8,21 @@ import numpy as np
 
 from cases import Case, Plate, State, Trajectory
 
-from .validation import LAST_STEPS, LONG_STEPS, SHORT_PART
+from .validation import LAST_STEPS, LONG_STEPS, SHORT_PART, usual_step
 
 # Even times at which a gap between samples is looked at.
 _EVEN = 1001
 
 
-def _step(motion: Trajectory) -> float:
-    """The motion's usual step, s; the longest where it is known between its steps."""
-    steps = np.diff(motion.t)
-    steps = steps[steps > 0.0]
-    if not len(steps):
-        return 0.0
-    return float(np.median(steps) if motion.dense is None else steps.max())
-
-
 def end_of_samples(motion: Trajectory, end: float) -> float:
     """The end of the time that the motion covers: the truth's, if it comes within a few steps of that, else its own."""
     own = float(motion.t[-1])
-    return end if own >= end - LAST_STEPS * _step(motion) else own
+    return end if own >= end - LAST_STEPS * usual_step(motion) else own
 
 
 def sample_gaps(motion: Trajectory) -> list[tuple[float, float]]:
     """The spans at the beginning and between samples, s, of which the motion says nothing."""
-    spans, step = [], _step(motion)
+    spans, step = [], usual_step(motion)
     if motion.t[0] > LAST_STEPS * step:
         spans.append((0.0, float(motion.t[0])))
     if motion.dense is None:
@@ -49,7 +40,7 @@ def _silent_spans(motion: Trajectory, end: float) -> list[tuple[float, float]]:
 def complete_times(motion: Trajectory, end: float) -> np.ndarray:
     """The times of the motion's samples up to the time `end`, s, and where it says nothing even ones as near to each
     other as its samples are (up to 1001 in a span)."""
-    step, times = _step(motion), [motion.t]
+    step, times = usual_step(motion), [motion.t]
     for begin, stop in _silent_spans(motion, end):
         count = min((stop - begin) / step, _EVEN) if step > 0.0 else _EVEN
         times.append(np.linspace(begin, stop, int(count) + 1))

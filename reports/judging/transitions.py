@@ -120,14 +120,10 @@ class MotionReader:
             else:
                 landing = self._landing(stretches[number - 1], stretch, inner.first_mode)
                 changes += [*self._rebounds(stretches[number - 1], landing), landing]
-            changes += [
-                ReadChange(e.time, e.before, e.after, spread, e.cause)
-                for e, spread in zip(inner.transitions, inner.spreads, strict=True)
-            ]
+            changes += _changes_of(inner)
             if number + 1 < len(stretches):
                 changes.append(self._leaving(stretch, changes[-1].after if changes else first))
-        transitions = tuple(Transition(c.time, c.before, c.after, cause=c.cause) for c in changes)
-        return Reading(first, transitions, tuple(c.spread for c in changes))
+        return _reading_of(first, changes)
 
     # --- stretches ----------------------------------------------------------------------------------------------------
 
@@ -325,10 +321,16 @@ def _with_stick(part: Trajectory, reading: Reading, reach: float) -> Reading:
             event = reading.transitions[number - 1]
             last = changes[-1].after if changes else first
             changes.append(ReadChange(event.time, last, inner.first_mode, reading.spreads[number - 1], event.cause))
-        changes += [
-            ReadChange(e.time, e.before, e.after, spread, e.cause)
-            for e, spread in zip(inner.transitions, inner.spreads, strict=True)
-        ]
+        changes += _changes_of(inner)
+    return _reading_of(first, changes)
+
+
+def _changes_of(reading: Reading) -> list[ReadChange]:
+    pairs = zip(reading.transitions, reading.spreads, strict=True)
+    return [ReadChange(e.time, e.before, e.after, spread, e.cause) for e, spread in pairs]
+
+
+def _reading_of(first: Mode, changes: Sequence[ReadChange]) -> Reading:
     transitions = tuple(Transition(c.time, c.before, c.after, cause=c.cause) for c in changes)
     return Reading(first, transitions, tuple(c.spread for c in changes))
 

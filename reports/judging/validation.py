@@ -59,14 +59,20 @@ def sound(motion: Trajectory) -> bool:
     return finite and enough and bool(np.all(np.diff(motion.t) >= 0))
 
 
+def usual_step(motion: Trajectory) -> float:
+    """The motion's usual step, s; the longest where it is known between its steps."""
+    steps = np.diff(motion.t)
+    steps = steps[steps > 0.0]
+    if not len(steps):
+        return 0.0
+    return float(np.median(steps) if motion.dense is None else steps.max())
+
+
 def gaps(motion: Trajectory, begin: float, end: float | None) -> list[str]:
     """Phrases for the times that the motion leaves out between `begin` and `end`, s (None: it may end at any time)."""
     if len(motion.t) == 1:
         return []  # it ends where it begins, and has that status
-    steps = np.diff(motion.t)
-    step = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-    if motion.dense is not None:  # it is known between its steps, however long
-        step = float(steps.max())
+    steps, step = np.diff(motion.t), usual_step(motion)
     missing = []
     if motion.t[0] > begin + LAST_STEPS * step:
         missing.append(f"begins at {motion.t[0]:.6g} s, the truth at {begin:.6g} s")

@@ -10,14 +10,6 @@ from ..running.names import REFERENCE
 from .fragments import WHOLE, switch, verbatim
 
 
-def by_case(rows: Sequence[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
-    """Rows of a table by case."""
-    groups: dict[str, list[dict[str, Any]]] = {}
-    for row in rows:
-        groups.setdefault(row["case"], []).append(row)
-    return groups
-
-
 def transitions(
     truth_rows: Sequence[dict[str, Any]], event_rows: Sequence[dict[str, Any]], settings: Mapping[tuple, str]
 ) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import cases as catalogue
 from cases import Case
 
 from ..analysis import verdict
+from ..analysis.work_precision import groups
 from ..drawing.figure_files import short_digest
 from ..judging.grades import Grade
 from ..running.names import REFERENCE
@@ -51,13 +52,13 @@ def cases(
     """The cases, and their index by family."""
     entries: list[dict[str, Any]] = []
     families: dict[str, list[dict[str, Any]]] = {}
-    tables = {name: case_tables.by_case(records(frames[name])) for name in ("transitions", "truth", "impacts")}
+    tables = {name: groups(records(frames[name]), "case") for name in ("transitions", "truth", "impacts")}
     finest_runs = [run for group in routes(experiment.runs).values() if (run := finest(group) or group[-1])]
     for case in experiment.cases:
         label, family = case.label, motions.family(case)
         runs = [run for run in finest_runs if run.case == label]
         settings = {(run.solver, run.route): str(run.setting) for run in runs}
-        rows = {name: groups.get(label, []) for name, groups in tables.items()}
+        rows = {name: by_case.get((label,), []) for name, by_case in tables.items()}
         truth = experiment.truths[label]
         entry = {
             "label": label,
@@ -123,14 +124,14 @@ def _cell(row: dict[str, Any] | None, solver: str, route: str, which: str) -> di
 def failures(frame: pd.DataFrame) -> list[dict[str, Any]]:
     """Runs without a usable motion, by severity: one row for each solver, route and reason, with the cases. The reasons
     of unusable motions all differ; their row has the worst."""
-    groups: dict[tuple[str, ...], list[dict[str, Any]]] = {}
+    by_reason: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for row in records(frame):
         word = next((str(w) for w in _FAILURES if w in (row["outcome"], row["grade"])), "")
         if word:
             reason = "" if word == Grade.UNUSABLE else row["reason"]
-            groups.setdefault((word, row["solver"], row["route"], reason), []).append(row)
+            by_reason.setdefault((word, row["solver"], row["route"], reason), []).append(row)
     order = [str(word) for word in _FAILURES]
-    return [_failure(word, rows) for (word, *_), rows in sorted(groups.items(), key=lambda g: order.index(g[0][0]))]
+    return [_failure(word, rows) for (word, *_), rows in sorted(by_reason.items(), key=lambda g: order.index(g[0][0]))]
 
 
 def _failure(word: str, rows: Sequence[dict[str, Any]]) -> dict[str, Any]:

@@ -11,8 +11,8 @@ from ..analysis import verdict
 from ..analysis.number_format import number, seconds
 from ..judging.grades import LIMITS, Grade, percent
 from ..running.records import Experiment, Run, default, gives_motion, routes
+from .fragments import identifier
 from .off_chart import CALL
-from .solver_ids import identifier
 
 # What the parameters of settings are, and their units.
 _NAMES = {

@@ -156,6 +156,11 @@ def switch(solver: str, route: str) -> str:
     return "" if solver == REFERENCE else route
 
 
+def identifier(name: str) -> str:
+    """A solver's name with only the characters that a CSS identifier allows."""
+    return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in name)
+
+
 def _is_number(text: str) -> bool:
     """Whether the text is empty or parses as a number, so that it can be sorted by its text."""
     try:

@@ -14,10 +14,9 @@ from ..running.records import Experiment, Run, routes
 from ..running.solvers import missing_words
 from .chapters import anchor, case_summary
 from .engine_rows import engine_rows
-from .fragments import records
+from .fragments import identifier, records
 from .grade_map import engine_map
 from .off_chart import off_chart
-from .solver_ids import identifier
 from .strip_plot import strip_plot
 from .text import lost_text
 

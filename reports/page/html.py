@@ -19,8 +19,7 @@ from ..running.names import REFERENCE
 from ..running.records import TRUTH_RTOL, Experiment
 from . import chapters, cost, evidence, front_page, vendor
 from .fragments import command_of as command_of
-from .fragments import environment, picture, table
-from .solver_ids import identifier
+from .fragments import environment, identifier, picture, table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,8 +10,7 @@ from typing import Any
 from ..analysis.number_format import number, seconds
 from ..judging.grades import LIMITS, percent
 from ..running.names import REFERENCE
-from .fragments import switch
-from .solver_ids import identifier
+from .fragments import identifier, switch
 
 WIDTH, HEIGHT = 520, 290
 _LEFT, _RIGHT, _TOP, _BOTTOM = 58, 494, 8, 246

@@ -11,7 +11,7 @@ from ..analysis import verdict
 from ..judging.grades import LIMITS, percent
 from ..running.records import Experiment
 from .chapters import anchor
-from .solver_ids import identifier
+from .fragments import identifier
 
 WIDTH, ROW, _LEFT, _RIGHT, _TOP = 640, 46, 118, 604, 26
 # Off below and above is drawn at the edges: below it is the error of samples, above a motion of its own.

@@ -22,7 +22,7 @@ from .ladder_selection import ladder_case
 from .processes.worker_process import CallResult
 from .records import Experiment, Offer, Run, Truth, gives_motion, now
 from .storage.fingerprint import truth_key
-from .tasks import find_truth, perform, survey, survey_of_cases
+from .tasks import find_truth, perform, survey_of_cases
 from .time_limits import ASKING_SECONDS
 from .versions import split_version
 
@@ -95,48 +95,33 @@ def offers(
 
     Never stored: the calls are quick, and an engine may have been installed since. A solver is asked about many cases
     in one call, because what surrounds a call takes longer than its answer; if that call fails, about each alone."""
-    together = _offers_together(cases, solvers, calls, knobs)
+    parts = [tuple(cases[i : i + _CASES_TOGETHER]) for i in range(0, len(cases), _CASES_TOGETHER)]
+    by_key = _ask([(part, name, knobs) for part in parts for name in solvers if len(part) > 1], 1, calls)
+    keys = [(case, name) for case in cases for name in solvers]
+    remaining = [((case,), name, knobs) for case, name in keys if (case.label, name) not in by_key]
+    by_key |= _ask(remaining, _MOST_SILENCES, calls)
+    return {(case.label, name): by_key[case.label, name] for case, name in keys}
+
+
+def _ask(requests: Sequence[tuple], silences: int, calls: Calls) -> dict[tuple[str, str], tuple[Offer, ...]]:
+    """The answers of solvers about cases, by label and name; a failure about one case is its offer. After so many
+    silences a solver is not asked any more."""
 
     def silent(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
-        if Counter(other[1] for other in slow)[call[1]] < _MOST_SILENCES:
+        if Counter(other[1] for other in slow)[call[1]] < silences:
             return None
-        return CallResult("timed_out", reason=f"not asked: {call[1]} had not answered for {_MOST_SILENCES} other cases")
+        return CallResult("timed_out", reason=f"not asked: {call[1]} had not answered for {silences} other cases")
 
-    pairs = [(case, name) for case in cases for name in solvers]
-    requests = [(case, name, knobs) for case, name in pairs if (case.label, name) not in together]
     limit = min(calls.limit, ASKING_SECONDS)
-    answers = calls.all("survey", survey, requests, limit=limit, skip=silent, brief=True)
-    alone = {(call[0].label, call[1]): _offers(one, knobs) for call, one in zip(requests, answers, strict=True)}
-    by_key = together | alone
-    return {(case.label, name): by_key[case.label, name] for case, name in pairs}
-
-
-def _offers_together(
-    cases: Sequence[Case], solvers: Sequence[str], calls: Calls, knobs: str
-) -> dict[tuple[str, str], tuple[Offer, ...]]:
-    """The settings of each solver that can be asked about many cases in one call."""
-
-    def is_slow(call: tuple, slow: Sequence[tuple]) -> CallResult | None:
-        reason = "not asked: about other cases it had not answered"
-        return CallResult("timed_out", reason=reason) if any(other[1] == call[1] for other in slow) else None
-
-    parts = [tuple(cases[i : i + _CASES_TOGETHER]) for i in range(0, len(cases), _CASES_TOGETHER)]
-    requests = [(part, name, knobs) for part in parts for name in solvers if len(part) > 1]
-    limit = min(calls.limit, ASKING_SECONDS)
-    answers = calls.all("survey", survey_of_cases, requests, limit=limit, skip=is_slow, brief=True)
-    done = [(call, answer.value) for call, answer in zip(requests, answers, strict=True) if answer.outcome == "done"]
-    return {
-        (case.label, name): of_routes
-        for (part, name, _), by_case in done
-        for case, of_routes in zip(part, by_case, strict=True)
-    }
-
-
-def _offers(answer: CallResult, knobs: str) -> tuple[Offer, ...]:
-    if answer.outcome == "done":
-        return answer.value
-    outcome, reason = answer.failure
-    return (Offer("", (), outcome, f"asking for its {knobs}: {reason}"),)
+    answers = calls.all("survey", survey_of_cases, requests, limit=limit, skip=silent, brief=True)
+    by_key: dict[tuple[str, str], tuple[Offer, ...]] = {}
+    for (part, name, knobs), answer in zip(requests, answers, strict=True):
+        if answer.outcome == "done":
+            by_key |= {(case.label, name): of_routes for case, of_routes in zip(part, answer.value, strict=True)}
+        elif len(part) == 1:
+            outcome, reason = answer.failure
+            by_key[part[0].label, name] = (Offer("", (), outcome, f"asking for its {knobs}: {reason}"),)
+    return by_key
 
 
 class _Task(NamedTuple):

@@ -10,7 +10,7 @@ from adapters import Setting
 from reports import study
 from reports.running.calls import Calls
 from reports.running.processes.worker_process import CallResult
-from reports.running.tasks import find_truth, perform, survey
+from reports.running.tasks import find_truth, perform, survey_of_cases
 from reports.studies.error_parts import measure as error_parts
 from reports.studies.error_parts.measure import ErrorCell, Grid
 
@@ -111,7 +111,7 @@ def test_truth_or_grid_that_cannot_be_had_is_a_row_with_its_reason():
 
     fates = (
         (find_truth, "unsupported", "there is no truth to judge it by: "),
-        (survey, "timed_out", "asking for its grid: "),
+        (survey_of_cases, "timed_out", "asking for its grid: "),
     )
     for broken, outcome, reason in fates:  # noqa: B007 - `each` looks at it
         cells = error_parts.measure([case], ["pymunk"], Broken())

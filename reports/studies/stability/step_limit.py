@@ -7,18 +7,17 @@ change with the step.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import isnan, nan, sqrt
 from typing import NamedTuple
 
-from adapters import EngineFailure, Setting
+from adapters import Setting
 from cases import Belt, Case, Gravity, Load, Trajectory
 from cases.motion import mechanics
 
 from ...judging import residuals
-from ...judging.validation import sound
-from ...running.clocked_run import run_on_clock
-from ...running.solvers import solver
-from ...running.tasks import sentence
+from ...running.records import Run
+from ...running.tasks import attempt
 
 # A scene without load cannot gain energy; a gain of a tenth of its energy scale is instability, not inaccuracy.
 BLOWN_UP = 0.1
@@ -58,10 +57,9 @@ def bracket(case: Case, name: str, route: str, middle: Setting) -> Bracket:
     rest = str(middle.but(h=None, rung=None))
     if "h" not in middle:
         return Bracket(case.label, name, route, rest, nan, nan, nan, "its settings have no step h")
-    module = solver(name)
 
     def failure(h: float) -> str:
-        return blow_up(module, case, route, middle.but(h=h))
+        return blow_up(case, name, route, middle.but(h=h))
 
     limit = search(failure, min(float(middle["h"]), case.duration / 8), case.duration / MANY, case.duration / FEW)
     return Bracket(case.label, name, route, rest, limit.works, limit.fails, case.duration / limit.fails, limit.how)
@@ -98,18 +96,15 @@ def search(failure: Callable[[float], str], h: float, least: float, most: float)
     return StepLimit(works, fails, how)
 
 
-def blow_up(module, case: Case, route: str, setting: Setting) -> str:
+def blow_up(case: Case, name: str, route: str, setting: Setting) -> str:
     """How a run becomes unstable, in a few words; "" if it does not."""
-    try:
-        motion = run_on_clock(module, case, route, setting)
-    except EngineFailure as problem:
-        return str(problem)
-    except Exception as problem:
-        return sentence(problem)
-    if not sound(motion):
-        return "numbers that are not finite"
-    growth = energy_growth(case, motion)
-    return f"the energy grows by {growth:.2g} of its scale" if growth > BLOWN_UP else ""
+
+    def gain(row: Run, motion: Trajectory) -> Run:
+        growth = energy_growth(case, motion)
+        words = f"the energy grows by {growth:.2g} of its scale" if growth > BLOWN_UP else ""
+        return replace(row, outcome="answered", reason=words)
+
+    return attempt(Run(case.label, name, route, setting, 0, outcome=""), case, gain).reason
 
 
 def energy_growth(case: Case, motion: Trajectory) -> float:
