@@ -54,7 +54,7 @@ from cases.scene.contact_limits import touches_by_features
 from cases.scene.contact_pairs import pairs
 from cases.scene.free_plates import plates_of, start_poses
 
-from ..common import driven_tracks, facets, half_steps, plates_in_steps, support_contacts
+from ..common import driven_tracks, facets, feature_contacts, half_steps, plates_in_steps
 from ..interface import Refusal, Setting
 from . import shapes
 
@@ -139,7 +139,7 @@ def refuses(case: Case, route: str) -> str | None:
         )
     if case.others and (problem := shapes.refuses_plates(case)):
         return problem
-    if touches_by_features(case) and not case.others and (problem := support_contacts.refuses(case, True)):
+    if touches_by_features(case) and not case.others and (problem := feature_contacts.refuses(case, True)):
         return problem
     if any(own != whole for own, whole in shapes.restitutions(case)):
         return "box2d takes the larger restitution of both shapes, and a support here has its own."
@@ -148,7 +148,7 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return None if case.others else support_contacts.refuses_several(case)
+    return None if case.others else feature_contacts.refuses_several(case)
 
 
 def ladder(case: Case, route: str) -> tuple[Setting, ...]:

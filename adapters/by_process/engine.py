@@ -19,7 +19,7 @@ from pathlib import Path
 
 from cases import BadValue, Case, CaseError, Chain, Cost, Drive, NotSupported, Trajectory
 
-from ..common import motion_file, motion_table, supervision, support_contacts
+from ..common import feature_contacts, motion_file, motion_table, supervision
 from ..common.facets import is_convex
 from ..interface import EngineFailure, Setting
 from .scene_file import SAMPLES, as_json, scene
@@ -96,11 +96,11 @@ class Engine:
             return "A scene has no outline with corners that point inwards."
         if case.supports and case.effect(Drive) is not None:
             return "A scene has no supports that move with a driven track."
-        return support_contacts.refuses(case) if case.supports and not case.others else None
+        return feature_contacts.refuses(case) if case.supports and not case.others else None
 
     def refuses_several_contacts(self, case: Case, route: str) -> str | None:
         """Why the contacts do not follow from the poses that an executable writes, in one sentence, or None."""
-        return None if case.others else support_contacts.refuses_several(case)
+        return None if case.others else feature_contacts.refuses_several(case)
 
     def ladder(self, case: Case, route: str) -> tuple[Setting, ...]:
         """Steps from coarse to fine, none so long that too few samples come of it."""

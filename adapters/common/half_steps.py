@@ -24,11 +24,11 @@ from cases.moving_frame import relative_case
 from cases.scene.contact_limits import touches_by_features
 
 from ..interface import EngineFailure
+from . import feature_contacts
 from .driven_tracks import in_track_axes, rows_from_track, to_fixed_frame
 from .facets import sharpest_bend, sway, track_kind
 from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights, lands_for_good
 from .several_contacts import may_touch_twice, with_contacts
-from .support_contacts import with_supports
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def _read_on_supports(record: StepRecord) -> Trajectory:
     t = np.linspace(0.0, case.duration, record.steps + 1)[: len(rows)]
     motion = Trajectory(*(t, x, y, theta, vx, vy, omega, nothing, nothing, nothing, nothing, nothing), case=case)
     clear = max(1e-6, 1e3 * record.rounding) * case.plate.inner + 2.0 * float(np.hypot(*gravity(case))) * h**2
-    motion = with_supports(case, motion, clear + 4.0 * record.rough, torsor, record.lever)
+    motion = feature_contacts.with_contacts(case, motion, clear + 4.0 * record.rough, torsor, record.lever)
     # Friction acts on the levers of a step's beginning, whose change in a step is the spin's.
     friction, plate = case.effect(CoulombFriction), case.plate
     scatter = 0.5 * _usual(np.abs(np.diff(np.hypot(*torsor[:, :2].T))))

@@ -31,7 +31,7 @@ from cases.motion.mechanics import gravity
 from cases.scene.contact_limits import touches_by_features
 from cases.scene.free_plates import POSE, names_of, plates_of
 
-from . import momentum, plate_contacts, several_contacts, support_contacts
+from . import feature_contacts, momentum, several_contacts
 from .driven_tracks import by_track
 from .flights import flights
 from .motion_table import CREEP, LEAST_SAMPLES, LEVER, OPTIONAL_COLUMNS, REQUIRED_COLUMNS, columns_of, of_plate
@@ -179,7 +179,7 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     if not touches_twice:
         return motion
     clear = _clear(case, t)
-    rounding = support_contacts.rounding_of(case, motion)
+    rounding = feature_contacts.rounding_of(case, motion)
     complete = partial(several_contacts.with_contacts, clear=lambda xi1: np.full(len(xi1), clear), rounding=rounding)
     return by_track(case, motion, complete)
 
@@ -223,7 +223,7 @@ def _of_plates(case: Case, columns: dict[str, np.ndarray], creep: float) -> Traj
         for names in (POSE[:3], POSE[3:])
     )
     t = columns["t"]
-    motion = plate_contacts.with_plates(case, t, poses, rates, _clear(case, t), slip_lever=_lever(columns))
+    motion = feature_contacts.with_plates(case, t, poses, rates, _clear(case, t), slip_lever=_lever(columns))
     return replace(motion, slip_resolution=_creep(columns, creep))
 
 
@@ -240,7 +240,7 @@ def _on_supports(case: Case, columns: dict[str, np.ndarray], creep: float) -> Tr
     poses = {name: columns.get(name, nothing) for name in ("x", "y", "theta", "vx", "vy", "omega")}
     whole: dict[str, Any] = {**dict.fromkeys(State._fields, nothing), **poses}
     motion = Trajectory(t=t, **whole, slip_resolution=_creep(columns, creep))
-    complete = partial(support_contacts.with_supports, clear=_clear(case, t), slip_lever=_lever(columns))
+    complete = partial(feature_contacts.with_contacts, clear=_clear(case, t), slip_lever=_lever(columns))
     return by_track(case, motion, complete)
 
 

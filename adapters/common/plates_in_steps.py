@@ -15,8 +15,8 @@ from cases.motion.mechanics import gravity
 from cases.scene.free_plates import plate_contacts, plates_of, start_poses
 
 from ..interface import EngineFailure
+from .feature_contacts import with_plates
 from .half_steps import rates_at_poses
-from .plate_contacts import with_plates
 
 
 @dataclass(frozen=True)

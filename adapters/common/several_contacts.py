@@ -8,19 +8,18 @@ is below what the engine's step and facets leave. Lengths in metres.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from cases import Case, Chain, Trajectory
 from cases.contact import pose, slip_velocity
 from cases.curves.line_or_circle import Circle
-from cases.motion.sampled_contacts import SampledContacts
-from cases.motion.trajectory import CONTACT, ContactColumns
+from cases.motion.trajectory import CONTACT
 
 from .closed_samples import by_gap
 from .facets import round_plate, visible_span
+from .pose_contact import PoseContact, cone_slope, with_columns
 
 # Samples of the track within the disc's radius: two places that are closer than two of them are one.
 _PER_RADIUS = 40
@@ -78,30 +77,14 @@ def with_contacts(
     places = _places(case, motion, clear)
     if len(places) < 2:
         return motion
-    closed = {name: place.gap <= clear(place.xi1) for name, place in places.items()}
+    contacts = [_contact(case, motion, *each) for each in places.items()]
+    closed = [place.gap <= clear(place.xi1) for place in places.values()]
     if rounding is not None:
-        closed = {name: by_gap(places[name].gap, shut, rounding) for name, shut in closed.items()}
-    count = np.sum(list(closed.values()), axis=0)
-    force = _force(case, motion)
-    columns = {name: _columns(case, motion, place, closed[name], count, force) for name, place in places.items()}
-    return replace(
-        motion,
-        **first_closed(motion, columns, closed),
-        contact_names=tuple(columns),
-        contact_columns=SampledContacts(motion.t, columns),
-    )
-
-
-def first_closed(
-    motion: Trajectory, columns: dict[str, ContactColumns], closed: dict[str, np.ndarray]
-) -> dict[str, Any]:
-    """Slip, both forces and both parameters of the first closed contact; NaN and forces of 0 in flight."""
-    empty = {name: np.nan for name in ("slip", "xi1", "xi2")} | {"normal_force": 0.0, "friction_force": 0.0}
-    first = {name: np.full(len(motion.t), value) for name, value in empty.items()}
-    for name in reversed(list(columns)):
-        for field, values in first.items():
-            values[closed[name]] = getattr(columns[name], field)[closed[name]]
-    return first
+        closed = [by_gap(one.gap, shut, rounding) for one, shut in zip(contacts, closed, strict=True)]
+    alone = np.where(np.sum(closed, axis=0) == 1, 1.0, np.nan)
+    force = alone * _force(case, motion)
+    forces = [np.array([np.sum(force * axis, axis=0) for axis in (one.normal, one.tangent)]) for one in contacts]
+    return with_columns(motion, contacts, closed, forces)
 
 
 def _force(case: Case, motion: Trajectory) -> np.ndarray:
@@ -110,26 +93,16 @@ def _force(case: Case, motion: Trajectory) -> np.ndarray:
     return motion.normal_force * case.track.normal(xi1) + motion.friction_force * case.track.tangent(xi1)
 
 
-def _columns(
-    case: Case, motion: Trajectory, place: _Place, closed: np.ndarray, count: np.ndarray, force: np.ndarray
-) -> ContactColumns:
+def _contact(case: Case, motion: Trajectory, name: str, place: _Place) -> PoseContact:
     near = np.isfinite(place.gap)
     xi1 = np.where(near, place.xi1, case.start.xi1)
-    normal, tangent = case.track.normal(xi1), case.track.tangent(xi1)
     slip = slip_velocity(case, motion.x, motion.y, motion.vx, motion.vy, motion.omega, xi1, motion.t)
-    alone = np.where(count == 1, 1.0, np.nan)
-    push, hold = (np.where(closed, alone * np.sum(force * axis, axis=0), 0.0) for axis in (normal, tangent))
-    xi2 = _outline_parameter(case, xi1, motion.theta)
-    return ContactColumns(
-        gap=place.gap,
-        slip=np.where(closed, slip, np.nan),
-        normal_force=push,
-        friction_force=hold,
-        xi1=np.where(near, xi1, np.nan),
-        xi2=np.where(near, xi2, np.nan),
-        normal_range=np.array([push, push]),
-        friction_range=np.array([hold, hold]),
-    )
+    arm = case.track.point(xi1) - np.array([motion.x, motion.y])
+    return PoseContact(
+        name, 0, None, cone_slope(case.effect), place.gap, slip, case.track.tangent(xi1), case.track.normal(xi1),
+        np.where(near, xi1, np.nan), np.where(near, _outline_parameter(case, xi1, motion.theta), np.nan),
+        arm, np.zeros_like(arm),
+    )  # fmt: skip
 
 
 def _outline_parameter(case: Case, xi1: np.ndarray, theta: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ from cases.motion.mechanics import gravity
 from cases.scene.free_plates import PlateContact, gap_of, plate_contacts, plates_of, start_poses
 
 from ..common import facets
-from ..common.plate_contacts import with_plates
+from ..common.feature_contacts import with_plates
 from ..interface import EngineFailure, Refusal, Setting
 from . import older_versions
 from .bodies import add_plate, force_sensor, ground, node_sensors

@@ -14,7 +14,7 @@ from cases.curves.corner import Corner
 from cases.curves.line_or_circle import as_circle, as_line
 from cases.scene.contact_pairs import PairCase, pairs
 
-from ..common import support_contacts
+from ..common import feature_contacts
 from ..interface import Refusal, Setting
 from . import older_versions
 from .bodies import add_load, add_plate, force_sensor, node_sensors
@@ -24,7 +24,7 @@ from .system import SensorData
 
 def refuses(case: Case) -> Refusal | None:
     """The reason, in one sentence, why the contacts of a case are not the engine's, or None."""
-    if problem := support_contacts.refuses(case, with_curves=True):
+    if problem := feature_contacts.refuses(case, with_curves=True):
         return Refusal(problem)
     for pair in pairs(case):
         if problem := refuses_curve(pair.track) or refuses_belt(pair):
@@ -93,7 +93,7 @@ def read(case: Case, setting: Setting, system: SupportsSystem, data: SensorData,
     if any(isinstance(contact.pair.plate.outline, Corner) for contact in system.contacts):
         creep += corner_radius(case, setting) * float(np.abs(data.velocity[:, 2]).max())
     motion = Trajectory(t=data.t, **whole, slip_resolution=creep)
-    return support_contacts.with_supports(case, motion, clear, np.column_stack([force, moment]), slip_lever=0.5)
+    return feature_contacts.with_contacts(case, motion, clear, np.column_stack([force, moment]), slip_lever=0.5)
 
 
 def _normal(contact: SupportContact, centre: np.ndarray) -> np.ndarray:

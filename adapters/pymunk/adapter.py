@@ -35,7 +35,7 @@ from cases.contact import start_motion
 from cases.moving_frame import relative_case
 from cases.scene.contact_limits import touches_by_features
 
-from ..common import driven_tracks, facets, half_steps, plates_in_steps, support_contacts
+from ..common import driven_tracks, facets, feature_contacts, half_steps, plates_in_steps
 from ..interface import EngineFailure, Refusal, Setting
 from . import assisted, free_plates, native, older_versions
 from .load import LoadInSteps
@@ -98,13 +98,13 @@ def refuses(case: Case, route: str) -> str | None:
 
 def refuses_several_contacts(case: Case, route: str) -> str | None:
     """Why the route does not report several contacts of this case, in one sentence, or None."""
-    return None if case.others else support_contacts.refuses_several(case)
+    return None if case.others else feature_contacts.refuses_several(case)
 
 
 def _refuses_natively(case: Case) -> str | None:
     if facets.has_hollow_corners(case.plate.outline):
         return "pymunk's polygons are convex, and this outline has corners that point inwards."
-    if touches_by_features(case) and not case.others and (problem := support_contacts.refuses(case, True)):
+    if touches_by_features(case) and not case.others and (problem := feature_contacts.refuses(case, True)):
         return problem
     if not case.effect(Unilateral):
         return "pymunk's contacts only push, and this case has a bilateral guide (no Unilateral)."

@@ -11,7 +11,7 @@ import pytest
 import cases
 import reference
 from adapters import EngineFailure, engine, gate, other_laws, refusal
-from adapters.common.plate_contacts import with_plates
+from adapters.common.feature_contacts import with_plates
 from cases import Case, CoulombFriction, Curve, FreePlate, Mode, StartPose, Support
 from cases.scene.free_plates import names_of, plates_of
 from reports.judging import several_contacts

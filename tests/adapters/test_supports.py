@@ -12,7 +12,7 @@ import pytest
 import cases
 import reference
 from adapters import engine, refusal, refusal_of_several_contacts
-from adapters.common import motion_file, motion_table, support_contacts
+from adapters.common import feature_contacts, motion_file, motion_table
 from cases import (
     Belt,
     Case,
@@ -32,6 +32,7 @@ from cases import (
 from cases.curves import cos as cosine_of
 from cases.curves import sin as sine_of
 from cases.library import circle, cosine, line
+from cases.motion.mechanics import gravity
 from reports import export
 from tests.adapters.test_engine_effects import off, play
 
@@ -43,7 +44,7 @@ def from_poses(case: Case, truth: Trajectory, count: int = 1201) -> Trajectory:
     """The motion with its contacts computed from poses and velocities alone."""
     t = np.linspace(0.0, truth.t[-1], count)
     poses = Trajectory(t=t, **truth(t)._asdict(), case=case)
-    return support_contacts.with_supports(case, poses, 1e-9)
+    return feature_contacts.with_contacts(case, poses, 1e-9)
 
 
 @pytest.mark.sampled(6)
@@ -91,13 +92,35 @@ def test_a_contact_that_does_not_push_is_open():
     torsor = (change + np.array([[0.0], [case.plate.mass * 9.81], [0.0]])).T
     leaves = next(event.time for event in truth.transitions)
     for given, late in ((None, 2e-2), (torsor, 3e-3)):
-        found = support_contacts.with_supports(case, motion, 1e-5, given)
+        found = feature_contacts.with_contacts(case, motion, 1e-5, given)
         last = t[np.flatnonzero(np.isfinite(found.contacts["plate/wall"].slip))[-1]]
         assert abs(last - leaves) < late
     assert abs(last - leaves) < 3e-3
     alone = found.contacts["plate/track"].normal_force[t > leaves + 3e-3]
     # Differences of samples 1 ms apart.
     np.testing.assert_allclose(alone[5:-5], state.normal_force[t > leaves + 3e-3][5:-5], rtol=1e-3)
+
+
+def test_the_momentum_gives_the_normal_forces_of_two_corners():
+    """Three equations for the forces of two corners on one line: their normal forces are unique, their frictions have
+    only a sum."""
+    case = cases.load("sliding_box")
+    truth = reference.simulate(case, rtol=1e-10)
+    t = np.linspace(0.0, 0.4, 4001)
+    state = truth(t)
+    motion = Trajectory(t=t, **state._asdict(), case=case)
+    inertia = np.array([case.plate.mass, case.plate.mass, case.plate.inertia])
+    change = inertia * np.gradient(np.array([state.vx, state.vy, state.omega]), t, axis=1).T
+    found = feature_contacts.with_contacts(case, motion, 1e-9, change - inertia * np.append(gravity(case), 0.0))
+    for name in truth.contact_names[:2]:
+        exact = truth.contact_columns(name, t)
+        closed = np.isfinite(exact.slip)
+        # The samples next to a transition have differences across it; others of steps of 0.1 ms are good to 1e-8.
+        steady = closed & (np.convolve(closed, np.ones(5), mode="same") == 5.0)
+        assert np.sum(steady) > 1000
+        error = np.abs(found.contacts[name].normal_force - exact.normal_force)[steady]
+        assert np.median(error) < 1e-6 * case.plate.mass * 9.81
+        assert np.isnan(found.contacts[name].friction_force[steady]).all()
 
 
 def turns_at(motion: Trajectory, times: list[float]) -> list[float]:
