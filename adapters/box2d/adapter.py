@@ -54,9 +54,16 @@ from cases.scene.contact_limits import touches_by_features
 from cases.scene.contact_pairs import pairs
 from cases.scene.free_plates import plates_of, start_poses
 
-from ..common import driven_tracks, facets, feature_contacts, half_steps, plates_in_steps
+from ..common import driven_tracks, facets, feature_contacts, half_steps
 from ..interface import Refusal, Setting
 from . import shapes
+from .meanings import MEANINGS
+
+__all__ = [
+    "BELTS_AND_SUPPORTS", "CORNERS", "DRIVEN_CONTACTS", "FREE_POLYGONS", "MEANINGS", "NAME", "ROUNDING",
+    "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SUPPORTS", "build", "default_grid", "grid", "ladder", "read",
+    "refuses", "refuses_several_contacts", "routes", "run", "version",
+]  # fmt: skip
 
 NAME = "box2d"
 routes = ("native",)
@@ -260,6 +267,5 @@ def read(model: Box2dModel) -> Trajectory:
     rows[..., 2] = theta + 2 * np.pi * np.round((begin - theta[0]) / (2 * np.pi))
     rough = facets.sagitta(case, knobs.get("facets"), knobs.get("vertices")) + SLOP / scale
     engine: dict[str, Any] = dict(rough=rough, lever=0.5, rounding=ROUNDING, rest=half_steps.rest(knobs["substeps"]))
-    if case.others:
-        return plates_in_steps.read(plates_in_steps.PlatesRecord(case, model.h, model.steps, rows, **engine))
-    return half_steps.read(half_steps.StepRecord(case, model.h, model.steps, rows[:, 0], **engine))
+    rows = rows if case.others else rows[:, 0]
+    return half_steps.read(half_steps.StepRecord(case, model.h, model.steps, rows, **engine))

@@ -8,7 +8,6 @@ one, and only its mean is meaningful. Independent of any engine.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
@@ -18,46 +17,30 @@ from typing import NamedTuple
 import numpy as np
 
 from cases import Case, Cost, CoulombFriction, Drive, Flight, Trajectory
-from cases.contact import Contact, slip_velocity, start_motion
+from cases.contact import Contact, slip_velocity
 from cases.motion.mechanics import gravity
 from cases.moving_frame import relative_case
 from cases.scene.contact_limits import touches_by_features
 
 from ..interface import EngineFailure
-from . import feature_contacts
+from . import plates_in_steps
 from .driven_tracks import in_track_axes, rows_from_track, to_fixed_frame
 from .facets import sharpest_bend, sway, track_kind
 from .flights import BEYOND, LANDING_REASON, LIFT_OFF_REASON, Follower, flights, lands_for_good
 from .several_contacts import may_touch_twice, with_contacts
+from .step_record import (
+    StepRecord,
+    check_rows,
+    external_of,
+    inertia_of,
+    rates_at_poses,
+    rest,
+    spans,
+    torsor_of,
+    velocities_before,
+)  # fmt: skip
 
-
-@dataclass(frozen=True)
-class StepRecord:
-    """The record of a run: rows (x, y, theta, vx, vy, omega) at every step of `h` s, `steps` + 1 if it is complete.
-
-    `contacts`: the rows' contacts if the adapter set them, else they are computed. `load`: the case's Load in each
-    step, (F_x, F_y, M) in N and N m, shape (n, 3). `rough`: distance (m) of the engine's shapes from the curves.
-    `lever`: the fraction of the gap between the plate and the point where the engine's friction acts. `rounding`: the
-    relative rounding of its numbers. `rest`: the part of h by which the first step was shorter. `pull`: acceleration of
-    a free plate (m/s²), by default gravity's.
-    """
-
-    case: Case
-    h: float
-    steps: int
-    rows: np.ndarray
-    contacts: list[Contact] | None = None
-    load: np.ndarray | None = None
-    rough: float = 0.0
-    lever: float = 0.0
-    rounding: float = float(np.finfo(float).eps)
-    rest: float = 0.5
-    pull: float | None = None
-
-
-def rest(substeps: int) -> float:
-    """The part of a step by which the first one is shorter: half a substep."""
-    return 0.5 / substeps
+__all__ = ["StepRecord", "rates_at_poses", "read", "rest"]
 
 
 @dataclass(frozen=True)
@@ -113,17 +96,17 @@ def _from_track(record: StepRecord) -> StepRecord:
     case, rows = record.case, record.rows
     if len(rows) < 3 or not np.isfinite(rows).all():
         return record
-    times, torsor = record.h * np.arange(len(rows)), _torsor(record)
+    times, torsor = record.h * np.arange(len(rows)), torsor_of(record)
     rows = rows_from_track(case, rows, times, times + record.h * (1.0 - record.rest))
     seen = replace(record, case=relative_case(case), rows=rows, load=None)
-    load = _torsor(seen) - in_track_axes(case, times, torsor)
+    load = torsor_of(seen) - in_track_axes(case, times, torsor)
     pull = float(np.hypot(*load[:, :2].T).max()) / case.plate.mass + float(np.hypot(*gravity(seen.case)))
     return replace(seen, load=load, pull=pull)
 
 
 def _read(record: StepRecord) -> Trajectory:
-    if touches_by_features(record.case):
-        return _read_on_supports(record)
+    if record.case.others or touches_by_features(record.case):
+        return plates_in_steps.read(record)
     case, samples = record.case, _samples(record)
     hop = _hop(record, samples)
     stretches = flights(samples.gap, samples.pushing, hop)
@@ -147,25 +130,6 @@ def _read(record: StepRecord) -> Trajectory:
     return with_contacts(case, motion, partial(_clear, record)) if _may_touch_twice(record) else motion
 
 
-def _read_on_supports(record: StepRecord) -> Trajectory:
-    """The motion of a plate on several supports, whose contacts follow from its poses and its change of momentum."""
-    case, h, rows = record.case, record.h, record.rows
-    _check_rows(record)
-    before, torsor = _velocities_before(record), _torsor(record)
-    (x, y, theta), (vx, vy, omega) = rows[:, :3].T, rates_at_poses(before, rows[:, 3:], case.plate.reach, record.rest).T
-    nothing = np.full(len(rows), nan)
-    t = np.linspace(0.0, case.duration, record.steps + 1)[: len(rows)]
-    motion = Trajectory(*(t, x, y, theta, vx, vy, omega, nothing, nothing, nothing, nothing, nothing), case=case)
-    clear = max(1e-6, 1e3 * record.rounding) * case.plate.inner + 2.0 * float(np.hypot(*gravity(case))) * h**2
-    motion = feature_contacts.with_contacts(case, motion, clear + 4.0 * record.rough, torsor, record.lever)
-    # Friction acts on the levers of a step's beginning, whose change in a step is the spin's.
-    friction, plate = case.effect(CoulombFriction), case.plate
-    scatter = 0.5 * _usual(np.abs(np.diff(np.hypot(*torsor[:, :2].T))))
-    missing = h * (friction.at_rest if friction else 0.0) * scatter * (1 / plate.mass + plate.reach**2 / plate.inertia)
-    lag = 0.0 if plate.radius else 0.5 * h * float(np.max(omega**2)) * plate.reach
-    return replace(motion, slip_resolution=missing + lag, cost=Cost(steps=len(rows)))
-
-
 def _may_touch_twice(record: StepRecord) -> bool:
     """Whether contacts are searched on the whole track: the engine finds them, and the disc may touch in two places."""
     return record.contacts is None and track_kind(record.case) == "chain" and may_touch_twice(record.case)
@@ -186,10 +150,10 @@ def _clear(record: StepRecord, xi1: np.ndarray) -> np.ndarray:
 def _samples(record: StepRecord) -> _MotionSamples:
     """All samples at the poses' times, up to the first pose without contact; `aloft` is still False everywhere."""
     case, rows = record.case, record.rows
-    _check_rows(record)
-    pose, after, before = rows[:, :3], rows[:, 3:], _velocities_before(record)
-    late, ahead = _spans(record)
-    inertia, external, force = _inertia(case), _external(record), _torsor(record)[:, :2]
+    check_rows(record)
+    pose, after, before = rows[:, :3], rows[:, 3:], velocities_before(record)
+    late, ahead = spans(record)
+    inertia, external, force = inertia_of(case), external_of(record), torsor_of(record)[:, :2]
     rates = rates_at_poses(before, after, case.plate.reach, record.rest)
     contacts = (record.contacts or _follow(case, pose))[: len(rows)]
     # As one flat sequence: NumPy takes nine times as long to convert named tuples.
@@ -203,69 +167,6 @@ def _samples(record: StepRecord) -> _MotionSamples:
         after=after[length], force=force[length], pushing=_pushing(record, force, rates)[length],
         xi1=xi1, xi2=xi2, gap=gap, aloft=np.zeros(len(gap), dtype=bool),
     )  # fmt: skip
-
-
-def _check_rows(record: StepRecord) -> None:
-    """Raise EngineFailure for rows that are no motion."""
-    if len(record.rows) < 3:
-        raise EngineFailure("The engine returned fewer than three steps.")
-    if not np.isfinite(record.rows).all():
-        when = record.h * int(np.argmin(np.isfinite(record.rows).all(axis=1)))
-        raise EngineFailure(f"The engine's numbers are not finite from {when:.4g} s on.")
-
-
-def _velocities_before(record: StepRecord) -> np.ndarray:
-    """The velocities before each row's pose, shape (n, 3): the start's, then those after the previous pose."""
-    start = start_motion(record.case)
-    return np.vstack([[start.vx, start.vy, start.omega], record.rows[:-1, 3:]])
-
-
-def _spans(record: StepRecord) -> tuple[np.ndarray, float]:
-    """The times (s) from the velocities before each pose to it, shape (n, 1), and from it to those after it."""
-    late = np.full((len(record.rows), 1), record.rest * record.h)
-    late[0] = 0.0
-    return late, record.h * (1.0 - record.rest)
-
-
-def _inertia(case: Case) -> np.ndarray:
-    """Mass, mass and moment of inertia; 1 for a plate that does not turn, whose spin no moment changes."""
-    return np.array([case.plate.mass, case.plate.mass, case.plate.inertia if case.plate.turns else 1.0])
-
-
-def _external(record: StepRecord) -> np.ndarray:
-    """Gravity and load in each step: force (N) and moment (N m), shape (n, 3) or (3,)."""
-    turns = np.array([1.0, 1.0, float(record.case.plate.turns)])
-    load = np.zeros(3) if record.load is None else record.load * turns
-    return np.append(gravity(record.case), 0.0) * _inertia(record.case) + load
-
-
-def _torsor(record: StepRecord) -> np.ndarray:
-    """Force (N) and moment (N m) of the contacts in each step, shape (n, 3): the momentum that it adds, over its
-    length, without gravity and load."""
-    late, ahead = _spans(record)
-    change = record.rows[:, 3:] - _velocities_before(record)
-    return _inertia(record.case) * change / (late + ahead) - _external(record)
-
-
-def rates_at_poses(
-    before: np.ndarray, after: np.ndarray, size: float | Sequence[float], rest: float = 0.5
-) -> np.ndarray:
-    """Velocities at the poses' times, interpolated from those `rest` of a step before and 1 − `rest` of a step after.
-
-    Arrays (n, 3); the first row is the start's. Linear interpolation has an error of rest (1 − rest)/2 h² times the
-    second derivative, as large as the engine's own. It is corrected by the smaller of the second differences to either
-    side, so that none extends across a jump of the acceleration. (All components use the same side, because a slip
-    velocity combines them. Spin is scaled by the plate's `size`, m; of several plates there are 3 columns each.)
-    """
-    bend = np.diff(after, 2, axis=0)
-    earlier, later = np.vstack([bend[:1], bend]), np.vstack([bend, bend[-1:]])
-    scale = np.array([value for each in np.atleast_1d(size) for value in (1.0, 1.0, each)])
-    nearer = np.linalg.norm(earlier * scale, axis=1) < np.linalg.norm(later * scale, axis=1)
-    smaller = np.where(nearer[:, None], earlier, later)
-    rates = (1.0 - rest) * before + rest * after
-    rates[0] = before[0]
-    rates[1:] -= 0.5 * rest * (1.0 - rest) * smaller
-    return rates
 
 
 def _pushing(record: StepRecord, force: np.ndarray, rates: np.ndarray) -> np.ndarray:

@@ -1,66 +1,48 @@
-"""Reads motions of several free plates of engines with positions at k·h and velocities half a step later.
+"""Reads motions with several contacts or plates of engines with positions at k·h and velocities half a step later.
 
-Like `half_steps`, for all plates at once: velocities at the poses' times are interpolated, and the forces of a step are
-the momentum that it adds to each plate, over its length.
+The contacts follow from the poses and from the momentum that each step adds to each plate (`feature_contacts`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from cases import Case, Cost, CoulombFriction, Trajectory
+from cases import Cost, CoulombFriction, Trajectory
 from cases.motion.mechanics import gravity
-from cases.scene.free_plates import plate_contacts, plates_of, start_poses
+from cases.scene.free_plates import plate_contacts, plates_of
 
-from ..interface import EngineFailure
 from .feature_contacts import with_plates
-from .half_steps import rates_at_poses
+from .step_record import StepRecord, check_rows, rates_at_poses, torsor_of, velocities_before
 
 
-@dataclass(frozen=True)
-class PlatesRecord:
-    """The record of a run: rows (x, y, theta, vx, vy, omega) of every plate at every step of `h` s, shape (n, plates,
-    6), `steps` + 1 if it is complete. `rough`, `lever`, `rounding` and `rest` are those of `half_steps.StepRecord`;
-    `wider` (m): by how much the engine's discs are larger than the case's, whose outlines slip where they roll."""
-
-    case: Case
-    h: float
-    steps: int
-    rows: np.ndarray
-    rough: float = 0.0
-    lever: float = 0.0
-    rounding: float = float(np.finfo(float).eps)
-    rest: float = 0.5
-    wider: float = 0.0
-
-
-def read(record: PlatesRecord) -> Trajectory:
+def read(record: StepRecord) -> Trajectory:
     """The motion at the poses' times. Raises EngineFailure if it is no motion."""
-    case, h, rows = record.case, record.h, record.rows
-    plates = plates_of(case)
-    if len(rows) < 3:
-        raise EngineFailure("The engine returned fewer than three steps.")
-    is_finite = np.isfinite(rows).all(axis=(1, 2))
-    if not is_finite.all():
-        raise EngineFailure(f"The engine's numbers are not finite from {h * int(np.argmin(is_finite)):.4g} s on.")
-    before = np.concatenate([start_poses(case)[None, :, 3:], rows[:-1, :, 3:]])
-    old, new = before.reshape(len(rows), -1), rows[..., 3:].reshape(len(rows), -1)
-    rates = rates_at_poses(old, new, [plate.reach for plate in plates], record.rest).reshape(before.shape)
-    spans = np.full(len(rows), h)
-    spans[0] = h * (1.0 - record.rest)
-    pull = np.append(gravity(case), 0.0)
-    inertia = np.array([(p.mass, p.mass, p.inertia if p.turns else 1.0) for p in plates])
-    torsor = inertia * ((rows[..., 3:] - before) / spans[:, None, None] - pull)
+    check_rows(record)
+    case, h, rows, plates = record.case, record.h, record.rows, plates_of(record.case)
+    shape = (len(rows), len(plates), 3)
+    before, after = (each.reshape(len(rows), -1) for each in (velocities_before(record), rows[..., 3:]))
+    rates = rates_at_poses(before, after, [plate.reach for plate in plates], record.rest).reshape(shape)
+    torsor = torsor_of(record).reshape(shape)
     clear = max(1e-6, 1e3 * record.rounding) * min(plate.inner for plate in plates) + 4.0 * record.rough
     clear += 2.0 * float(np.hypot(*gravity(case))) * h**2
     t = np.linspace(0.0, case.duration, record.steps + 1)[: len(rows)]
-    motion = with_plates(case, t, rows[..., :3], rates, clear, torsor, record.lever)
-    return replace(motion, slip_resolution=_creep(record, motion, torsor), cost=Cost(steps=len(rows)))
+    motion = with_plates(case, t, rows[..., :3].reshape(shape), rates, clear, torsor, record.lever)
+    creep = _creep(record, motion, torsor) if case.others else _creep_of_one(record, motion, torsor[:, 0])
+    return replace(motion, slip_resolution=creep, cost=Cost(steps=len(rows)))
 
 
-def _creep(record: PlatesRecord, motion: Trajectory, torsor: np.ndarray) -> float:
+def _creep_of_one(record: StepRecord, motion: Trajectory, torsor: np.ndarray) -> float:
+    """`_creep` of one plate; friction acts on the levers of a step's beginning, which turn by its spin."""
+    friction, plate = record.case.effect(CoulombFriction), record.case.plate
+    scatter = 0.5 * float(np.percentile(np.abs(np.diff(np.hypot(*torsor[:, :2].T))), 99))
+    ease = 1 / plate.mass + plate.reach**2 / plate.inertia
+    lag = 0.0 if plate.radius else 0.5 * record.h * float(np.max(motion.omega**2)) * plate.reach
+    return record.h * (friction.at_rest if friction else 0.0) * scatter * ease + lag
+
+
+def _creep(record: StepRecord, motion: Trajectory, torsor: np.ndarray) -> float:
     """The slip velocity (m/s) that remains where the engine sticks: along a direction that turns within a step, with a
     normal force that scatters from step to step (`half_steps` has the derivation), and of discs that are wider."""
     case, friction = record.case, record.case.effect(CoulombFriction)

@@ -14,50 +14,5 @@ sys.exudynFast = True  # type: ignore[attr-defined]
 with redirect_stdout(StringIO()):  # the import prints which build it is
     import exudyn as _  # noqa: F401
 
-from .adapter import (  # noqa: E402
-    BELTS_AND_SUPPORTS,
-    CORNERS,
-    DRIVEN_CONTACTS,
-    FIXED_ROTATION_AND_SUPPORTS,
-    NAME,
-    SEVERAL_CONTACTS,
-    SEVERAL_PLATES,
-    SLIP_LAWS,
-    SUPPORTS,
-    build,
-    default_grid,
-    grid,
-    ladder,
-    read,
-    refuses,
-    refuses_several_contacts,
-    routes,
-    run,
-    version,
-    wide_grid,
-)
-from .meanings import MEANINGS  # noqa: E402
-
-__all__ = [
-    "MEANINGS",
-    "BELTS_AND_SUPPORTS",
-    "CORNERS",
-    "DRIVEN_CONTACTS",
-    "FIXED_ROTATION_AND_SUPPORTS",
-    "NAME",
-    "SEVERAL_CONTACTS",
-    "SEVERAL_PLATES",
-    "SLIP_LAWS",
-    "SUPPORTS",
-    "build",
-    "default_grid",
-    "grid",
-    "ladder",
-    "read",
-    "refuses",
-    "refuses_several_contacts",
-    "routes",
-    "run",
-    "version",
-    "wide_grid",
-]
+from .adapter import *  # noqa: E402, F403
+from .adapter import __all__  # noqa: E402, F401

@@ -58,23 +58,15 @@ from cases.scene.free_plates import plates_of
 from ..common import driven_tracks
 from ..interface import Refusal, Setting
 from . import constraints, free_plates, integrator, native, older_versions, rolls, supports
+from .meanings import MEANINGS
 from .reader import ExudynModel, read
 from .system import scales
 
 __all__ = [
-    "NAME",
-    "build",
-    "default_grid",
-    "grid",
-    "ladder",
-    "read",
-    "refuses",
-    "refuses_several_contacts",
-    "routes",
-    "run",
-    "version",
-    "wide_grid",
-]
+    "BELTS_AND_SUPPORTS", "CORNERS", "DRIVEN_CONTACTS", "FIXED_ROTATION_AND_SUPPORTS", "MEANINGS", "NAME",
+    "SEVERAL_CONTACTS", "SEVERAL_PLATES", "SLIP_LAWS", "SUPPORTS", "build", "default_grid", "grid", "ladder",
+    "read", "refuses", "refuses_several_contacts", "routes", "run", "version", "wide_grid",
+]  # fmt: skip
 
 NAME = "exudyn"
 routes = ("native", "integrator")

@@ -35,26 +35,17 @@ from cases.contact import start_motion
 from cases.moving_frame import relative_case
 from cases.scene.contact_limits import touches_by_features
 
-from ..common import driven_tracks, facets, feature_contacts, half_steps, plates_in_steps
+from ..common import driven_tracks, facets, feature_contacts, half_steps
 from ..interface import EngineFailure, Refusal, Setting
 from . import assisted, free_plates, native, older_versions
 from .load import LoadInSteps
+from .meanings import MEANINGS
 
 __all__ = [
-    "NAME",
-    "build",
-    "default_grid",
-    "grid",
-    "ladder",
-    "read",
-    "refuses",
-    "refuses_several_contacts",
-    "routes",
-    "run",
-    "bare_run",
-    "version",
-    "wide_grid",
-]
+    "BELTS_AND_SUPPORTS", "CORNERS", "DRIVEN_CONTACTS", "FREE_POLYGONS", "MEANINGS", "NAME", "SEVERAL_CONTACTS",
+    "SEVERAL_PLATES", "SLIP_LAWS", "SUPPORTS", "bare_run", "build", "default_grid", "grid", "ladder", "read",
+    "refuses", "refuses_several_contacts", "routes", "run", "version", "wide_grid",
+]  # fmt: skip
 
 NAME = "pymunk"
 routes = ("native", "assisted")
@@ -298,7 +289,7 @@ def read(model: PymunkModel) -> Trajectory:
         raise EngineFailure(f"The contact for pymunk could not be computed: {guide.problem}") from guide.problem
     if model.case.others:
         wider = free_plates.wider(model.case, model.space)
-        return plates_in_steps.read(plates_in_steps.PlatesRecord(model.case, model.h, model.steps, rows, wider=wider))
+        return half_steps.read(half_steps.StepRecord(model.case, model.h, model.steps, rows, wider=wider))
     contacts, load = guide.contacts if guide else None, np.array(drive.rows) if drive else None
     record = half_steps.StepRecord(
         model.engine_case, model.h, model.steps, rows[:, 0], contacts, load=load, rough=model.rough
