@@ -81,14 +81,17 @@ def with_plates(
     slip_lever: float = 0.0,
     impact: float = 0.0,
 ) -> Trajectory:
-    """`with_contacts` for the motion of all plates of a case: (x, y, θ) and (vx, vy, ω) at the times `t`,
-    shape (n, plates, 3)."""
+    """`with_contacts` for `motion_of` the plates of a case."""
+    return with_contacts(case, motion_of(case, t, poses, rates), clear, torsor, slip_lever, impact)
+
+
+def motion_of(case: Case, t: np.ndarray, poses: np.ndarray, rates: np.ndarray) -> Trajectory:
+    """A motion without contacts from (x, y, θ) and (vx, vy, ω) of all plates at the times `t`, shape (n, plates, 3)."""
     plates = {name: np.vstack([poses[:, i].T, rates[:, i].T]) for i, name in enumerate(names_of(case))}
     columns: dict[str, Any] = dict(zip(State._fields, [*plates[FIRST], *np.full((5, len(t)), np.nan)], strict=True))
     if case.others:
         columns |= {"plate_names": names_of(case), "plate_columns": SampledPlates(t, plates)}
-    motion = Trajectory(t=t, **columns, case=case)
-    return with_contacts(case, motion, clear, torsor, slip_lever, impact)
+    return Trajectory(t=t, **columns, case=case)
 
 
 def with_contacts(

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cases import BadValue, Case, DoesNotFit, Flight, Impact, StartPose, State, Trajectory, Unilateral
+from cases import BadValue, Case, DoesNotFit, Flight, Impact, StartPose, Trajectory, Unilateral
 from cases.contact import Contact, MotionPoint, find, in_track_frame, slip_velocity, start_motion
 from cases.contact.nearest import nearest
 from cases.motion.mechanics import gravity
@@ -145,10 +145,8 @@ def trajectory_of(case: Case, table: pd.DataFrame, creep: float = 0.0) -> Trajec
     from_differences = any(rate not in columns for rate, _ in RATES)
     for name, plate in zip(names_of(case), plates_of(case), strict=True):
         _complete_rates(columns, t, name, slowest(case, float(t[-1] - t[0])), plate.reach)
-    if case.others:
-        return _of_plates(case, columns, creep)
-    if touches_by_features(case):
-        return _on_supports(case, columns, creep)
+    if case.others or touches_by_features(case):
+        return _by_features(case, columns, creep)
     touches_twice = several_contacts.may_touch_twice(case)
     if touches_twice:  # which contact's slip a file has is not known; that of each contact follows from the poses
         columns.pop("slip", None)
@@ -216,15 +214,17 @@ def _is_multiple(values: np.ndarray, slope: np.ndarray) -> bool:
     return abs(factor - 1.0) > OFF and float(rest @ rest) <= FITS**2 * float(values @ values)
 
 
-def _of_plates(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:
-    """The motion of several plates, whose contacts follow from their poses and velocities."""
+def _by_features(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:
+    """The motion of several plates, or of one on supports or with flat sides, whose contacts follow from poses and
+    velocities."""
     poses, rates = (
         np.array([[columns[of_plate(name, plate)] for name in names] for plate in names_of(case)]).transpose(2, 0, 1)
         for names in (POSE[:3], POSE[3:])
     )
     t = columns["t"]
-    motion = feature_contacts.with_plates(case, t, poses, rates, _clear(case, t), slip_lever=_lever(columns))
-    return replace(motion, slip_resolution=_creep(columns, creep))
+    motion = replace(feature_contacts.motion_of(case, t, poses, rates), slip_resolution=_creep(columns, creep))
+    complete = partial(feature_contacts.with_contacts, clear=_clear(case, t), slip_lever=_lever(columns))
+    return by_track(case, motion, complete)
 
 
 def _clear(case: Case, t: np.ndarray, share: float = CLOSED, gaps: float = 4.0) -> float:
@@ -232,16 +232,6 @@ def _clear(case: Case, t: np.ndarray, share: float = CLOSED, gaps: float = 4.0) 
     many gaps between samples, by default what gravity closes or opens within two of them."""
     hop = float(np.hypot(*gravity(case))) * (gaps * float(np.max(np.diff(t)))) ** 2 / 8.0
     return share * min(plate.inner for plate in plates_of(case)) + hop
-
-
-def _on_supports(case: Case, columns: dict[str, np.ndarray], creep: float) -> Trajectory:
-    """The motion of a plate on supports or with flat sides, whose contacts follow from its poses and velocities."""
-    t, nothing = columns["t"], np.full(len(columns["t"]), np.nan)
-    poses = {name: columns.get(name, nothing) for name in ("x", "y", "theta", "vx", "vy", "omega")}
-    whole: dict[str, Any] = {**dict.fromkeys(State._fields, nothing), **poses}
-    motion = Trajectory(t=t, **whole, slip_resolution=_creep(columns, creep))
-    complete = partial(feature_contacts.with_contacts, clear=_clear(case, t), slip_lever=_lever(columns))
-    return by_track(case, motion, complete)
 
 
 def slowest(case: Case, seconds: float) -> float:

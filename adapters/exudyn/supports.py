@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import exudyn as exu
 import numpy as np
 
-from cases import Case, Gravity, Load, PerfectlyRough, State, Trajectory
+from cases import Case, Gravity, Load, PerfectlyRough, Trajectory
 from cases.contact import start_motion
 from cases.curves.corner import Corner
 from cases.curves.line_or_circle import as_circle, as_line
@@ -87,13 +87,12 @@ def read(case: Case, setting: Setting, system: SupportsSystem, data: SensorData,
         lever = lever - contact.sphere.radius * _normal(contact, data.pose[:, :2] + lever)
         force += own
         moment += lever[:, 0] * own[:, 1] - lever[:, 1] * own[:, 0]
-    columns = (*data.pose.T, *data.velocity.T, *[np.full(len(data.t), np.nan)] * 5)
-    whole: dict[str, Any] = dict(zip(State._fields, columns, strict=True))
     creep = float(setting["vreg"])
     if any(isinstance(contact.pair.plate.outline, Corner) for contact in system.contacts):
         creep += corner_radius(case, setting) * float(np.abs(data.velocity[:, 2]).max())
-    motion = Trajectory(t=data.t, **whole, slip_resolution=creep)
-    return feature_contacts.with_contacts(case, motion, clear, np.column_stack([force, moment]), slip_lever=0.5)
+    poses, rates, torsor = data.pose[:, None], data.velocity[:, None], np.column_stack([force, moment])
+    motion = feature_contacts.with_plates(case, data.t, poses, rates, clear, torsor, slip_lever=0.5)
+    return replace(motion, slip_resolution=creep)
 
 
 def _normal(contact: SupportContact, centre: np.ndarray) -> np.ndarray:
