@@ -92,15 +92,15 @@ def in_track_frame(motion: Trajectory) -> Trajectory:
     """The motion of a driven case as its track sees it, with that case: for pictures and films of it."""
     if motion.case is None:
         raise BadValue("the motion has no case; give it one: dataclasses.replace(…, case=case)")
-    return _seen(motion, relative_case(motion.case), _View(motion.case, motion, from_track=True))
+    return _in_frame(motion, relative_case(motion.case), _View(motion.case, motion, from_track=True))
 
 
 def in_fixed_frame(case: Case, motion: Trajectory) -> Trajectory:
     """A motion of `relative_case(case)` in the fixed frame."""
-    return _seen(motion, case, _View(case, motion, from_track=False))
+    return _in_frame(motion, case, _View(case, motion, from_track=False))
 
 
-def _seen(motion: Trajectory, case: Case, view: _View) -> Trajectory:
+def _in_frame(motion: Trajectory, case: Case, view: _View) -> Trajectory:
     others: dict[str, Any] = {f.name: getattr(motion, f.name) for f in fields(motion) if f.name not in _SAMPLES}
     dense = view if motion.dense is not None else None
     if motion.plate_columns is not None:

@@ -67,7 +67,7 @@ def first_guesses(track: Piece, outline: Piece, x: float, y: float, theta: float
         return (
             _over_line(track, outline, (x, y, theta)) if is_straight else nearest_samples(track, outline, x, y, theta)
         )
-    (u, v), grid = _seen(track, (x, y, theta)), np.linspace(*outline.span, PIECE_POINTS)
+    (u, v), grid = _in_frame(track, (x, y, theta)), np.linspace(*outline.span, PIECE_POINTS)
     return [(0.5 * sum(track.span), float(grid[i])) for i in _least(squares(outline.point(grid).T, np.array([u, v])))]
 
 
@@ -88,7 +88,7 @@ def _least(values: np.ndarray) -> list[int]:
     return np.flatnonzero((values <= padded[:-2]) & (values <= padded[2:])).tolist()
 
 
-def _seen(corner: Corner, pose: Pose) -> tuple[float, float]:
+def _in_frame(corner: Corner, pose: Pose) -> tuple[float, float]:
     """A corner of the track in the frame of the plate."""
     u, v, c, s = corner.x - pose[0], corner.y - pose[1], cos(pose[2]), sin(pose[2])
     return c * u + s * v, c * v - s * u
@@ -149,7 +149,7 @@ def _on_both(first: tuple[Curve, Element], second: tuple[Curve, Element], contac
 
 def _of_corners(track: Corner, outline: Corner, pose: Pose) -> Contact:
     """Two corners, whose normal is the direction from one to the other; they do not overlap."""
-    u, v = _seen(track, pose)
+    u, v = _in_frame(track, pose)
     # In the plate's frame; the tangent is the normal, turned back by a right angle.
     dx, dy = outline.x - u, outline.y - v
     direction = atan2(-dx, dy)

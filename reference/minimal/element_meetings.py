@@ -82,7 +82,7 @@ def _path(pair: PieceCase, poses: Poses) -> Poses:
     if isinstance(outline, Corner):
         return lambda times: points_at(poses(times), outline.x, outline.y)
     if isinstance(track, Corner):
-        return lambda times: _seen(poses(times), track.x, track.y)
+        return lambda times: _in_frame(poses(times), track.x, track.y)
     return poses
 
 
@@ -113,7 +113,7 @@ def points_at(pose: np.ndarray, x: float, y: float) -> np.ndarray:
     return np.array([pose[0] + c * x - s * y, pose[1] + s * x + c * y, np.zeros_like(pose[2])])
 
 
-def _seen(pose: np.ndarray, x: float, y: float) -> np.ndarray:
+def _in_frame(pose: np.ndarray, x: float, y: float) -> np.ndarray:
     """The place of a fixed point in the plate's frame, as poses that do not turn."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     dx, dy = x - pose[0], y - pose[1]

@@ -31,8 +31,8 @@ def may_touch(now: Phase, segment: Segment, guard: str, begin: Sequence[float]) 
     the segment's length, that it may only touch it: series, which decide, take longer than most segments. `now` as of
     `over_touch`."""
     event = segment.event
-    lasted, index = event.time - segment.start, list(now.system.guards).index(guard)
-    soon = ALMOST * lasted
+    length, index = event.time - segment.start, list(now.system.guards).index(guard)
+    soon = ALMOST * length
     rates = now.system.rates_of_numbers(event.time, event.state, now.parameters)
     later = [value + soon * rate for value, rate in zip(event.state, rates, strict=True)]
     first, beyond = (
@@ -54,8 +54,8 @@ def over_touch(now: Phase, segment: Segment, guard: str, error: float, end: floa
     value, slope, bend = _series_of(now, guard, t, y, 2)[1]
     if not bend > 0.0:
         return None
-    depth, lasted = slope * slope / (4.0 * bend) - value, t - segment.start
-    if depth > error * LARGER * (abs(value) + abs(slope) * lasted + bend * lasted * lasted):
+    depth, length = slope * slope / (4.0 * bend) - value, t - segment.start
+    if depth > error * LARGER * (abs(value) + abs(slope) * length + bend * length * length):
         return None
     index = list(now.system.guards).index(guard)
     along = now.system.guards_of_arrays(segment.times, segment.states(segment.times), now.parameters)[index]

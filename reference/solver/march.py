@@ -77,9 +77,9 @@ def simulate(
     return segments, [*earlier, *chart.transitions], phase_limit_ending(chart.t, MOST_PHASES)
 
 
-def take_no_time(some: Sequence[Segment], lasted: float) -> bool:
-    """Whether phases that lasted so long (s) took no time by the fastest rates at their ends."""
-    return not any(lasted * frequency(one.phase, one.event.time, one.event.state) > NO_TIME for one in some)
+def take_no_time(some: Sequence[Segment], length: float) -> bool:
+    """Whether phases that length so long (s) took no time by the fastest rates at their ends."""
+    return not any(length * frequency(one.phase, one.event.time, one.event.state) > NO_TIME for one in some)
 
 
 def _first_chart(
