@@ -78,7 +78,7 @@ def simulate(
 
 
 def take_no_time(some: Sequence[Segment], length: float) -> bool:
-    """Whether phases that length so long (s) took no time by the fastest rates at their ends."""
+    """Whether phases of that total length (s) take no time by the fastest rates at their ends."""
     return not any(length * frequency(one.phase, one.event.time, one.event.state) > NO_TIME for one in some)
 
 
