@@ -158,13 +158,13 @@ def convergence_rows(experiment: Experiment, costs: CostMeasurements | None = No
             fit, plateau = order(points), saturation(points)
             rows.append(
                 {
-                    "case": case, "solver": solver, "route": route, "quantity": quantity, "settings": len(points),
+                    "case": case, "solver": solver, "route": route, "quantity": quantity,
                     "order": fit.order, "order_low": fit.low, "order_high": fit.high,
-                    "order_in_time": by_time.order, "order_in_time_low": by_time.low,
-                    "order_in_time_high": by_time.high,
                     "finest_error": quantities.error(fine, quantity),
                     "settings_used": " | ".join(fit.settings), "note": fit.note,
                     "saturation": plateau.cause, "saturated_from": plateau.setting, "saturated_error": plateau.error,
+                    "settings": len(points), "order_in_time": by_time.order, "order_in_time_low": by_time.low,
+                    "order_in_time_high": by_time.high,
                 }
             )  # fmt: skip
     return rows

@@ -208,7 +208,7 @@ def test_tables_have_the_promised_columns(report):
         "missed,spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"
         "energy_mean,cpu_s,setup_s,steps,run_at",
         "convergence": "case,solver,version,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
-        "saturation,saturated_from",
+        "saturation,saturated_from,saturated_error,settings,order_in_time,order_in_time_low,order_in_time_high",
     }
     for name, columns in promised.items():
         assert (report / "tables" / f"{name}.csv").read_text().splitlines()[0] == columns

@@ -31,7 +31,7 @@ CASE = "disc_on_line[mu=0.1]"
 RELEASE = publish.releases()[-1]
 BUILD = ["--quick", "--case", CASE, "--solver", "reference"]
 SWEEP = ["disc_on_line", "--vary", "v0=1:2:2", "--vary"]
-STUDY = ["settings", "--case", CASE, "--solver", "reference", "--out", "x"]
+STUDY = ["error_parts", "--case", CASE, "--solver", "reference", "--out", "x"]
 
 
 def in_cases(run) -> Callable[[list[str]], int]:
@@ -88,7 +88,7 @@ COMMANDS = {
 # What may lie in a folder: names that we write, names like those, and others of the user's.
 NAMES = [
     "index.html", "manifest.json", "tables/headline.csv", "tables/mine.csv", "figures/mine.svg", "tables",
-    "settings.csv", "sweep.json", "map.svg", "map.png", "rows/part-000000000000.parquet", "rows/mine",
+    "error_parts.csv", "sweep.json", "map.svg", "map.png", "rows/part-000000000000.parquet", "rows/mine",
     "boundary.parquet", "film.gif", "scene.json", "motion.csv", "disc_on_line.png", "my_valley.py", "report/notes.txt",
     "report/index.html", ".gitignore", ".slip-to-roll", ".slip-to-roll/notes.txt", "constraints.txt", "thesis.tex",
     f"run-{64 * '0'}.npz", "results.zip", ".unfinished-a", ".report.mine.partial", f"{file_name(CASE)}.gif", LIST,

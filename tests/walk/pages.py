@@ -225,8 +225,8 @@ WALK = {
     ),
     "paper.md": Page(
         (
+            Left("python -m tests.benchmarks paper", CLONE),
             Left("python -m reference --prove disc_in_circle", "the page of proofs does it"),
-            Left("python -m tests.benchmarks paper --out DIR", CLONE),
         )
     ),
     "process_protocol.md": Page(
@@ -364,5 +364,5 @@ WALK = {
             Left('pip install -e ".[taylor]"', "the walk installs the wheel"),
         )
     ),
-    "truth.md": Page((Left("python -m reference", OF_A_RELEASE),)),
+    "truth.md": Page((Left("python -m tests.benchmarks uniqueness", CLONE), Left("python -m reference", OF_A_RELEASE))),
 }

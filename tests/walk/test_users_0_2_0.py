@@ -78,6 +78,18 @@ ONLY_THERE: dict[str, Step | Left] = {
         "an older name of compare; A stands for a report of the reader's",
     ),
     "python -m reports.gate": Left("python -m reports.gate", "tests/reports/test_gate.py runs it"),
+    **{
+        f"python -m reports.study {name}": Left(
+            f"python -m tests.benchmarks {name}", "it says what to type in a clone: tests/reports/test_studies.py"
+        )
+        for name in ("effect_costs", "paper")
+    },
+    "python -m reports.studies.meanings": Left(
+        "python -m tests.benchmarks.meanings", "it writes a page of the repository, in a clone"
+    ),
+    "slip-to-roll deposit docs/results/0.2.0": Left(
+        "slip-to-roll release deposit docs/results/0.2.0", "an older name, of a folder in a clone"
+    ),
     "slip-to-roll completion bash": Left(
         "slip-to-roll completion bash", "it is gone, and says what to type: tests/reports/test_cli.py"
     ),
