@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -12,15 +13,19 @@ import numpy as np
 from cases import (
     Belt,
     Case,
+    Chain,
     CoulombFriction,
     Drive,
+    Flight,
     Gravity,
     Impact,
     Load,
     Mode,
+    Outline,
     Plate,
     RollingResistance,
     Start,
+    StartPose,
     Trajectory,
     Unilateral,
     disc,
@@ -100,6 +105,15 @@ def sticky() -> Case:
 def stops_at_end() -> Case:
     """A disc that begins to roll where the motion ends."""
     return on_line(CoulombFriction(0.1), duration=1 / (3 * 0.1 * G), slip=1.0)
+
+
+@cache
+def off_an_edge() -> Case:
+    """A box that does not turn slides off a table, its side on the edge."""
+    box = Plate(Outline.polygon([(-0.1, -0.05), (0.1, -0.05), (0.1, 0.05), (-0.1, 0.05)]), 1.0, inf)
+    table = Chain.polyline([(-3.0, 0.0), (0.0, 0.0), (0.0, -3.0)])
+    effects = Gravity(G), Unilateral(), Flight(), Impact(0.0)
+    return Case(table, box, effects, StartPose(0.033882740115579096, 0.04185642032305351, -0.3), 0.5)
 
 
 def _gravity(case: Case, factor: float = 1.0, turn: float = 0.0) -> Gravity:
@@ -260,6 +274,8 @@ FAULTS = {
     "angle drifts by 1e-10 rad/s": Fault(CIRCLE, column("theta", lambda x, t: x + 1e-10 * t)),
     "place jumps by 1e-10 m": Fault(CIRCLE, jump("x", 1e-10)),
     "spin jumps by 1e-9 rad/s": Fault(CIRCLE, jump("omega", 1e-9)),
+    "an impulse where a corner leaves an edge": Fault(off_an_edge, jump("vy", 0.083, change=0)),
+    "a side sinks into its track by a nanometre per second": Fault(BOX, column("y", lambda y, t: y - 1e-9 * t)),
     "force of one corner of a box": Fault(BOX, contact_column("plate/track 2", "normal_force", 0.9)),
     "integrated by DOP853 at 1e-6": Fault(CIRCLE, lambda c: simulate(c, 1e-6, "dop853")),
     "integrated at 1e-8": Fault(CIRCLE, lambda c: simulate(c, 1e-8, "dop853")),

@@ -266,11 +266,12 @@ def contact_column(contact: str, name: str, factor: float) -> Callable[[Case], T
     return plant
 
 
-def jump(name: str, by: float) -> Callable[[Case], Trajectory]:
-    """The right motion with one column that jumps where its eighth step begins."""
+def jump(name: str, by: float, change: int | None = None) -> Callable[[Case], Trajectory]:
+    """The right motion with one column that jumps where its eighth step begins, or at a transition."""
 
     def plant(case: Case) -> Trajectory:
-        at = float(np.unique(simulate(case).t)[7])
+        right = simulate(case)
+        at = float(np.unique(right.t)[7]) if change is None else right.transitions[change].time
         return column(name, lambda values, t: values + by * (t >= at))(case)
 
     return plant
