@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache, partial
 from math import inf, isinf, pi, sqrt
@@ -147,7 +148,8 @@ class PhaseIntegration(PlateState):
         scales = self.scales(phase)
         values = phase.guards(self.t, self.body)
         risen = {kind: (NO_SLIP if kind == "slip" else RISEN) * scale for kind, scale in scales.items()}
-        positive = {name: value > risen[name[0]] for name, value in values.items()}
+        # The end of an element may come near during the phase: its guard is watched once it has been positive.
+        positive = defaultdict(bool, {name: value > risen[name[0]] for name, value in values.items()})
         for contact, pair in zip(phase.contacts, phase.pairs(self.t, self.body), strict=True):
             # The contact may be low in a hop where the phase begins.
             falls = not contact.is_closed and pair.gap > 0.0 and pair.lift < -MOVES * self.speed
@@ -196,7 +198,7 @@ class PhaseIntegration(PlateState):
                 values = self.watched(guards_at(look), look, blind)
                 watched = {name: value for name, value in values.items() if positive[name]}
                 near = phase.near  # Newton's method goes on from this look
-                dip = dips.first(lambda name, t, at=guards_at: at(t)[name], before, look, watched)  # type: ignore[misc]
+                dip = dips.first(lambda name, t, at=guards_at: at(t).get(name, inf), before, look, watched)  # type: ignore[misc]
                 phase.near = near
                 if dip is not None:
                     look, values = dip, self.watched(guards_at(dip), dip, blind)
