@@ -1,7 +1,7 @@
 """Certificates: the values on which several independent solutions of a case agree, with error bars.
 
 Witnesses: the Taylor method at two tolerances and in quadruple precision within each phase (where heyoka is
-installed), DOP853 at its tightest tolerance, and the second formulation, which shares no code with the others. The
+installed), DOP853 at its tightest tolerance, and the second formulation, which shares geometry of curves only. The
 central value is that of the most precise witness; `bars` computes its error bar. If a witness cannot run, the truth
 rests on the others, and the certificate records this. The most precise motion also passes the check of laws, which
 compares it with no other.
