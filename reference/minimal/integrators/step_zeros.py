@@ -119,6 +119,8 @@ def _zero_of_one(phase: Phase, piece, index: int, fine: np.ndarray, first: bool,
         low, high = float(FINE[below[0] - 1]), float(FINE[below[0]])
         while high < 1.0 and value(high) > 0.0:
             high = min(1.0, high + FINE[1])
+        while low > 0.0 and value(low) <= 0.0:
+            low, high = max(0.0, low - FINE[1]), low
         if value(high) <= 0.0:
             if low == 0.0 and first:
                 low = FINE[1] * 1e-3
