@@ -181,12 +181,12 @@ def _lift_off(samples: MotionSamples, scales: MotionScales, end: float) -> Itera
 def _track_end(samples: MotionSamples, end: float) -> Iterator[Defects]:
     ends = samples.case.track.ends
     step = len(samples.start) - 1
-    rows = [(c, row_of(c, step)) for c in samples.contacts if c.law.name == CONTACT]
-    if ends is None or not rows or rows[0][1] is None:
+    rows = [(c, row_of(c, step)) for c in samples.contacts if base_of(c.law.name) == TRACK]
+    places = [float(c.xi1[row, -1]) for c, row in rows if row is not None]
+    if ends is None or not places:
         yield _one("track ends", CONTACT, end, 1.0, 1.0, "of its length", 0.5)
         return
-    place = float(rows[0][0].xi1[rows[0][1], -1])
-    far = min(abs(place - e) for e in ends) / (ends[1] - ends[0])
+    far = min(abs(place - e) for place in places for e in ends) / (ends[1] - ends[0])
     corners = corners_of(samples.case.plate.outline)
     if isinstance(samples.case.plate.outline, Chain) and corners is not None:  # a side that turned flat may reach it
         plates, points = plates_at(samples, step, -1), samples.case.track.point(np.array(ends))

@@ -214,6 +214,8 @@ def _routh(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, im
             velocity = np.array([0.0, velocity[1] + matrix[1, 0] * stop])
             continue
         change = matrix @ np.array([ratio, 1.0])
+        if sense == 0.0 and abs(matrix[0, 1]) <= stick * matrix[0, 0]:  # it sticks: a rounding of its slip is none
+            change[0] = 0.0
         if compression is None:
             rest = -velocity[1] / change[1] if change[1] > 0.0 else np.inf
         elif impact.law == "poisson":

@@ -119,7 +119,8 @@ class Simulation(ImpactSimulation):
 
     def check_lift(self, modes: dict[int, Mode]) -> None:
         """Where effects of packages lift a plate, which end with the contact, it comes down at once."""
-        some = [k for k, c in enumerate(self.contacts) if c.is_closed and k not in modes]
+        touching = {k for k, c in enumerate(self.contacts) if c.is_closed or c.name in self.touching}
+        some = touching - modes.keys()
         opened = [pair for k, pair in enumerate(self.pairs()) if k in some and own_effects(pair.contact.effects)]
         if not opened or self.case.effect(Flight) is None:
             return

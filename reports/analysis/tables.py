@@ -130,6 +130,8 @@ def trajectory_rows(experiment: Experiment) -> list[dict[str, Any]]:
                 "setup_s": run.cost.setup_s,
                 "steps": run.cost.steps,
                 "run_at": run.when,
+                "law_error": run.law.median,
+                "law_error_at": run.law.time,
             }
         )
     return rows
@@ -144,8 +146,6 @@ def _score_columns(run: Run, sensitivity: float) -> dict[str, Any]:
         "off_doubt": score.doubt if score else nan,
         "mu_equivalent": score.off * CHANGE / sensitivity if score and sensitivity >= LEAST else nan,
         "friction_factor": run.friction_factor,
-        "law_error": run.law.median,
-        "law_error_at": run.law.time,
         "reason": run.reason,
         "refusal": run.refusal,
         "sequence": run.sequence,

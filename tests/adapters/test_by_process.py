@@ -192,7 +192,7 @@ def test_points_without_an_executable_is_one_sentence(capsys):
 
 def test_the_true_motion_of_a_bounce_can_be_read_back(tmp_path):
     case = cases.load("bouncing_disc")
-    names, rows = export.motion(case)
+    names, rows = export.motion(export.true_motion(case))
     assert np.isfinite(rows).all()
     text = ",".join(names) + "\n" + "\n".join(",".join(map(repr, r)) for r in rows.tolist())
     assert motion_file.trajectory_of(case, motion_table.parse(text, "motion")).status == "completed"

@@ -206,7 +206,7 @@ def test_tables_have_the_promised_columns(report):
         "trajectories": "case,solver,version,route,setting,outcome,grade,off,off_doubt,mu_equivalent,friction_factor,"
         "reason,refusal,sequence,pose_score,mode_score,slip_score,creep,status,first_mode,transitions_true,paired,"
         "missed,spurious,centre_max,centre_rms,angle_max,angle_rms,slip_max,slip_rms,final_pose,normal_force_mean,"
-        "energy_mean,cpu_s,setup_s,steps,run_at",
+        "energy_mean,cpu_s,setup_s,steps,run_at,law_error,law_error_at",
         "convergence": "case,solver,version,route,quantity,order,order_low,order_high,finest_error,settings_used,note,"
         "saturation,saturated_from,saturated_error,settings,order_in_time,order_in_time_low,order_in_time_high",
     }

@@ -135,7 +135,7 @@ def test_answers_are_the_cheapest_of_each_side(report):
 def test_terminal_page_and_file_give_the_same_verdict(report):
     terminal = (report.parent / "terminal.txt").read_text()
     page = (report / "index.html").read_text()
-    table = page.partition('<table class="answer')[2].partition("</table>")[0]
+    table = page.partition('<table class="answer short')[2].partition("</table>")[0]
     shown = re.findall(r'<span class="of">(.*?)</span></th>(.*?)</tr>', table, re.DOTALL)
     rows = read(report, "verdict").fillna({"our_part": ""}).to_dict("records")
     assert len(rows) == len(shown) == len(solvers.solver("pymunk").routes)
