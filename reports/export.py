@@ -106,12 +106,11 @@ def steps_text(true: Trajectory) -> str:
     the coefficients c₀ … c₂₄ of Chebyshev polynomials, Σ cₖ Tₖ(2 (t − start)/(end − start) − 1) in SI units. With them
     anybody can check the laws, without code of the suite."""
     from reference.laws_check import chebyshev
-    from reference.laws_check.samples import steps_of
+    from reference.laws_check.samples import nodes_of, steps_of
 
     head = ["of", "quantity", "start", "end", *(f"c{k}" for k in range(chebyshev.COUNT))]
     start, end = steps_of(true) if len(true.t) > 1 else (np.zeros(0), np.zeros(0))
-    times = start[:, None] + (end - start)[:, None] * chebyshev.NODES
-    times[:, -1] = np.nextafter(end, -np.inf)  # an impact at the end belongs to the next step
+    times = nodes_of(start, end)
     lines = [",".join(head)]
     for name, quantity, values in _quantities(true, times.ravel()):
         table = chebyshev.coefficients(values.reshape(times.shape))
@@ -125,10 +124,12 @@ def steps_text(true: Trajectory) -> str:
 
 def _quantities(true: Trajectory, times: np.ndarray) -> Iterator[tuple[str, str, np.ndarray]]:
     """Name of the plate or contact, quantity, and its values at times; NaN where a contact is open."""
+    from reference.laws_check.samples import state_of
+
     if not len(times):
         return
     for name in true.plate_names:
-        state = true.plate(name)(times) if true.plate_columns is not None else true(times)
+        state = state_of(true, name, times)
         yield from ((name, quantity, np.asarray(getattr(state, quantity))) for quantity in OF_PLATES)
     for name in true.contact_names:
         now = true.contact_columns(name, times) if true.contact_columns is not None else true(times)

@@ -184,14 +184,19 @@ def steps_of(motion: Trajectory) -> tuple[np.ndarray, np.ndarray]:
     return knots[:-1][is_step], knots[1:][is_step]
 
 
+def nodes_of(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """The nodes of steps (starts and ends, s), (n, 25); the end of a step is looked at from inside."""
+    times = start[:, None] + (end - start)[:, None] * NODES
+    times[:, -1] = np.nextafter(end, -np.inf)
+    return times
+
+
 def of_motion(case: Case, motion: Trajectory, start: np.ndarray, end: np.ndarray) -> MotionSamples:
     """The samples of some steps (starts and ends, s) of any motion with dense output, of a case with a track at
     rest."""
-    times = start[:, None] + (end - start)[:, None] * NODES
-    # The end of a step is looked at from inside.
-    times[:, -1] = np.nextafter(end, -np.inf)
+    times = nodes_of(start, end)
     flat = times.ravel()
-    every = [_state(motion, name, flat) for name in motion.plate_names]
+    every = [state_of(motion, name, flat) for name in motion.plate_names]
     plates = tuple(_plate(state, times.shape) for state in every)
     near = parameters_near(case, motion.transitions)
     contacts = [_contact(case, motion, name, every[0], plates, times, near) for name in motion.contact_names]
@@ -224,7 +229,8 @@ def _only_mode(law: ContactLaw, slip: np.ndarray, speed: float) -> Mode:
     return Mode.ROLL
 
 
-def _state(motion: Trajectory, name: str, times: np.ndarray) -> State:
+def state_of(motion: Trajectory, name: str, times: np.ndarray) -> State:
+    """A plate of a motion at times (n,)."""
     if motion.plate_columns is not None:
         return motion.plate_columns(name, times)
     return (motion.dense or motion._interpolate)(times)

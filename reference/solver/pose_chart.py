@@ -330,8 +330,8 @@ class PoseChart(ModeChanges):
             self.touching.discard(watch.name)
             # It moves along the side that touched: beyond the end of the other curve's element before, away from the
             # next.
-            beside = (neighbour(following, on_track, to) for on_track in (True, False) for to in (-1, 1))
-            self.partings += [(self.t, pair) for pair in (watch.pair, *beside) if pair is not None]
+            neighbours = (neighbour(following, is_track, way) for is_track in (True, False) for way in (-1, 1))
+            self.partings += [(self.t, pair) for pair in (watch.pair, *neighbours) if pair is not None]
             self._settle(stuck - {watch.name})
             return None
         points = self._start_of(following, whole, of_track, step)

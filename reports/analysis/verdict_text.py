@@ -35,7 +35,7 @@ def sentence(table: Sequence[Mapping[str, Any]], pair_rows: Sequence[Mapping[str
     many = errors[0]["common_cases"]
     if many:
         texts = "; ".join(
-            f"{name(row)} {_percent(row['common_default_off'])} by default, {_percent(row['common_finest_off'])} "
+            f"{name(row)} {off_text(row['common_default_off'])} by default, {off_text(row['common_finest_off'])} "
             "at the finest setting run"
             for row in errors
         )
@@ -62,10 +62,10 @@ def cells(row: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
     factor = row["worst_friction_factor"]
     return {
         "answered": (count, ", ".join(lacking)),
-        "common, default": (_percent(row["common_default_off"]), ""),
-        "common, finest": (_percent(row["common_finest_off"]), ""),
-        "default": (_percent(row["default_off"]), _range(row)),
-        "finest": (_percent(row["finest_off"]), _worst(row["finest_off_worst"])),
+        "common, default": (off_text(row["common_default_off"]), ""),
+        "common, finest": (off_text(row["common_finest_off"]), ""),
+        "default": (off_text(row["default_off"]), _range(row)),
+        "finest": (off_text(row["finest_off"]), _worst(row["finest_off_worst"])),
         "grade": (row["median_grade"] or "–", ""),
         "≤ 1 %": (_confirmed(row, "good"), f"≤ 0.01 %: {_confirmed(row, 'excellent')}"),
         "friction ×": (f"{float(f'{factor:.2g}'):g}" if isfinite(factor) else "–", ""),
@@ -85,18 +85,19 @@ def _time(row: Mapping[str, Any]) -> tuple[str, str]:
     return (seconds(first), f"1,000 runs: {seconds(thousand)}") if isfinite(first) else ("–", "")
 
 
-def _percent(off: float) -> str:
+def off_text(off: float) -> str:
+    """An error in percent, or a dash if there is none."""
     return percent(off).replace("less than ", "< ") if isfinite(off) else "–"
 
 
 def _range(row: Mapping[str, Any]) -> str:
     """The range of off over all cases and default settings."""
     low, high = row["default_off_best"], row["default_off_worst"]
-    return f"{_percent(low).removesuffix(' %')} to {_percent(high)}" if isfinite(high) else ""
+    return f"{off_text(low).removesuffix(' %')} to {off_text(high)}" if isfinite(high) else ""
 
 
 def _worst(off: float) -> str:
-    return f"worst {_percent(off)}" if isfinite(off) else ""
+    return f"worst {off_text(off)}" if isfinite(off) else ""
 
 
 def in_terminal(table: Sequence[Mapping[str, Any]]) -> str:

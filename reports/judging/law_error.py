@@ -36,7 +36,13 @@ def law_error(case: Case, motion: Trajectory) -> LawError:
     contacts, and without friction.
     """
     friction = case.effect(CoulombFriction)
-    if friction is None or case.effect(Drive) is not None or case.others or case.supports or len(motion.contacts) > 1:
+    if (
+        friction is None
+        or case.effect(Drive) is not None
+        or case.others
+        or case.supports
+        or len(motion.contact_names) > 1
+    ):
         return LawError()
     inside = np.concatenate([np.diff(motion.t) > 0.0, [True]])
     if np.count_nonzero(inside) < 2:

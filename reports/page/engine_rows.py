@@ -7,8 +7,9 @@ from math import isfinite, nan
 from statistics import median
 from typing import Any
 
-from ..analysis import verdict
+from ..analysis import verdict, verdict_text
 from ..analysis.number_format import number, seconds
+from ..analysis.verdict_text import off_text
 from ..judging.grades import LIMITS, Grade, percent
 from ..running.records import Experiment, Run, default, gives_motion, routes
 from .fragments import identifier
@@ -19,15 +20,18 @@ _NAMES = {
     "h": "step", "facets": "facets", "k": "stiffness", "vreg": "regularised slip velocity", "iterations": "iterations",
 }  # fmt: skip
 _UNITS = {"k": " N/m", "vreg": " m/s"}
-GOOD = LIMITS[Grade.GOOD]
+_GOOD = LIMITS[Grade.GOOD]
 
 
 def engine_rows(
-    experiment: Experiment, verdicts: Sequence[Mapping[str, Any]], timings: Sequence[Mapping[str, Any]], case: str
+    experiment: Experiment,
+    verdicts: Sequence[Mapping[str, Any]],
+    offs: Mapping[verdict.Key, Mapping[str, verdict.SceneOffs]],
+    timings: Sequence[Mapping[str, Any]],
+    case: str,
 ) -> list[dict[str, Any]]:
-    """A row for each engine by itself, in the order of the verdict. `case`: the scene whose setting for 1 % is shown;
-    `timings`: rows of the table work_precision."""
-    offs = verdict.scenes(experiment)
+    """A row for each engine by itself, in the order of the verdict. `offs`: errors by route and scene; `timings`: rows
+    of the table work_precision; `case`: the scene whose setting for 1 % is shown."""
     groups = routes(experiment.runs)
     rows = []
     for row in verdicts:
@@ -52,14 +56,14 @@ def engine_rows(
 def _cells(row: Mapping[str, Any], scenes: Sequence[verdict.SceneOffs]) -> dict[str, tuple[str, str]]:
     """Main text and small text by heading."""
     usual = [one.default for one in scenes if isfinite(one.default)]
-    far = f"more than 10 % in {sum(off > 0.1 for off in usual)} of {len(usual)} scenes" if usual else ""
-    lacking = [f"{row[outcome]} {outcome.replace('_', ' ')}" for outcome in verdict.WITHOUT_MOTION if row[outcome]]
+    many = sum(off > LIMITS[Grade.ROUGH] for off in usual)
+    far = f"more than {percent(LIMITS[Grade.ROUGH])} in {many} of {len(usual)} scenes" if usual else ""
     return {
         "usual settings": (f"{_median(usual)} off", far),
         "finest settings": (_median([one.finest.off for one in scenes]), ""),
-        "scenes it runs": (f"{row['answered']} of {row['friction_cases']}", ", ".join(lacking)),
+        "scenes it runs": verdict_text.cells(row)["answered"],
         f"the {row['common_cases']} scenes that all run": (
-            f"{_percent(row['common_default_off'])} usual", f"{_percent(row['common_finest_off'])} finest",
+            f"{off_text(row['common_default_off'])} usual", f"{off_text(row['common_finest_off'])} finest",
         ),
     }  # fmt: skip
 
@@ -68,7 +72,7 @@ def _settings(group: Sequence[Run]) -> tuple[Run | None, Run | None]:
     """The run with usual settings, and the coarsest from which on the whole ladder is within 1 %, doubt included."""
     ladder, coarsest = [run for run in group if gives_motion(run)], None
     for run in reversed(ladder):
-        if run.score is None or run.score.off + run.score.doubt > GOOD:
+        if run.score is None or run.score.off + run.score.doubt > _GOOD:
             break
         coarsest = run
     return default(group), coarsest
@@ -86,7 +90,7 @@ def _so(solver: str, usual: Run | None, coarsest: Run | None) -> str:
     """What to change for 1 %, in words; "" where that is not known."""
     if usual is None or usual.score is None:
         return ""
-    if usual.score.off + usual.score.doubt <= GOOD:
+    if usual.score.off + usual.score.doubt <= _GOOD:
         return f"{solver}'s usual settings are within 1 %."
     if coarsest is None:
         return f"{solver} does not come within 1 % with the settings tried."
@@ -124,8 +128,4 @@ def _list(texts: Sequence[str]) -> str:
 
 
 def _median(values: Sequence[float]) -> str:
-    return _percent(median(values)) if values else "–"
-
-
-def _percent(off: float) -> str:
-    return percent(off).replace("less than ", "< ") if isfinite(off) else "–"
+    return off_text(median(values) if values else nan)

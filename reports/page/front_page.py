@@ -43,8 +43,8 @@ def screen(
     return {
         "compared": _comparison(experiment),
         "measure": _measure(experiment),
-        "rows": engine_rows(experiment, verdicts, timings, cost_case),
-        "strip": strip_plot(experiment, verdicts),
+        "rows": engine_rows(experiment, verdicts, offs, timings, cost_case),
+        "strip": strip_plot(verdicts, offs),
         "sentence": verdict_text.sentence(verdicts, records(frames["pairs"])),
         "lead": verdict_text.LEAD,
         "friction": verdict.cost_of_friction(

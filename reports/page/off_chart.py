@@ -51,8 +51,8 @@ def off_chart(
     if not points:
         return None
     every = [point for line in points.values() for point in line]
-    x = _Axis([point["work"] for point in every], _LEFT, _RIGHT)
-    y = _Axis([max(point["off"], _LEAST) for point in every], _BOTTOM, _TOP)
+    x = LogAxis([point["work"] for point in every], _LEFT, _RIGHT)
+    y = LogAxis([max(point["off"], _LEAST) for point in every], _BOTTOM, _TOP)
     # Routes of engines have the first markers, native the very first.
     names = sorted(
         dict.fromkeys(key for key in points), key=lambda key: (key[0] == REFERENCE, key[1] != NATIVE, key[1])
@@ -74,7 +74,7 @@ def _key(row: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(str(row[name]) for name in ("case", "solver", "route", "setting"))
 
 
-class _Axis:
+class LogAxis:
     """A logarithmic axis over whole decades: from a value to pixels."""
 
     def __init__(self, values: Iterable[float], begin: float, end: float):
@@ -92,7 +92,7 @@ class _Axis:
         return [10.0**power for power in range(self.low, self.high + 1, step)]
 
 
-def _bands(y: _Axis) -> list[dict[str, Any]]:
+def _bands(y: LogAxis) -> list[dict[str, Any]]:
     """The grades, from the best at the lower edge."""
     bands, below = [], y(10.0**y.low)
     for name, limit in [*LIMITS.items(), ("unusable", 10.0**y.high)]:
@@ -104,7 +104,7 @@ def _bands(y: _Axis) -> list[dict[str, Any]]:
 
 
 def _line(
-    key: tuple[str, str], points: Sequence[Mapping[str, Any]], x: _Axis, y: _Axis, marker: str, cost: str
+    key: tuple[str, str], points: Sequence[Mapping[str, Any]], x: LogAxis, y: LogAxis, marker: str, cost: str
 ) -> dict[str, Any]:
     solver, route = key
     marks = [

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isfinite, log10
+from math import isfinite
 from statistics import median
 from typing import Any
 
 from ..analysis import verdict
+from ..analysis.verdict_text import off_text
 from ..judging.grades import LIMITS, percent
-from ..running.records import Experiment
 from .chapters import anchor
 from .fragments import identifier
+from .off_chart import LogAxis
 
 WIDTH, ROW, _LEFT, _RIGHT, _TOP = 640, 46, 118, 604, 26
 # Off below and above is drawn at the edges: below it is the error of samples, above a motion of its own.
 _LOW, _HIGH = 1e-6, 10.0
+_AXIS = LogAxis((_LOW, _HIGH), _LEFT, _RIGHT)
 # Heights of neighbouring dots, pixels from the middle of a row: a fixed order, so that a page is made again as it was.
 _HEIGHTS = (0, -8, 6, -4, 10, -11, 3, -7, 9, -2, 12)
 
 
-def strip_plot(experiment: Experiment, verdicts: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
-    """Data of the plot: rows of dots, medians, and the axis; None without an engine."""
-    offs = verdict.scenes(experiment)
+def strip_plot(
+    verdicts: Sequence[Mapping[str, Any]], offs: Mapping[verdict.Key, Mapping[str, verdict.SceneOffs]]
+) -> dict[str, Any] | None:
+    """Data of the plot: rows of dots, medians, and the axis; None without an engine. `offs`: errors by route and
+    scene."""
     keys = [(row["solver"], row["route"]) for row in verdicts if verdict.is_engine(row) and row["answered"]]
     if not keys:
         return None
@@ -35,7 +39,6 @@ def strip_plot(experiment: Experiment, verdicts: Sequence[Mapping[str, Any]]) ->
             if values:
                 rows.append(_row(key, words, values, common, _TOP + ROW * (len(rows) + 0.5)))
     bottom = _TOP + ROW * len(rows)
-    decades = range(round(log10(_LOW)), round(log10(_HIGH)) + 1)
     return {
         "width": WIDTH,
         "height": bottom + 34,
@@ -44,7 +47,7 @@ def strip_plot(experiment: Experiment, verdicts: Sequence[Mapping[str, Any]]) ->
         "left": _LEFT,
         "right": _RIGHT,
         "rows": rows,
-        "ticks": [{"x": _place(10.0**power), "text": _tick(power)} for power in decades],
+        "ticks": [{"x": _place(off), "text": _tick(off)} for off in _AXIS.ticks()],
         "grades": _grades(),
         "many": len(common),
     }
@@ -64,8 +67,12 @@ def _row(key: tuple[str, str], words: str, values: Mapping[str, float], common: 
     ]
     middle = median(values.values())
     x, is_far = _place(middle), _place(middle) > _RIGHT - 70
-    text = percent(middle).replace("less than ", "< ")
-    of_median = {"x": x, "text": text, "anchor": "end" if is_far else "start", "text_x": x - 5 if is_far else x + 5}
+    of_median = {
+        "x": x,
+        "text": off_text(middle),
+        "anchor": "end" if is_far else "start",
+        "text_x": x - 5 if is_far else x + 5,
+    }
     return {
         "solver": solver, "route": route, "id": identifier(solver), "words": f"{words} settings", "y": y, "dots": dots,
         "median": of_median,
@@ -73,13 +80,12 @@ def _row(key: tuple[str, str], words: str, values: Mapping[str, float], common: 
 
 
 def _place(off: float) -> float:
-    share = (log10(min(max(off, _LOW), _HIGH)) - log10(_LOW)) / (log10(_HIGH) - log10(_LOW))
-    return round(_LEFT + share * (_RIGHT - _LEFT), 1)
+    return _AXIS(max(off, _LOW))
 
 
-def _tick(power: int) -> str:
-    text = f"{10.0 ** (power + 2):,g} %".replace(" ", "\u202f").replace("e-0", "e-")
-    return f"≤\u202f{text}" if 10.0**power <= _LOW else text
+def _tick(off: float) -> str:
+    text = f"{100.0 * off:,g}\u202f%"
+    return f"≤\u202f{text}" if off <= _LOW else text
 
 
 def _grades() -> list[dict[str, Any]]:

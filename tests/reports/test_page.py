@@ -209,12 +209,12 @@ def test_what_to_change_for_one_percent_is_confirmed_by_all_finer_settings(offs,
     ]
     usual = run("a", "one", "native", 0.46, Setting.of(rung="defaults", h=1 / 60, facets=64))
     results = experiment(usual, *ladder)
-    (row,) = engine_rows(results, verdict.rows(results), [], "a")
+    (row,) = engine_rows(results, verdict.rows(results), verdict.scenes(results), [], "a")
     assert row["so"].startswith(text)
     assert row["cells"]["usual settings"] == ("46 % off", "more than 10 % in 1 of 1 scenes")
 
 
 def test_usual_settings_within_one_percent_need_no_change():
     results = experiment(run("a", "one", "native", 0.002, Setting.of(rung="defaults")), run("a", "one", "native", 1e-4))
-    (row,) = engine_rows(results, verdict.rows(results), [], "a")
+    (row,) = engine_rows(results, verdict.rows(results), verdict.scenes(results), [], "a")
     assert row["so"] == "one's usual settings are within 1 %."

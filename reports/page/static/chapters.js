@@ -25,13 +25,15 @@
     unknown.textContent = `This page has no part “${location.hash.slice(1)}”. Find a case in the list of the tab Cases.`;
     chapters.forEach((one) => hide(one, one !== chapter));
     links.forEach((one) => { if (one.hash === `#${chapter.id}`) one.setAttribute("aria-current", "page"); else one.removeAttribute("aria-current"); });
+    let name = chapter === chapters[0] ? "" : links.find((one) => one.hash === `#${chapter.id}`)?.textContent;
     if (articles.length) {
       const article = target?.closest("article") ?? articles.find((one) => !one.hidden) ?? articles[0];
       articles.forEach((one) => hide(one, one !== article));
       chapter.querySelectorAll(".index a").forEach((one) => { if (one.hash === `#${article.id}`) one.setAttribute("aria-current", "true"); else one.removeAttribute("aria-current"); });
       wake(article);
-      document.title = `${article.querySelector("h3")?.textContent ?? chapter.id} · ${title}`;
-    } else { wake(chapter); document.title = chapter === chapters[0] ? title : `${links.find((one) => one.hash === `#${chapter.id}`)?.textContent} · ${title}`; }
+      name = article.querySelector("h3")?.textContent ?? name;
+    } else wake(chapter);
+    document.title = name ? `${name} · ${title}` : title;
     if (scroll) { if (target && target !== chapter && !target.matches("article, article > span, section > span")) target.scrollIntoView(); else scrollTo(0, 0); }
   }
   addEventListener("hashchange", () => show());
