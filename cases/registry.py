@@ -11,16 +11,18 @@ import pkgutil
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, ParamSpec, overload
 
 from .derivation import LOCK, in_one_thread
-from .errors import BadValue, CaseError, boolean, describe, instance, items, number_in, parameter, unknown_name
+from .errors import BadValue, CaseError, boolean, describe, instance, items, number_in, parameter, real, unknown_name
 from .files import user_files
 
 if TYPE_CHECKING:
     from .scene.case_class import Case
+
+P = ParamSpec("P")
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,20 @@ class CaseSummary(NamedTuple):
 _entries: dict[str, CatalogueEntry] = {}
 
 
+@overload
+def case(function: Callable[P, Case], /) -> Callable[P, Case]: ...
+
+
+@overload
+def case(
+    *,
+    variants: Sequence[Mapping[str, Any]] = ...,
+    hard: str = ...,
+    outcome: str = ...,
+    long: Sequence[Mapping[str, Any]] = ...,
+) -> Callable[[Callable[P, Case]], Callable[P, Case]]: ...
+
+
 def case(
     function=None,
     *,
@@ -90,7 +106,8 @@ def case(
     """Mark a function as a case. `variants` names the parameter sets that `--case NAME` runs.
 
     For a case of the atlas of hard scenes, `hard` says what makes it hard and `outcome` what the right result is;
-    `long` are parameter sets that take minutes.
+    `long` are parameter sets that take minutes. A call of the function gives the case with its name and the numbers of
+    the call, as `load` does.
     """
 
     def register(function):
@@ -98,15 +115,33 @@ def case(
             raise BadValue(f"@case marks {function!r}; give it a function that returns a Case")
         name = function.__name__
         other = _entries.get(name)
-        if other and inspect.getsourcefile(other.function) != inspect.getsourcefile(function):
+        # A notebook compiles each cell under a file name of its own: there a case is defined again as any function is.
+        is_again = other and other.function.__module__ == function.__module__ == "__main__"
+        if other and not is_again and inspect.getsourcefile(other.function) != inspect.getsourcefile(function):
             raise BadValue(f"there is already a case {name!r}; give this function another name")
         if bool(instance("hard= of @case", hard, str)) != bool(instance("outcome= of @case", outcome, str)):
             raise BadValue(f"the hard case {name!r} has only one of hard= and outcome=; give both")
         short, minutes = (_parameter_sets(name, some) for some in (variants, long))
         _entries[name] = CatalogueEntry(name, function, short, hard, outcome, minutes)
-        return function
+        return _named(function)
 
     return register if function is None else register(function)
+
+
+def _named(function: Callable[P, Case]) -> Callable[P, Case]:
+    """The same function, whose case has the function's name, and the arguments of the call if all are numbers."""
+    signature = inspect.signature(function)
+
+    @wraps(function)
+    def call(*arguments: P.args, **keywords: P.kwargs) -> Case:
+        from .scene.case_class import Case  # imports NumPy, which lists and help do not need
+
+        scene, values = function(*arguments, **keywords), signature.bind(*arguments, **keywords).arguments
+        if not isinstance(scene, Case) or not all(real(value) is not None for value in values.values()):
+            return scene
+        return scene.with_name(function.__name__, {key: parameter(key, value) for key, value in values.items()})
+
+    return call
 
 
 def _parameter_sets(name: str, sets: object) -> tuple[dict[str, Any], ...]:

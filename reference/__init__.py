@@ -39,3 +39,7 @@ def __getattr__(name: str) -> Any:
     if _MODULE_OF[name] == "solve":  # from now on an attribute
         globals()[name] = value
     return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
