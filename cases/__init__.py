@@ -11,7 +11,8 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from .errors import BadCurve, BadValue, CaseError, DoesNotFit, NotSupported, UnknownName
-from .registry import case, entry, load, load_file, names, select
+from .lookup import load
+from .registry import case, entry, load_file, names, select
 from .version import __version__
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@
     FILE.py                 every case of a file
     FILE.py:FUNCTION        one case of a file, also with [parameter=value,…]
 
-A file of cases is Python code that is executed: use this only for input that the user types, else `cases.load`.
+A file of cases is Python code that is executed: use this only for input that the user types, else `registry.load`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import traceback
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from . import registry
 from .errors import BadValue, CaseError, UnknownName, describe, unknown_name
@@ -62,8 +62,8 @@ class CaseName(NamedTuple):
         return f"{self.names[0]}[{inside}]" if inside or self.inside is not None else self.names[0]
 
 
-def case_name(text: str) -> CaseName:
-    """The cases that an argument names; a file is first run in a copy of the process, then loaded into the catalogue.
+def case_name(text: str, load: Callable[[Path], list[str]] | None = None) -> CaseName:
+    """The cases that an argument names, of a file by `load`: by default `load_file`, with its trial run.
 
     Raises CaseError in one sentence.
     """
@@ -79,10 +79,26 @@ def case_name(text: str) -> CaseName:
         bare, _ = registry.parse(head)
         registry.entry(bare)  # raises UnknownName
         return CaseName(text, (bare,), inside, None)
-    names = tuple(load_file(file))
+    names = tuple((load or load_file)(file))
     if colon and function not in names:
         raise unknown_name(f"case in {file}", function, names)
     return CaseName(text, (function,) if colon else names, inside, file)
+
+
+def load(name: str | Path, **parameters: Any) -> Case:
+    """The case `name` with some parameters changed; `name` may carry them: "disc_in_circle[mu=0.2]".
+
+    The name of a Python file, or FILE.py:FUNCTION where it has several cases, executes that file and takes its case.
+    Raises UnknownName for a name or parameter that does not exist, with the nearest ones; CaseError for values no
+    scene can have.
+    """
+    return registry.load(registered(str(name) if isinstance(name, Path) else name), **parameters)
+
+
+def registered(name: str) -> str:
+    """The name in the catalogue of the only case that `name` gives: the name itself, or a case of a file."""
+    is_file = isinstance(name, str) and name.partition("[")[0].partition(":")[0].strip().endswith(".py")
+    return case_name(name, registry.load_file).label() if is_file else name
 
 
 def load_file(file: str | Path) -> list[str]:

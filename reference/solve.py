@@ -9,6 +9,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from inspect import isfunction
 from math import isfinite
 from typing import Any
 
@@ -118,7 +119,8 @@ def simulate(case: Case, rtol: float = 1e-10, method: str | None = None) -> Traj
     `reason` also where that matrix was nearly singular. Raises BadValue or UnknownName for invalid arguments.
     """
     if not isinstance(case, Case):
-        raise BadValue(f"simulate was given {type(case).__name__}; give a Case, for example cases.load(name)")
+        advice = f"call it: {case.__name__}()" if isfunction(case) else "give a Case, for example cases.load(name)"
+        raise BadValue(f"simulate was given {type(case).__name__}; {advice}")
     rtol, method = between("rtol", rtol, *TOLERANCES), _method_name(method, case)
     if method == "augmented" and case.others:
         raise NotSupported("the method 'augmented' has one plate; leave method out, or give 'dop853'")

@@ -12,9 +12,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import cases
 from adapters.common import motion_table
-from cases import BadValue, Case, CaseError, UnknownName
+from cases import BadValue, Case, CaseError, UnknownName, registry
 from cases.files import user_files
 
 from . import external_motions
@@ -107,7 +106,7 @@ def motion(submission: Submission, label: str) -> External:
     path = submission.files[label]
     try:
         user_files.existing("motion", path, follow=False)
-        return external_motions.read(submission.name, cases.load(label), path, ROUTE, submission.creep)
+        return external_motions.read(submission.name, registry.load(label), path, ROUTE, submission.creep)
     except CaseError as problem:
         raise type(problem)(f"{path}: {problem}") from problem
 
@@ -133,6 +132,6 @@ def externals(entries: Iterable[Submission], selection: Sequence[Case], solvers:
 
 def _label(submission: Submission, text: str) -> str:
     try:
-        return cases.load(text).label
+        return registry.load(text).label
     except CaseError as problem:
         raise type(problem)(f"{submission.files[text]}: {problem}; name the file by its case") from problem
