@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from functools import lru_cache
 from math import hypot, pi
@@ -9,19 +10,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import BadCurve, BadValue, finite, not_negative, point, positive
+from ..errors import BadValue, finite, not_negative, point, positive
 from . import Curve, cos, sin
 from .chain import MEETING, Chain, corner_points
 from .corner import Edge
 
 
 class Outline(Chain):
-    """A closed chain: the outline of a plate with corners, counter-clockwise around it."""
+    """A closed chain: the outline of a plate with corners, counter-clockwise around it. Pieces in clockwise order are
+    taken in the other direction, with a warning: the parameter then counts from the other end."""
 
     def __init__(self, pieces: Sequence[Curve]):
         super().__init__(pieces, True)
         if self.rotation < 0:
-            raise BadCurve("the outline runs clockwise; give its pieces in the other order, each reversed")
+            from .backwards import backwards  # which imports curves
+
+            turned = [backwards(piece) for piece in reversed(self.pieces)]
+            vars(self).clear()  # also what was derived from the pieces
+            super().__init__(turned, True)
+            say_turned_round()
 
     @classmethod
     def of(cls, curve: Curve) -> Outline:
@@ -30,8 +37,9 @@ class Outline(Chain):
 
     @classmethod
     def polygon(cls, points, radius: float = 0.0) -> Outline:
-        """A polygon through points (n, 2) in metres, counter-clockwise; its corners are rounded with `radius` (m) if
-        one is given. Raises BadValue for an edge too short for that radius."""
+        """A polygon through points (n, 2) in metres, counter-clockwise; else they are taken in the other order from the
+        first one on, with a warning. Its corners are rounded with `radius` (m) if one is given. Raises BadValue for an
+        edge too short for that radius."""
         places, radius = corner_points(points, 3), not_negative("radius of the corners", radius)
         if places[0] == places[-1]:
             raise BadValue("the last point of the polygon is its first; leave it out")
@@ -39,9 +47,19 @@ class Outline(Chain):
             raise BadValue(
                 f"the radius of the corners is {radius:g} m, too small for the polygon; give 0 or a larger one"
             )
+        x, y = np.array(places).T
+        if np.dot(x, np.roll(y, -1)) < np.dot(y, np.roll(x, -1)):  # twice the area inside, by the shoelace formula
+            places = [places[0], *places[:0:-1]]
+            say_turned_round()
         if not radius:
             return cls(tuple(map(Edge.between, places, [*places[1:], places[0]])))
         return cls(_rounded(places, radius))
+
+
+def say_turned_round() -> None:
+    """Warn that an outline was given clockwise."""
+    text = "the outline runs clockwise: it is taken in the other direction, so that the plate is on its left"
+    warnings.warn(text, stacklevel=3)
 
 
 # An edge that remains between two round corners is at least this part of the original one.

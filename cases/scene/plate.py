@@ -13,9 +13,10 @@ from ..contact.geometry import bends
 from ..contact.overlap_search import polygon_of
 from ..curves import Curve
 from ..curves.area import area_inside
+from ..curves.backwards import backwards
 from ..curves.chain import translate
 from ..curves.corner import Edge
-from ..curves.outline import Outline, arc, samples_around, sizes_of
+from ..curves.outline import Outline, arc, samples_around, say_turned_round, sizes_of
 from ..errors import BadCurve, BadValue, instance, items, not_negative, positive, real, whole
 from ..library import circle
 
@@ -31,8 +32,8 @@ class Plate:
     """A rigid plate: its outline in its own frame, whose origin is the centre of mass; mass in kg, inertia in kg m².
 
     A plate of infinite inertia (`inertia=math.inf`) does not turn: a block, a slider, a particle. The outline is a
-    smooth curve or an `Outline` with corners. It runs counter-clockwise around the plate (BadCurve if it is closed and
-    runs the other way).
+    smooth curve or an `Outline` with corners. It runs counter-clockwise around the plate; a closed curve s that runs
+    the other way is taken backwards, with a warning: its parameter is then −s.
     """
 
     outline: Curve
@@ -48,7 +49,8 @@ class Plate:
         is_infinite = real(self.inertia) == inf
         object.__setattr__(self, "inertia", inf if is_infinite else positive("inertia of the plate", self.inertia))
         if _runs_clockwise(self.outline):
-            raise BadCurve("the outline runs clockwise; reverse its parameter so that the plate is on its left")
+            object.__setattr__(self, "outline", backwards(self.outline))
+            say_turned_round()
 
     @classmethod
     def homogeneous(

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cases import BadCurve, BadValue, Chain, Curve, NotSupported, Outline, Plate, arc, library
+from cases.curves import cos, sin
 from cases.curves.area import area_inside
 from cases.curves.chain import translate
 from cases.curves.corner import Corner, Edge
@@ -147,7 +148,6 @@ def test_chain_travels_and_compares_by_its_pieces():
     ("make", "error", "text"),
     [
         (lambda: Outline.polygon([(0, 0), (2, 0), (0, 1), (2, 1)]), BadCurve, "crosses itself near (1, 0.5)"),
-        (lambda: Outline.polygon([(0, 0), (0, 1), (1, 1)]), BadCurve, "runs clockwise"),
         (lambda: Outline.polygon([(0, 0), (1, 0)]), BadValue, "give at least 3"),
         (lambda: Outline.polygon([(0, 0), (1, 0), (1, 0), (0, 1)]), BadValue, "points 1 and 2 are the same"),
         (lambda: Outline.polygon([(0, 0), (1, 0), (0, 1), (0, 0)]), BadValue, "leave it out"),
@@ -175,3 +175,28 @@ def test_centre_of_mass_outside_its_outline_is_noticed():
     assert Plate.half_disc(1.0, 1.0).encloses_centre
     assert not Plate(translate(library.circle(1.0), 2.0, 0.0), 1.0, 1.0).encloses_centre
     assert Plate(library.parabola(1.0), 1.0, 1.0).encloses_centre  # an open outline encloses nothing
+
+
+@pytest.mark.parametrize(
+    ("clockwise", "as_it_is_taken"),
+    [
+        (
+            lambda: Plate.polygon([(0, 0), (0, 1), (2, 1), (2, 0)], 1.0),
+            Plate.polygon([(0, 0), (2, 0), (2, 1), (0, 1)], 1.0),
+        ),
+        (
+            lambda: Plate.homogeneous(Outline((arc((0, 0), 1, 0, -pi), Edge.between((-1, 0), (1, 0)))), 1.0),
+            Plate.half_disc(1.0, 1.0),
+        ),
+        (
+            lambda: Plate.homogeneous(Curve(lambda s: (2 * cos(s), -sin(s))), 1.0),
+            Plate.homogeneous(library.ellipse(2.0, 1.0), 1.0),
+        ),
+    ],
+    ids=["points", "pieces", "smooth curve"],
+)
+def test_a_clockwise_outline_is_turned_round_and_says_so(clockwise, as_it_is_taken):
+    with pytest.warns(UserWarning, match="runs clockwise"):
+        plate = clockwise()
+    assert plate.inertia == pytest.approx(as_it_is_taken.inertia, rel=1e-12)  # the rounding of its integrals
+    assert plate.outline.tangent_angle(plate.outline.span[1]) > plate.outline.tangent_angle(plate.outline.span[0])
