@@ -23,6 +23,8 @@ _folder: ContextVar[Path] = ContextVar("_folder", default=Path())
 
 # A heading names its columns; a first row with a typing error has a digit, a sign or nothing where a name begins.
 _HEADING = re.compile(r"\s*[^\W\d_]")
+# The data of a path in a drawing. No entity is read: path data are numbers and letters of commands.
+_PATH_ELEMENT = re.compile(r"<path\b[^>]*?\sd=[\"']([^\"'<&]*)[\"']")
 # SVG path data begin with a move to a pair of numbers; no file is called like that.
 _PATH_DATA = re.compile(r"\s*[Mm]\s*[-+.\d]+[\s,]+[-+.\d]")
 
@@ -58,30 +60,50 @@ def as_points(source) -> np.ndarray:
 
 
 def read(path: str | Path) -> np.ndarray:
-    """Points from a CSV file of two columns x, y, with or without a heading; shape (n, 2).
+    """Points (n, 2) from a file: two columns x, y with commas or spaces, with or without a heading; an airfoil in
+    Selig's order (from the trailing edge over the upper side) or in Lednicer's (numbers of points of both sides, then
+    each from the leading edge), which is put into Selig's; the first path of a drawing NAME.svg.
 
     A relative path counts from the case file that names it, else from the working folder.
     Raises UnknownName for a file that is not there, BadValue, with the line, for one that holds something else.
     """
-    import csv  # of files alone
-
     what = "file of points"
     path = user_files.existing(what, Path(_folder.get(), user_files.place(what, path)))
-    rows = []
-    try:
-        lines = list(csv.reader(user_files.text(what, path, LARGEST_FILE).splitlines()))
-    except csv.Error as problem:
-        raise BadValue(f"{path} is no CSV text ({problem}); give two columns x,y in metres") from None
-    data_rows = [(n, row) for n, row in enumerate(lines, start=1) if row and not row[0].lstrip().startswith("#")]
-    for number, row in data_rows:
+    text = user_files.text(what, path, LARGEST_FILE)
+    if path.suffix.lower() == ".svg":
+        return along_path(_path_of(path, text))
+    rows = _rows(path, text)
+    upper, lower = (round(count) for count in (rows[0] if len(rows) else (0, 0)))
+    if upper > 1 < lower and len(rows) == 1 + upper + lower and (rows[0] == (upper, lower)).all():
+        return np.vstack([rows[upper:0:-1], rows[upper + 2 :]])  # both sides begin with the leading edge
+    return rows
+
+
+def _rows(path: Path, text: str) -> np.ndarray:
+    """The numbers of two columns, shape (n, 2). Lines of words may come first, and of comments and blanks anywhere."""
+    rows: list[tuple[float, float]] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        has_commas = "," in line
+        cells = [cell.strip().strip('"') for cell in (line.split(",") if has_commas else line.split())]
+        if not cells or line.lstrip().startswith("#"):
+            continue
         try:
-            x, y = (float(cell) for cell in row)
+            x, y = map(float, cells)
         except ValueError:
-            if number == data_rows[0][0] and all(_HEADING.match(cell) for cell in row):
+            names = [_HEADING.match(cell) for cell in cells]  # of an airfoil's title only one word needs to be one
+            if not rows and (all(names) if has_commas else any(names)):
                 continue
-            raise BadValue(f"{path}:{number} is {','.join(row)!r}; give two numbers x,y in metres") from None
+            raise BadValue(f"{path}:{number} is {line.strip()!r}; give two numbers x,y in metres") from None
         rows.append((x, y))
     return np.array(rows, dtype=float).reshape(-1, 2)
+
+
+def _path_of(path: Path, text: str) -> str:
+    """The path data of the first path of a drawing, as it stands there: without the transformations around it."""
+    found = _PATH_ELEMENT.search(text)
+    if not found:
+        raise BadValue(f'{path} has no path element with data in d="…"; draw the curve as a path')
+    return found[1]
 
 
 def along_path(text: str) -> np.ndarray:

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from cases import BadCurve, BadValue, Curve, NotSupported, Plate, UnknownName
+from cases.curves.point_sources import as_points
 
 
 def cosine(count, depth=0.3):
@@ -150,3 +151,32 @@ def test_a_track_may_cross_itself_where_that_is_allowed():
     assert curve.may_cross and pickle.loads(pickle.dumps(curve)) == curve
     with pytest.raises(BadCurve, match="outline of a plate cannot cross itself"):
         Plate(curve, 1.0, 1.0)
+
+
+def airfoil_files():
+    x = 0.5 * (1 - np.cos(np.linspace(0, np.pi, 41)))
+    half = 0.2 * np.sqrt(x) * (1 - x)  # a round nose and a sharp tail, as wings have
+    upper, lower = np.column_stack([x, half]), np.column_stack([x, -half])
+    lines = lambda rows: "\n".join(f"  {a:.9f}  {b:.9f}" for a, b in rows)  # noqa: E731
+    selig = "20-32C AIRFOIL\n" + lines(np.vstack([upper[::-1], lower[1:]])) + "\n"
+    lednicer = f"NACA 0012 AIRFOIL\n  41.  41.\n\n{lines(upper)}\n\n{lines(lower)}\n"
+    return np.vstack([upper[::-1], lower[1:]]), {"selig.dat": selig, "lednicer.dat": lednicer}
+
+
+def test_airfoils_are_read_in_both_orders(tmp_path):
+    points, files = airfoil_files()
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+        assert as_points(tmp_path / name) == pytest.approx(points, abs=1e-9)  # the digits of the file
+
+
+def test_a_drawing_gives_its_first_path(tmp_path):
+    pytest.importorskip("svg.path")
+    data = "M 0 0 L 1 0 L 1 1"
+    (tmp_path / "foot.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg"><g><path id="a" d="{data}"/></g></svg>'
+    )
+    assert (as_points(tmp_path / "foot.svg") == as_points(data)).all()
+    (tmp_path / "none.svg").write_text("<svg><rect/></svg>")
+    with pytest.raises(BadValue, match="no path element"):
+        as_points(tmp_path / "none.svg")
