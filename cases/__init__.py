@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from .scene.case_class import Case
     from .scene.free_plates import FreePlate
     from .scene.pair_effects import Pair
-    from .scene.plate import Plate, disc
+    from .scene.plate import Plate, block, disc
     from .scene.start import Start
     from .scene.start_pose import StartPose
     from .scene.supports import Support
@@ -82,6 +82,7 @@ __all__ = [
     "UnknownName",
     "__version__",
     "arc",
+    "block",
     "case",
     "disc",
     "entry",
@@ -100,7 +101,7 @@ _MODULES = {
                 "RollingResistance", "Unilateral"),
     "fits": ("fit_friction", "fit_waves"), "scene.free_plates": ("FreePlate",), "curves.outline": ("Outline", "arc"),
     "own_effects": ("ContactEffect", "ContactForce", "EndCondition"), "scene.pair_effects": ("Pair",),
-    "scene.plate": ("Plate", "disc"), "scene.start": ("Start",), "scene.start_pose": ("StartPose",),
+    "scene.plate": ("Plate", "block", "disc"), "scene.start": ("Start",), "scene.start_pose": ("StartPose",),
     "scene.supports": ("Support",),
     "motion.trajectory": ("Cost", "Mode", "Passage", "State", "Trajectory", "Transition"),
 }  # fmt: skip

@@ -22,16 +22,23 @@ _PLACES = 100
 
 class DrawnScene(NamedTuple):
     """The data of a case for a picture: track and outline, a label, whether Y (the direction of gravity) points down,
-    and the curves of its supports by their names."""
+    the curves of its supports by their names, and of a block its width and height (m)."""
 
     track: Curve
     outline: Curve
     label: str
     down: bool = False
     supports: Mapping[str, Curve] = {}
+    block: tuple[float, float] | None = None
+
+    def of(self, plate: Any) -> DrawnScene:
+        """The same scene for another plate."""
+        return self._replace(outline=plate.outline, block=plate.drawn)
 
     def corners(self) -> np.ndarray:
         """Points of the outline in the plate's own frame, (2, n): CORNERS of a smooth one, the corners of others."""
+        if self.block:
+            return 0.5 * np.array([[-1, 1, 1, -1, -1], [-1, -1, 1, 1, -1]]) * np.array([self.block]).T
         return self.outline.point(_vertices(self.outline, np.linspace(*self.outline.span, CORNERS)))
 
 
@@ -54,10 +61,19 @@ def _vertices(curve: Curve, even: np.ndarray) -> np.ndarray:
 
 def place_outline(scene: DrawnScene, at: Any) -> tuple[np.ndarray, np.ndarray]:
     """The outline's corners (2, n) and its spoke (2, 2) at a pose, in the fixed frame."""
-    turn = np.array([[cos(at.theta), -sin(at.theta)], [sin(at.theta), cos(at.theta)]])
+    theta = drawn_angle(scene, at)
+    turn = np.array([[cos(theta), -sin(theta)], [sin(theta), cos(theta)]])
     centre = np.array([[at.x], [at.y]])
     corners = turn @ scene.corners() + centre
-    return corners, np.hstack([centre, corners[:, :1]])
+    return corners, np.hstack([centre, centre if scene.block else corners[:, :1]])
+
+
+def drawn_angle(scene: DrawnScene, at: Any) -> float:
+    """The angle (rad) at which a plate is drawn in a pose: its own, but that of the track below a block."""
+    if not scene.block:
+        return float(at.theta)
+    xi1 = at.xi1 if np.isfinite(at.xi1) else _below(scene.track, np.array([[at.x], [at.y]]))[0]
+    return float(scene.track.tangent_angle(xi1))
 
 
 def free_plates(case: Any, motion: Any, times: Any, shades: Sequence[float]) -> list[tuple[DrawnScene, list[Instant]]]:
@@ -74,7 +90,7 @@ def placed_plates(
     results = []
     for other, columns in zip(case.others if case else (), poses, strict=True):
         instants = [Instant(x, y, theta, np.nan, shade) for x, y, theta, shade in zip(*columns, shades, strict=True)]
-        results.append((case.scene._replace(outline=other.plate.outline), instants))
+        results.append((case.scene.of(other.plate), instants))
     return results
 
 

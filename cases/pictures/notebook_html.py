@@ -30,7 +30,10 @@ def of_case(case: Any) -> str:
         "duration": f"{case.duration:g} s",
     }
     others = [
-        (case.scene._replace(outline=o.plate.outline), [Instant(o.start.x, o.start.y, o.start.theta, np.nan, 1.0)])
+        (
+            case.scene.of(o.plate),
+            [Instant(o.start.x, o.start.y, o.start.theta, np.nan, 1.0)],
+        )
         for o in case.others
     ]
     facts |= {other.name: repr(other.plate) for other in case.others}

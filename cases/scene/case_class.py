@@ -167,7 +167,7 @@ class Case:
         gravity = self.effect(Gravity)
         down = gravity is not None and sin(gravity.direction) > 0
         supports = {support.name: support.curve for support in self.supports}
-        return DrawnScene(self.track, self.plate.outline, self.label, down, supports)
+        return DrawnScene(self.track, self.plate.outline, self.label, down, supports, self.plate.drawn)
 
     @property
     def weight(self) -> float:

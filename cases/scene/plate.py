@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import cos, inf, pi, sin, sqrt
 
@@ -39,6 +39,8 @@ class Plate:
     outline: Curve
     mass: float
     inertia: float
+    # Of a `block`: what pictures draw along the track, width and height in metres.
+    drawn: tuple[float, float] | None = field(default=None, compare=False)
 
     def __post_init__(self):
         if not isinstance(self.outline, Curve):
@@ -195,3 +197,11 @@ def disc(radius: float, mass: float, inertia: float | None = None) -> Plate:
     """A disc about its centre of mass; inertia ½ m r² (homogeneous) if none is given."""
     radius, mass = positive("radius of the disc", radius), positive("mass of the disc", mass)
     return Plate(circle(radius), mass, 0.5 * mass * radius * radius if inertia is None else inertia)
+
+
+def block(width: float, height: float, mass: float) -> Plate:
+    """A block that slides and does not turn: a particle at half its height above the track, drawn along the track as a
+    rectangle of width × height (m). It cannot tip; `Plate.rectangle` is a box that turns and touches with its corners.
+    """
+    width, height = positive("width of the block", width), positive("height of the block", height)
+    return replace(disc(0.5 * height, mass, inf), drawn=(width, height))
