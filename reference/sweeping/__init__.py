@@ -19,7 +19,7 @@ MANY = 20_000
 
 
 def sweep(case: Any, sample: str = "grid", number: int | None = None, seed: int = 0, rtol: float = 1e-10, **vary: Any):
-    """Simulate a case for many parameter values; returns a DataFrame with Arrow columns, one row per scenario.
+    """Simulate a case for many parameter values; returns a DataFrame, one row per scenario, NaN where it has no number.
 
     `case` is a name, a case of the catalogue or a function that returns a Case. Each further argument is a parameter
     with its values: numbers, or text such as "0.01:0.5:200" or "0.01:0.5:200:log". Several parameters form a grid, the
@@ -44,10 +44,13 @@ def sweep_chunks(
 
 
 def _frames(request: Plan) -> Iterator[pd.DataFrame]:
-    import pandas as pd
+    from pyarrow import Table
+    from pyarrow.types import is_dictionary
 
     from . import table
 
     for start in range(0, len(request), CHUNK):
         rows = table.scenario_rows(request, start, min(start + CHUNK, len(request)), len(request) >= MANY)
-        yield rows.to_pandas(types_mapper=pd.ArrowDtype)
+        # Words as they are: as categories each chunk would have its own.
+        columns = (one.cast(one.type.value_type) if is_dictionary(one.type) else one for one in rows.columns)
+        yield Table.from_arrays(list(columns), rows.column_names).to_pandas()
