@@ -20,7 +20,7 @@ from .formula_steps import finer_steps
 from .impact_check import impact_defects
 from .laws import Defects, Joins, MotionScales
 from .samples import ContactInstants, MotionSamples, of_motion, steps_of
-from .tolerances import AMPLIFICATION, DRIVEN, MOMENTUM, OVERLAPS, PARTS, POSE
+from .tolerances import DRIVEN, OVERLAPS, POSE
 
 # Steps whose forces the nodes do not resolve are divided into so many parts, so many times: the worst of them.
 DIVIDED, DIVISIONS, MOST_DIVIDED = 4, 5, 8
@@ -65,7 +65,7 @@ def _broken_by(case: Case, motion: Trajectory, rtol: float, poses: float) -> tup
         if worst(defects, rtol) and (closer := _closer(case, motion, samples, defects, rtol, poses)):
             results.append(closer)
     finer, every = _finer(case, motion, samples, scales), laws.joins(samples)
-    sudden = laws.jumps(every, scales.reach, scales.speed, _sudden_part(scales, rtol))
+    sudden = laws.jumps(every, scales.reach, scales.speed, laws.sudden_part(scales, rtol))
     if finer is not None:
         own = laws.motion_scales(finer, poses)
         of_finer = chain(_motion_defects(finer, own), _of_contacts(finer, own, sudden))
@@ -105,11 +105,6 @@ def _motion_defects(samples: MotionSamples, scales: MotionScales) -> Iterator[De
     """The defects of momenta and rates of poses in each step."""
     for one in laws.motion_defects(samples, laws.sums(samples, scales.speed), scales):
         yield one._replace(sizes=np.where(samples.is_straight, 0.0, one.sizes))
-
-
-def _sudden_part(scales: MotionScales, rtol: float) -> float:
-    """The part of the speed by which velocities jump in impacts only."""
-    return MOMENTUM + AMPLIFICATION * float(scales.condition.max()) + PARTS * rtol
 
 
 def _finer(case: Case, motion: Trajectory, samples: MotionSamples, scales: MotionScales) -> MotionSamples | None:

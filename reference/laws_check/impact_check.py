@@ -47,7 +47,7 @@ def impact_defects(samples: MotionSamples, scales: MotionScales, sudden: Joins, 
 def is_impact(samples: MotionSamples, scales: MotionScales, rtol: float) -> bool:
     """Whether something approaches that it touches at the end of a motion: what follows is an impact."""
     plates, last = plates_at(samples, len(samples.start) - 1, -1), float(samples.end[-1])
-    places = _places(samples, scales, plates, len(samples.start), last, rtol, TOUCHES)
+    places = places_of_impact(samples, scales, plates, len(samples.start), last, rtol, TOUCHES)
     limit = -(STILL + PARTS * rtol) * scales.speed
     return any(float(one.across @ plates.rates) < limit for one in places)
 
@@ -67,14 +67,14 @@ def impact_at(
     rtol: float,
 ) -> Iterator[Defects]:
     """The law of an impact at the start of a step, from the velocities before to those after it."""
-    places = _places(samples, scales, plates[0], step, time, rtol)
+    places = places_of_impact(samples, scales, plates[0], step, time, rtol)
     near = CLOSE * float(samples.end[-1])
     is_listed = time == 0.0 or any(abs(change.time - time) <= near for change in samples.transitions)
     if is_listed or len(samples.motion.contact_names) == 1:
-        groups = _groups(places)
+        groups = groups_of(places)
         every = [d for group in groups for d in _one_impact(samples, scales, group, plates, step, time, rtol)]
         if any(worst(one, rtol) for one in every) and (more := _unlisted(samples, scales, plates[0], places, time)):
-            groups = _groups([*places, *more])
+            groups = groups_of([*places, *more])
             every = [d for group in groups for d in _one_impact(samples, scales, group, plates, step, time, rtol)]
         yield from every
 
@@ -95,7 +95,7 @@ def _unlisted(
     return results
 
 
-def _groups(places: list[TouchNow]) -> list[list[TouchNow]]:
+def groups_of(places: list[TouchNow]) -> list[list[TouchNow]]:
     """The contacts that hang together: those of the same plates."""
     groups = list[tuple[set[int], list[TouchNow]]]()
     for one in places:
@@ -107,7 +107,7 @@ def _groups(places: list[TouchNow]) -> list[list[TouchNow]]:
     return [own for _, own in groups]
 
 
-def _places(
+def places_of_impact(
     samples: MotionSamples, scales: MotionScales, plates: PlatesNow, step: int, time: float, rtol: float,
     touching: float = CLOSED,
 ) -> list[TouchNow]:  # fmt: skip

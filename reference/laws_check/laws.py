@@ -326,6 +326,11 @@ def joins(samples: MotionSamples) -> Joins:
     return Joins(samples.start[1:], np.arange(1, len(samples.start)), before, after)
 
 
+def sudden_part(scales: MotionScales, rtol: float) -> float:
+    """The part of the speed by which velocities jump in impacts only."""
+    return MOMENTUM + AMPLIFICATION * float(scales.condition.max()) + PARTS * rtol
+
+
 def jumps(every: Joins, reach: list[float], speed: float, part: float) -> Joins:
     """Those where velocities jump by more than an error."""
     change = np.abs(every.after[:, 2:] - every.before[:, 2:])
