@@ -14,6 +14,7 @@ from cases.scene.piece_case import has_pieces
 
 from ..endings import (
     ACCUMULATION,
+    COMPLETION,
     Ending,
     events_without_time,
     no_numbers,
@@ -65,6 +66,8 @@ def simulate(
                 chart = PoseChart(case, rtol, integrate, segments, result)
                 continue
             result = result.ending[0], f"{result.ending[1]} {reason}"
+        if result is None and chart.idle and chart.t >= case.duration:  # an event exactly at the end
+            result = COMPLETION
         if result is None and segments.steps >= MOST_STEPS:
             result = work_limit_ending(chart.t, segments.steps)
         if result is None and chart.idle > STUCK:

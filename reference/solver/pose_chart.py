@@ -314,7 +314,8 @@ class PoseChart(ModeChanges):
             self._settle(stuck, closing={other.name})
             return None
         self.causes[watch.name] = CAUSES["piece"]
-        if corner_on_corner(following) and watch.mode in STICKING:  # it met that corner, and stays
+        # It met that corner, and stays, unless a belt carries it on.
+        if corner_on_corner(following) and watch.mode in STICKING and not belt_speed(watch.pair, self.t):
             watch.at_joint = True
             self._settle(stuck)
             return None
