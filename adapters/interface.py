@@ -150,7 +150,7 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
     from cases import Drive
     from cases.own_effects import own_effects
     from cases.scene.free_plates import why_not_closed_forms
-    from cases.scene.limits import Scope, limit
+    from cases.scene.limits import Scope, has_turned_plate, limit
     from cases.scene.piece_case import has_pieces
     from cases.scene.supports import has_belt, has_rolling_resistance, has_slip_law
 
@@ -180,6 +180,8 @@ def refusal(adapter: Any, case: Case, route: str) -> str | None:
         )
     if case.supports and not case.plate.turns and route not in getattr(adapter, "FIXED_ROTATION_AND_SUPPORTS", ()):
         return f"The {route} route does not support a plate that does not turn on several fixed curves (supports)."
+    if has_turned_plate(case):  # in the frame of the track it turns, which no engine's plate of fixed rotation does
+        return f"The {route} route does not support a plate of infinite inertia on a track that turns."
     if case.supports and has_belt(case) and route not in getattr(adapter, "BELTS_AND_SUPPORTS", ()):
         return f"The {route} route does not support belts together with several fixed curves (supports)."
     if case.supports and has_rolling_resistance(case):

@@ -4,7 +4,8 @@ In the track's frame the track rests, and a plate of mass m and inertia J at r m
 
     −m (Qᵀ c̈ + α̈ U r − α̇² r + 2 α̇ U ṙ)    and    −J α̈,
 
-with the track's place c(t), its rotation Q by the angle α(t), and U, a quarter turn. Contact, slip and the contact's
+with the track's place c(t), its rotation Q by the angle α(t), and U, a quarter turn; the spin of a plate of infinite
+inertia changes by −α̈ whatever forces act. Contact, slip and the contact's
 forces along tangent and normal are the same in both frames.
 """
 
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from functools import lru_cache
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -25,7 +27,7 @@ from .formulas import late_sympy as sp
 from .motion.trajectory import State, Trajectory
 from .scene.case_class import Case
 from .scene.free_plates import loads_of, plates_of, start_poses
-from .scene.plate import Plate
+from .scene.plate import Plate, TurnedPlate
 from .scene.start_pose import StartPose
 
 
@@ -49,7 +51,7 @@ def _from_track(case: Case, drive: Drive) -> Case:
         ) from problem
     poses = start_poses(case)[1:].tolist()
     further = tuple(
-        replace(other, start=StartPose(*pose), load=one)
+        replace(other, plate=_seen(other.plate, drive), start=StartPose(*pose), load=one)
         for other, pose, one in zip(case.others, poses, loads, strict=True)
     )
     others: list[Effect] = [e for e in case.effects if not isinstance(e, Drive | Load)]
@@ -57,7 +59,12 @@ def _from_track(case: Case, drive: Drive) -> Case:
         others = [e for e in others if not isinstance(e, Gravity)]
     effects = (*others, *([load] if load else []))
     start = replace(case.start, omega=case.start.omega - drive.at(0.0).spin)
-    return replace(case, effects=effects, start=start, others=further)
+    return replace(case, plate=_seen(case.plate, drive), effects=effects, start=start, others=further)
+
+
+def _seen(plate: Plate, drive: Drive) -> Plate:
+    """The plate as the track sees it: one of infinite inertia turns against a track that turns."""
+    return TurnedPlate(plate.outline, plate.mass, inf) if drive.is_turning and not plate.turns else plate
 
 
 @in_one_thread
@@ -83,7 +90,7 @@ def _load(case: Case, drive: Drive, plate: Plate, own: Load | None) -> Load | No
     along = c * fx + s * fy - mass * (c * X2 + s * Y2 - A2 * y - A1**2 * x - 2 * A1 * vy)
     across = c * fy - s * fx - mass * (c * Y2 - s * X2 + A2 * x - A1**2 * y + 2 * A1 * vx)
     if drive.is_turning:
-        moment = moment - plate.inertia * A2
+        moment = moment - plate.inertia * A2 if plate.turns else -A2
     parts = [sp.sympify(part) for part in (along, across, moment)]
     return Load(*parts) if any(not part.is_zero for part in parts) else None
 

@@ -71,6 +71,12 @@ def _has_corners(case: Any) -> bool:
     return isinstance(case.plate.outline, Chain)
 
 
+def has_turned_plate(case: Any) -> bool:
+    """Whether a plate of infinite inertia is on a track that turns."""
+    turns = (drive := case.effect(Drive)) is not None and drive.is_turning
+    return turns and not all(plate.turns for plate in (case.plate, *(other.plate for other in case.others)))
+
+
 def _is_by_curves(case: Any) -> bool:
     """Whether its contacts are certified by the shapes of its curves: one plate with corners or pieces, or supports."""
     return not case.others and bool(case.supports or _has_corners(case) or isinstance(case.track, Chain))
@@ -163,14 +169,6 @@ LIMITS = (
         "a plate that does not turn does not roll",
     ),
     Limit(
-        Scope.ANY,
-        "a plate of infinite inertia on a track that turns (angle of Drive)",
-        lambda case: not case.plate.turns and (drive := case.effect(Drive)) is not None and drive.is_turning,
-        "a plate of infinite inertia on a track that turns is not supported; leave angle of Drive out",
-        Reason.NOT_BUILT,
-        "equations are in the track's frame, in which such a plate turns",
-    ),
-    Limit(
         Scope.SEVERAL_CONTACTS,
         "no Unilateral (a guide that pulls, too)",
         lambda case: case.effect(Unilateral) is None,
@@ -193,6 +191,14 @@ LIMITS = (
         "{}; give smooth convex outlines, or discs and at most one convex polygon, on straight lines",
         Reason.NOT_BUILT,
         "elsewhere the nearest points of two plates are not unique, and the second formulation watches one pair each",
+    ),
+    Limit(
+        Scope.SHAPES,
+        "a plate of infinite inertia on a track that turns (angle of Drive)",
+        has_turned_plate,
+        "a plate of infinite inertia is on a track that turns; leave angle of Drive out",
+        Reason.NOT_BUILT,
+        "such a plate turns in the track's frame, in which the second formulation is",
     ),
     Limit(
         Scope.SHAPES,
@@ -281,7 +287,7 @@ def as_sentence(reason: str) -> str:
 
 def check_limits(case: Any) -> None:
     """Raise BadValue or DoesNotFit, with a sentence, for a case that no solver of the reference computes."""
-    several = {Scope.SEVERAL_CONTACTS: case.supports, Scope.SEVERAL_PLATES: case.others}
+    several = {Scope.SEVERAL_CONTACTS: case.supports or has_turned_plate(case), Scope.SEVERAL_PLATES: case.others}
     for scope in (Scope.ANY, *(scope for scope, parts in several.items() if parts)):
         if reason := limit(case, scope):
             raise (DoesNotFit if scope is Scope.ANY else BadValue)(reason)

@@ -152,6 +152,11 @@ class Plate:
         return self.inertia < inf
 
     @property
+    def is_turned(self) -> bool:
+        """Whether its spin changes as its load says, whatever forces act."""
+        return False
+
+    @property
     def encloses_centre(self) -> bool:
         """Whether the centre of mass is inside the outline; true of an open outline, which encloses nothing."""
         return not self.outline.period or _contains(self.outline, ((0.0, 0.0),))
@@ -178,6 +183,15 @@ class Plate:
 
 
 @lru_cache(maxsize=256)
+class TurnedPlate(Plate):
+    """A plate of infinite inertia as a track that turns sees it: the moment of its load is the rate of its spin
+    (rad/s²), whatever forces act."""
+
+    @property
+    def is_turned(self) -> bool:
+        return True
+
+
 def _runs_clockwise(outline: Curve) -> bool:
     low, high = outline.span
     return bool(outline.period and outline.tangent_angle(high) < outline.tangent_angle(low))

@@ -14,7 +14,7 @@ import numpy as np
 
 from cases import Case, Flight, NotSupported, Trajectory, Transition
 from cases.moving_frame import in_fixed_frame, relative_case
-from cases.scene.contact_limits import touches_by_features
+from cases.scene.contact_limits import is_general_case, touches_by_features
 
 from .. import solve
 from ..minimal.integrators import taylor
@@ -145,10 +145,10 @@ def _by_second(case: Case, name: str, rtol: float) -> Witness:
 
 def components(case: Case) -> int:
     """The largest number of state components in any phase of the case."""
-    if case.others or touches_by_features(case):
-        segments, *_ = solve.solve_motion(relative_case(case), 1e-10, solve.INTEGRATORS["dop853"][1])
-        return max(len(segment.event.state) for segment in segments)
     case = relative_case(case)
+    if is_general_case(case) or touches_by_features(case):
+        segments, *_ = solve.solve_motion(case, 1e-10, solve.INTEGRATORS["dop853"][1])
+        return max(len(segment.event.state) for segment in segments)
     regimes = (*candidates(case), *((FLIGHT,) if case.effect(Flight) is not None else ()))
     here, start = start_pieces(case), start_state(case)
     return max(len(phase_at(here, regime, start).system.variables) for regime in regimes)

@@ -33,10 +33,12 @@ class Weight:
 
 @dataclass(frozen=True)
 class AppliedLoad:
-    """A load by its formulas; the names of their constants begin with `name`."""
+    """A load by its formulas; the names of their constants begin with `name`. `is_of_turned`: its moment is the rate of
+    the plate's spin."""
 
     formulas: LiftedFormulas
     name: str = "load"
+    is_of_turned: bool = False
     is_uniform = of_all_plates = False
 
     @derived
@@ -62,9 +64,9 @@ class AppliedLoad:
 
 
 @lru_cache(maxsize=256)
-def applied_load(expression: tuple[sp.Expr, ...], name: str = "load") -> AppliedLoad:
+def applied_load(expression: tuple[sp.Expr, ...], name: str = "load", is_of_turned: bool = False) -> AppliedLoad:
     """The form of a load with those components."""
-    return _applied_load(lift(*expression), name)
+    return _applied_load(lift(*expression), name, is_of_turned)
 
 
 _applied_load = lru_cache(maxsize=256)(AppliedLoad)  # one object for loads that differ in numbers
@@ -73,7 +75,10 @@ _applied_load = lru_cache(maxsize=256)(AppliedLoad)  # one object for loads that
 def applied_forces(case: Case) -> tuple[Weight | AppliedLoad, ...]:
     """The forms of the forces on the case's first plate."""
     gravity, load = case.effect(Gravity), case.effect(Load)
-    return (*((Weight(),) if gravity else ()), *((applied_load(load.expression),) if load else ()))
+    return (
+        *((Weight(),) if gravity else ()),
+        *((applied_load(load.expression, is_of_turned=case.plate.is_turned),) if load else ()),
+    )
 
 
 def weight(case: Case) -> Sequence[float]:

@@ -157,7 +157,7 @@ def _one_impact(
         velocity, (moving, stick) = np.array([slip, closing]), map(float, law.in_impact(slip))
         every = [impulse_of_one(matrix, velocity, moving, stick, law.impact)]
         if case.others:  # plates that nearly touch have one impact by complementarity
-            every += _whole_impulses(matrix, velocity, moving, stick, -law.impact.restitution * closing)
+            every += _impulses_at_once(matrix, velocity, moving, stick, law.impact)
         off = min(_size(jump - inverse * (rows.T @ each), scales) for each in every)
         yield Defects("law of impact", law.name, when, np.array([off]), scales.speed, "m/s", ONE + floor)
         return
@@ -178,6 +178,27 @@ def impulse_of_one(matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: f
     if impact.law == "moreau":
         return next(_whole_impulses(matrix, velocity, mu, stick, -e * velocity[1]), np.full(2, np.nan))
     return _routh(matrix, velocity.astype(float), mu, stick, impact)
+
+
+def _impulses_at_once(
+    matrix: np.ndarray, velocity: np.ndarray, mu: float, stick: float, impact: Impact
+) -> Iterator[np.ndarray]:
+    """The impulses of an impact whose law holds for whole impulses: with Poisson's restitution those of compression and
+    those of restitution, each with Coulomb's law and the slip at its end."""
+    e = impact.restitution
+    if impact.law != "poisson" or e == 0.0:
+        yield from _whole_impulses(matrix, velocity, mu, stick, -e * velocity[1])
+        return
+    for first in _whole_impulses(matrix, velocity, mu, stick, 0.0):
+        slip, closing = velocity + matrix @ first
+        normal = e * first[1]
+        tangential = [] if np.isinf(mu) else [-sense * mu * normal for sense in (1.0, -1.0)]
+        tangential = [t for t in tangential if t * (slip + matrix[0] @ (t, normal)) <= 0.0]
+        hold = -(slip + matrix[0, 1] * normal) / matrix[0, 0]
+        tangential += [hold] if abs(hold) <= stick * normal * (1.0 + 1e-12) else []
+        for t in tangential:
+            if closing + matrix[1] @ (t, normal) >= 0.0:
+                yield first + (t, normal)
 
 
 def _whole_impulses(
@@ -280,7 +301,7 @@ def _impact_of_several(
     if columns:
         from scipy.optimize import linprog  # takes a tenth of a second to import
 
-        pull, m = (np.array(columns) * unit).T, len(rest)
+        pull, m = (np.array(columns) * unit * (own > 0.0)).T, len(rest)
         cost = np.r_[np.zeros(pull.shape[1]), np.ones(2 * m)]
         off = linprog(cost, A_eq=np.c_[pull, np.eye(m), -np.eye(m)], b_eq=rest / largest).fun
     names = ", ".join(one.law.name for one in places)

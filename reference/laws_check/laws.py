@@ -183,8 +183,8 @@ def motion_defects(samples: MotionSamples, total: Sums, scales: MotionScales) ->
     """Newton's law, and velocities as rates of poses, over each step: differences of its ends less integrals."""
     case, length, speed = samples.case, samples.length, scales.speed
     end = samples.times[:, -1]
-    for name, plate, one, force, moment, most, size in zip(
-        names_of(case), plates_of(case), samples.plates, *total, scales.reach, strict=True
+    for b, (name, plate, one, force, moment, most, size) in enumerate(
+        zip(names_of(case), plates_of(case), samples.plates, *total, scales.reach, strict=True)
     ):
         gain = (length / plate.mass) * (force @ WEIGHTS)
         scale = speed + length * most / plate.mass
@@ -196,6 +196,10 @@ def motion_defects(samples: MotionSamples, total: Sums, scales: MotionScales) ->
             turning = speed / size + length / plate.inertia * most * size
             off = one.spin[:, -1] - one.spin[:, 0] - spins + 0j
             yield Defects("angular momentum", name, end, off, turning, "rad/s", floor)
+        else:  # its spin does not change, or as its load says
+            swing = _load(samples, b)[1] if plate.is_turned else 0.0
+            off = one.spin[:, -1] - one.spin[:, 0] - length * (np.broadcast_to(swing, one.spin.shape) @ WEIGHTS) + 0j
+            yield Defects("angular momentum", name, end, off, speed / size, "rad/s", floor)
         way = one.place[:, -1] - one.place[:, 0] - length * (one.velocity @ WEIGHTS)
         scale = np.abs(one.place[:, 0]) + size + speed * length
         yield Defects("velocity is the rate of the place", name, end, way, scale, "m", scales.poses)
@@ -380,10 +384,11 @@ def landing_points(
 def energy_of_impact(
     case: Case, law: ContactLaw, before: Any, after: Any, speed: float
 ) -> Iterator[tuple[str, Any, float, str]]:
-    """A friction that is no belt's gives no energy; before and after: velocity and spin, numbers or arrays."""
+    """A friction that is no belt's gives no energy to a plate that nothing turns; before and after: velocity and spin,
+    numbers or arrays."""
     plate, impact = case.plate, case.effect(Impact)
     assert impact is not None, "a velocity that jumps needs a law of impact"
-    if law.belt is None and (impact.law == "poisson" or impact.restitution == 0.0):
+    if law.belt is None and not plate.is_turned and (impact.law == "poisson" or impact.restitution == 0.0):
         inertia = plate.inertia if plate.turns else 0.0
         work = plate.mass * ((after[0] - before[0]).conjugate() * (after[0] + before[0])).real
         work = work + inertia * ((after[1] - before[1]) * (after[1] + before[1])).real

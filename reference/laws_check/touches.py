@@ -95,7 +95,9 @@ def direction_row(case: Case, law: ContactLaw, plates: PlatesNow, point: complex
     row = np.zeros(3 * len(plates.place))
     for body, sign in ((law.body, 1.0), (law.base, -1.0)):
         if body is not None:
-            lever = ((point - plates.place[body]).conjugate() * direction).imag if plates_of(case)[body].turns else 0.0
+            own = plates_of(case)[body]
+            turns = own.turns or own.is_turned
+            lever = ((point - plates.place[body]).conjugate() * direction).imag if turns else 0.0
             row[3 * body : 3 * body + 3] += sign * np.array([direction.real, direction.imag, lever])
     return row
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from cases import Case, Mode
 from cases.formulas import formula_symbols
-from cases.scene.free_plates import loads_of
+from cases.scene.free_plates import loads_of, plates_of
 
 from ..effect_laws import laws
 from ..effect_laws.friction import SLIP_SIGN, STICKING
@@ -286,11 +286,11 @@ def balance_of(
 
 
 def rest_margin(case: Case, state: Sequence[float], contacts: Sequence[ContactPlace], t: float) -> float:
-    """`forces.margin` of a group of contacts whose plates are still; −inf if they are not, or are on a belt, which may
-    move them. Raises Undecidable."""
-    half = len(state) // 2
+    """`forces.margin` of a group of contacts whose plates are still; −inf if they are not, or one is turned or on a
+    belt, which may move them. Raises Undecidable."""
+    half, plates = len(state) // 2, plates_of(case)
     moves = np.asarray(state[half:], dtype=float)[rows_of(plates_in(contacts))].any()
-    if moves or any(at.law.belt.runs for at in contacts):
+    if moves or any(plates[b].is_turned for b in plates_in(contacts)) or any(at.law.belt.runs for at in contacts):
         return -inf
     still = [Mode.REST if at.stick > 0.0 else Mode.SLIDE for at in contacts]
     balance = balance_of(case, t, state, np.zeros(half), contacts, still)

@@ -20,7 +20,7 @@ from cases import Case, Mode
 from cases.contact import belt_speed, geometry, start_motion
 from cases.curves.corner import Corner, Piece
 from cases.scene.couples import Couple
-from cases.scene.free_plates import start_poses
+from cases.scene.free_plates import plates_of, start_poses
 from cases.scene.piece_case import PieceCase
 
 from ..effect_laws import Laws, laws
@@ -123,7 +123,8 @@ class ContactPlace(NamedTuple):
     def without_slip(self) -> Mode:
         """The mode of the contact without slip: of a plate that cannot turn on what is fixed it is a rest."""
         couple = couple_of(self.pair)
-        return Mode.ROLL if couple.plate.turns or couple.base is not None else Mode.REST
+        rests = not (couple.plate.turns or couple.plate.is_turned) and couple.base is None
+        return Mode.REST if rests else Mode.ROLL
 
     @property
     def sides(self) -> Sides:
@@ -190,7 +191,8 @@ def anchors_of(
     """Plates without velocity that closed contacts with what does not move hold: as many rows of theirs are independent
     as the plate has freedoms. A belt moves a plate that sticks to it."""
     some, anchors = bodies(case), set[int]()
-    still = {b for b in plates_in(closed) if not velocity[3 * b : 3 * b + 3].any()}
+    plates = plates_of(case)
+    still = {b for b in plates_in(closed) if not velocity[3 * b : 3 * b + 3].any() and not plates[b].is_turned}
     for _ in still:
         for body in still - anchors:
             own = slice(3 * body, 3 * body + 3)
@@ -272,7 +274,8 @@ def without_velocity(
         own = rows_of(plates)
         sizes = np.linalg.svd(rows * np.sqrt(some.inverse), compute_uv=False)
         rank = np.count_nonzero(sizes > 1e-9 * sizes[0])
-        if not goals.any() and rank == np.count_nonzero(some.inverse[own]):
+        is_held = not velocity[own][some.inverse[own] == 0.0].any()  # none of them is turned
+        if not goals.any() and is_held and rank == np.count_nonzero(some.inverse[own]):
             velocity[own] = 0.0
     return (*map(float, state[:half]), *velocity.tolist())
 

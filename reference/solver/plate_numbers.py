@@ -29,12 +29,14 @@ Turns = tuple[tuple[Sides, int], ...]
 
 class Bodies(NamedTuple):
     """Of all plates: reaches (m), inverse masses and moments of inertia (3n,), these themselves, 0 for a rotation that
-    is not possible, and lengths (3n,) by which velocities are compared (m; 1 for translations)."""
+    is not possible, lengths (3n,) by which velocities are compared (m; 1 for translations), and the accelerations (3n,)
+    per force and moment of a load: those are the inverses, but of a plate that is turned."""
 
     reaches: tuple[float, ...]
     inverse: np.ndarray
     masses: np.ndarray
     lengths: np.ndarray
+    per_load: np.ndarray
 
 
 @lru_cache(maxsize=256)
@@ -44,7 +46,8 @@ def bodies(case: Case) -> Bodies:
     reaches = tuple(float(plate.reach if plate.radius is None else plate.radius) for plate in plates)
     inverse = np.array([value for p in plates for value in (1.0 / p.mass, 1.0 / p.mass, 1.0 / p.inertia)])
     masses = np.divide(1.0, inverse, out=np.zeros(len(inverse)), where=inverse > 0.0)
-    return Bodies(reaches, inverse, masses, np.array([v for r in reaches for v in (1.0, 1.0, r)]))
+    per_load = inverse + [value for p in plates for value in (0.0, 0.0, float(p.is_turned))]
+    return Bodies(reaches, inverse, masses, np.array([v for r in reaches for v in (1.0, 1.0, r)]), per_load)
 
 
 def load_at(case: Case, t: float, state: Sequence[float] | np.ndarray) -> np.ndarray:
@@ -53,7 +56,7 @@ def load_at(case: Case, t: float, state: Sequence[float] | np.ndarray) -> np.nda
     result = np.array((*weight(case), 0.0) * (half // 3))
     for b, force in _forces(case, t, state):
         own = slice(3 * b, 3 * b + 3)
-        result[own] += np.array(force) * bodies(case).inverse[own]
+        result[own] += np.array(force) * bodies(case).per_load[own]
     return result
 
 

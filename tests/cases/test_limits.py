@@ -96,9 +96,6 @@ SCENES = {
     (Scope.ANY, "CoulombFriction with PerfectlyRough"): lambda: scene(FRICTION, PerfectlyRough()),
     (Scope.ANY, "Belt with RollingResistance"): lambda: scene(FRICTION, Belt(1.0), RESISTS),
     (Scope.ANY, "a plate of infinite inertia with RollingResistance"): lambda: scene(FRICTION, RESISTS, plate=FIXED),
-    (Scope.ANY, "a plate of infinite inertia on a track that turns (angle of Drive)"): lambda: scene(
-        Drive(angle="t"), plate=FIXED
-    ),
     (Scope.SEVERAL_CONTACTS, "no Unilateral (a guide that pulls, too)"): lambda: scene(
         without=(Unilateral, Flight, Impact), supports=WALL
     ),
@@ -107,6 +104,9 @@ SCENES = {
         Scope.SHAPES,
         NOT_CONVEX,
     ): lambda: scene(plate=BLOCK, others=BLOCK_ABOVE),
+    (Scope.SHAPES, "a plate of infinite inertia on a track that turns (angle of Drive)"): lambda: scene(
+        Drive(angle="t"), plate=FIXED
+    ),
     (Scope.SHAPES, "a track or support with edges"): lambda: scene(track=RIDGE, plate=BLOCK, start=StartPose(0.0, 0.5)),
     (Scope.SHAPES, "a track or support with corners"): lambda: scene(track=VALLEY, start=StartPose(0.0, 0.6)),
     (Scope.SHAPES, "supports, and a plate with corners that does not turn"): lambda: scene(

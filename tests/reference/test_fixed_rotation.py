@@ -5,6 +5,7 @@ from math import atan2, cos, exp, inf, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import cases
 import reference
@@ -13,14 +14,18 @@ from cases import (
     Case,
     CoulombFriction,
     DoesNotFit,
+    Drive,
     Flight,
     Gravity,
     Impact,
     Load,
     Mode,
+    NotSupported,
+    PerfectlyRough,
     Plate,
     RollingResistance,
     Start,
+    StartPose,
     Unilateral,
     disc,
 )
@@ -145,3 +150,74 @@ def test_a_valley_of_waves_holds_a_block_on_its_slopes():
     assert motion.transitions[-1].after is Mode.REST
     tangent = case.track.tangent(motion.transitions[-1].xi1)
     assert abs(tangent[1] / tangent[0]) <= 0.15 * (1 + 1e-9)
+
+
+# --- on a track that turns --------------------------------------------------------------------------------------------
+
+TILT = 0.2
+IN_POSES = pytest.mark.parametrize("method", reference.METHODS)
+
+
+def on_table(*effects, plate=None, start=None, angle=f"-{TILT}*t", duration=2.0):
+    """A disc of 0.1 m that does not turn, 0.5 m from the pivot of a table that tilts by 0.2 rad/s."""
+    lands = Unilateral(), Flight(), Impact(0.0, "moreau")
+    effects = (Gravity(G), Drive(angle=angle), *lands, *effects)
+    return Case(line(), plate or disc(0.1, 1.0, inf), effects, start or Start(0.5), duration)
+
+
+def in_fixed_frame(s, angle):
+    """The disc's centre, s along the table and 0.1 m above it."""
+    return s * cos(angle) - 0.1 * sin(angle), s * sin(angle) + 0.1 * cos(angle)
+
+
+@IN_POSES
+def test_a_disc_that_does_not_turn_rolls_on_a_tilting_table_until_friction_s_cone(method):
+    """Without slip the disc turns by w t against the table and moves along it by −r w t. Its acceleration is −w² s
+    along the table and w² r across it, so that T = −w² s − g sin(w t) and N = g cos(w t) + w² r per mass."""
+    mu, r, w = 0.3, 0.1, TILT
+
+    def margin(t):
+        return mu * (G * cos(w * t) + w**2 * r) - (G * sin(w * t) + w**2 * (0.5 - r * w * t))
+
+    motion = reference.simulate(on_table(CoulombFriction(mu)), rtol=1e-13, method=method)
+    change = motion.transitions[0]
+    assert change.time == pytest.approx(brentq(margin, 1.0, 2.0, xtol=1e-15), abs=EXACT)
+    assert (change.before, change.after) == (Mode.ROLL, Mode.SLIP_FORWARD)
+    at = motion(1.0)
+    assert (at.x, at.y) == pytest.approx(in_fixed_frame(0.5 - r * w, -w), abs=EXACT)
+    assert at.friction_force == pytest.approx(-(w**2) * (0.5 - r * w) - G * sin(w), abs=EXACT)
+    assert np.abs(motion.omega).max() < EXACT and reference.check(on_table(CoulombFriction(mu)), motion) == ()
+
+
+@IN_POSES
+def test_a_disc_that_does_not_turn_slides_down_a_smooth_tilting_table(method):
+    """s̈ = w² s + g sin(w t) from s = 0.5 m, where the contact of no slip begins with −r w: s is a hyperbola's arc and
+    −g sin(w t)/(2 w²)."""
+    w, r, t = TILT, 0.1, 2.0
+    s = 0.5 * np.cosh(w * t) + (G / (2 * w) - r * w) / w * np.sinh(w * t) - G * sin(w * t) / (2 * w**2)
+    motion = reference.simulate(on_table(), rtol=1e-13, method=method)
+    assert motion.status == "completed"
+    assert (motion.x[-1], motion.y[-1]) == pytest.approx(in_fixed_frame(s, -w * t), abs=EXACT)
+
+
+@IN_POSES
+def test_a_box_that_does_not_turn_falls_on_a_table_that_tilts_away(method):
+    """Its left corner, at 0.2 m, falls from rest to the table: 0.2 tan(w t) = g t²/2, and rests on that corner."""
+    box = replace(Plate.rectangle(0.2, 0.1, 1.0), inertia=inf)
+    case = on_table(PerfectlyRough(), plate=box, start=StartPose(0.3, 0.05), duration=1.0)
+    motion = reference.simulate(case, rtol=1e-13, method=method)
+    lands = brentq(lambda t: 0.2 * np.tan(TILT * t) - 0.5 * G * t**2, 1e-3, 0.1, xtol=1e-16)
+    assert [change.time for change in motion.transitions] == pytest.approx([lands], abs=EXACT)
+    assert motion.status == "completed" and reference.check(case, motion) == ()
+    corner = motion.x[-1] - 0.1, motion.y[-1] - 0.05
+    away = 0.2 / cos(TILT * lands)  # the corner's distance from the pivot when it touches
+    assert corner == pytest.approx((away * cos(TILT), -away * sin(TILT)), abs=EXACT)
+
+
+def test_rolling_without_turning_on_a_table_that_swings_has_no_second_formulation():
+    case = on_table(CoulombFriction(0.3), angle="0.1*sin(5*t)", duration=0.5)
+    assert reference.check(case, reference.simulate(case)) == ()
+    certificate = reference.certify(case)
+    assert any("a plate of infinite inertia is on a track that turns" in text for text in certificate.missing)
+    with pytest.raises(NotSupported, match="one contact"):
+        reference.simulate(case, method="augmented")

@@ -1,10 +1,13 @@
 """Impacts of several bodies at once: exact ones, and the complementarity problem of random ones."""
 
 from math import sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from cases import Impact
+from reference.laws_check.impact_check import _impulses_at_once
 from reference.solver.impact import Inertia, NoImpact, impact_of_all
 from reference.witness import complementarity
 from tests.scenes.piles import ContactSystem, Pile, random_pile
@@ -102,3 +105,19 @@ def test_impacts_of_two_bodies_with_friction_solve_the_complementarity_problem()
 def test_many_impacts_of_two_bodies_with_friction_solve_the_complementarity_problem():
     counts = _compare_impacts(range(5000))
     assert min(counts["one"], counts["sticks"]) > 2500 and counts["opens"] > 1, counts
+
+
+def test_the_check_has_poisson_s_law_for_whole_impulses_as_the_solver():
+    """At one contact of two free plates, of random arms, coefficients and velocities: by enumeration in each."""
+    numbers = np.random.default_rng(5)
+    for _ in range(300):
+        rows = np.array([[1.0, 0.0, numbers.uniform(-1, 1)], [0.0, 1.0, numbers.uniform(-1, 1)]])
+        inverse, before = np.array([1.0, 1.0, numbers.uniform(0.2, 8.0)]), numbers.uniform(-1.0, 1.0, 3)
+        before[1] -= 3.0  # it approaches
+        mu, e = numbers.uniform(0.0, 1.5), numbers.uniform(0.0, 1.0)
+        at = SimpleNamespace(sides=(0,), turning_row=np.eye(3)[2], lift_row=rows[1], slip_row=rows[0], restitution=e)
+        inertia = Inertia(inverse, np.ones(3))
+        after = impact_of_all("poisson", inertia, before, [at], [mu], 5.0).velocity
+        impulses = _impulses_at_once(rows * inverse @ rows.T, rows @ before, mu, mu, Impact(e, "poisson"))
+        off = [float(np.abs(after - before - inverse * (rows.T @ one)).max()) for one in impulses]
+        assert min(off) < 1e-12
