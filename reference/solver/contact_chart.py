@@ -7,7 +7,7 @@ on a curve with corners opens or reaches an inner corner or a flat side, the mot
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -44,7 +44,7 @@ from ..minimal.modes import (
     state_in,
 )
 from ..scales import EPS, IDLE, LOCATION_ERROR, ROUGH
-from .meet import Meetings
+from .meet import Meetings, until_meeting
 from .places import start_of
 from .plate_numbers import load_scale
 from .segment_view import SegmentView
@@ -179,7 +179,8 @@ class ContactChart:
                 continue  # at the end of an element the contact meets the next one
             for earlier in step.segments[:i]:
                 self.segments.add(earlier)
-            cut = segment.cut(meeting.time, None)
+            again = partial(self.integrate, segment.phase)
+            cut = until_meeting(segment, meeting, again, self.rtol, lambda last: self._body_at(last)[0])
             self.segments.add(cut)
             xi1 = meeting.pair.to_whole(meeting.xi1, meeting.xi2)[0]
             return self._departure(cut, meeting, False, second_place(meeting.time, xi1))
@@ -200,10 +201,14 @@ class ContactChart:
 
     def _departure(self, last: Segment, meeting: ElementMeeting | None, opens: bool, ending: Ending) -> Departure:
         """The departure at the end of the last segment."""
-        case, now, t = self.case, last.phase, last.event.time
-        y = full_state(case, now, t, last.event.state)
-        body = in_flight(case, t, y, *slip_and_spin(case, t, y), 0.0)
-        return Departure(t, body, now.regime.mode, self.pair, (y[0], y[1]), opens, meeting, ending)
+        body, y = self._body_at(last)
+        return Departure(last.event.time, body, last.phase.regime.mode, self.pair, (y[0], y[1]), opens, meeting, ending)
+
+    def _body_at(self, last: Segment) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The plate's pose and velocities at the end of a segment of contact, and its full state."""
+        case, t = self.case, last.event.time
+        y = full_state(case, last.phase, t, last.event.state)
+        return in_flight(case, t, y, *slip_and_spin(case, t, y), 0.0), y
 
 
 def pair_in_couple(whole: Case, here: Case) -> PieceCase:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from math import inf
+from math import inf, sqrt
 
 import numpy as np
 
@@ -20,8 +20,9 @@ from cases.scene.piece_case import PieceCase, neighbour
 
 from ..minimal.boxes import Cores
 from ..minimal.element_meetings import ElementMeeting, ElementSearch, fine
+from ..minimal.integrators.segment import Segment
 from ..scales import EPS
-from .places import couple_of, in_round
+from .places import couple_of, in_round, place
 from .plate_numbers import bodies
 from .regimes import AT_END
 from .segment_view import SegmentView, remember
@@ -49,6 +50,12 @@ LATER = 0.0, 1e-9, 1e-6, 1e-3
 SOON = 2.0 * LATER[-1]
 # The interval around a meeting in which a zero of the gap is searched is widened by four, at most this many times.
 MOST_WIDENINGS = 20
+# A contact has a gap of at most this part of the plate's reach, by roundings; places farther apart than MOST_WIDE of it
+# are two.
+DRIFT, MOST_WIDE = 1e-11, 1e-4
+# The times of meetings inside steps are corrected so often, by less than this part of the segment: by the error of its
+# dense output; and no more where it is rounding, in parts of the time.
+CORRECTIONS, NEWTON, FINEST = 3, 1e-3, 4 * EPS
 
 
 class Meetings:
@@ -94,6 +101,27 @@ class Meetings:
             return False
 
         return is_past
+
+
+def until_meeting(
+    segment: Segment, meeting: ElementMeeting, integrate: Callable[..., Segment], rtol: float,
+    state_of: Callable[[Segment], Sequence[float]],
+) -> Segment:  # fmt: skip
+    """A segment until elements meet. Where their gap at the end of a step is another one than inside it, the time is
+    corrected by Newton's method. `integrate` (t, y, end, rtol); `state_of`: the plates' state at a segment's end."""
+    result, time = segment.cut(meeting.time, None), meeting.time
+    for _ in range(CORRECTIONS if segment.ends_in_steps() else 0):
+        stepped = segment.stepped_to(time, lambda t, y, end: integrate(t, y, end, rtol))
+        if stepped is None:
+            break
+        result, state = stepped, state_of(stepped)
+        at = place(meeting.pair, state, (meeting.xi1, meeting.xi2))
+        closing = float(at.lift_row @ np.array(state[len(state) // 2 :]))
+        change = -at.gap / closing if closing < 0.0 else 0.0
+        if not FINEST * abs(time) < abs(change) < NEWTON * (time - segment.start):
+            break
+        time += change
+    return result
 
 
 class CoupleSearch:
@@ -169,12 +197,23 @@ class CoupleSearch:
         return earliest
 
     def _is_in_view(self, meeting: ElementMeeting, pairs: Sequence[PieceCase], points: Sequence[np.ndarray]) -> bool:
-        """Whether a meeting is at the place of a contact that is watched, in a neighbour of its pair or across the
-        joints of both elements: it passes there. `points`: the contacts' parameters, (2,) each, at that time."""
+        """Whether a meeting is at the place of a contact that is watched, in its pair, a neighbour or across the
+        joints of both elements: it passes there. As near as roundings of a gap that curvatures open, places are one.
+        `points`: the contacts' parameters, (2,) each, at that time."""
         place, reach, other = meeting.pair.pieces[0].point(meeting.xi1), self.couple.plate.reach, meeting.pair
+
+        def within(one: PieceCase, at: np.ndarray) -> float:
+            bend = clearance(*one.pieces, *at)
+            wide = sqrt(2.0 * DRIFT / (bend * reach)) if bend * reach > DRIFT else 0.0
+            return reach * max(SAME_PLACE, min(wide, MOST_WIDE))
+
         return any(
-            np.hypot(*(one.pieces[0].point(at[0]) - place)) <= SAME_PLACE * reach
-            and (_are_neighbours(one, other) or in_round(other) in _across_joints(one, at))
+            np.hypot(*(one.pieces[0].point(at[0]) - place)) <= within(one, at)
+            and (
+                in_round(one) == in_round(other)
+                or _are_neighbours(one, other)
+                or in_round(other) in _across_joints(one, at)
+            )
             for one, at in zip(pairs, points, strict=True)
         )
 
@@ -274,11 +313,13 @@ def _is_far(couple: Couple, poses: Poses, edges: np.ndarray) -> bool:
 
 def _exclusions(in_view: Sequence[PieceCase]) -> set[tuple[int, int]]:
     """The numbers, within one round, of pairs in which no other contact than the watched one is possible: the pair
-    itself, if its nearest points are unique, and those with a neighbour to which the contact passes smoothly."""
+    itself, if its nearest points are unique, and then those with a neighbour to which the contact passes smoothly."""
     result = set[tuple[int, int]]()
     for pair in in_view:
         if is_unique(pair) or shapes(pair) is not None:
             result.add(in_round(pair))
+        elif not fits_everywhere(pair):
+            continue  # a second contact may be at the other end
         for of_track in (True, False):
             for step in (-1, 1):
                 other = neighbour(pair, of_track, step)
@@ -319,13 +360,19 @@ def is_unique(pair: PieceCase) -> bool:
     return bend_bounds(outline)[0] >= 0.0 and bend_bounds(track)[1] <= 0.0
 
 
+def fits_everywhere(pair: PieceCase) -> bool:
+    """Whether the element of the plate bends more than that of the track, wherever they touch."""
+    track, outline = pair.pieces
+    return bend_bounds(outline)[0] > bend_bounds(track)[1]
+
+
 def _passes(pair: PieceCase, other: PieceCase, of_track: bool) -> bool:
     """Whether a contact passes to a neighbour without another one before: at a corner that points to the other curve,
     if that does not bend towards it, or where the curves fit each other."""
     track, outline = other.pieces
     piece = track if of_track else outline
     if not isinstance(piece, Corner):
-        return bend_bounds(outline)[0] > bend_bounds(track)[1]
+        return fits_everywhere(other)
     if of_track:
         return piece.sign < 0 and bend_bounds(outline)[0] >= 0.0
     return piece.sign > 0 and bend_bounds(track)[1] <= 0.0

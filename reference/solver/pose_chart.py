@@ -32,7 +32,7 @@ from ..scales import IDLE, LOCATION_ERROR, ROUGH, TOUCHES, error_range, frequenc
 from . import forces
 from .accelerations import balance_of, first_loss, first_loss_in, is_steady, looks_at_load, rest_margin
 from .contact_chart import Departure, pair_in_couple
-from .meet import Meetings
+from .meet import Meetings, until_meeting
 from .mode_changes import ModeChanges
 from .places import couple_of, groups, place, plates_in, sides_of, start_of
 from .plate_numbers import rigid_pairs, size, speed
@@ -129,7 +129,13 @@ class PoseChart(ModeChanges):
         self.partings = [one for one in self.partings if one[0] == segment.start]
         meeting = self.meetings.first(view_of(segment, tuple(pair for _, pair in self.partings)))
         if meeting is not None and meeting.time <= segment.event.time:
-            segment = segment.cut(meeting.time, None)
+            segment = until_meeting(
+                segment,
+                meeting,
+                partial(self.integrate, phase),
+                self.rtol,
+                lambda last: split(self.case, last.event.state)[0],
+            )
         else:
             meeting = None
         self._advance(segment)

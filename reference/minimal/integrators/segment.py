@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -101,6 +101,24 @@ class Segment:
         times = np.append(self.times[self.times < time], time)
         event = Event(guard, time, tuple(self.states(np.array([time]))[:, 0].tolist()))
         return Segment.of(self.phase, times, self.states, event, self.evaluations)
+
+    def ends_in_steps(self) -> bool:
+        """Whether a step's end is more accurate than its inside: not where steps are Taylor polynomials."""
+        return hasattr(self.states, "pieces")
+
+    def stepped_to(self, time: float, integrate: Callable[[float, Sequence[float], float], Segment]) -> Segment | None:
+        """The same motion until a time (s), which is the end of a step: the last one is made again by `integrate`
+        (t, y, end). None if that does not reach the time."""
+        times, states = self.times[self.times < time], cast(Any, self.states)
+        if not len(times):
+            return None
+        start = float(times[-1])
+        rest = integrate(start, states(times[-1:])[:, 0].tolist(), time)
+        if rest.event.guard is not None or rest.event.time != time or not rest.ends_in_steps():
+            return None
+        output = type(states).of(times.tolist(), states.pieces[: len(times) - 1], rest.states)
+        record = np.append(times, rest.times[1:])
+        return Segment.of(self.phase, record, output, rest.event, self.evaluations + rest.evaluations)
 
     def ended_by(self, guard: str) -> Segment:
         """The same motion, with another reason for its end."""
