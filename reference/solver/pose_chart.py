@@ -320,8 +320,8 @@ class PoseChart(ModeChanges):
             self._settle(stuck, closing={other.name})
             return None
         self.causes[watch.name] = CAUSES["piece"]
-        # It met that corner, and stays, unless a belt carries it on.
-        if corner_on_corner(following) and watch.mode in STICKING and not belt_speed(watch.pair, self.t):
+        runs = watch.pair.effect(Belt) is not None  # a contact that sticks moves with its belt
+        if corner_on_corner(following) and watch.mode in STICKING and not runs:  # it met that corner, and stays
             watch.at_joint = True
             self._settle(stuck)
             return None

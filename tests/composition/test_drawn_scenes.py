@@ -38,7 +38,8 @@ def test_the_first_three_thousand_seeds_have_every_pair_of_kinds():
 # corners that met and stuck parted and met again in no time; a side that rolled onto its corner met it before; a corner
 # that left an edge met the face behind it; a side sank into one on which it lay flat; plates on two belts sank; the
 # only contact lost its modes; plates of infinite inertia on tracks that turn were rejected; an
-# arc at the other end of an edge sank into a wave; a corner was met next to the contact that comes to it.
+# arc at the other end of an edge sank into a wave; a corner was met next to the contact that comes to it; a box
+# that a belt carries came to a corner and stayed.
 FOUND = [
     7011,
     300017,
