@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Belt, Case, CoulombFriction, Gravity, Load, PerfectlyRough, RollingResistance
+from cases import Belt, Case, CoulombFriction, Gravity, PerfectlyRough, RollingResistance
 from cases.contact import Contact, find
 from cases.own_effects import own_effects
 from cases.scene.contact_pairs import PairCase
@@ -19,7 +19,6 @@ from cases.scene.piece_case import PieceCase
 from cases.scene.plate import is_convex
 from cases.scene.supports import is_straight
 
-from .drive import DriveLoad
 from .loads import load_scales
 from .steps import StepFailure
 
@@ -266,19 +265,17 @@ def frictions(contacts: Sequence[PairState]) -> tuple[np.ndarray, np.ndarray]:
 class PlateDynamics:
     """Masses of all plates of a case, and the forces applied to them."""
 
-    def __init__(self, case: Case, of_drive: Sequence[DriveLoad] = ()):
+    def __init__(self, case: Case):
         self.case, plates = case, plates_of(case)
         self.inverse = 1.0 / np.array([part for one in plates for part in (one.mass, one.mass, one.inertia)])
         self.units = np.array([part for one in plates for part in (1.0, 1.0, one.gyration)])
-        gravity = None if of_drive else case.effect(Gravity)
+        gravity = case.effect(Gravity)
         pull = np.array(gravity.vector if gravity is not None else (0.0, 0.0))
         self.weight = np.concatenate([[*(one.mass * pull), 0.0] for one in plates])
-        self.loads = of_drive or loads_of(case)
-        some = [one.features for one in self.loads if one is not None]
+        self.loads = loads_of(case)
         # Features that a step could pass over, in time.
-        self.features = [part for one in some for part in (one if isinstance(one, list) else [one]) if part]
-        self.scales = [(i, load_scales(one) if isinstance(one, Load) else one.scales if one else None)
-                       for i, one in enumerate(self.loads)]  # fmt: skip
+        self.features = [one.features for one in self.loads if one is not None and one.features]
+        self.scales = [(3 * i, scales) for i, one in enumerate(self.loads) if (scales := load_scales(one)) is not None]
 
     @property
     def moves(self) -> np.ndarray:
@@ -296,9 +293,10 @@ class PlateDynamics:
 
     def load_allows(self, times: np.ndarray, states: np.ndarray) -> bool:
         """Whether the loads allow a step through these states, shape (variables, n)."""
-        half, some = len(states) // 2, [(3 * i, scales) for i, scales in self.scales if scales is not None]
-        rows = [np.r_[i : i + 3, half + i : half + i + 3] for i, _ in some]
-        return all(scales.allows(times, *states[which]) for which, (_, scales) in zip(rows, some, strict=True))
+        half = len(states) // 2
+        return all(
+            scales.allows(times, *states[i : i + 3], *states[half + i : half + i + 3]) for i, scales in self.scales
+        )
 
     def own_forces(self, t: float, pairs: Sequence[PairState]) -> np.ndarray:
         """What effects of packages apply to all plates at closed contacts (N, N, N m)."""

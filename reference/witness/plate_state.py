@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 
-from cases import Belt, Case, Drive, Mode
+from cases import Belt, Case, Mode
 from cases.contact import clearance
 from cases.scene.contact_names import FIRST, contact_name
 from cases.scene.contact_pairs import PairCase, WatchedPair, facing_pairs, pairs
@@ -16,7 +16,6 @@ from cases.scene.piece_case import PieceCase, corner_on_corner, is_concave
 from cases.scene.supports import TRACK
 
 from .contacts import AnyPair, PairState, PlateDynamics, Sides, is_of_couple, pair_at
-from .drive import case_at_rest, in_track_frame, loads_of_drive
 from .phase import WatchedContact
 from .watched_pairs import next_elements, piece_end
 
@@ -32,15 +31,10 @@ class SimulationEnd(Exception):
 
 
 class PlateState:
-    """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip.
-
-    On a driven track all are seen from it, but the `body` of one plate that it is made of is in the fixed frame."""
+    """The plate (x, y, θ, vx, vy, ω) at time t (s), its watched contacts, and which of them touch or do not slip."""
 
     def __init__(self, case: Case, t: float, body: Sequence[float] | np.ndarray):
-        self.drive, self.dynamics = case.effect(Drive), PlateDynamics(case, loads_of_drive(case))
-        if self.drive and not case.others:
-            case, body = case_at_rest(case, self.drive), in_track_frame(self.drive.at(t), body)
-        self.case = case
+        self.case, self.dynamics = case, PlateDynamics(case)
         self.t, self.body = t, np.array(body, dtype=float)
         self.half = len(self.body) // 2  # velocities follow the positions
         self.contacts: list[WatchedContact] = []

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Mode, NotSupported, Transition
+from cases import Case, Drive, Mode, NotSupported, Transition
 from cases.contact import start_motion
 from cases.motion.trajectory import CONTACT
+from cases.moving_frame import relative_case
 from cases.scene.contact_limits import has_features, touches_by_features
 from cases.scene.contact_names import contact_name
 from cases.scene.contact_pairs import WatchedPair, pairs, pairs_in_pose
@@ -18,7 +19,6 @@ from cases.scene.limits import has_turned_plate, without_certificate
 from cases.scene.piece_case import PieceCase, has_pieces, pieces_at
 
 from .contacts import is_watched_always, on_whole_curves, pair_at
-from .drive import in_fixed_frame
 from .motion import Simulation
 from .pairs import in_round
 from .phase import STICKS, WatchedContact
@@ -45,8 +45,9 @@ def predict(case: Case, rtol: float = 1e-13) -> Prediction:
     FloatingPointError if it starts and cannot continue."""
     if (case.others or has_turned_plate(case)) and (reason := without_certificate(case)):
         raise NotSupported(reason)
+    drive, case = case.effect(Drive), relative_case(case)
     begin = start_motion(case)
-    motion = Simulation(case, 0.0, start_of_plates(case) if case.others else begin[:6], rtol)
+    motion = Simulation(case, 0.0, start_of_plates(case), rtol)
     if case.others:
         _watch_plates(motion)
     elif is_by_pieces(case):
@@ -62,10 +63,10 @@ def predict(case: Case, rtol: float = 1e-13) -> Prediction:
     if not (case.others or motion.is_several or touches_by_features(case) or (has_pieces(case) and case.start.gap > 0)):
         transitions = tuple(replace(event, contact="") for event in transitions)
     each = motion.body.reshape(2, -1, 3)
-    if motion.drive:
-        place = motion.drive.at(motion.t)
-        fixed = [in_fixed_frame(place, np.ravel(each[:, i])) for i in range(each.shape[1])]
-        each = np.reshape(fixed, (-1, 2, 3)).swapaxes(0, 1)
+    if drive:
+        place, ((x, y, theta), (vx, vy, omega)) = drive.at(motion.t), each.swapaxes(1, 2)
+        x, y, vx, vy, omega = place.seen_from_outside(x, y, vx, vy, omega)
+        each = np.array([[x, y, theta + place.angle], [vx, vy, omega]]).swapaxes(1, 2)
     now = zip(motion.contacts, motion.pairs(), strict=True)
     left = motion.touching if status == "lift_off" else set()
     points = list[tuple[float, float, float]]()

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cases import Case, Chain, Drive
+from cases import Case, Chain
 from cases.contact import start_motion
 from cases.contact.nearest import nearest_pair
 from cases.curves.corner import Corner
@@ -18,15 +18,12 @@ from cases.scene.limits import Scope, limit
 from cases.scene.piece_case import PieceCase, has_pieces, neighbour, piece_case_of
 
 from .contacts import AnyPair, plates_at
-from .drive import in_track_frame
 
 
 def start_of_plates(case: Case) -> np.ndarray:
-    """(x, y, θ) of all plates where a motion begins, then their (vx, vy, ω), as the track sees them."""
-    poses, drive = start_poses(case), case.effect(Drive)
+    """(x, y, θ) of all plates where a motion begins, then their (vx, vy, ω)."""
+    poses = start_poses(case)
     poses[0] = start_motion(case)[:6]  # on a belt
-    if drive is not None:
-        poses[0] = in_track_frame(drive.at(0.0), poses[0])
     return np.concatenate([poses[:, :3].ravel(), poses[:, 3:].ravel()])
 
 
